@@ -1,0 +1,45 @@
+"""The one error that this package raises for a wrong input."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+
+class IntervalError(ValueError):
+    """A wrong input, told with its key, its value and what is allowed.
+
+    Parameters
+    ----------
+    key
+        Name of the input, as the user wrote it (``"order"``, ``"interval a"``).
+    value
+        What was found.
+    allowed
+        What would have been accepted, as a short phrase.
+    """
+
+    def __init__(self, key: str, value: Any, allowed: str) -> None:
+        self.key = key
+        self.value = value
+        self.allowed = allowed
+        super().__init__(f"{key}: found {value!r}, allowed is {allowed}")
+
+    def __reduce__(self):  # exceptions with several arguments need it to cross process borders
+        return (type(self), (self.key, self.value, self.allowed))
+
+
+def check_choice(key: str, value: Any, choices: Iterable[str]) -> Any:
+    """Return `value` if it is among `choices`, else raise IntervalError."""
+    names = tuple(choices)
+    if value not in names:
+        raise IntervalError(key, value, "one of " + ", ".join(names))
+    return value
+
+
+def check_integer(key: str, value: Any, low: int, high: int) -> int:
+    """Return `value` as int if it is a whole number in [low, high], else raise IntervalError."""
+    whole = isinstance(value, (int,)) or (hasattr(value, "__index__"))
+    if isinstance(value, bool) or not whole or not low <= int(value) <= high:
+        raise IntervalError(key, value, f"a whole number from {low} to {high}")
+    return int(value)

@@ -1,0 +1,21 @@
+# Bounds of a deployable structure's responses over interval parameters.
+#
+#     snakemake -c2                                     the paper's campaign
+#     snakemake -c2 --configfile config/three.yaml      another campaign
+
+from snakemake.utils import min_version
+
+min_version("8.11")
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/runs.smk"
+include: "workflow/rules/bounds.smk"
+include: "workflow/rules/report.smk"
+include: "workflow/rules/studies.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        campaign_results(),

@@ -1,0 +1,178 @@
+"""Simulate one batch of a plan's runs, skipping those that are there already.
+
+A batch is one process. It takes its runs in groups of `lanes`, integrates a group side by side,
+writes it and goes on, so that memory stays bounded and a killed job loses one group at most. A run
+that fails does not harm the others: they are written, and the failures are listed at the end.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from campaign.errors import CampaignError
+from campaign.files import write_text
+from campaign.nodes import share, unique_runs
+from campaign.parameters import scene_values
+from campaign.store import open_store
+
+
+def groups_of(plan: Mapping, batches: int, lanes: int) -> list[list[list[dict]]]:
+    """The plan's runs by batch, then by group of at most `lanes`, evenly split."""
+    runs = unique_runs(plan)
+    by_batch = [share(runs, batch, batches) for batch in range(batches)]
+    return [
+        [share(mine, part, parts) for part in range(parts)]
+        for mine in by_batch
+        for parts in [-(-len(mine) // lanes)]
+    ]
+
+
+def run_batch(
+    plan: Mapping,
+    batch: int,
+    batches: int,
+    jobs: Mapping,
+    folder: str | Path,
+    manifest: str | Path,
+    tell: Any = lambda text: print(text, file=sys.stderr, flush=True),
+) -> None:
+    """Simulate batch `batch` of `batches` into the store in `folder`, then write the manifest.
+
+    `jobs` is the config's section (`lanes`, `keep`). Raises `CampaignError` that lists the runs
+    that failed, after all others were written; then there is no manifest.
+    """
+    started = time.perf_counter()
+    store = open_store(jobs["keep"], folder)
+    all_groups = groups_of(plan, batches, jobs["lanes"])
+    mine = all_groups[batch]
+    flat = [group for groups in all_groups for group in groups]
+    work = [(group, missing) for group in mine if (missing := store.missing(group))]
+
+    failures: list[tuple[dict, str]] = []
+    simulated = 0
+    if work:
+        warm_up(tell)
+        progress = Progress(plan["campaign"], sum(map(len, flat)), lambda: store.count(flat), tell)
+        for group, missing in work:
+            datasets, failed = simulate(plan, missing)
+            store.write(group, datasets)
+            failures += failed
+            simulated += len(datasets)
+            progress.report()
+    if failures:
+        raise CampaignError(_failure_text(plan, failures))
+    ids = [run["id"] for group in mine for run in group]
+    seconds = time.perf_counter() - started
+    facts = {"batch": batch, "runs": ids, "simulated": simulated, "seconds": round(seconds, 3)}
+    write_text(manifest, json.dumps(facts, indent=1) + "\n")
+
+
+def simulate(plan: Mapping, runs: list[dict]) -> tuple[dict[str, Any], list[tuple[dict, str]]]:
+    """Simulate runs side by side: datasets by run id, and the runs that failed with the reason."""
+    import fpm
+
+    config = plan["config"]
+    scene_type = fpm.scenes.get(config["scene"]["name"])
+    responses = [
+        fpm.responses.parse(name, definition, scene_type)
+        for name, definition in config["responses"].items()
+    ]
+    scenes = [
+        scene_type.build(
+            **scene_values(config, dict(zip(plan["names"], run["values"], strict=True)))
+        )
+        for run in runs
+    ]
+    solver = config["solver"]
+    outcomes = fpm.simulate(
+        scenes,
+        duration=solver["duration"],
+        instants=solver["instants"],
+        step=plan["step"],
+        energy_tolerance=solver["energy_tolerance"],
+    )
+    datasets, failed = {}, []
+    for run, outcome in zip(runs, outcomes, strict=True):
+        if outcome.failure is not None:
+            failed.append((run, str(outcome.failure)))
+            continue
+        attributes = {
+            "run_id": run["id"],
+            "campaign": plan["campaign"],
+            "config_hash": plan["config_hash"],
+        }
+        datasets[run["id"]] = outcome.dataset(responses, attributes)
+    return datasets, failed
+
+
+def _failure_text(plan: Mapping, failures: list[tuple[dict, str]]) -> str:
+    lines = [f"{len(failures)} of the runs failed; all others were written:"]
+    for run, reason in failures:
+        values = ", ".join(
+            f"{n} = {v:.9g}" for n, v in zip(plan["names"], run["values"], strict=True)
+        )
+        lines.append(f"  run {run['id']} ({values}): {reason}")
+    return "\n".join(lines)
+
+
+class Progress:
+    """Tells how many runs of the campaign are done and how long the rest will take.
+
+    Counts what all jobs together have written, so that the rate is that of the whole campaign.
+    """
+
+    def __init__(self, campaign: str, total: int, count: Any, tell: Any):
+        self.campaign, self.total, self.count, self.tell = campaign, total, count, tell
+        self.start_time, self.start_count = time.monotonic(), count()
+
+    def report(self) -> None:
+        done = self.count()
+        gained = done - self.start_count
+        text = f"{self.campaign}: {done} of {self.total} runs done"
+        if done < self.total and gained > 0:
+            left = (time.monotonic() - self.start_time) / gained * (self.total - done)
+            text += f", about {duration_text(left)} left"
+        self.tell(text)
+
+
+def duration_text(seconds: float) -> str:
+    """`95` s as `1 min 35 s`."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes} min"
+    return f"{minutes} min {rest} s" if minutes else f"{rest} s"
+
+
+def warm_up(tell: Any) -> None:
+    """Compile the kernels, or load them, one process at a time.
+
+    numba's cache on disk can break when several processes write it at once, so the first job that
+    arrives compiles and the others wait for its lock.
+    """
+    import fpm
+
+    with _one_at_a_time(Path(tempfile.gettempdir()) / f"deployable-intervals-{os.getuid()}.lock"):
+        start = time.perf_counter()
+        fpm.warm_up()
+        seconds = time.perf_counter() - start
+    if seconds > 5:
+        tell(f"compiled the kernels in {duration_text(seconds)}; from now on they are cached")
+
+
+@contextmanager
+def _one_at_a_time(path: Path) -> Iterator[None]:
+    """Hold an exclusive lock on the file at `path`."""
+    import fcntl
+
+    with open(path, "a") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield

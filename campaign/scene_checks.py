@@ -1,0 +1,99 @@
+"""The checks of a config that need the scene: names, ranges, consistency, responses, solver."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from campaign.config import did_you_mean, show
+from campaign.parameters import Interval, intervals_of, parameter_problems, scene_values
+
+
+def scene_problems(config: Mapping) -> list[str]:
+    """What is wrong with a config that follows the schema, one sentence each."""
+    import fpm
+
+    try:
+        scene_type = fpm.scenes.get(config["scene"]["name"])
+    except fpm.SceneError as error:
+        return [f"scene.name: {error}"]
+    problems = parameter_problems(config, scene_type)
+    intervals, trouble = intervals_of(config, scene_type)
+    problems += trouble
+    if not problems:
+        problems += _build_problems(config, scene_type, intervals)
+    problems += _response_problems(config, scene_type)
+    if intervals.keys() == config["intervals"].keys():
+        problems += _design_problems(config, intervals)
+    return problems
+
+
+def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[str, float]]:
+    """The nominal values, then corners of the box; beyond `most` only both ends of each axis."""
+    nominal = {name: interval.nominal for name, interval in intervals.items()}
+    yield nominal
+    if 2 ** len(intervals) <= most:
+        ends = [dict.fromkeys((i.lower, i.upper)) for i in intervals.values()]
+        for values in itertools.product(*ends):
+            yield dict(zip(intervals, values, strict=True))
+    else:
+        for name, interval in intervals.items():
+            yield {**nominal, name: interval.lower}
+            yield {**nominal, name: interval.upper}
+
+
+def _build_problems(config: Mapping, scene_type: Any, intervals: Mapping) -> list[str]:
+    """What the scene finds inconsistent, at the nominal values or at the first bad corner."""
+    import fpm
+
+    for place, values in zip(
+        itertools.chain(["nominal values"], itertools.repeat("a corner of the intervals")),
+        corners(intervals),
+        strict=False,
+    ):
+        try:
+            scene_type.build(**scene_values(config, values))
+        except fpm.SceneError as error:
+            at = ", ".join(f"{name} = {value:.9g}" for name, value in values.items())
+            return [f"scene: at the {place} ({at}): {error}".replace("the a corner", "a corner")]
+    return []
+
+
+def _response_problems(config: Mapping, scene_type: Any) -> list[str]:
+    import fpm
+
+    problems = []
+    for name, definition in config["responses"].items():
+        try:
+            fpm.responses.parse(name, definition, scene_type)
+        except fpm.SceneError as error:
+            problems.append(f"responses.{name}: {error}")
+    known = list(config["responses"])
+    for name in config["published"]:
+        if name not in known:
+            problems.append(
+                f"published.{name}: there is no such response{did_you_mean(name, known)}; "
+                f"allowed: {', '.join(known)}"
+            )
+    return problems
+
+
+def _design_problems(config: Mapping, intervals: Mapping) -> list[str]:
+    from campaign.nodes import make_design
+    from intervals import IntervalError
+
+    problems = []
+    try:
+        make_design(config, intervals)
+    except IntervalError as error:
+        problems.append(
+            f"design.{error.key}: {show(error.value)} is not allowed; allowed: {error.allowed}"
+        )
+    solver = config["solver"]
+    if solver["step"] != "auto" and solver["step"] > solver["duration"]:
+        problems.append(
+            f"solver.step: {solver['step']:.6g} s is longer than the duration; "
+            f"allowed: auto, or at most {solver['duration']:.6g}"
+        )
+    return problems

@@ -1,0 +1,65 @@
+"""What the Snakefile asks of a campaign: its files, its batches, its sections of the config."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+
+from campaign.config import RUN_SECTIONS, canonical_json, load_config
+
+
+class Campaign:
+    """A checked config with the names of its files.
+
+    Importing and making one is cheap, since every call of Snakemake does it.
+    """
+
+    RUN_SECTIONS = RUN_SECTIONS
+
+    def __init__(self, config: Mapping):
+        self.config = config
+        self.name = config["campaign"]
+
+    @classmethod
+    def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Campaign:
+        """The campaign of YAML files, later ones and `overrides` winning; raises `ConfigError`."""
+        return cls(load_config([_relative(path) for path in paths], overrides))
+
+    @property
+    def data_version(self) -> str:
+        """Version of the mechanics; another one makes other runs."""
+        import fpm
+
+        return str(fpm.DATA_VERSION)
+
+    def sections_json(self, *names: str) -> str:
+        """Some sections of the config as one JSON text."""
+        return canonical_json({name: self.config[name] for name in names})
+
+    @cache  # noqa: B019 - there is one campaign in a process
+    def batch_count(self) -> int:
+        """Number of jobs that the runs are shared among."""
+        from campaign.nodes import count_runs
+
+        return -(-count_runs(self.config) // self.config["jobs"]["nodes_per_job"])
+
+    def store_folder(self) -> str:
+        """Where runs are kept; all designs of a campaign share it."""
+        return f"results/{self.name}/{self.config['jobs']['keep']}"
+
+    def figure_files(self, stage: str) -> list[str]:
+        """The figures, by name."""
+        names = [*self.config["responses"], "sensitivities"]
+        return [f"{stage}/figures/{name}.{kind}" for name in names for kind in ("png", "pdf")]
+
+    def results(self) -> list[str]:
+        """The files that a campaign leaves for its reader."""
+        stage = f"results/{self.name}"
+        return [*self.figure_files(stage), f"{stage}/summary.json", f"{stage}/summary.md"]
+
+
+def _relative(path: str | Path) -> Path:
+    """The path as the user would write it, for messages."""
+    path = Path(path)
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path

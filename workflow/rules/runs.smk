@@ -1,0 +1,61 @@
+# Which runs there are, and the runs themselves.
+
+
+rule nodes:
+    output:
+        "{stage}/nodes.json",
+    log:
+        "{stage}/logs/nodes.log",
+    conda:
+        "../envs/campaign.yaml"
+    params:
+        config=sections(*CAMPAIGN.RUN_SECTIONS),
+        data_version=CAMPAIGN.data_version,
+    message:
+        "Choosing the runs and the time step"
+    shell:
+        "python workflow/scripts/nodes.py --config {params.config:q} --output {output} --log {log}"
+
+
+# Trajectories are not listed as outputs: they are named by their content, so that any later design
+# and a campaign that was killed find them again.
+rule simulate:
+    input:
+        nodes="{stage}/nodes.json",
+    output:
+        "{stage}/batches/{batch}.json",
+    log:
+        "{stage}/logs/batch-{batch}.log",
+    conda:
+        "../envs/campaign.yaml"
+    params:
+        jobs=sections("jobs"),
+        count=CAMPAIGN.batch_count(),
+        folder=CAMPAIGN.store_folder(),
+    message:
+        "Simulating batch {wildcards.batch}"
+    shell:
+        "python workflow/scripts/simulate.py --nodes {input.nodes} --jobs {params.jobs:q}"
+        " --batch {wildcards.batch} --batches {params.count} --folder {params.folder}"
+        " --output {output} --log {log}"
+
+
+rule gather:
+    input:
+        nodes="{stage}/nodes.json",
+        batches=batches,
+    output:
+        "{stage}/samples.nc",
+    log:
+        "{stage}/logs/gather.log",
+    conda:
+        "../envs/campaign.yaml"
+    params:
+        jobs=sections("jobs"),
+        count=CAMPAIGN.batch_count(),
+        folder=CAMPAIGN.store_folder(),
+    message:
+        "Gathering the responses of all runs"
+    shell:
+        "python workflow/scripts/gather.py --nodes {input.nodes} --jobs {params.jobs:q}"
+        " --batches {params.count} --folder {params.folder} --output {output} --log {log}"

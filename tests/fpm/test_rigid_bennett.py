@@ -92,6 +92,18 @@ def test_inertia_is_that_of_the_moving_bars(angles):
     assert by_beta == pytest.approx(by_opening, rel=1e-8)
 
 
+@EACH_FRAME
+def test_springs_and_contacts_hold_the_energy_of_four_hinges(angles):
+    rigid = linkage(angles, spring_stiffness=7.0, contact_stiffness=900.0)
+    geometry = bennett_geometry(rigid.length, rigid.side, *angles)
+    lengths = np.array([hinge.length for hinge in geometry.hinges()])
+    for psi in (-0.1, 0.9):
+        opening = geometry.pose(psi).opening
+        spring, contact, _ = rigid.potential(rigid.motion(rigid.beta_at(psi)))
+        assert spring == pytest.approx(0.5 * 7.0 * lengths @ opening**2)
+        assert contact == pytest.approx(0.5 * 900.0 * lengths @ np.minimum(opening, 0.0) ** 2)
+
+
 @pytest.mark.parametrize(
     ("angles", "supports"), [*((angles, "plane") for angles in FRAMES), (FRAMES[-1], "free")]
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -48,15 +48,28 @@ class Campaign:
         """Where runs are kept; all designs of a campaign share it."""
         return f"results/{self.name}/{self.config['jobs']['keep']}"
 
-    def figure_files(self, stage: str) -> list[str]:
-        """The figures, by name."""
-        names = [*self.config["responses"], "sensitivities"]
-        return [f"{stage}/figures/{name}.{kind}" for name in names for kind in ("png", "pdf")]
+    def envelope_figures(self, stage: str) -> list[str]:
+        """The figures of the responses."""
+        return _figures(stage, self.config["responses"])
+
+    def draws_structure(self) -> bool:
+        """Whether the scene can be drawn and a trajectory to draw from is kept."""
+        from campaign.linkage import BARS
+
+        kept = self.config["jobs"]["keep"] == "trajectories"
+        return kept and self.config["scene"]["name"] in BARS
 
     def results(self) -> list[str]:
         """The files that a campaign leaves for its reader."""
         stage = f"results/{self.name}"
-        return [*self.figure_files(stage), f"{stage}/summary.json", f"{stage}/summary.md"]
+        figures = self.envelope_figures(stage)
+        if self.draws_structure():
+            figures += _figures(stage, ["linkage"])
+        return [*figures, f"{stage}/summary.json", f"{stage}/summary.md"]
+
+
+def _figures(stage: str, names: Iterable[str]) -> list[str]:
+    return [f"{stage}/figures/{name}.{kind}" for name in names for kind in ("png", "pdf")]
 
 
 def _relative(path: str | Path) -> Path:

@@ -1,24 +1,44 @@
 # Figures and headline numbers.
 
 
-rule figures:
+rule envelopes:
     input:
-        bounds="{stage}/bounds.nc",
-        samples="{stage}/samples.nc",
+        "{stage}/bounds.nc",
     output:
-        CAMPAIGN.figure_files("{stage}"),
+        CAMPAIGN.envelope_figures("{stage}"),
+    params:
+        config=sections("error"),
+        folder=lambda wildcards: f"{wildcards.stage}/figures",
     log:
-        "{stage}/logs/figures.log",
+        "{stage}/logs/envelopes.log",
     conda:
         "../envs/campaign.yaml"
-    params:
-        config=sections("error", "figures", "scene", "published"),
-        folder=lambda wildcards, output: Path(output[0]).parent.as_posix(),
     message:
-        "Drawing the figures"
+        "Drawing the envelopes"
     shell:
-        "python workflow/scripts/figures.py --bounds {input.bounds} --samples {input.samples}"
-        " --config {params.config:q} --folder {params.folder} --log {log}"
+        "python workflow/scripts/envelopes.py --bounds {input} --config {params.config:q}"
+        " --output {params.folder} --log {log}"
+
+
+rule linkage:
+    input:
+        "{stage}/samples.nc",
+    output:
+        "{stage}/figures/linkage.png",
+        "{stage}/figures/linkage.pdf",
+    params:
+        config=sections("figures"),
+        store=CAMPAIGN.store_folder(),
+        folder=lambda wildcards: f"{wildcards.stage}/figures",
+    log:
+        "{stage}/logs/linkage.log",
+    conda:
+        "../envs/campaign.yaml"
+    message:
+        "Drawing the structure"
+    shell:
+        "python workflow/scripts/linkage.py --samples {input} --folder {params.store}"
+        " --config {params.config:q} --output {params.folder} --log {log}"
 
 
 rule summary:
@@ -28,12 +48,12 @@ rule summary:
     output:
         json="{stage}/summary.json",
         text="{stage}/summary.md",
+    params:
+        config=sections("published"),
     log:
         "{stage}/logs/summary.log",
     conda:
         "../envs/campaign.yaml"
-    params:
-        config=sections("error", "published"),
     message:
         "Summing up"
     shell:

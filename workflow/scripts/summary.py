@@ -15,9 +15,7 @@ def work(options, tell):
 parser = arguments(__doc__)
 parser.add_argument("--bounds", required=True, help="bounds.nc")
 parser.add_argument("--samples", required=True, help="samples.nc")
-parser.add_argument(
-    "--config", required=True, help="config with the sections `error` and `published`"
-)
+parser.add_argument("--config", required=True, help="config with the section `published`")
 parser.add_argument("--json", required=True, help="summary.json to write")
 parser.add_argument("--text", required=True, help="summary.md to write")
 run(parser, work)

@@ -1,0 +1,141 @@
+"""Envelope figures in the manner of the paper's Figure 4, and sensitivities.
+
+Colours are those of Okabe and Ito, which colour-blind people can tell apart; bounds differ by dash
+as well, so that a grey print can be read.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from campaign.files import whole_file
+
+LOWER = {"color": "#0072B2", "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
+UPPER = {
+    "color": "#D55E00",
+    "linestyle": (0, (5, 1, 1, 1)),
+    "linewidth": 1.1,
+    "label": "upper bound",
+}
+NOMINAL = {"color": "black", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
+KINDS = ("png", "pdf")
+
+
+def draw_envelopes(
+    bounds_path: str | Path, config: Mapping, folder: str | Path, only: str | None = None
+) -> None:
+    """Draw `<response>.png` and `.pdf` into `folder`, for all responses or only one."""
+    import xarray as xr
+
+    with xr.open_dataset(bounds_path) as file:
+        bounds = file.load()
+    for name in bounds.attrs["responses"].split():
+        if only in (None, name):
+            save(envelope(bounds, name, config["error"]["shade_above"]), Path(folder) / name)
+
+
+def envelope(bounds: Any, name: str, shade_above: float) -> Any:
+    """A figure of one response: lower and upper bound, nominal run, and where the error is large.
+
+    `bounds` is the dataset of `bounds.nc`. Instants are shaded at which the error estimate exceeds
+    `shade_above` times the largest width of the bounds.
+    """
+    from matplotlib.figure import Figure
+
+    time = bounds["time"].values
+    lower, upper = bounds[f"{name}_lower"].values, bounds[f"{name}_upper"].values
+    figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+    ax = figure.subplots()
+    ax.fill_between(time, lower, upper, color="0.85", linewidth=0, zorder=1)
+    ax.plot(time, lower, zorder=3, **LOWER)
+    ax.plot(time, upper, zorder=3, **UPPER)
+    if f"{name}_nominal" in bounds:
+        ax.plot(time, bounds[f"{name}_nominal"].values, zorder=4, **NOMINAL)
+    if f"{name}_error" in bounds:
+        doubtful = bounds[f"{name}_error"].values > shade_above * (upper - lower).max()
+        _shade(ax, time, doubtful, f"error estimate above {shade_above:.0%} of the largest width")
+    _mark_largest(ax, time, lower, upper, bounds[f"{name}_lower"].attrs.get("units", ""))
+    long_name = bounds[f"{name}_lower"].attrs.get("long_name", name)
+    units = bounds[f"{name}_lower"].attrs.get("units", "")
+    ax.set_xlabel("time (s)")
+    ax.set_ylabel(f"{axis_label(long_name)} ({pretty(units)})")
+    ax.set_xlim(time[0], time[-1])
+    ax.margins(y=0.08)
+    ax.grid(color="0.9", linewidth=0.5)
+    ax.set_axisbelow(True)
+    figure.legend(loc="outside upper center", ncols=4, fontsize=7, frameon=False)
+    return figure
+
+
+def _shade(ax: Any, time: np.ndarray, where: np.ndarray, label: str) -> None:
+    """Hatch the spans of time in which `where` holds."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], where.astype(int), [0]])))
+    for count, (start, stop) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
+        ax.axvspan(
+            time[start],
+            time[min(stop, len(time) - 1)],
+            facecolor="#F0E442",
+            edgecolor="0.6",
+            hatch="///",
+            alpha=0.25,
+            linewidth=0,
+            zorder=0,
+            label=label if count == 0 else None,
+        )
+
+
+def _mark_largest(
+    ax: Any, time: np.ndarray, lower: np.ndarray, upper: np.ndarray, units: str
+) -> None:
+    """Mark the largest difference of the bounds with an arrow and its size."""
+    at = int((upper - lower).argmax())
+    width = upper[at] - lower[at]
+    if width <= 0:
+        return
+    arrow = {"arrowstyle": "<->", "color": "black", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", (time[at], lower[at]), (time[at], upper[at]), arrowprops=arrow, zorder=5)
+    left = time[at] > 0.5 * (time[0] + time[-1])
+    ax.annotate(
+        f"{width:.3g} {pretty(units)}",
+        (time[at], 0.5 * (lower[at] + upper[at])),
+        xytext=(-6 if left else 6, 0),
+        textcoords="offset points",
+        ha="right" if left else "left",
+        va="center",
+        fontsize=8,
+        zorder=6,
+        bbox={
+            "boxstyle": "round,pad=0.15",
+            "facecolor": "white",
+            "edgecolor": "none",
+            "alpha": 0.8,
+        },
+    )
+
+
+def save(figure: Any, path: Path) -> None:
+    """Save as PNG and PDF, without the date, so that the same data give the same files."""
+    for kind in KINDS:
+        with whole_file(path.with_name(f"{path.name}.{kind}")) as temporary:
+            metadata = {"CreationDate": None} if kind == "pdf" else {"Software": None}
+            figure.savefig(temporary, dpi=200, metadata=metadata)
+
+
+def axis_label(long_name: str) -> str:
+    """`lower bound of distance BD` without what the legend says already."""
+    return long_name.removeprefix("lower bound of ")
+
+
+def pretty(units: str) -> str:
+    """`m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`; a unit of 1 as 1."""
+    above, below = [], []
+    for name, power in re.findall(r"([A-Za-z%]+)(-?\d+)?", units):
+        exponent = abs(int(power or 1))
+        text = name + ("" if exponent == 1 else "²" if exponent == 2 else f"^{exponent}")
+        (below if (power or "").startswith("-") else above).append(text)
+    return (" ".join(above) or "1") + ("/" + "/".join(below) if below else "")

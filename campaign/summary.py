@@ -1,0 +1,162 @@
+"""The headline numbers: `summary.json` for programs and `summary.md` for people."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from campaign.files import write_text
+
+
+def summarise(
+    bounds_path: str | Path,
+    samples_path: str | Path,
+    config: Mapping,
+    json_path: str | Path,
+    text_path: str | Path,
+) -> str:
+    """Write both summaries and return the text. `config` has `published`."""
+    import xarray as xr
+
+    with xr.open_dataset(bounds_path) as bounds, xr.open_dataset(samples_path) as samples:
+        summary = headline(bounds, samples, config["published"])
+    text = as_text(summary)
+    write_text(json_path, json.dumps(summary, indent=2) + "\n")
+    write_text(text_path, text)
+    return text
+
+
+def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
+    """The headline numbers of a campaign as plain numbers and text."""
+    roles = samples["role"].values.astype(str)
+    nominal = int(np.flatnonzero(roles == "nominal")[0])
+    runs = samples["run_id"].values.astype(str)
+    rows = []
+    for name in bounds.attrs["responses"].split():
+        rows.append(_response(bounds, name, published.get(name)))
+    parameters = [
+        {
+            "name": str(name),
+            "lower": float(low),
+            "nominal": float(middle),
+            "upper": float(high),
+        }
+        for name, low, middle, high in zip(
+            bounds["parameter"].values,
+            bounds["parameter_lower"].values,
+            bounds["parameter_nominal"].values,
+            bounds["parameter_upper"].values,
+            strict=True,
+        )
+    ]
+    return {
+        "campaign": bounds.attrs["campaign"],
+        "scene": bounds.attrs["scene"],
+        "config_hash": bounds.attrs["config_hash"],
+        "parameters": parameters,
+        "design": {
+            "method": bounds.attrs["design_method"],
+            "order": np.atleast_1d(bounds.attrs["design_order"]).tolist(),
+            "nodes": int((roles == "node").sum()),
+            "held_out": int((roles == "held_out").sum()),
+            "runs": len(set(runs)),
+        },
+        "time_step": float(bounds.attrs["time_step"]),
+        "closures": closures(samples, nominal),
+        "responses": rows,
+    }
+
+
+def _response(bounds: Any, name: str, published: float | None) -> dict:
+    lower, upper = bounds[f"{name}_lower"].values, bounds[f"{name}_upper"].values
+    time, width = bounds["time"].values, upper - lower
+    at = int(width.argmax())
+    row = {
+        "name": name,
+        "long_name": bounds[f"{name}_lower"].attrs.get("long_name", name),
+        "units": bounds[f"{name}_lower"].attrs.get("units", ""),
+        "largest_difference": float(width[at]),
+        "time_of_largest_difference": float(time[at]),
+        "published": published,
+        "ratio_to_published": None if not published else float(width[at] / published),
+        "mean_difference": float(np.trapezoid(width, time) / (time[-1] - time[0])),
+    }
+    if f"{name}_error" in bounds:
+        error = bounds[f"{name}_error"].values
+        worst = int(error.argmax())
+        row["largest_error"] = float(error[worst])
+        row["time_of_largest_error"] = float(time[worst])
+        row["error_at_largest_difference"] = float(error[at])
+    return row
+
+
+def closures(samples: Any, run: int) -> list[dict]:
+    """Contacts of one run that close: time (s) and index of the contact, in order of time."""
+    if "event_time" not in samples or not samples.sizes.get("event", 0):
+        return []
+    time = samples["event_time"].values[run]
+    closing = samples["event_closing"].values[run]
+    contact = samples["event_contact"].values[run]
+    rows = [
+        {"time": float(t), "contact": int(c)}
+        for t, c, shut in zip(time, contact, closing, strict=True)
+        if np.isfinite(t) and shut == 1
+    ]
+    return sorted(rows, key=lambda row: row["time"])
+
+
+def as_text(summary: Mapping) -> str:
+    """The summary as Markdown."""
+    design = summary["design"]
+    order = "" if not any(design["order"]) else f" of order {max(design['order'])}"
+    lines = [
+        f"# {summary['campaign']}",
+        "",
+        f"Scene {summary['scene']}; {design['method']}{order}: {design['runs']} runs "
+        f"({design['nodes']} nodes, {design['held_out']} held out); "
+        f"time step {summary['time_step']:.4g} s.",
+        "",
+        "| parameter | lower | nominal | upper |",
+        "|---|---|---|---|",
+    ]
+    lines += [
+        f"| {p['name']} | {p['lower']:.6g} | {p['nominal']:.6g} | {p['upper']:.6g} |"
+        for p in summary["parameters"]
+    ]
+    lines += [
+        "",
+        "| response | largest difference of the bounds | at (s) | published | ours / published |",
+        "|---|---|---|---|---|",
+    ]
+    for row in summary["responses"]:
+        published, ratio = row["published"], row["ratio_to_published"]
+        lines.append(
+            f"| {row['name']} | {row['largest_difference']:.4g} {row['units']} "
+            f"| {row['time_of_largest_difference']:.4f} "
+            f"| {'' if published is None else f'{published:.4g} ' + row['units']} "
+            f"| {'' if ratio is None else f'{ratio:.2f}'} |"
+        )
+    lines += ["", _error_line(summary)]
+    if summary["closures"]:
+        first = summary["closures"][0]["time"]
+        lines.append(
+            f"In the nominal run contacts close {len(summary['closures'])} times, first at "
+            f"{first:.4f} s."
+        )
+    return "\n".join(lines) + "\n"
+
+
+def _error_line(summary: Mapping) -> str:
+    rows = [row for row in summary["responses"] if "largest_error" in row]
+    if not rows:
+        return "Error estimate: none; the bounds are the least and the largest of the samples."
+    parts = [
+        f"{row['name']} {row['largest_error']:.2g} {row['units']} "
+        f"(at {row['time_of_largest_error']:.3f} s)"
+        for row in rows
+    ]
+    return "Error estimate of the bounds, largest: " + ", ".join(parts) + "."

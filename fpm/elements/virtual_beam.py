@@ -1,0 +1,23 @@
+"""Virtual beams: rigid, massless arms from a particle to a point off the link's axis.
+
+They carry the size of the section: the hinge line of a thick link lies on an edge of its end face,
+not on its axis. The paper uses stiff beam elements; the limit of infinite stiffness is taken here,
+because it costs no element and does not shorten the stable step.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class VirtualBeam:
+    """`particle` index and `arm` (3,), the vector to its free end in the particle's frame (m)."""
+
+    particle: int
+    arm: np.ndarray
+
+    @staticmethod
+    def to_point(particle: int, position, frame, point) -> "VirtualBeam":
+        """The arm from a particle at `position` (3,) with axes `frame` (3, 3) to `point` (3,)."""
+        return VirtualBeam(particle, np.asarray(frame).T @ (np.asarray(point) - position))

@@ -1,0 +1,45 @@
+"""Errors of the mechanics. Each one says what was found, what is allowed and what to change."""
+
+
+class SceneError(ValueError):
+    """A scene, a parameter or a response that cannot be built.
+
+    Attributes: `key` (what was wrong), `value` (what was found), `allowed` (what would be right).
+    """
+
+    def __init__(self, key: str, value: object, allowed: str):
+        self.key, self.value, self.allowed = key, value, allowed
+        super().__init__(f"{key} = {value!r} is not allowed; expected {allowed}")
+
+    def __reduce__(self):
+        return type(self), (self.key, self.value, self.allowed)
+
+
+class InstabilityError(RuntimeError):
+    """A run whose energy balance broke: the numbers can no longer be trusted.
+
+    Attributes: `time` (s) of the first check that failed, `element` (name of the element with the
+    most strain energy, or the first non-finite one), `step` (s) used, `limit` (s) the stable step
+    of the scene at its start, `balance` (J) the energy that came from nowhere, `scale` (J).
+    """
+
+    def __init__(self, time, element, step, limit, balance, scale):
+        self.time, self.element, self.step = time, element, step
+        self.limit, self.balance, self.scale = limit, balance, scale
+        if step > limit:
+            remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
+        else:
+            remedy = (
+                "the step is below the limit of the undeformed scene, so the motion itself is "
+                "too violent for it: halve solver.step, refine the mesh, or soften the contact"
+            )
+        super().__init__(
+            f"unstable at t = {time:.6g} s: the energy balance is off by {balance:.3g} J of "
+            f"{scale:.3g} J, worst in element {element}; step {step:.4g} s, "
+            f"stable limit {limit:.4g} s; {remedy}"
+        )
+
+    def __reduce__(self):
+        return type(self), (
+            self.time, self.element, self.step, self.limit, self.balance, self.scale
+        )  # fmt: skip

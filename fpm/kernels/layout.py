@@ -1,0 +1,42 @@
+"""Where each quantity stands along the middle axis of the kernels' arrays (rows, fields, lanes)."""
+
+# State of a particle.
+X = 0  # position (3)
+D = 3  # directors: the particle's axes in global components (9), d1, d2, d3 one after another
+V = 12  # velocity (3), half a step behind the position
+P = 15  # angular momentum in global components (3), half a step behind
+Q = 18  # rotation as a unit quaternion (4)
+F = 22  # force (3)
+M = 25  # moment (3)
+STATE = 28
+KEPT = 18  # fields that recording needs from the start of a step: X, D, V, P
+
+# Constants of a particle. The inverses are zero where a particle is held.
+IM = 0  # inverse mass
+IJ = 1  # inverse principal inertias (3)
+MASS = 4  # mass, for gravity and damping
+PARTICLE = 5
+
+# Constants of a beam element.
+LENGTH = 0  # undeformed length
+AXIAL = 1  # EA/l0
+BEND_Z = 2  # 2 EIz/l0
+BEND_Y = 3  # 2 EIy/l0
+TWIST = 4  # GJ/l0
+BEAM = 5
+# Axes of an element in the frames of its particles, where they differ from these: 2, 3 at a and b.
+AXES = 12
+
+# Constants of a hinge, for particle 1 and 2; vectors in the particles' frames.
+ARM = 0  # virtual beams (3, 3)
+AXIS = 6  # axis (3, 3)
+REF = 12  # reference directions (3, 3)
+HIM = 18  # inverse masses along the global axes (3, 3)
+HIJ = 24  # inverse principal inertias (3, 3)
+HELD = 30  # 1 where the hinge point is held along a global axis (3)
+PLACE = 33  # where it is held (3)
+HINGE = 36
+
+# Energies.
+KINETIC, STRAIN, SPRING, CONTACT, LOAD_WORK, DAMPING_WORK, BALANCE = range(7)
+ENERGIES = ("kinetic", "strain", "spring", "contact", "load_work", "damping_work", "balance")

@@ -1,0 +1,163 @@
+"""Recording, contact events, and the search for lanes whose energy balance broke."""
+
+from fpm.kernels import energy, hinge
+from fpm.kernels.beam import beam_energy
+from fpm.kernels.joint import contact_energy, spring_energy, update_openings
+from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
+from fpm.kernels.layout import (
+    BALANCE,
+    CONTACT,
+    DAMPING_WORK,
+    IJ,
+    KEPT,
+    KINETIC,
+    LOAD_WORK,
+    SPRING,
+    STRAIN,
+    D,
+    P,
+    V,
+    X,
+)
+from fpm.kernels.vectors import (
+    add,
+    cross,
+    dot,
+    get3,
+    kernel,
+    put3,
+    scale,
+    times,
+    to_global,
+    to_local,
+)
+
+
+@kernel
+def note_events(model, events, event_count, t, step):
+    """Note the contacts that closed or opened since the last step, by linear interpolation."""
+    for c in range(model.contact_on.shape[0]):
+        h = model.contact_on[c]
+        if any_negative(load(model.openings, h, 0) * load(model.openings, h, 1)):
+            for s in range(event_count.shape[0]):
+                now, last = model.openings[h, 0, s], model.openings[h, 1, s]
+                if now * last < 0.0:
+                    n = event_count[s]
+                    event_count[s] = n + 1
+                    if n < events.shape[0]:
+                        events[n, 0, s] = t - step * now / (now - last)
+                        events[n, 1, s] = c
+                        events[n, 2, s] = 1.0 if now < 0.0 else 0.0
+
+
+@kernel
+def keep(state, kept):
+    """Copy what recording needs from the start of a step."""
+    for i in range(state.shape[0]):
+        for k in range(KEPT):
+            store(kept, i, k, load(state, i, k))
+
+
+@kernel
+def record_before(state, model, row, record):
+    """Record what belongs to the positions at an instant: energies, openings, gaps."""
+    out = record.energies
+    store(out, row, STRAIN, energy.strain_energy(state, model.nodes, model.beams, model.axes))
+    if model.spring_on.shape[0] + model.contact_on.shape[0] == 0:
+        update_openings(state, model.pairs, model.hinges, model.openings)
+    springs = energy.spring_energies(state, model.openings, model.spring_on, model.springs)
+    store(out, row, SPRING, springs)
+    contacts = energy.contact_energies(state, model.openings, model.contact_on, model.contacts)
+    store(out, row, CONTACT, contacts)
+    work = load(model.work, 0, 0)
+    if model.gravity.shape[0] > 0:
+        work = work + energy.weight_work(state, model.particles, model.gravity)
+    store(out, row, LOAD_WORK, work)
+    store(out, row, DAMPING_WORK, load(model.work, 0, 1))
+    count = model.pairs.shape[0]
+    worst = 0.0 * work
+    worst_axis = worst
+    for h in range(count):
+        store(record.hinges, row, h, load(model.openings, h, 0))
+        one, two = model.pairs[h, 0], model.pairs[h, 1]
+        _, gap, ep, eq = hinge.gaps(state, one, two, model.hinges, h)
+        size, tilt = dot(gap, gap), ep * ep + eq * eq
+        worst = where_negative(worst - size, size, worst)
+        worst_axis = where_negative(worst_axis - tilt, tilt, worst_axis)
+    store(record.hinges, row, count, sqrt(worst))
+    store(record.hinges, row, count + 1, sqrt(worst_axis))
+
+
+@kernel
+def record_after(state, kept, model, row, record):
+    """Record what needs the momenta on both sides of an instant: points, kinetic energy, balance.
+
+    kept: the state at the instant, with the momenta half a step before it.
+    """
+    for n in range(model.point_on.shape[0]):
+        i = model.point_on[n]
+        arm = to_global(kept, i, D, get3(model.point_arm, n, 0))
+        put3(record.points, row, 6 * n, add(get3(kept, i, X), arm))
+        v = scale(0.5, add(get3(kept, i, V), get3(state, i, V)))
+        p = scale(0.5, add(get3(kept, i, P), get3(state, i, P)))
+        turn = to_global(kept, i, D, times(get3(model.particles, i, IJ), to_local(kept, i, D, p)))
+        put3(record.points, row, 6 * n + 3, add(v, cross(turn, arm)))
+    out = record.energies
+    kinetic = energy.kinetic_energy(state, kept, model.particles)
+    store(out, row, KINETIC, kinetic)
+    stored = kinetic + load(out, row, STRAIN) + load(out, row, SPRING) + load(out, row, CONTACT)
+    total = stored - load(out, row, LOAD_WORK) + load(out, row, DAMPING_WORK)
+    if row == 0:
+        store(out, row, BALANCE, 0.0)
+        store(model.work, 1, 0, total)
+    else:
+        store(out, row, BALANCE, total - load(model.work, 1, 0))
+    store(model.work, 1, 1, stored)
+
+
+@kernel
+def find_failures(state, model, record, row, n, tolerance):
+    """Mark the lanes whose balance is off at step n; True when no lane is left.
+
+    A lane fails when energy came from nowhere (or went there) by more than `tolerance` times the
+    largest energy it has held so far, or when a number is not finite.
+    """
+    left = 0
+    for s in range(record.scale.shape[0]):
+        if record.failed_step[s] >= 0:
+            continue
+        left += 1
+        stored = model.work[1, 1, s]
+        if stored > record.scale[s]:
+            record.scale[s] = stored
+        if not abs(record.energies[row, BALANCE, s]) <= tolerance * record.scale[s]:
+            record.failed_step[s] = n
+            record.failed_balance[s] = record.energies[row, BALANCE, s]
+            record.failed_element[s] = worst_element(state, model, s)
+            left -= 1
+    return left == 0
+
+
+@kernel
+def worst_element(state, model, s):
+    """Index of the first element of lane s with an energy that is not finite, else the largest.
+
+    Order: beams, springs, contacts.
+    """
+    out, m = model.element_energy, model.nodes.shape[0]
+    for e in range(m):
+        store(out, e, 0, beam_energy(state, model.nodes, model.beams, model.axes, e))
+    for i in range(model.spring_on.shape[0]):
+        value = spring_energy(model.openings, model.spring_on, model.springs, i)
+        store(out, m + i, 0, value)
+    m += model.spring_on.shape[0]
+    for i in range(model.contact_on.shape[0]):
+        value = contact_energy(model.openings, model.contact_on, model.contacts, i)
+        store(out, m + i, 0, value)
+    worst = 0
+    for e in range(out.shape[0]):
+        if not abs(out[e, 0, s]) < float("inf"):
+            return e
+        if out[e, 0, s] > out[worst, 0, s]:
+            worst = e
+    return worst

@@ -1,0 +1,86 @@
+"""Responses: scalar functions of time that are read off a trajectory."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fpm.errors import SceneError
+
+if TYPE_CHECKING:
+    from fpm.scenes import SceneType
+    from fpm.simulate import Outcome
+
+COMPONENTS = ("x", "y", "z", "norm")
+
+
+@dataclass(frozen=True)
+class Response:
+    """A named response: `kind`, the points, hinge or energy it is about, `component` of a vector.
+
+    unit (UDUNITS) and long_name are those of the values that `evaluate` returns.
+    """
+
+    name: str
+    kind: str
+    about: tuple[str, ...]
+    component: str
+    unit: str
+    long_name: str
+
+    def evaluate(self, outcome: "Outcome") -> np.ndarray:
+        """Values (t,) of the response for one outcome."""
+        if self.kind == "distance":
+            first, second = (outcome.points[p][0] for p in self.about)
+            return np.linalg.norm(first - second, axis=1)
+        if self.kind in ("position", "velocity"):
+            track = outcome.points[self.about[0]][self.kind == "velocity"]
+            if self.component == "norm":
+                return np.linalg.norm(track, axis=1)
+            return track[:, COMPONENTS.index(self.component)]
+        if self.kind == "opening":
+            return outcome.openings[self.about[0]]
+        return outcome.energies[self.about[0]]
+
+
+def _one_of(key: str, value: object, known: tuple[str, ...]) -> str:
+    if value not in known:
+        raise SceneError(key, value, f"one of {', '.join(known) or '(this scene has none)'}")
+    return value
+
+
+def parse(name: str, definition: dict, scene_type: "SceneType") -> Response:
+    """A response from its definition in a config; SceneError names what is wrong.
+
+    One of: {distance: [P, Q]}, {position: P, component: z}, {velocity: P, component: z},
+    {opening: H}, {energy: kind}; points P, Q, hinges H and kinds as the scene has them.
+    """
+    kinds = ("distance", "position", "velocity", "opening", "energy")
+    if not isinstance(definition, dict) or len(set(definition) & set(kinds)) != 1:
+        raise SceneError(f"responses.{name}", definition, f"exactly one of {', '.join(kinds)}")
+    kind = next(k for k in kinds if k in definition)
+    value, key = definition[kind], f"responses.{name}.{kind}"
+    others = set(definition) - {kind, "component"}
+    if others or ("component" in definition) != (kind in ("position", "velocity")):
+        raise SceneError(
+            f"responses.{name}", definition,
+            f"{kind}" + (" and component" if kind in ("position", "velocity") else " alone"),
+        )  # fmt: skip
+    if kind == "distance":
+        if not isinstance(value, list | tuple) or len(value) != 2 or value[0] == value[1]:
+            raise SceneError(key, value, "two different points")
+        points = tuple(_one_of(key, p, scene_type.points) for p in value)
+        text = f"distance between {points[0]} and {points[1]}"
+        return Response(name, kind, points, "", "m", text)
+    if kind in ("position", "velocity"):
+        point = _one_of(key, value, scene_type.points)
+        component = definition["component"]
+        component = _one_of(f"responses.{name}.component", component, COMPONENTS)
+        unit = "m" if kind == "position" else "m s-1"
+        what = "magnitude of the " if component == "norm" else f"{component}-component of the "
+        return Response(name, kind, (point,), component, unit, f"{what}{kind} of {point}")
+    if kind == "opening":
+        hinge = _one_of(key, value, scene_type.hinges)
+        return Response(name, kind, (hinge,), "", "rad", f"opening of hinge {hinge}")
+    energy = _one_of(key, value, scene_type.energies)
+    return Response(name, kind, (energy,), "", "J", f"{energy} energy")

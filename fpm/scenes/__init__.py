@@ -1,0 +1,102 @@
+"""The scenes that a campaign can name, and what may be set in each."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+
+from fpm.errors import SceneError
+from fpm.scene import Scene
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What a scene's parameter is and which values it takes.
+
+    kind: "real", "integer", "boolean" or "choice"; only real ones may be intervals. The range is
+    closed unless `lower_open`, `upper_open`. A default of None means: follows from the others.
+    """
+
+    default: float | int | bool | str | None
+    unit: str
+    description: str
+    lower: float = float("-inf")
+    upper: float = float("inf")
+    kind: str = "real"
+    choices: tuple[str, ...] = ()
+    lower_open: bool = False
+    upper_open: bool = False
+
+    @property
+    def allowed(self) -> str:
+        """The allowed values in words."""
+        if self.kind == "choice":
+            return f"one of {', '.join(self.choices)}"
+        if self.kind == "boolean":
+            return "true or false"
+        what = "a whole number" if self.kind == "integer" else "a number"
+        bounds = []
+        if self.lower > float("-inf"):
+            bounds.append(f"{'>' if self.lower_open else '>='} {self.lower:g}")
+        if self.upper < float("inf"):
+            bounds.append(f"{'<' if self.upper_open else '<='} {self.upper:g}")
+        unit = f" ({self.unit})" if self.unit not in ("", "1") else ""
+        return " ".join([what, " and ".join(bounds)]).strip() + unit
+
+    def check(self, name: str, value: object) -> None:
+        """SceneError unless `value` is allowed."""
+        if value is None and self.default is None:
+            return
+        if self.kind == "choice":
+            right = value in self.choices
+        elif self.kind == "boolean":
+            right = isinstance(value, bool)
+        else:
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            right = number and float("-inf") < value < float("inf")
+            right = right and (self.kind == "real" or int(value) == value)
+            if right:
+                above = value > self.lower if self.lower_open else value >= self.lower
+                below = value < self.upper if self.upper_open else value <= self.upper
+                right = above and below
+        if not right:
+            raise SceneError(name, value, self.allowed)
+
+
+@dataclass(frozen=True)
+class SceneType:
+    """A scene that can be built from named parameters."""
+
+    name: str
+    description: str
+    parameters: dict[str, Parameter]
+    points: tuple[str, ...]
+    hinges: tuple[str, ...]
+    function: Callable[..., Scene]
+    energies: tuple[str, ...] = ("kinetic", "strain", "spring", "contact", "balance")
+
+    def build(self, **parameters) -> Scene:
+        """The scene; defaults fill in what is not given. SceneError names what is wrong."""
+        for name, value in parameters.items():
+            if name not in self.parameters:
+                raise SceneError(
+                    f"parameter {name} of scene {self.name}", value,
+                    f"one of {', '.join(self.parameters)}",
+                )  # fmt: skip
+            self.parameters[name].check(name, value)
+        defaults = {name: p.default for name, p in self.parameters.items()}
+        return self.function(**{**defaults, **parameters})
+
+
+_MODULES = {"bennett": "fpm.scenes.bennett", "pendulum": "fpm.scenes.pendulum"}
+
+
+def names() -> tuple[str, ...]:
+    """Names of all scenes."""
+    return tuple(_MODULES)
+
+
+def get(name: str) -> SceneType:
+    """The scene of that name; SceneError lists the known ones."""
+    if name not in _MODULES:
+        raise SceneError("scene.name", name, f"one of {', '.join(_MODULES)}")
+    return import_module(_MODULES[name]).SCENE

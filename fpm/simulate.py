@@ -1,0 +1,157 @@
+"""Run scenes side by side in lanes, and hand each sample's outcome back on its own."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fpm.errors import InstabilityError, SceneError
+from fpm.scene import Scene
+from fpm.timestep import StableStep, stable_step
+
+if TYPE_CHECKING:
+    import xarray
+
+CHECK_EVERY = 50
+"""The energy balance is checked at least every this many steps."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one sample did.
+
+    time (t,) s; points: name -> (position (t, 3) m, velocity (t, 3) m/s); openings: hinge ->
+    (t,) rad; gap (t,) m and axis_gap (t,) rad: largest over the hinges; energies: kind -> (t,) J;
+    events (e, 3): time (s), contact index, 1 if it closes; events_dropped: how many more there
+    were; final: positions (n, 3), frames (n, 3, 3), velocities (n, 3), spins (n, 3) of all
+    particles at the end; failure: None or the InstabilityError of this sample.
+    """
+
+    scene: Scene
+    time: np.ndarray
+    points: dict[str, tuple[np.ndarray, np.ndarray]]
+    openings: dict[str, np.ndarray]
+    gap: np.ndarray
+    axis_gap: np.ndarray
+    energies: dict[str, np.ndarray]
+    events: np.ndarray
+    events_dropped: int
+    step: float
+    steps: int
+    limit: StableStep
+    failure: InstabilityError | None
+
+    def dataset(self, responses=(), attributes=None) -> "xarray.Dataset":
+        """The trajectory as an xarray Dataset (trajectory.py); raises the failure if there is one.
+
+        responses: sequence of fpm.responses.Response; attributes: extra global attributes.
+        """
+        from fpm.trajectory import to_dataset
+
+        if self.failure is not None:
+            raise self.failure
+        return to_dataset(self, responses, attributes or {})
+
+
+def divide_interval(interval: float, limit: float) -> int:
+    """Whole number of steps, none above `limit` (s), that make up `interval` (s)."""
+    return max(1, math.ceil(interval / limit * (1 - 1e-12)))
+
+
+def simulate(
+    scenes: Scene | Sequence[Scene],
+    *,
+    duration: float,
+    instants: int,
+    step: float | None = None,
+    safety: float = 0.9,
+    energy_tolerance: float = 0.02,
+    dtype=np.float64,
+) -> list[Outcome]:
+    """Integrate scenes of one topology over `duration` s; one Outcome per scene, in order.
+
+    instants: number of recorded instants, evenly spaced from 0 to duration, both included.
+    step (s): the time step, shortened if need be so that whole steps make up the time between two
+    instants; None: `safety` times the smallest stable step of the scenes given. A sample's
+    numbers depend on its scene and the step only, bit for bit, not on the scenes beside it.
+    energy_tolerance: a sample fails when its energy balance is off by more than this share of the
+    largest energy it held. SceneError for bad arguments or topologies that differ.
+    """
+    from fpm.kernels.compiled import run
+    from fpm.kernels.lanes import width as lanes_of
+    from fpm.pack import blank_record, check_topology, pack
+
+    scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
+    if not scenes:
+        return []
+    if not (np.isfinite(duration) and duration > 0):
+        raise SceneError("duration", duration, "a positive number (s)")
+    if instants < 2:
+        raise SceneError("instants", instants, "at least 2")
+    if step is not None and not (np.isfinite(step) and step > 0):
+        raise SceneError("step", step, "a positive number (s), or None")
+    check_topology(scenes)
+    interval = duration / (instants - 1)
+    limits = [stable_step(scene) for scene in scenes] if step is None else None
+    wanted = safety * min(limit.step for limit in limits) if step is None else step
+    per_instant = divide_interval(interval, min(wanted, interval))
+    checks = math.ceil(per_instant / CHECK_EVERY)
+    per_check = math.ceil(per_instant / checks)
+    per_instant = per_check * checks
+    step = interval / per_instant
+    steps = per_instant * (instants - 1)
+
+    outcomes = []
+    width = lanes_of(dtype)
+    for first in range(0, len(scenes), width):
+        batch = scenes[first : first + width]
+        state, model = pack(batch, width, dtype)
+        record = blank_record(model, instants, len(batch))
+        kept = np.zeros_like(state)
+        run(state, kept, model, record, step, steps, per_instant, per_check, energy_tolerance)
+        for lane, scene in enumerate(batch):
+            limit = None if limits is None else limits[first + lane]
+            outcomes.append(
+                _outcome(scene, lane, state, kept, record, interval, step, steps, limit)
+            )
+    return outcomes
+
+
+def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> Outcome:
+    from fpm.kernels.layout import ENERGIES
+
+    instants = len(record.energies) - 1
+    points = {}
+    for n, name in enumerate(scene.points):
+        track = record.points[:instants, 6 * n : 6 * n + 6, lane]
+        points[name] = (track[:, :3], track[:, 3:])
+    hinges = record.hinges[:instants, :, lane]
+    failure = None
+    if record.failed_step[lane] >= 0:
+        limit = limit or stable_step(scene)
+        failure = InstabilityError(
+            time=record.failed_step[lane] * step,
+            element=scene.elements[record.failed_element[lane]] if scene.elements else "none",
+            step=step,
+            limit=limit.step,
+            balance=float(record.failed_balance[lane]),
+            scale=float(record.scale[lane]),
+        )
+    noted = int(record.event_count[lane])
+    return Outcome(
+        scene=scene,
+        time=interval * np.arange(instants),
+        points=points,
+        openings={h.name: hinges[:, i] for i, h in enumerate(scene.hinges)},
+        gap=hinges[:, -2],
+        axis_gap=hinges[:, -1],
+        energies={name: record.energies[:instants, k, lane] for k, name in enumerate(ENERGIES)},
+        events=record.events[: min(noted, len(record.events)), :, lane],
+        events_dropped=max(0, noted - len(record.events)),
+        step=step,
+        steps=steps,
+        limit=limit,
+        failure=failure,
+    )

@@ -16,9 +16,9 @@ from campaign.files import whole_file
 
 def analyse(samples_path: str | Path, surrogate_path: str | Path, bounds_path: str | Path) -> None:
     """Fit the design of the samples' own config and write surrogate and bounds."""
-    import fpm
     import xarray as xr
 
+    import fpm
     import intervals
     from campaign.nodes import make_design
     from campaign.parameters import intervals_of

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from campaign.files import whole_file
+from campaign.files import open_netcdf, whole_file
 
 LOWER = {"color": "#0072B2", "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
 UPPER = {
@@ -26,44 +26,37 @@ NOMINAL = {"color": "black", "linestyle": "-", "linewidth": 0.8, "label": "nomin
 KINDS = ("png", "pdf")
 
 
-def draw_envelopes(
-    bounds_path: str | Path, config: Mapping, folder: str | Path, only: str | None = None
-) -> None:
-    """Draw `<response>.png` and `.pdf` into `folder`, for all responses or only one."""
-    import xarray as xr
-
-    with xr.open_dataset(bounds_path) as file:
-        bounds = file.load()
-    for name in bounds.attrs["responses"].split():
-        if only in (None, name):
+def draw_envelopes(bounds_path: str | Path, config: Mapping, folder: str | Path) -> None:
+    """Draw `<response>.png` and `.pdf` of all responses into `folder`."""
+    with open_netcdf(bounds_path) as bounds:
+        for name in bounds.responses.split():
             save(envelope(bounds, name, config["error"]["shade_above"]), Path(folder) / name)
 
 
 def envelope(bounds: Any, name: str, shade_above: float) -> Any:
     """A figure of one response: lower and upper bound, nominal run, and where the error is large.
 
-    `bounds` is the dataset of `bounds.nc`. Instants are shaded at which the error estimate exceeds
+    `bounds` is the open `bounds.nc`. Instants are shaded at which the error estimate exceeds
     `shade_above` times the largest width of the bounds.
     """
     from matplotlib.figure import Figure
 
-    time = bounds["time"].values
-    lower, upper = bounds[f"{name}_lower"].values, bounds[f"{name}_upper"].values
+    time, lower, upper = (bounds[key][:] for key in ("time", f"{name}_lower", f"{name}_upper"))
+    units = pretty(getattr(bounds[f"{name}_lower"], "units", "1"))
     figure = Figure(figsize=(6.4, 3.6), layout="constrained")
     ax = figure.subplots()
     ax.fill_between(time, lower, upper, color="0.85", linewidth=0, zorder=1)
     ax.plot(time, lower, zorder=3, **LOWER)
     ax.plot(time, upper, zorder=3, **UPPER)
-    if f"{name}_nominal" in bounds:
-        ax.plot(time, bounds[f"{name}_nominal"].values, zorder=4, **NOMINAL)
-    if f"{name}_error" in bounds:
-        doubtful = bounds[f"{name}_error"].values > shade_above * (upper - lower).max()
+    if f"{name}_nominal" in bounds.variables:
+        ax.plot(time, bounds[f"{name}_nominal"][:], zorder=4, **NOMINAL)
+    if f"{name}_error" in bounds.variables:
+        doubtful = bounds[f"{name}_error"][:] > shade_above * (upper - lower).max()
         _shade(ax, time, doubtful, f"error estimate above {shade_above:.0%} of the largest width")
-    _mark_largest(ax, time, lower, upper, bounds[f"{name}_lower"].attrs.get("units", ""))
-    long_name = bounds[f"{name}_lower"].attrs.get("long_name", name)
-    units = bounds[f"{name}_lower"].attrs.get("units", "")
+    _mark_largest(ax, time, lower, upper, units)
+    label = bounds[f"{name}_lower"].long_name.removeprefix("lower bound of ")
     ax.set_xlabel("time (s)")
-    ax.set_ylabel(f"{axis_label(long_name)} ({pretty(units)})")
+    ax.set_ylabel(f"{label} ({units})")
     ax.set_xlim(time[0], time[-1])
     ax.margins(y=0.08)
     ax.grid(color="0.9", linewidth=0.5)
@@ -101,7 +94,7 @@ def _mark_largest(
     ax.annotate("", (time[at], lower[at]), (time[at], upper[at]), arrowprops=arrow, zorder=5)
     left = time[at] > 0.5 * (time[0] + time[-1])
     ax.annotate(
-        f"{width:.3g} {pretty(units)}",
+        f"{width:.3g} {units}",
         (time[at], 0.5 * (lower[at] + upper[at])),
         xytext=(-6 if left else 6, 0),
         textcoords="offset points",
@@ -123,12 +116,7 @@ def save(figure: Any, path: Path) -> None:
     for kind in KINDS:
         with whole_file(path.with_name(f"{path.name}.{kind}")) as temporary:
             metadata = {"CreationDate": None} if kind == "pdf" else {"Software": None}
-            figure.savefig(temporary, dpi=200, metadata=metadata)
-
-
-def axis_label(long_name: str) -> str:
-    """`lower bound of distance BD` without what the legend says already."""
-    return long_name.removeprefix("lower bound of ")
+            figure.savefig(temporary, dpi=200, metadata=metadata, bbox_inches="tight")
 
 
 def pretty(units: str) -> str:

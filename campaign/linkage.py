@@ -9,8 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from campaign.files import open_netcdf
+
 # The six faces of a box as indices into its eight corners (see `_bennett_bars`).
 _FACES = ((0, 1, 2, 3), (4, 5, 6, 7), *((i, j, j + 4, i + 4) for i, j in pairwise((0, 1, 2, 3, 0))))
+_LIGHT = np.array([0.4, -0.5, 0.77])  # towards it
+_MARGIN = 0.08  # m, room for the names
 _BAR_COLOURS = ("#E69F00", "#56B4E9", "#E69F00", "#56B4E9")
 
 
@@ -26,12 +30,10 @@ def moments(opening: np.ndarray, count: int) -> np.ndarray:
 
 
 def draw_nominal(samples_path: str | Path, folder: Path, config: Mapping, out: Path) -> None:
-    """Draw the nominal run, whose trajectory is in `folder`, as `linkage.png` and `.pdf` in `out`."""
-    import netCDF4
-
+    """Draw the nominal run, with its trajectory in `folder`, as `out`/linkage.png and .pdf."""
     from campaign.figures import save
 
-    with netCDF4.Dataset(samples_path) as samples:
+    with open_netcdf(samples_path) as samples:
         nominal = list(samples["role"][:]).index("nominal")
         run = samples["run_id"][nominal]
     figure = draw(Path(folder) / f"{run}.nc", config["figures"]["moments"])
@@ -40,22 +42,25 @@ def draw_nominal(samples_path: str | Path, folder: Path, config: Mapping, out: P
 
 def draw(trajectory_path: str | Path, count: int) -> Any:
     """A figure of the structure at `count` moments; its scene is one of `BARS`."""
-    import netCDF4
-
-    with netCDF4.Dataset(trajectory_path) as trajectory:
+    with open_netcdf(trajectory_path) as trajectory:
         hinge = list(trajectory["hinge"][:]).index("B")
-        opening = np.asarray(trajectory["opening"][:, hinge])
+        opening = trajectory["opening"][:, hinge]
         indices = moments(opening, count)
-        times = np.asarray(trajectory["time"][indices])
-        places = np.asarray(trajectory["position"][indices])
+        times = trajectory["time"][indices]
+        places = trajectory["position"][indices]
         points = {name: places[:, i] for i, name in enumerate(trajectory["point"][:])}
         bars_of = BARS[trajectory.scene]
-        bars = bars_of(trajectory.__dict__, np.maximum(opening[indices], 0.0))
+        bars, pose_centre = bars_of(trajectory.__dict__, np.maximum(opening[indices], 0.0))
+    # A structure that is free to move as a whole is drawn where it is.
+    bars += (np.mean(list(points.values()), axis=0) - pose_centre)[:, None, None, :]
     return _figure(bars, points, times, np.degrees(opening[indices]))
 
 
-def _bennett_bars(attributes: Mapping[str, Any], opening: np.ndarray) -> np.ndarray:
-    """Corners (moment, bar, 8, 3) of the four mitred bars, placed by the opening at hinge B (rad).
+def _bennett_bars(
+    attributes: Mapping[str, Any], opening: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (moment, bar, 8, 3) of the four mitred bars, placed by the opening at hinge B (rad),
+    and the mean (moment, 3) of the points A to D in that place.
 
     The bars are drawn straight: on the scale of the picture their bending cannot be seen.
     """
@@ -81,59 +86,61 @@ def _bennett_bars(attributes: Mapping[str, Any], opening: np.ndarray) -> np.ndar
     # The mirror images BC and DA have the section's two axes exchanged.
     shapes = [bar, bar[:, [0, 2, 1]], bar, bar[:, [0, 2, 1]]]
     pose = geometry.pose(opening)
-    return np.stack(
-        [
-            pose.origin[:, i, None, :] + np.einsum("mij,cj->mci", pose.rotation[:, i], shape)
-            for i, shape in enumerate(shapes)
-        ],
-        axis=1,
-    )
+    bars = [
+        pose.origin[:, i, None, :] + np.einsum("mij,cj->mci", pose.rotation[:, i], shape)
+        for i, shape in enumerate(shapes)
+    ]
+    return np.stack(bars, axis=1), pose.point.mean(axis=1)
 
 
-BARS: dict[str, Callable[[Mapping[str, Any], np.ndarray], np.ndarray]] = {"bennett": _bennett_bars}
+BARS: dict[str, Callable] = {"bennett": _bennett_bars}
 
 
 def _figure(bars: np.ndarray, points: Mapping, times: np.ndarray, degrees: np.ndarray) -> Any:
     """Draw bars (moment, bar, 8, 3) in parallel projection, one panel a moment."""
-    from matplotlib.collections import PolyCollection
-    from matplotlib.colors import to_rgb
     from matplotlib.figure import Figure
 
-    view, depth_axis = _view(azimuth=-60.0, elevation=22.0)
-    light = np.array([0.4, -0.5, 0.77])
-    figure = Figure(figsize=(2.1 * len(times), 2.6), layout="constrained")
+    view, towards = _view(azimuth=-60.0, elevation=22.0)
+    figure = Figure(figsize=(2.1 * len(times), 2.4), layout="constrained")
     axes = figure.subplots(1, len(times), sharex=True, sharey=True, squeeze=False)[0]
     for panel, ax in enumerate(axes):
-        faces, colours, depths = [], [], []
-        for bar, colour in zip(bars[panel], _BAR_COLOURS, strict=True):
-            for face in _FACES:
-                corners = bar[list(face)]
-                normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-                normal /= np.linalg.norm(normal)
-                brightness = 0.55 + 0.45 * abs(normal @ light)
-                faces.append(corners @ view.T)
-                colours.append(tuple(brightness * channel for channel in to_rgb(colour)))
-                depths.append((corners @ depth_axis).mean())
-        order = np.argsort(depths)
-        ax.add_collection(
-            PolyCollection(
-                [faces[i] for i in order],
-                facecolors=[colours[i] for i in order],
-                edgecolors="black",
-                linewidths=0.4,
-            )
-        )
-        centre = np.mean([place[panel] for place in points.values()], axis=0)
-        for name, place in points.items():
-            at, away = view @ place[panel], view @ (place[panel] - centre)
-            away = 0.05 * away / max(np.linalg.norm(away), 1e-9)
-            ax.plot(*at, "o", color="black", markersize=2.5)
-            ax.annotate(name, at + away, fontsize=8, ha="center", va="center")
+        _draw_bars(ax, bars[panel], view, towards)
+        _draw_points(ax, {name: view @ place[panel] for name, place in points.items()})
         ax.set_title(f"t = {times[panel]:.3f} s\nopening at B {degrees[panel]:.0f}°", fontsize=8)
         ax.set_aspect("equal")
         ax.axis("off")
-        ax.autoscale_view()
+    corners = bars.reshape(-1, 3) @ view.T
+    (left, bottom), (right, top) = corners.min(axis=0) - _MARGIN, corners.max(axis=0) + _MARGIN
+    axes[0].set(xlim=(left, right), ylim=(bottom, top))
     return figure
+
+
+def _draw_bars(ax: Any, bars: np.ndarray, view: np.ndarray, towards: np.ndarray) -> None:
+    """Paint the faces of bars (bar, 8, 3) from far to near, the lit ones brighter."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgb
+
+    painted = []
+    for bar, colour in zip(bars, _BAR_COLOURS, strict=True):
+        for face in _FACES:
+            corners = bar[list(face)]
+            normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+            brightness = 0.55 + 0.45 * abs(normal @ _LIGHT) / np.linalg.norm(normal)
+            shade = tuple(brightness * channel for channel in to_rgb(colour))
+            painted.append(((corners @ towards).mean(), corners @ view.T, shade))
+    painted.sort(key=lambda item: item[0])
+    _, faces, shades = zip(*painted, strict=True)
+    ax.add_collection(PolyCollection(faces, facecolors=shades, edgecolors="black", linewidths=0.4))
+
+
+def _draw_points(ax: Any, places: Mapping[str, np.ndarray]) -> None:
+    """Mark points on the page, with their names away from their middle."""
+    centre = np.mean(list(places.values()), axis=0)
+    for name, at in places.items():
+        away = at - centre
+        ax.plot(*at, "o", color="black", markersize=2.5)
+        place = at + 0.7 * _MARGIN * away / max(np.linalg.norm(away), 1e-9)
+        ax.text(*place, name, fontsize=8, ha="center", va="center")
 
 
 def _view(azimuth: float, elevation: float) -> tuple[np.ndarray, np.ndarray]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from campaign.files import write_text
+from campaign.files import open_netcdf, write_text
 
 
 def summarise(
@@ -20,9 +20,7 @@ def summarise(
     text_path: str | Path,
 ) -> str:
     """Write both summaries and return the text. `config` has `published`."""
-    import xarray as xr
-
-    with xr.open_dataset(bounds_path) as bounds, xr.open_dataset(samples_path) as samples:
+    with open_netcdf(bounds_path) as bounds, open_netcdf(samples_path) as samples:
         summary = headline(bounds, samples, config["published"])
     text = as_text(summary)
     write_text(json_path, json.dumps(summary, indent=2) + "\n")
@@ -31,62 +29,58 @@ def summarise(
 
 
 def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
-    """The headline numbers of a campaign as plain numbers and text."""
-    roles = samples["role"].values.astype(str)
-    nominal = int(np.flatnonzero(roles == "nominal")[0])
-    runs = samples["run_id"].values.astype(str)
-    rows = []
-    for name in bounds.attrs["responses"].split():
-        rows.append(_response(bounds, name, published.get(name)))
+    """The headline numbers as plain numbers and text, from the open `bounds.nc`, `samples.nc`."""
+    roles = list(samples["role"][:])
+    names = bounds.responses.split()
     parameters = [
         {
-            "name": str(name),
+            "name": name,
             "lower": float(low),
             "nominal": float(middle),
             "upper": float(high),
         }
         for name, low, middle, high in zip(
-            bounds["parameter"].values,
-            bounds["parameter_lower"].values,
-            bounds["parameter_nominal"].values,
-            bounds["parameter_upper"].values,
+            bounds["parameter"][:],
+            bounds["parameter_lower"][:],
+            bounds["parameter_nominal"][:],
+            bounds["parameter_upper"][:],
             strict=True,
         )
     ]
     return {
-        "campaign": bounds.attrs["campaign"],
-        "scene": bounds.attrs["scene"],
-        "config_hash": bounds.attrs["config_hash"],
+        "campaign": bounds.campaign,
+        "scene": bounds.scene,
+        "config_hash": bounds.config_hash,
         "parameters": parameters,
         "design": {
-            "method": bounds.attrs["design_method"],
-            "order": np.atleast_1d(bounds.attrs["design_order"]).tolist(),
-            "nodes": int((roles == "node").sum()),
-            "held_out": int((roles == "held_out").sum()),
-            "runs": len(set(runs)),
+            "method": bounds.design_method,
+            "order": np.atleast_1d(bounds.design_order).tolist(),
+            "nodes": roles.count("node"),
+            "held_out": roles.count("held_out"),
+            "runs": len(set(samples["run_id"][:])),
         },
-        "time_step": float(bounds.attrs["time_step"]),
-        "closures": closures(samples, nominal),
-        "responses": rows,
+        "time_step": float(bounds.time_step),
+        "closures": closures(samples, roles.index("nominal")),
+        "responses": [_response(bounds, name, published.get(name)) for name in names],
     }
 
 
 def _response(bounds: Any, name: str, published: float | None) -> dict:
-    lower, upper = bounds[f"{name}_lower"].values, bounds[f"{name}_upper"].values
-    time, width = bounds["time"].values, upper - lower
+    time, lower, upper = (bounds[key][:] for key in ("time", f"{name}_lower", f"{name}_upper"))
+    width = upper - lower
     at = int(width.argmax())
     row = {
         "name": name,
-        "long_name": bounds[f"{name}_lower"].attrs.get("long_name", name),
-        "units": bounds[f"{name}_lower"].attrs.get("units", ""),
+        "long_name": bounds[f"{name}_lower"].long_name.removeprefix("lower bound of "),
+        "units": getattr(bounds[f"{name}_lower"], "units", "1"),
         "largest_difference": float(width[at]),
         "time_of_largest_difference": float(time[at]),
         "published": published,
         "ratio_to_published": None if not published else float(width[at] / published),
         "mean_difference": float(np.trapezoid(width, time) / (time[-1] - time[0])),
     }
-    if f"{name}_error" in bounds:
-        error = bounds[f"{name}_error"].values
+    if f"{name}_error" in bounds.variables:
+        error = bounds[f"{name}_error"][:]
         worst = int(error.argmax())
         row["largest_error"] = float(error[worst])
         row["time_of_largest_error"] = float(time[worst])
@@ -96,14 +90,11 @@ def _response(bounds: Any, name: str, published: float | None) -> dict:
 
 def closures(samples: Any, run: int) -> list[dict]:
     """Contacts of one run that close: time (s) and index of the contact, in order of time."""
-    if "event_time" not in samples or not samples.sizes.get("event", 0):
-        return []
-    time = samples["event_time"].values[run]
-    closing = samples["event_closing"].values[run]
-    contact = samples["event_contact"].values[run]
+    keys = ("event_time", "event_closing", "event_contact")
+    time, closing, contact = (samples[key][run] for key in keys)
     rows = [
         {"time": float(t), "contact": int(c)}
-        for t, c, shut in zip(time, contact, closing, strict=True)
+        for t, shut, c in zip(time, closing, contact, strict=True)
         if np.isfinite(t) and shut == 1
     ]
     return sorted(rows, key=lambda row: row["time"])

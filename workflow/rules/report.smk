@@ -6,13 +6,13 @@ rule envelopes:
         "{stage}/bounds.nc",
     output:
         CAMPAIGN.envelope_figures("{stage}"),
-    params:
-        config=sections("error"),
-        folder=lambda wildcards: f"{wildcards.stage}/figures",
     log:
         "{stage}/logs/envelopes.log",
     conda:
         "../envs/campaign.yaml"
+    params:
+        config=sections("error"),
+        folder=lambda wildcards: f"{wildcards.stage}/figures",
     message:
         "Drawing the envelopes"
     shell:
@@ -26,14 +26,14 @@ rule linkage:
     output:
         "{stage}/figures/linkage.png",
         "{stage}/figures/linkage.pdf",
-    params:
-        config=sections("figures"),
-        store=CAMPAIGN.store_folder(),
-        folder=lambda wildcards: f"{wildcards.stage}/figures",
     log:
         "{stage}/logs/linkage.log",
     conda:
         "../envs/campaign.yaml"
+    params:
+        config=sections("figures"),
+        store=CAMPAIGN.store_folder(),
+        folder=lambda wildcards: f"{wildcards.stage}/figures",
     message:
         "Drawing the structure"
     shell:
@@ -48,12 +48,12 @@ rule summary:
     output:
         json="{stage}/summary.json",
         text="{stage}/summary.md",
-    params:
-        config=sections("published"),
     log:
         "{stage}/logs/summary.log",
     conda:
         "../envs/campaign.yaml"
+    params:
+        config=sections("published"),
     message:
         "Summing up"
     shell:

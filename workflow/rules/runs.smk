@@ -30,13 +30,13 @@ rule simulate:
         "../envs/campaign.yaml"
     params:
         jobs=sections("jobs"),
-        count=CAMPAIGN.batch_count(),
+        batch_count=CAMPAIGN.batch_count(),
         folder=CAMPAIGN.store_folder(),
     message:
         "Simulating batch {wildcards.batch}"
     shell:
         "python workflow/scripts/simulate.py --nodes {input.nodes} --jobs {params.jobs:q}"
-        " --batch {wildcards.batch} --batches {params.count} --folder {params.folder}"
+        " --batch {wildcards.batch} --batches {params.batch_count} --folder {params.folder}"
         " --output {output} --log {log}"
 
 
@@ -52,10 +52,10 @@ rule gather:
         "../envs/campaign.yaml"
     params:
         jobs=sections("jobs"),
-        count=CAMPAIGN.batch_count(),
+        batch_count=CAMPAIGN.batch_count(),
         folder=CAMPAIGN.store_folder(),
     message:
         "Gathering the responses of all runs"
     shell:
         "python workflow/scripts/gather.py --nodes {input.nodes} --jobs {params.jobs:q}"
-        " --batches {params.count} --folder {params.folder} --output {output} --log {log}"
+        " --batches {params.batch_count} --folder {params.folder} --output {output} --log {log}"

@@ -332,7 +332,8 @@ def bennett_geometry(
 
     ``mu_deg`` is half the corner angle at B, ``omega_deg`` the angle between the hinge line at B
     and the bar; they determine each other, ``tan(omega) = tan(mu) / sin(lambda)``, so one of them
-    is enough.  When both are given they must agree to the digit that the paper prints.
+    is enough.  When both are given they must agree to the digit that the paper prints; when
+    neither is, the corners are square (mu = 45 degrees).
 
     Raises SceneError naming the numbers that disagree or are out of range.
     """
@@ -349,7 +350,7 @@ def bennett_geometry(
     elif omega_deg is not None:
         mu = _mu_from_omega(omega_deg, lam)
     else:
-        raise SceneError("mu_deg", None, "given, unless omega_deg is")
+        mu = 0.25 * math.pi
 
     geometry = BennettGeometry(length=length, side=side, lam=lam, mu=mu)
     if mu_deg is not None and omega_deg is not None:

@@ -207,6 +207,11 @@ def test_omega_stands_in_for_mu():
     assert found.mu == pytest.approx(given.mu, rel=1e-14)
 
 
+def test_corners_are_square_unless_told():
+    assert bennett_geometry(L, SIDE, 45.0) == frame()
+    assert bennett_geometry(L, SIDE, 30.0) == frame((30.0, 45.0))
+
+
 def test_the_papers_omega_agrees_with_the_square_frame():
     assert bennett_geometry(L, SIDE, 45.0, 45.0, 54.7) == frame()
 
@@ -231,7 +236,6 @@ def test_inconsistent_omega_is_refused_with_the_numbers():
         ((L, SIDE, 90.0, 45.0), "lambda_deg"),
         ((L, SIDE, 45.0, 0.0), "mu_deg"),
         ((L, SIDE, 45.0, None, 90.0), "omega_deg"),
-        ((L, SIDE, 45.0), "mu_deg"),
         ((0.049, SIDE, 45.0, 45.0), "L"),  # the square frame needs sqrt(2) a = 0.0495 m
     ],
 )

@@ -4,17 +4,15 @@
     config["solver"]["duration"]
 
 A config is a plain nested dict that follows `workflow/schemas/config.schema.yaml`. Everything wrong
-with it is collected into one `ConfigError`: first what the schema can tell, then what needs the
-scene (`campaign.scene_checks`).
+with it is collected into one `ConfigError`: what the schema tells (`campaign.schema_checks`), then
+what needs the scene (`campaign.scene_checks`).
 """
 
 from __future__ import annotations
 
 import copy
-import difflib
 import hashlib
 import json
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -51,14 +49,14 @@ def load_config(
 
 def check_config(raw: Mapping, source: str = "the config") -> dict:
     """`raw` with the defaults filled in; raises `ConfigError` with everything that is wrong."""
-    problems = schema_problems(raw)
-    if problems:
-        raise ConfigError(source, problems)
-    config = with_defaults(raw)
     from campaign.scene_checks import scene_problems
+    from campaign.schema_checks import schema_problems
 
-    problems = scene_problems(config)
-    if problems:
+    problems, sound = schema_problems(raw, schema())
+    config = None if sound is None else with_defaults(sound)
+    if config is not None:
+        problems += scene_problems(config)
+    if problems or config is None:
         raise ConfigError(source, problems)
     return config
 
@@ -106,71 +104,3 @@ def digest(data: Any) -> str:
 def canonical_json(data: Any) -> str:
     """`data` as JSON that is the same for equal data."""
     return json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
-
-
-def schema_problems(raw: Any) -> list[str]:
-    """What the schema finds wrong with `raw`, one sentence each that starts with the key."""
-    from jsonschema import Draft202012Validator
-
-    problems = [
-        f"{key}: {value} is not allowed; allowed: a finite number"
-        for key, value in _not_finite(raw)
-    ]
-    errors = sorted(
-        Draft202012Validator(schema()).iter_errors(raw),
-        key=lambda e: list(map(str, e.absolute_path)),
-    )
-    for error in errors:
-        problems.extend(_sentences(error))
-    return problems
-
-
-def _sentences(error: Any) -> list[str]:
-    """A `jsonschema` error as sentences: key, value, what is allowed."""
-    key = ".".join(str(part) for part in error.absolute_path)
-    dotted = f"{key}." if key else ""
-    if error.validator == "additionalProperties":
-        known = list(error.schema.get("properties", {}))
-        unknown = [name for name in error.instance if name not in known]
-        return [
-            f"{dotted}{name}: there is no such key{did_you_mean(name, known)}; "
-            f"allowed: {', '.join(known)}"
-            for name in unknown
-        ]
-    if error.validator == "required":
-        missing = [name for name in error.validator_value if name not in error.instance]
-        name = next(name for name in missing if repr(name) in error.message)
-        allowed = error.schema["properties"][name].get("allowed", "a value")
-        return [f"{dotted}{name}: missing; allowed: {allowed}"]
-    if "propertyNames" in error.absolute_schema_path:
-        allowed = error.schema["allowed"]
-        return [f"{dotted}{error.instance}: not a name that can be used; allowed: {allowed}"]
-    allowed = error.schema.get("allowed", error.message)
-    return [f"{key or 'the file'}: {show(error.instance)} is not allowed; allowed: {allowed}"]
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """`" (did you mean x?)"` when a known name is close, else an empty string."""
-    close = difflib.get_close_matches(name, list(known), n=1)
-    return f" (did you mean {close[0]}?)" if close else ""
-
-
-def show(value: Any) -> str:
-    """A value as short text for a message."""
-    text = json.dumps(value, default=str) if not isinstance(value, str) else repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
-def _not_finite(value: Any, key: str = "") -> list[tuple[str, float]]:
-    """Keys and values of the numbers in `value` that are infinite or not a number."""
-    if isinstance(value, Mapping):
-        return [
-            hit
-            for name, item in value.items()
-            for hit in _not_finite(item, f"{key}.{name}".lstrip("."))
-        ]
-    if isinstance(value, list):
-        return [hit for i, item in enumerate(value) for hit in _not_finite(item, f"{key}[{i}]")]
-    if isinstance(value, float) and not math.isfinite(value):
-        return [(key, value)]
-    return []

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from campaign.config import did_you_mean, show
+from campaign.schema_checks import did_you_mean, show
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from campaign.config import did_you_mean, show
 from campaign.parameters import Interval, intervals_of, parameter_problems, scene_values
+from campaign.schema_checks import did_you_mean, show
 
 
 def scene_problems(config: Mapping) -> list[str]:
@@ -17,7 +17,7 @@ def scene_problems(config: Mapping) -> list[str]:
     try:
         scene_type = fpm.scenes.get(config["scene"]["name"])
     except fpm.SceneError as error:
-        return [f"scene.name: {error}"]
+        return [_sentence("scene.name", error)]
     problems = parameter_problems(config, scene_type)
     intervals, trouble = intervals_of(config, scene_type)
     problems += trouble
@@ -68,7 +68,7 @@ def _response_problems(config: Mapping, scene_type: Any) -> list[str]:
         try:
             fpm.responses.parse(name, definition, scene_type)
         except fpm.SceneError as error:
-            problems.append(f"responses.{name}: {error}")
+            problems.append(_sentence(f"responses.{name}.{error.key}", error))
     known = list(config["responses"])
     for name in config["published"]:
         if name not in known:
@@ -87,9 +87,7 @@ def _design_problems(config: Mapping, intervals: Mapping) -> list[str]:
     try:
         make_design(config, intervals)
     except IntervalError as error:
-        problems.append(
-            f"design.{error.key}: {show(error.value)} is not allowed; allowed: {error.allowed}"
-        )
+        problems.append(_sentence(f"design.{error.key}", error))
     solver = config["solver"]
     if solver["step"] != "auto" and solver["step"] > solver["duration"]:
         problems.append(
@@ -97,3 +95,8 @@ def _design_problems(config: Mapping, intervals: Mapping) -> list[str]:
             f"allowed: auto, or at most {solver['duration']:.6g}"
         )
     return problems
+
+
+def _sentence(key: str, error: Any) -> str:
+    """An error of `fpm` or `intervals`, which know value and allowed, as a sentence."""
+    return f"{key}: {show(error.value)} is not allowed; allowed: {error.allowed}"

@@ -26,7 +26,8 @@ try:
         workflow.config_settings.config,
     )
 except CampaignError as error:
-    raise WorkflowError(str(error)) from None
+    print(error, file=sys.stderr)
+    sys.exit(1)
 
 
 wildcard_constraints:

@@ -7,6 +7,7 @@ The package knows nothing of the model: it takes arrays, or netCDF files as data
 
 from .bounds import bounds_dataset
 from .box import Box
+from .datasets import match_points
 from .designs import METHODS, Design, make_design
 from .errors import error_estimate
 from .exceptions import IntervalError
@@ -27,5 +28,6 @@ __all__ = [
     "fit_points",
     "held_out_points",
     "make_design",
+    "match_points",
     "surrogate_range",
 ]

@@ -36,8 +36,8 @@ def inner_range(
         part = slice(start, start + step)
         c = coefficients[:, part]
         values = basis @ c
-        low[part], x_low[part] = _climb(-c, indices, samples[values.argmin(axis=0)], sweeps)
-        high[part], x_high[part] = _climb(c, indices, samples[values.argmax(axis=0)], sweeps)
+        low[part], x_low[part] = climb(-c, indices, samples[values.argmin(axis=0)], sweeps)
+        high[part], x_high[part] = climb(c, indices, samples[values.argmax(axis=0)], sweeps)
     return -low, high, x_low, x_high
 
 
@@ -52,8 +52,8 @@ def sample_points(degrees: np.ndarray) -> np.ndarray:
     return np.concatenate([corner_points(free), np.zeros((1, len(free))), drawn])
 
 
-def _climb(
-    c: np.ndarray, indices: np.ndarray, start: np.ndarray, sweeps: int
+def climb(
+    c: np.ndarray, indices: np.ndarray, start: np.ndarray, sweeps: int = 30
 ) -> tuple[np.ndarray, np.ndarray]:
     """Coordinate ascent of sums c (M, T) from start (T, k): values (T) and arguments (T, k)."""
     directions = [j for j in range(indices.shape[1]) if indices[:, j].any()]
@@ -86,9 +86,7 @@ class _Plan:
     """How to collect the coefficients along one direction, worked out once."""
 
     def __init__(self, indices: np.ndarray, direction: int) -> None:
-        self.others = [
-            j for j in range(indices.shape[1]) if j != direction and indices[:, j].any()
-        ]
+        self.others = [j for j in range(indices.shape[1]) if j != direction and indices[:, j].any()]
         self.order = np.argsort(indices[:, direction], kind="stable")
         self.indices = indices[self.order]
         self.rows, self.starts = np.unique(self.indices[:, direction], return_index=True)

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import errors, metrics
+from . import errors
+from .datasets import Bounds, Samples, bounds_to_dataset, match_points, other_runs, read_samples
 from .designs import Design
-from .exceptions import IntervalError
+from .partition import SplitDesign, parts_of
 from .ranges import surrogate_range
 from .surrogate import fit
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 def bounds_dataset(
     samples: xr.Dataset,
-    design: Design,
+    design: Design | SplitDesign,
     responses: Sequence[str] | None = None,
     *,
     tolerance: float = 1e-3,
@@ -50,158 +51,64 @@ def bounds_dataset(
     (parameter values where), ``R_nominal``, ``R_error`` (estimate for the bounds). Attributes of
     ``R_error`` hold the numbers of the summary.
     """
-    import xarray as xr
+    data = read_samples(samples, responses)
+    attrs = {"design_method": design.method, "design_order": list(design.order)}
+    if isinstance(design, Design) and not len(design.multi_indices):
+        bounds = sample_bounds(data)
+        centre = None if data.nominal is None else data.values[data.nominal]
+        attrs |= {"design_runs": len(data.unit), "bounds_kind": "least and largest sample"}
+        return bounds_to_dataset(data, bounds, centre, None, np.arange(0), attrs)
 
-    names = response_names(samples, responses)
-    time = np.asarray(samples["time"].values, dtype=float)
-    unit = np.asarray(samples["unit"].values, dtype=float)
-    stacked = np.stack([samples[name].values for name in names], axis=1)  # (run, response, time)
-    if not np.isfinite(stacked).all():
-        bad = [n for i, n in enumerate(names) if not np.isfinite(stacked[:, i]).all()]
-        raise IntervalError("samples", ", ".join(bad), "finite responses in every run")
-    nominal = nominal_run(samples)
-    plain = not len(design.multi_indices)
-    if plain:
-        low_at, high_at = stacked.argmin(axis=0), stacked.argmax(axis=0)
-        lower, upper = stacked.min(axis=0), stacked.max(axis=0)
-        inner_lower, inner_upper = lower, upper
-        argmin, argmax = unit[low_at], unit[high_at]
-        error = None
-        centre = None if nominal is None else stacked[nominal]
-        tested = np.arange(0)
-    else:
-        nodes = match_points(design.points, unit)
-        surrogate = fit(design, stacked[nodes])
+    tested = other_runs(data.unit, design.points)
+    shape = data.values.shape[1:]
+    held_out, decay, centre = np.zeros(shape), np.zeros(shape), None
+    ranges = []
+    for part in parts_of(design):
+        surrogate = fit(part.design, data.values[match_points(part.points, data.unit)])
         found = surrogate_range(surrogate, tolerance)
-        lower, upper = found.lower, found.upper
-        inner_lower, inner_upper = found.inner_lower, found.inner_upper
-        argmin, argmax = found.argmin, found.argmax
-        tested = other_runs(unit, design.points)
-        error = errors.error_estimate(surrogate, time, unit[tested], stacked[tested], window)
-        if nominal is None:
-            centre = surrogate.evaluate(np.zeros((1, design.dimension)))[0]
-        else:
-            centre = stacked[nominal]
-    to_values = _unit_to_value(samples)
+        ranges.append((found, part))
+        inside = tested[part.contains(data.unit[tested])]
+        local = part.to_local(data.unit[inside])
+        seen = errors.held_out_error(surrogate, local, data.values[inside])
+        held_out = np.maximum(held_out, seen)
+        decay = np.maximum(decay, errors.decay_estimate(surrogate))
+        middle = np.zeros((1, design.dimension))
+        if centre is None and part.contains(middle)[0]:
+            centre = surrogate.evaluate(part.to_local(middle))[0]
+    if data.nominal is not None:
+        centre = data.values[data.nominal]
+    total = errors.widen(data.time, np.maximum(held_out, decay), window)
+    error = errors.ErrorEstimate(total, held_out, decay)
+    attrs |= {"design_runs": design.runs, "bounds_kind": "range of the surrogate"}
+    return bounds_to_dataset(data, _union(ranges), centre, error, tested, attrs)
 
-    data = {}
-    for i, name in enumerate(names):
-        source = samples[name].attrs
-        label = source.get("long_name", name)
-        units = {"units": source["units"]} if "units" in source else {}
 
-        def put(suffix, values, text, label=label, units=units, name=name):
-            attrs = {"long_name": f"{text} {label}", **units}
-            data[f"{name}_{suffix}"] = ("time", values, attrs)
+def sample_bounds(data: Samples) -> Bounds:
+    """Least and largest sample of each response at each instant."""
+    low, high = data.values.argmin(axis=0), data.values.argmax(axis=0)
+    lower, upper = data.values.min(axis=0), data.values.max(axis=0)
+    return Bounds(lower, upper, lower, upper, data.unit[low], data.unit[high])
 
-        put("lower", lower[i], "lower bound of")
-        put("upper", upper[i], "upper bound of")
-        put("inner_lower", inner_lower[i], "attained lower bound of")
-        put("inner_upper", inner_upper[i], "attained upper bound of")
-        if centre is not None:
-            source = "nominal run of" if nominal is not None else "surrogate at the centre of"
-            put("nominal", centre[i], source)
-        for suffix, arguments in (("argmin", argmin), ("argmax", argmax)):
-            side = "lower" if suffix == "argmin" else "upper"
-            attrs = {"long_name": f"parameters at the {side} bound of {label}"}
-            data[f"{name}_{suffix}"] = (("time", "parameter"), to_values(arguments[i]), attrs)
-        if error is not None:
-            put("error", error.total[i], "estimated error of the bounds of")
-            put("error_held_out", error.held_out[i], "largest error at the held-out runs of")
-            put("error_decay", error.decay[i], "error foretold by the coefficients of")
-            numbers = _numbers(
-                time, lower[i], upper[i], inner_lower[i], inner_upper[i], error.total[i]
-            )
-            numbers |= metrics.compare_runs(lower[i], upper[i], stacked[tested, i])
-            data[f"{name}_error"][2].update(numbers, held_out_runs=len(tested))
 
-    attrs = dict(samples.attrs)
-    attrs.update(
-        responses=" ".join(names),
-        design_method=design.method,
-        design_order=list(design.order),
-        design_runs=design.runs if not plain else len(unit),
-        held_out_runs=len(tested),
+def _union(ranges) -> Bounds:
+    """Union of the ranges of all parts, arguments in the unit coordinates of the box."""
+    first, part = ranges[0]
+    union = Bounds(
+        first.lower,
+        first.upper,
+        first.inner_lower,
+        first.inner_upper,
+        part.to_global(first.argmin),
+        part.to_global(first.argmax),
     )
-    coords = {"time": samples["time"]}
-    if "parameter" in samples.coords:
-        coords["parameter"] = samples["parameter"]
-    return xr.Dataset(data, coords=coords, attrs=attrs)
-
-
-def _numbers(time, lower, upper, inner_lower, inner_upper, error) -> dict[str, float]:
-    """Summary numbers of one response: widths, gap and error, with the times of the largest."""
-    width = upper - lower
-    area = metrics.integral(time, width)
-    at, worst = int(np.argmax(width)), int(np.argmax(error))
-    gap = metrics.integral(time, (inner_lower - lower) + (upper - inner_upper))
-    share = metrics.integral(time, error) / area if area > 0 else 0.0
-    return {
-        "largest_width": float(width[at]),
-        "largest_width_time": float(time[at]),
-        "largest_error": float(error[worst]),
-        "largest_error_time": float(time[worst]),
-        "error_share_of_width": float(share),
-        "gap_share_of_width": float(gap / area) if area > 0 else 0.0,
-    }
-
-
-def response_names(samples: xr.Dataset, responses: Sequence[str] | None) -> list[str]:
-    """Names of the responses, after checking that the samples have them."""
-    known = [str(n) for n, v in samples.data_vars.items() if v.dims == ("run", "time")]
-    names = known if responses is None else [str(n) for n in responses]
-    for name in names:
-        if name not in known:
-            raise IntervalError("response", name, "one of " + ", ".join(known))
-    if not names:
-        raise IntervalError("samples", list(samples.data_vars), "variables over (run, time)")
-    return names
-
-
-def nominal_run(samples: xr.Dataset) -> int | None:
-    """Index of the run whose role is nominal, None if there is none."""
-    if "role" not in samples:
-        return None
-    found = np.flatnonzero(samples["role"].values.astype(str) == "nominal")
-    return int(found[0]) if len(found) else None
-
-
-def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
-    """Index (N) of the run at each design point; runs are known by their coordinates, not place."""
-    found = np.full(len(points), -1)
-    for i, point in enumerate(points):
-        distance = np.abs(unit - point).max(axis=1) if len(unit) else np.array([np.inf])
-        at = int(distance.argmin())
-        if distance[at] <= tolerance:
-            found[i] = at
-    missing = np.flatnonzero(found < 0)
-    if len(missing):
-        first = np.round(points[missing[0]], 6).tolist()
-        raise IntervalError(
-            "samples",
-            f"no run at {len(missing)} of {len(points)} design points, the first at unit {first}",
-            "a run at every point of the design",
+    for found, part in ranges[1:]:
+        low, high = found.inner_lower < union.inner_lower, found.inner_upper > union.inner_upper
+        union = Bounds(
+            np.minimum(union.lower, found.lower),
+            np.maximum(union.upper, found.upper),
+            np.minimum(union.inner_lower, found.inner_lower),
+            np.maximum(union.inner_upper, found.inner_upper),
+            np.where(low[..., None], part.to_global(found.argmin), union.argmin),
+            np.where(high[..., None], part.to_global(found.argmax), union.argmax),
         )
-    return found
-
-
-def other_runs(unit: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
-    """Indices of the runs that are at none of the design's points."""
-    far = np.ones(len(unit), dtype=bool)
-    for point in points:
-        far &= np.abs(unit - point).max(axis=1) > tolerance
-    return np.flatnonzero(far)
-
-
-def _unit_to_value(samples: xr.Dataset):
-    """Function from unit coordinates (..., k) to parameter values, from the runs themselves."""
-    unit = np.asarray(samples["unit"].values, dtype=float)
-    value = np.asarray(samples["value"].values, dtype=float)
-    middle, half = value.mean(axis=0), np.zeros(unit.shape[1])
-    for j in range(unit.shape[1]):
-        spread = unit[:, j].max() - unit[:, j].min()
-        if spread > 0:
-            a, b = unit[:, j].argmin(), unit[:, j].argmax()
-            half[j] = (value[b, j] - value[a, j]) / spread
-            middle[j] = value[a, j] - half[j] * unit[a, j]
-    return lambda u: middle + half * u
+    return union

@@ -121,7 +121,9 @@ def make_design(
         if not no_surrogate:
             indices = multi_indices.total_degree(orders)
             if len(indices) > len(points):
-                raise IntervalError("samples", len(points), f"at least {len(indices)} for order {order}")
+                raise IntervalError(
+                    "samples", len(points), f"at least {len(indices)} for order {order}"
+                )
     kept = {k: v for k, v in options.items() if k != "existing"}
     return Design(points, indices, method, tuple(int(n) for n in orders), kept)
 

@@ -25,7 +25,7 @@ WINDOW = 0.01  # share of the duration
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Estimates of max |f - s| over the box at each instant, (..., T); `total` is the one to use."""
+    """Estimates of max |f - s| over the box at each instant, (..., T); use `total`."""
 
     total: np.ndarray
     held_out: np.ndarray
@@ -85,7 +85,7 @@ def decay_estimate(surrogate: Surrogate) -> np.ndarray:
 
 
 def direction_tails(surrogate: Surrogate) -> np.ndarray:
-    """Extrapolated tail of each direction by itself, (k, ..., T): which one needs a higher order."""
+    """Extrapolated tail of each direction by itself, (k, ..., T): which needs a higher order."""
     c = np.abs(surrogate.coefficients)
     return np.array([_tail(level, c) for level in surrogate.multi_indices.T])
 
@@ -96,12 +96,8 @@ def _tail(level: np.ndarray, c: np.ndarray) -> np.ndarray:
         return np.zeros(c.shape[1:])
     shells = np.array([c[level == l].sum(axis=0) for l in range(1, n + 1)])
     last = shells[-2:].max(axis=0) if n > 1 else shells[-1]
-    if n < 3:
-        before = shells[0]
-    else:
-        before = shells[-4:-2].max(axis=0)
-    # n = 2: the last two shells include the first, and no decay can be told from S_1 alone
-    if n == 2:
+    before = shells[0] if n < 3 else shells[-4:-2].max(axis=0)
+    if n == 2:  # the pair before the last two does not exist: the last one against the first
         last = shells[-1]
     ratio = np.divide(last, before, out=np.ones_like(last), where=before > 0)
     return last * np.minimum(ratio, 1.0)

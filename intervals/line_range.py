@@ -106,9 +106,7 @@ def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def _classify(g, g1, g2, third, radius, target):
     """Masks: cells to be halved, and cells that hold one maximum for Newton's iteration."""
-    bound = (
-        g + np.abs(g1) * radius + np.maximum(g2, 0) * (radius**2 / 2) + third * (radius**3 / 6)
-    )
+    bound = g + np.abs(g1) * radius + np.maximum(g2, 0) * (radius**2 / 2) + third * (radius**3 / 6)
     open_ = bound > target
     bend = third * radius
     monotone = np.abs(g1) > radius * (np.abs(g2) + bend / 2)

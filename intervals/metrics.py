@@ -65,4 +65,4 @@ def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> di
 
 def integral(time: np.ndarray, values: np.ndarray) -> float:
     """Trapezoidal integral over the last axis."""
-    return float(np.trapezoid(values, time, axis=-1))
+    return float(((values[..., 1:] + values[..., :-1]) / 2 * np.diff(time)).sum(axis=-1))

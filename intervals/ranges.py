@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .ascent import inner_range
+from .ascent import climb, inner_range
+from .bernstein import tighten
 from .enclosures import effects_enclosure, grid_enclosure
 from .line_range import line_range
 from .surrogate import Surrogate
@@ -64,8 +65,12 @@ def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
     else:
         low, high, argmin, argmax = inner_range(c, indices)
         lower, upper = effects_enclosure(c, indices)
-        other_lower, other_upper = grid_enclosure(c, indices)
-        lower, upper = np.maximum(lower, other_lower), np.minimum(upper, other_upper)
+        grid_lower, grid_upper = grid_enclosure(c, indices)
+        lower, upper = np.maximum(lower, grid_lower), np.minimum(upper, grid_upper)
+        close = tolerance / 2 * (high - low)
+        upper, high, argmax = _tighten(c, surrogate, upper, high, argmax, close)
+        lower, low, argmin = _tighten(-c, surrogate, -lower, -low, argmin, close)
+        lower, low = -lower, -low
         # an enclosure and an attained value can cross by rounding only
         lower, upper = np.minimum(lower, low), np.maximum(upper, high)
     return Range(
@@ -76,3 +81,16 @@ def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
         argmin.reshape(*shape, k),
         argmax.reshape(*shape, k),
     )
+
+
+def _tighten(c, surrogate, outer, attained, argument, close):
+    """Tighter upper bound, and the attained value and argument, which subdivision may better."""
+    dense = Surrogate(c, surrogate.multi_indices).dense()
+    outer, value, where = tighten(dense, attained, outer, close)
+    better = np.flatnonzero(value > attained)
+    if len(better):
+        attained, argument = attained.copy(), argument.copy()
+        climbed, at = climb(c[:, better], surrogate.multi_indices, where[better])
+        attained[better] = np.maximum(value[better], climbed)
+        argument[better] = np.where((climbed > value[better])[:, None], at, where[better])
+    return outer, attained, argument

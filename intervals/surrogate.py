@@ -65,14 +65,14 @@ class Surrogate:
         return Surrogate(coefficients, indices)
 
     def dense(self) -> np.ndarray:
-        """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...), zeros where there are none."""
+        """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...), zeros where absent."""
         shape = tuple(int(n) + 1 for n in self.degrees)
         full = np.zeros((*shape, *self.coefficients.shape[1:]))
         full[tuple(self.multi_indices.T)] = self.coefficients
         return full
 
     def restrict(self, direction: int, unit: np.ndarray) -> np.ndarray:
-        """Coefficients (n_j + 1, ...) along one direction, the other coordinates held at `unit` (k)."""
+        """Coefficients (n_j + 1, ...) along one direction, the others held at `unit` (k)."""
         others = np.array(unit, dtype=float)
         weights = np.ones(len(self.multi_indices))
         for j, x in enumerate(others):

@@ -1,0 +1,162 @@
+"""Outer enclosure of polynomials in several variables: Bernstein form with subdivision.
+
+In Bernstein form a polynomial on a patch lies between its least and its largest coefficient, and
+the coefficients at the vertices are its values there. Halving patches makes the enclosure sharp at
+a quadratic rate, and a patch that cannot beat the best value known is dropped (Garloff 1985; Smith
+2009). Where the extreme value sits in a corner, as for monotone responses, one patch is enough.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import comb
+
+import numpy as np
+
+MAX_DEGREE = 12  # beyond, the change of basis loses too many digits
+MAX_TENSOR = 70_000  # coefficients of one patch
+_MEMORY = 1 << 22  # numbers in the patches of one chunk of instants
+_WORK = 60_000  # numbers in all the patches that an instant may use on average
+
+
+def tighten(
+    dense: np.ndarray, known: np.ndarray, outer: np.ndarray, tolerance: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Tighten an upper bound of max p over [-1, 1]^k.
+
+    Parameters
+    ----------
+    dense
+        Chebyshev coefficients (n_1 + 1, ..., n_k + 1, T).
+    known, outer, tolerance
+        (T): a value that p attains, an upper bound, and the gap at which to stop.
+
+    Returns
+    -------
+    outer, value, argument
+        (T), (T), (T, k): the tighter bound, the best vertex value seen (-inf if none) and where.
+    """
+    degrees = np.array(dense.shape[:-1]) - 1
+    size = int(np.prod(degrees + 1))
+    outer = outer.copy()
+    value = np.full(len(known), -np.inf)
+    argument = np.zeros((len(known), len(degrees)))
+    if degrees.max() > MAX_DEGREE or size > MAX_TENSOR:
+        return outer, value, argument
+    todo = np.flatnonzero(outer - known > tolerance)
+    step = max(_MEMORY // (8 * size), 1)
+    for start in range(0, len(todo), step):
+        part = todo[start : start + step]
+        found = _subdivide(dense[..., part], known[part], tolerance[part], degrees)
+        outer[part] = np.minimum(outer[part], found[0])
+        value[part], argument[part] = found[1], found[2]
+    return outer, value, argument
+
+
+def _subdivide(dense, known, tolerance, degrees):
+    """Branch and bound over patches (..., P); `owner` (P) is the instant of each."""
+    k, total = len(degrees), dense.shape[-1]
+    patches, size = dense, np.abs(dense)
+    for j, n in enumerate(degrees):
+        patches = _apply(_from_chebyshev(int(n)), patches, j)
+        size = _apply(np.abs(_from_chebyshev(int(n))), size, j)
+    rounding = 4 * np.finfo(float).eps * (degrees + 1).sum()
+    slack = rounding * size.reshape(-1, total).max(axis=0)
+    best, argument = known.copy(), np.zeros((total, k))
+    improved = np.zeros(total, dtype=bool)
+    closed = np.full(total, -np.inf)
+    owner = np.arange(total)
+    centre, half = np.zeros((total, k)), np.ones((total, k))
+    budget = max(_WORK // int(np.prod(degrees + 1)), 2) * max(total, 16)
+    vertices = np.ix_(*[[0, -1] if n else [0] for n in degrees])
+    signs = np.stack(
+        [g.ravel() for g in np.meshgrid(*[[-1, 1] if n else [0] for n in degrees], indexing="ij")]
+    ).T
+    while len(owner):
+        corner = patches[vertices].reshape(len(signs), -1)
+        at = corner.argmax(axis=0)
+        top = corner[at, np.arange(len(owner))]
+        _record(best, argument, improved, owner, top, centre + half * signs[at])
+        bound = patches.reshape(-1, len(owner)).max(axis=0)
+        going = bound > best[owner] + tolerance[owner]
+        budget -= len(owner)
+        if budget <= 0 or not going.any():
+            np.maximum.at(closed, owner, bound)
+            break
+        np.maximum.at(closed, owner[~going], bound[~going])
+        patches, owner, bound = patches[..., going], owner[going], bound[going]
+        centre, half = centre[going], half[going]
+        room = max(_MEMORY // (2 * len(patches.reshape(-1, len(owner)))), 1)
+        if len(owner) > room:
+            # too many to hold: those that promise least are closed with the bound they have
+            order = np.argsort(best[owner] - bound, kind="stable")
+            np.maximum.at(closed, owner[order[room:]], bound[order[room:]])
+            keep = np.sort(order[:room])
+            patches, owner = patches[..., keep], owner[keep]
+            centre, half = centre[keep], half[keep]
+        patches, owner, centre, half = _halve(patches, owner, centre, half, degrees)
+    outer = np.maximum(np.maximum(closed, best), known) + slack
+    return outer, np.where(improved, best, -np.inf), argument
+
+
+def _record(best, argument, improved, owner, top, points):
+    """Keep vertex values that beat the best ones known."""
+    better = top > best[owner]
+    owner, top, points = owner[better], top[better], points[better]
+    np.maximum.at(best, owner, top)
+    won = top == best[owner]
+    argument[owner[won]] = points[won]
+    improved[owner[won]] = True
+
+
+def _halve(patches, owner, centre, half, degrees):
+    """Halve each patch in the direction in which its coefficients differ most."""
+    count = len(owner)
+    spread = np.zeros((len(degrees), count))
+    for j, n in enumerate(degrees):
+        if n:
+            spread[j] = np.abs(np.diff(patches, axis=j)).reshape(-1, count).max(axis=0) * n
+    direction = spread.argmax(axis=0)
+    parts = []
+    for j in np.unique(direction):
+        chosen = np.flatnonzero(direction == j)
+        block, middle, width = patches[..., chosen], centre[chosen], half[chosen].copy()
+        width[:, j] /= 2
+        for matrix, sign in zip(_halves(int(degrees[j])), (-1, 1), strict=True):
+            shifted = middle.copy()
+            shifted[:, j] += sign * width[:, j]
+            parts.append((_apply(matrix, block, j), owner[chosen], shifted, width))
+    return tuple(np.concatenate([p[i] for p in parts], axis=-1 if i == 0 else 0) for i in range(4))
+
+
+def _apply(matrix: np.ndarray, tensor: np.ndarray, axis: int) -> np.ndarray:
+    """Multiply `tensor` along `axis` by `matrix` (m, n)."""
+    shape = tensor.shape
+    before = int(np.prod(shape[:axis], dtype=int))
+    folded = tensor.reshape(before, shape[axis], -1)
+    return np.matmul(matrix, folded).reshape(*shape[:axis], len(matrix), *shape[axis + 1 :])
+
+
+@cache
+def _from_chebyshev(n: int) -> np.ndarray:
+    """Matrix (n+1, n+1) from Chebyshev to Bernstein coefficients of degree n on [-1, 1].
+
+    T_i has the Bernstein coefficients (-1)^(i-l) C(2i, 2l) / C(i, l) of degree i (Rababah 2003);
+    they are then raised to degree n.
+    """
+    matrix = np.zeros((n + 1, n + 1))
+    for i in range(n + 1):
+        own = [(-1) ** (i - m) * comb(2 * i, 2 * m) / comb(i, m) for m in range(i + 1)]
+        for row in range(n + 1):
+            matrix[row, i] = sum(
+                comb(i, m) * comb(n - i, row - m) / comb(n, row) * own[m]
+                for m in range(max(0, row - n + i), min(i, row) + 1)
+            )
+    return matrix
+
+
+@cache
+def _halves(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """De Casteljau matrices (n+1, n+1) of the left and the right half of a patch."""
+    left = np.array([[comb(i, j) / 2**i for j in range(n + 1)] for i in range(n + 1)])
+    return left, np.ascontiguousarray(left[::-1, ::-1])

@@ -1,4 +1,4 @@
-"""Loads and drives: what acts on a scene from outside, scaled by piecewise linear curves of time."""
+"""Loads and drives: what acts on a scene from outside, scaled by piecewise linear curves."""
 
 from dataclasses import dataclass
 

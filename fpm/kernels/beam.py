@@ -2,29 +2,33 @@
 
 from fpm.kernels.lanes import load, sqrt
 from fpm.kernels.layout import AXIAL, BEND_Y, BEND_Z, LENGTH, TWIST, D, F, M, X
-from fpm.kernels.vectors import add, axpy, cross, dot, get3, kernel, put3, scale, sub, to_global
+from fpm.kernels.vectors import (
+    add,
+    axpy,
+    cross,
+    dot,
+    get3,
+    inlined,
+    kernel,
+    put3,
+    scale,
+    sub,
+    to_global,
+)
 
 SIXTH = 1.0 / 6.0
 
 
-@kernel
+@inlined
 def angle(s):
     """The angle of which s is the sine, to fifth order, and its derivative."""
     s2 = s * s
     return s * (1.0 + SIXTH * s2), 1.0 + 0.5 * s2
 
 
-@kernel
-def end_axes(state, nodes, axes, e, framed):
-    """Axes 2 and 3 of element e as carried by its ends a and b."""
-    a, b = nodes[e, 0], nodes[e, 1]
-    if framed:
-        return (
-            to_global(state, a, D, get3(axes, e, 0)),
-            to_global(state, a, D, get3(axes, e, 3)),
-            to_global(state, b, D, get3(axes, e, 6)),
-            to_global(state, b, D, get3(axes, e, 9)),
-        )
+@inlined
+def own_axes(state, a, b):
+    """Axes 2 and 3 of an element as its ends a and b carry them, where they are the particles'."""
     return (
         get3(state, a, D + 3),
         get3(state, a, D + 6),
@@ -33,53 +37,80 @@ def end_axes(state, nodes, axes, e, framed):
     )
 
 
-@kernel
-def beam_forces(state, nodes, beams, axes):
-    """Add the elements' forces and moments to those of their particles.
+@inlined
+def framed_axes(state, axes, e, a, b):
+    """Axes 2 and 3 of element e as its ends carry them; axes (m, AXES, lanes) in their frames."""
+    return (
+        to_global(state, a, D, get3(axes, e, 0)),
+        to_global(state, a, D, get3(axes, e, 3)),
+        to_global(state, b, D, get3(axes, e, 6)),
+        to_global(state, b, D, get3(axes, e, 9)),
+    )
 
-    nodes (m, 2); beams (m, BEAM, lanes); axes (m, AXES, lanes) where the elements' axes are not
-    those of their particles, else (0, AXES, lanes): straight links spare the turning.
+
+@inlined
+def add_forces(state, beams, e, a, b, a2, a3, b2, b3):
+    """Add the end forces and moments of element e, whose axes are given, to particles a and b."""
+    chord = sub(get3(state, b, X), get3(state, a, X))
+    length = sqrt(dot(chord, chord))
+    inverse = 1.0 / length
+    n = scale(inverse, chord)
+    sa2, sa3, sb2, sb3 = dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)
+    ta2, da2 = angle(sa2)
+    ta3, da3 = angle(sa3)
+    tb2, db2 = angle(sb2)
+    tb3, db3 = angle(sb3)
+    kz, ky = load(beams, e, BEND_Z), load(beams, e, BEND_Y)
+    # Generalised forces: derivatives of the energy with respect to the four sines.
+    ca2 = kz * (2.0 * ta2 + tb2) * da2
+    cb2 = kz * (2.0 * tb2 + ta2) * db2
+    ca3 = ky * (2.0 * ta3 + tb3) * da3
+    cb3 = ky * (2.0 * tb3 + ta3) * db3
+    ga = axpy(ca2, a2, scale(ca3, a3))
+    gb = axpy(cb2, b2, scale(cb3, b3))
+    along = ca2 * sa2 + ca3 * sa3 + cb2 * sb2 + cb3 * sb3
+    axial = load(beams, e, AXIAL) * (length - load(beams, e, LENGTH))
+    force = axpy(inverse, add(ga, gb), scale(axial - along * inverse, n))
+    twist = 0.5 * (dot(b2, a3) - dot(b3, a2))
+    moment = scale(0.5 * load(beams, e, TWIST) * twist, sub(cross(a3, b2), cross(a2, b3)))
+    put3(state, a, F, add(get3(state, a, F), force))
+    put3(state, b, F, sub(get3(state, b, F), force))
+    put3(state, a, M, add(get3(state, a, M), sub(cross(n, ga), moment)))
+    put3(state, b, M, add(get3(state, b, M), add(cross(n, gb), moment)))
+
+
+@kernel
+def beam_forces(state, nodes, beams):
+    """Add all elements' forces and moments where their axes are the particles' (straight links).
+
+    nodes (m, 2); beams (m, BEAM, lanes).
     """
-    framed = axes.shape[0] > 0
     for e in range(nodes.shape[0]):
         a, b = nodes[e, 0], nodes[e, 1]
-        chord = sub(get3(state, b, X), get3(state, a, X))
-        length = sqrt(dot(chord, chord))
-        inverse = 1.0 / length
-        n = scale(inverse, chord)
-        a2, a3, b2, b3 = end_axes(state, nodes, axes, e, framed)
-        sa2, sa3, sb2, sb3 = dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)
-        ta2, da2 = angle(sa2)
-        ta3, da3 = angle(sa3)
-        tb2, db2 = angle(sb2)
-        tb3, db3 = angle(sb3)
-        kz, ky = load(beams, e, BEND_Z), load(beams, e, BEND_Y)
-        # Generalised forces: derivatives of the energy with respect to the four sines.
-        ca2 = kz * (2.0 * ta2 + tb2) * da2
-        cb2 = kz * (2.0 * tb2 + ta2) * db2
-        ca3 = ky * (2.0 * ta3 + tb3) * da3
-        cb3 = ky * (2.0 * tb3 + ta3) * db3
-        ga = axpy(ca2, a2, scale(ca3, a3))
-        gb = axpy(cb2, b2, scale(cb3, b3))
-        along = ca2 * sa2 + ca3 * sa3 + cb2 * sb2 + cb3 * sb3
-        axial = load(beams, e, AXIAL) * (length - load(beams, e, LENGTH))
-        force = axpy(inverse, add(ga, gb), scale(axial - along * inverse, n))
-        twist = 0.5 * (dot(b2, a3) - dot(b3, a2))
-        moment = scale(0.5 * load(beams, e, TWIST) * twist, sub(cross(a3, b2), cross(a2, b3)))
-        put3(state, a, F, add(get3(state, a, F), force))
-        put3(state, b, F, sub(get3(state, b, F), force))
-        put3(state, a, M, add(get3(state, a, M), sub(cross(n, ga), moment)))
-        put3(state, b, M, add(get3(state, b, M), add(cross(n, gb), moment)))
+        a2, a3, b2, b3 = own_axes(state, a, b)
+        add_forces(state, beams, e, a, b, a2, a3, b2, b3)
 
 
 @kernel
+def framed_beam_forces(state, nodes, beams, axes):
+    """The same for elements whose axes (m, AXES, lanes) differ from the particles'."""
+    for e in range(nodes.shape[0]):
+        a, b = nodes[e, 0], nodes[e, 1]
+        a2, a3, b2, b3 = framed_axes(state, axes, e, a, b)
+        add_forces(state, beams, e, a, b, a2, a3, b2, b3)
+
+
+@inlined
 def beam_energy(state, nodes, beams, axes, e):
     """Strain energy (J) of element e."""
     a, b = nodes[e, 0], nodes[e, 1]
     chord = sub(get3(state, b, X), get3(state, a, X))
     length = sqrt(dot(chord, chord))
     n = scale(1.0 / length, chord)
-    a2, a3, b2, b3 = end_axes(state, nodes, axes, e, axes.shape[0] > 0)
+    if axes.shape[0] > 0:
+        a2, a3, b2, b3 = framed_axes(state, axes, e, a, b)
+    else:
+        a2, a3, b2, b3 = own_axes(state, a, b)
     ta2, ta3 = angle(dot(n, a2))[0], angle(dot(n, a3))[0]
     tb2, tb3 = angle(dot(n, b2))[0], angle(dot(n, b3))[0]
     twist = 0.5 * (dot(b2, a3) - dot(b3, a2))

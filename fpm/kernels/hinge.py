@@ -16,6 +16,7 @@ from fpm.kernels.vectors import (
     cross,
     dot,
     get3,
+    inlined,
     invert,
     kernel,
     put3,
@@ -45,7 +46,7 @@ G = 86  # inverse of the support's Schur complement (6)
 SCRATCH = 92
 
 
-@kernel
+@inlined
 def world_inverse(state, i, j):
     """Inverse inertia of particle i in global components (xx, yy, zz, xy, xz, yz)."""
     a, b, c = get3(state, i, D), get3(state, i, D + 3), get3(state, i, D + 6)
@@ -60,7 +61,7 @@ def world_inverse(state, i, j):
     )
 
 
-@kernel
+@inlined
 def point_response(inverse_mass, j, r):
     """Velocity of a point at arm r per unit impulse there: M^-1 - [r] J^-1 [r] (6)."""
     zero = 0.0 * r[0]
@@ -76,21 +77,21 @@ def point_response(inverse_mass, j, r):
     )
 
 
-@kernel
+@inlined
 def get6(a, i, k):
     """The six lanes in fields k .. k+5 of row i."""
     x, y = get3(a, i, k), get3(a, i, k + 3)
     return x[0], x[1], x[2], y[0], y[1], y[2]
 
 
-@kernel
+@inlined
 def put6(a, i, k, s):
     """Write six lanes to fields k .. k+5 of row i."""
     put3(a, i, k, (s[0], s[1], s[2]))
     put3(a, i, k + 3, (s[3], s[4], s[5]))
 
 
-@kernel
+@inlined
 def solve(w, h, g, ep, eq):
     """Impulse (3) and moment impulses about p and q that change the gap rates by g, ep, eq."""
     cpp, cqq, cpq = get3(w, h, C)
@@ -154,7 +155,7 @@ def prepare(state, pairs, hinges, supported, w):
             support_prepare(hinges, h, w, k1, b1p, b1q)
 
 
-@kernel
+@inlined
 def support_prepare(hinges, h, w, k1, b1p, b1q):
     """Schur complement of the support impulses on particle 1's hinge point."""
     put6(w, h, K1, k1)
@@ -191,7 +192,7 @@ def support_prepare(hinges, h, w, k1, b1p, b1q):
     put6(w, h, G, inverse)
 
 
-@kernel
+@inlined
 def gaps(state, one, two, hinges, h):
     """Hinge point of particle 1, its gap (3) to that of 2, and the axis gap about p and q (rad)."""
     arm = to_global(state, one, D, get3(hinges, h, ARM))
@@ -203,7 +204,7 @@ def gaps(state, one, two, hinges, h):
     return point, sub(point, other), -dot(q, axis), dot(p, axis)
 
 
-@kernel
+@inlined
 def push(state, i, w, h, k, inverse_mass, j, impulse, twist, step):
     """Apply an impulse and a moment impulse to particle k of a hinge and redo its step."""
     v = add(get3(state, i, V), times(inverse_mass, impulse))

@@ -1,6 +1,6 @@
 """Loads, gravity, held axes and driven particles: what acts on the particles from outside."""
 
-from fpm.kernels.lanes import load
+from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import IJ, MASS, D, F, M, P, Q, V, X
 from fpm.kernels.rotation import get4, put_rotation, turned
 from fpm.kernels.vectors import (
@@ -9,6 +9,7 @@ from fpm.kernels.vectors import (
     cross,
     dot,
     get3,
+    inlined,
     kernel,
     put3,
     scale,
@@ -58,8 +59,8 @@ def load_forces(state, on, loads, curves, starts, times_, values, t):
 
 
 @kernel
-def load_power(state, particles, on, loads, curves, starts, times_, values, t):
-    """Power of the loads with the velocities as they are (W)."""
+def add_load_work(work, state, particles, on, loads, curves, starts, times_, values, t, step):
+    """Add the loads' power at t, with the velocities as they are, times `step` to work[0, 0]."""
     total = 0.0 * load(state, 0, X)
     for n in range(on.shape[0]):
         i = on[n]
@@ -68,10 +69,10 @@ def load_power(state, particles, on, loads, curves, starts, times_, values, t):
         arm = to_global(state, i, D, get3(loads, n, 6))
         moment = add(scale(factor, get3(loads, n, 3)), cross(arm, force))
         total = total + dot(force, get3(state, i, V)) + dot(moment, spin(state, particles, i))
-    return total
+    store(work, 0, 0, load(work, 0, 0) + step * total)
 
 
-@kernel
+@inlined
 def spin(state, particles, i):
     """Angular velocity of particle i in global axes (rad/s)."""
     local = times(get3(particles, i, IJ), to_local(state, i, D, get3(state, i, P)))
@@ -88,15 +89,18 @@ def hold(state, on, free):
 
 
 @kernel
-def drive_power(state, on, drives, curves, starts, times_, values, t):
-    """Power that the drives put in against the forces on the driven particles (W)."""
+def add_drive_work(work, state, on, drives, curves, starts, times_, values, t, step):
+    """Add the work of the drives over `step` s against the particles' forces to work[0, 0].
+
+    t (s) is the time of the velocities.
+    """
     total = 0.0 * load(state, 0, X)
     for n in range(on.shape[0]):
         i = on[n]
         factor = curve_value(curves[n], starts, times_, values, t)
         power = dot(get3(state, i, F), get3(drives, n, 0))
         total = total - factor * (power + dot(get3(state, i, M), get3(drives, n, 3)))
-    return total
+    store(work, 0, 0, load(work, 0, 0) + step * total)
 
 
 @kernel
@@ -116,22 +120,27 @@ def drive(state, on, drives, curves, starts, times_, values, t, step):
 
 
 @kernel
-def damping_power(state, particles, rate):
-    """Power taken out by mass-proportional damping (W); rate a lane (1/s)."""
+def add_damping_work(work, state, particles, damping, step):
+    """Add the energy that damping takes out over `step` s, velocities as they are, to work[0, 1].
+
+    damping (1, 1, lanes): rate (1/s).
+    """
+    rate = load(damping, 0, 0)
     total = 0.0 * rate
     for i in range(state.shape[0]):
         v = get3(state, i, V)
         total = total + load(particles, i, MASS) * dot(v, v)
         total = total + dot(get3(state, i, P), spin(state, particles, i))
-    return rate * total
+    store(work, 0, 1, load(work, 0, 1) + step * rate * total)
 
 
 @kernel
-def damp(state, c):
-    """Central difference of the damping force: (1 + c) v+ = (1 - c) v- + kick F/m; c a lane.
+def damp(state, damping, kick):
+    """Central difference of the damping force: (1 + c) v+ = (1 - c) v- + kick F/m.
 
-    Scales momenta and forces, so that the plain kick that follows does the rest.
+    c = rate * kick / 2. Scales momenta and forces; the plain kick that follows does the rest.
     """
+    c = 0.5 * kick * load(damping, 0, 0)
     before, force = (1.0 - c) / (1.0 + c), 1.0 / (1.0 + c)
     for i in range(state.shape[0]):
         for k in (V, P):

@@ -34,13 +34,13 @@ from fpm.kernels.vectors import (
 
 
 @kernel
-def note_events(model, events, event_count, t, step):
+def note_events(openings, contact_on, events, event_count, t, step):
     """Note the contacts that closed or opened since the last step, by linear interpolation."""
-    for c in range(model.contact_on.shape[0]):
-        h = model.contact_on[c]
-        if any_negative(load(model.openings, h, 0) * load(model.openings, h, 1)):
+    for c in range(contact_on.shape[0]):
+        h = contact_on[c]
+        if any_negative(load(openings, h, 0) * load(openings, h, 1)):
             for s in range(event_count.shape[0]):
-                now, last = model.openings[h, 0, s], model.openings[h, 1, s]
+                now, last = openings[h, 0, s], openings[h, 1, s]
                 if now * last < 0.0:
                     n = event_count[s]
                     event_count[s] = n + 1

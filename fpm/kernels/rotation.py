@@ -12,10 +12,10 @@ Geometric Numerical Integration, VII.5; quaternion to matrix, Altmann 1986.
 
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import D, Q
-from fpm.kernels.vectors import add, axpy, cross, dot, kernel, put3, scale, times
+from fpm.kernels.vectors import add, axpy, cross, dot, inlined, put3, scale, times
 
 
-@kernel
+@inlined
 def half_turn(body, inverse_inertia, step):
     """Half the rotation vector of a step, in body axes: 0.5 step J^-1 p at the midpoint.
 
@@ -28,7 +28,7 @@ def half_turn(body, inverse_inertia, step):
     return times(rate, add(body, axpy(0.5, cross(swing, turn), swing)))
 
 
-@kernel
+@inlined
 def turned(q, half):
     """Quaternion q (4 lanes) after the body-fixed turn with half the rotation vector `half`."""
     t = dot(half, half)
@@ -42,13 +42,13 @@ def turned(q, half):
     return a * length, b * length, c * length, d * length
 
 
-@kernel
+@inlined
 def get4(a, i, k):
     """The four lanes in fields k .. k+3 of row i."""
     return load(a, i, k), load(a, i, k + 1), load(a, i, k + 2), load(a, i, k + 3)
 
 
-@kernel
+@inlined
 def put_rotation(state, i, q):
     """Store the quaternion of particle i and the directors that follow from it."""
     w, x, y, z = q

@@ -5,7 +5,7 @@ kick is half a step long, so that the given velocities are those at t = 0.
 """
 
 from fpm.kernels import hinge, joint, outside
-from fpm.kernels.beam import beam_forces
+from fpm.kernels.beam import beam_forces, framed_beam_forces
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import IJ, IM, D, F, M, P, Q, V, X
 from fpm.kernels.record import find_failures, keep, note_events, record_after, record_before
@@ -30,72 +30,6 @@ def advance(state, particles, kick, step):
 
 
 @kernel
-def forces(state, model, t):
-    """Sum all forces and moments at the current positions."""
-    if model.gravity.shape[0] > 0:
-        outside.gravity_forces(state, model.particles, model.gravity)
-    beam_forces(state, model.nodes, model.beams, model.axes)
-    if model.spring_on.shape[0] + model.contact_on.shape[0] > 0:
-        joint.update_openings(state, model.pairs, model.hinges, model.openings)
-        joint.spring_forces(
-            state, model.pairs, model.hinges, model.openings, model.spring_on, model.springs
-        )
-        joint.contact_forces(
-            state, model.pairs, model.hinges, model.openings, model.contact_on, model.contacts
-        )
-    if model.load_on.shape[0] > 0:
-        outside.load_forces(
-            state, model.load_on, model.loads, model.load_curve,
-            model.curve_start, model.curve_time, model.curve_value, t,
-        )  # fmt: skip
-
-
-@kernel
-def outside_work(state, model, t, step):
-    """Add half a step's work of loads and damping at t, with the velocities as they are."""
-    half = 0.5 * step
-    if model.load_on.shape[0] > 0:
-        power = outside.load_power(
-            state, model.particles, model.load_on, model.loads, model.load_curve,
-            model.curve_start, model.curve_time, model.curve_value, t,
-        )  # fmt: skip
-        store(model.work, 0, 0, load(model.work, 0, 0) + half * power)
-    if model.damping.shape[0] > 0:
-        power = outside.damping_power(state, model.particles, load(model.damping, 0, 0))
-        store(model.work, 0, 1, load(model.work, 0, 1) + half * power)
-
-
-@kernel
-def drive_work(state, model, middle, step):
-    """Add half a step's work of the drives; `middle` (s) is the time of their velocities."""
-    if model.drive_on.shape[0] > 0:
-        power = outside.drive_power(
-            state, model.drive_on, model.drives, model.drive_curve,
-            model.curve_start, model.curve_time, model.curve_value, middle,
-        )  # fmt: skip
-        store(model.work, 0, 0, load(model.work, 0, 0) + 0.5 * step * power)
-
-
-@kernel
-def move(state, model, t, kick, step):
-    """Kick for `kick` s by the forces at t, then move from t to t + step."""
-    if model.hold_on.shape[0] > 0:
-        outside.hold(state, model.hold_on, model.hold_free)
-    if model.pairs.shape[0] > 0:
-        hinge.prepare(state, model.pairs, model.hinges, model.supported, model.scratch)
-    if model.damping.shape[0] > 0:
-        outside.damp(state, 0.5 * kick * load(model.damping, 0, 0))
-    advance(state, model.particles, kick, step)
-    if model.drive_on.shape[0] > 0:
-        outside.drive(
-            state, model.drive_on, model.drives, model.drive_curve,
-            model.curve_start, model.curve_time, model.curve_value, t + 0.5 * step, step,
-        )  # fmt: skip
-    if model.pairs.shape[0] > 0:
-        hinge.close(state, model.pairs, model.hinges, model.supported, model.scratch, step)
-
-
-@kernel
 def run(state, kept, model, record, step, steps, per_instant, per_check, tolerance):
     """Integrate `steps` steps of `step` s; returns the number of steps done.
 
@@ -103,24 +37,86 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
     balance is checked against `tolerance` times the largest energy so far, every `per_instant`
     steps an instant is recorded. The run ends early when all lanes have failed.
     """
+    # Taken out of the tuple once: each look into it inside the loop would count references.
+    particles, nodes, beams, axes = model.particles, model.nodes, model.beams, model.axes
+    pairs, hinges, supported, scratch = model.pairs, model.hinges, model.supported, model.scratch
+    openings, spring_on, springs = model.openings, model.spring_on, model.springs
+    contact_on, contacts = model.contact_on, model.contacts
+    load_on, load_curve, loads = model.load_on, model.load_curve, model.loads
+    drive_on, drive_curve, drives = model.drive_on, model.drive_curve, model.drives
+    hold_on, hold_free = model.hold_on, model.hold_free
+    starts, times, values = model.curve_start, model.curve_time, model.curve_value
+    gravity, damping, work = model.gravity, model.damping, model.work
+    events, event_count = record.events, record.event_count
     spare = record.energies.shape[0] - 1
+    heavy, damped, framed = gravity.shape[0] > 0, damping.shape[0] > 0, axes.shape[0] > 0
+    hinged, held = pairs.shape[0] > 0, hold_on.shape[0] > 0
+    sprung = spring_on.shape[0] + contact_on.shape[0] > 0
+    loaded, driven = load_on.shape[0] > 0, drive_on.shape[0] > 0
+    half = 0.5 * step
+
     for n in range(steps + 1):
         t = n * step
-        forces(state, model, t)
-        if model.contact_on.shape[0] > 0 and n > 0:
-            note_events(model, record.events, record.event_count, t, step)
+        kick = half if n == 0 else step
+        # Forces at t.
+        if heavy:
+            outside.gravity_forces(state, particles, gravity)
+        if framed:
+            framed_beam_forces(state, nodes, beams, axes)
+        else:
+            beam_forces(state, nodes, beams)
+        if sprung:
+            joint.update_openings(state, pairs, hinges, openings)
+            joint.spring_forces(state, pairs, hinges, openings, spring_on, springs)
+            joint.contact_forces(state, pairs, hinges, openings, contact_on, contacts)
+            if n > 0:
+                note_events(openings, contact_on, events, event_count, t, step)
+        if loaded:
+            outside.load_forces(state, load_on, loads, load_curve, starts, times, values, t)
+        # Work of the half step up to t: forces at t, velocities of its middle.
         if n > 0:
-            outside_work(state, model, t, step)
-            drive_work(state, model, t - 0.5 * step, step)
+            if loaded:
+                outside.add_load_work(
+                    work, state, particles, load_on, loads, load_curve, starts, times, values,
+                    t, half,
+                )  # fmt: skip
+            if driven:
+                outside.add_drive_work(
+                    work, state, drive_on, drives, drive_curve, starts, times, values,
+                    t - half, half,
+                )  # fmt: skip
+            if damped:
+                outside.add_damping_work(work, state, particles, damping, half)
         check = n % per_check == 0
         row = n // per_instant if n % per_instant == 0 else spare
         if check:
             keep(state, kept)
             record_before(state, model, row, record)
-        # The force on driven particles is needed after the move, which clears it.
-        drive_work(state, model, t + 0.5 * step, step)
-        move(state, model, t, 0.5 * step if n == 0 else step, step)
-        outside_work(state, model, t, step)
+        # Momenta to t + step/2, positions to t + step; the forces are used up.
+        if driven:
+            outside.add_drive_work(
+                work, state, drive_on, drives, drive_curve, starts, times, values, t + half, half
+            )
+        if held:
+            outside.hold(state, hold_on, hold_free)
+        if hinged:
+            hinge.prepare(state, pairs, hinges, supported, scratch)
+        if damped:
+            outside.damp(state, damping, kick)
+        advance(state, particles, kick, step)
+        if driven:
+            outside.drive(
+                state, drive_on, drives, drive_curve, starts, times, values, t + half, step
+            )
+        if hinged:
+            hinge.close(state, pairs, hinges, supported, scratch, step)
+        # Work of the half step after t.
+        if loaded:
+            outside.add_load_work(
+                work, state, particles, load_on, loads, load_curve, starts, times, values, t, half
+            )
+        if damped:
+            outside.add_damping_work(work, state, particles, damping, half)
         if check:
             if n == 0:
                 # The momenta half a step before the start, by reflection of those after it.

@@ -10,7 +10,7 @@ B-side (B or D) end; y and z are normal to the sides of the section.  For AB and
 of the inner upper side in the deployed state and z that of the outer upper side.  A mirror image of
 a right-handed frame is left-handed, so for BC and DA the two names are exchanged: y is outer, z is
 inner.  All four frames are then proper rotations, and a square section has the same inertia and
-stiffness about both.  In the frame of AB the geometry is short (section 'Geometry' of the docs):
+stiffness about both.  In the frame of AB the geometry is:
 
     axis at A   (cos wA, sin wA, 0)      tan wA = cot(mu) / cos(lam)
     axis at B   (cos wB, 0, sin wB)      tan wB = tan(mu) / sin(lam)

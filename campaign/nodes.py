@@ -20,7 +20,7 @@ from typing import Any
 
 from campaign.config import RUN_SECTIONS, config_hash, digest
 from campaign.files import write_text
-from campaign.parameters import Interval, intervals_of, scene_values
+from campaign.parameters import Interval, all_parameters, intervals_of
 
 # Options of a config's design that each method takes.
 _OPTIONS = {"total_degree": ("oversampling",), "scan": ("samples", "seed", "sequence")}
@@ -74,11 +74,10 @@ def make_plan(config: Mapping) -> dict:
         rows += [("held_out", unit, box.from_unit(unit)) for unit in points]
 
     step = choose_step(config, scene_type, box)
-    defaults = {name: parameter.default for name, parameter in scene_type.parameters.items()}
     runs = []
     for role, unit, values in rows:
         named = dict(zip(box.names, map(float, values), strict=True))
-        parameters = {**defaults, **scene_values(config, named)}
+        parameters = all_parameters(config, scene_type, named)
         runs.append(
             {
                 "id": run_id(config, parameters, step["step"], fpm.DATA_VERSION),
@@ -132,7 +131,7 @@ def choose_step(config: Mapping, scene_type: Any, box: Any) -> dict:
     limit, element = math.inf, ""
     for unit in np.vstack([np.zeros((1, box.dimension)), box.corners()]):
         named = dict(zip(box.names, map(float, box.from_unit(unit)), strict=True))
-        stable = fpm.stable_step(scene_type.build(**scene_values(config, named)))
+        stable = fpm.stable_step(scene_type.build(**all_parameters(config, scene_type, named)))
         if stable.step < limit:
             limit, element = float(stable.step), str(stable.element)
     wanted = solver["safety"] * limit if solver["step"] == "auto" else float(solver["step"])

@@ -54,10 +54,10 @@ def _interval(name: str, definition: Mapping, given: Mapping, scene_type: Any) -
         )
     interval = _ends(definition, given.get(name, parameter.default))
     for end, value in (("lower", interval.lower), ("upper", interval.upper)):
-        if not in_range(parameter, value):
+        if not _allows(parameter, value):
             raise _RefusedError(
                 f": its {end} end {value:.12g} leaves the range of {name}; "
-                f"allowed: {allowed_range(parameter)}"
+                f"allowed: {parameter.allowed}"
             )
     return interval
 
@@ -103,45 +103,23 @@ def parameter_problems(config: Mapping, scene_type: Any) -> list[str]:
                 f"{key}: the scene {scene_type.name} has no such parameter"
                 f"{did_you_mean(name, known)}; allowed: {', '.join(known)}"
             )
-        elif not in_range(scene_type.parameters[name], value):
-            allowed = allowed_range(scene_type.parameters[name])
-            problems.append(f"{key}: {show(value)} is not allowed; allowed: {allowed}")
+        elif not _allows(parameter := scene_type.parameters[name], value):
+            problems.append(f"{key}: {show(value)} is not allowed; allowed: {parameter.allowed}")
     return problems
 
 
-def in_range(parameter: Any, value: Any) -> bool:
+def _allows(parameter: Any, value: Any) -> bool:
     """Whether the scene's parameter may have this value."""
-    if parameter.kind == "choice":
-        return value in parameter.choices
-    if parameter.kind == "boolean":
-        return isinstance(value, bool)
-    if value is None and parameter.default is None:
-        return True
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    from fpm import SceneError
+
+    try:
+        parameter.check("", value)
+    except SceneError:
         return False
-    if parameter.kind == "integer" and not isinstance(value, int):
-        return False
-    low, high = parameter.lower, parameter.upper
-    above = low is None or value > low or (value == low and not parameter.lower_open)
-    below = high is None or value < high or (value == high and not parameter.upper_open)
-    return above and below
+    return True
 
 
-def allowed_range(parameter: Any) -> str:
-    """What `in_range` accepts, in words."""
-    if parameter.kind == "choice":
-        return "one of " + ", ".join(str(choice) for choice in parameter.choices)
-    if parameter.kind == "boolean":
-        return "true or false"
-    words = ["a whole number" if parameter.kind == "integer" else "a number"]
-    if parameter.lower is not None and parameter.lower != float("-inf"):
-        words.append(f"{'above' if parameter.lower_open else 'at least'} {parameter.lower:.12g}")
-    if parameter.upper is not None and parameter.upper != float("inf"):
-        words.append(f"{'below' if parameter.upper_open else 'at most'} {parameter.upper:.12g}")
-    unit = f" ({parameter.unit})" if parameter.unit and parameter.unit != "1" else ""
-    return " ".join([words[0], " and ".join(words[1:])]).strip() + unit
-
-
-def scene_values(config: Mapping, values: Mapping[str, float]) -> dict[str, Any]:
-    """All parameter values that differ from the scene's defaults in the run with `values`."""
-    return {**config["scene"]["parameters"], **values}
+def all_parameters(config: Mapping, scene_type: Any, values: Mapping[str, float]) -> dict[str, Any]:
+    """All of the scene's parameters in the run whose interval parameters have `values`."""
+    defaults = {name: parameter.default for name, parameter in scene_type.parameters.items()}
+    return {**defaults, **config["scene"]["parameters"], **values}

@@ -20,7 +20,7 @@ from typing import Any
 from campaign.errors import CampaignError
 from campaign.files import write_text
 from campaign.nodes import share, unique_runs
-from campaign.parameters import scene_values
+from campaign.parameters import all_parameters
 from campaign.store import open_store
 
 
@@ -85,22 +85,20 @@ def simulate(plan: Mapping, runs: list[dict]) -> tuple[dict[str, Any], list[tupl
         fpm.responses.parse(name, definition, scene_type)
         for name, definition in config["responses"].items()
     ]
-    scenes = [
-        scene_type.build(
-            **scene_values(config, dict(zip(plan["names"], run["values"], strict=True)))
-        )
+    parameters = [
+        all_parameters(config, scene_type, dict(zip(plan["names"], run["values"], strict=True)))
         for run in runs
     ]
     solver = config["solver"]
     outcomes = fpm.simulate(
-        scenes,
+        [scene_type.build(**values) for values in parameters],
         duration=solver["duration"],
         instants=solver["instants"],
         step=plan["step"],
         energy_tolerance=solver["energy_tolerance"],
     )
     datasets, failed = {}, []
-    for run, outcome in zip(runs, outcomes, strict=True):
+    for run, values, outcome in zip(runs, parameters, outcomes, strict=True):
         if outcome.failure is not None:
             failed.append((run, str(outcome.failure)))
             continue
@@ -108,6 +106,7 @@ def simulate(plan: Mapping, runs: list[dict]) -> tuple[dict[str, Any], list[tupl
             "run_id": run["id"],
             "campaign": plan["campaign"],
             "config_hash": plan["config_hash"],
+            **{f"parameter_{name}": v for name, v in values.items() if v is not None},
         }
         datasets[run["id"]] = outcome.dataset(responses, attributes)
     return datasets, failed

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from campaign.parameters import Interval, intervals_of, parameter_problems, scene_values
+from campaign.parameters import Interval, all_parameters, intervals_of, parameter_problems
 from campaign.schema_checks import did_you_mean, show
 
 
@@ -17,7 +17,7 @@ def scene_problems(config: Mapping) -> list[str]:
     try:
         scene_type = fpm.scenes.get(config["scene"]["name"])
     except fpm.SceneError as error:
-        return [_sentence("scene.name", error)]
+        return [_sentence(error.key, error)]
     problems = parameter_problems(config, scene_type)
     intervals, trouble = intervals_of(config, scene_type)
     problems += trouble
@@ -53,7 +53,7 @@ def _build_problems(config: Mapping, scene_type: Any, intervals: Mapping) -> lis
         strict=False,
     ):
         try:
-            scene_type.build(**scene_values(config, values))
+            scene_type.build(**all_parameters(config, scene_type, values))
         except fpm.SceneError as error:
             at = ", ".join(f"{name} = {value:.9g}" for name, value in values.items())
             return [f"scene: at the {place} ({at}): {error}".replace("the a corner", "a corner")]
@@ -68,7 +68,7 @@ def _response_problems(config: Mapping, scene_type: Any) -> list[str]:
         try:
             fpm.responses.parse(name, definition, scene_type)
         except fpm.SceneError as error:
-            problems.append(_sentence(f"responses.{name}.{error.key}", error))
+            problems.append(_sentence(error.key, error))
     known = list(config["responses"])
     for name in config["published"]:
         if name not in known:

@@ -32,7 +32,10 @@ def test_hinges_start_closed_up_and_open_by_the_pose(angles, start_deg):
     geometry = bennett_geometry(0.45, 0.035, *angles)
     pose = geometry.pose(geometry.opening_from_fold(start_deg))
     assert [hinge.name for hinge in scene.hinges] == list(HINGES)
-    for i, hinge in enumerate(scene.hinges):
+    for i, (hinge, local) in enumerate(zip(scene.hinges, geometry.hinges(), strict=True)):
+        # The virtual beams are the short arms at the joined ends, in the frames of the links.
+        for beam, arm in zip(hinge.beams, (local.arm1, local.arm2), strict=True):
+            np.testing.assert_allclose(beam.arm, arm, rtol=0, atol=1e-14)
         ends = [end_of(scene, beam) for beam in hinge.beams]
         np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-14)
         np.testing.assert_allclose(ends[0], pose.point[i], rtol=0, atol=1e-14)

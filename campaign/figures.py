@@ -6,7 +6,6 @@ as well, so that a grey print can be read.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from campaign.files import open_netcdf, whole_file
+from campaign.units import pretty
 
 LOWER = {"color": "#0072B2", "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
 UPPER = {
@@ -117,13 +117,3 @@ def save(figure: Any, path: Path) -> None:
         with whole_file(path.with_name(f"{path.name}.{kind}")) as temporary:
             metadata = {"CreationDate": None} if kind == "pdf" else {"Software": None}
             figure.savefig(temporary, dpi=200, metadata=metadata, bbox_inches="tight")
-
-
-def pretty(units: str) -> str:
-    """`m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`; a unit of 1 as 1."""
-    above, below = [], []
-    for name, power in re.findall(r"([A-Za-z%]+)(-?\d+)?", units):
-        exponent = abs(int(power or 1))
-        text = name + ("" if exponent == 1 else "²" if exponent == 2 else f"^{exponent}")
-        (below if (power or "").startswith("-") else above).append(text)
-    return (" ".join(above) or "1") + ("/" + "/".join(below) if below else "")

@@ -23,7 +23,7 @@ import numpy as np
 from campaign.errors import CampaignError
 from campaign.files import whole_file
 from campaign.run import groups_of
-from campaign.store import EVENT_VARIABLES, open_store
+from campaign.store import EVENT_VARIABLES, open_store, write_names
 
 _CHUNK_RUNS = 64
 
@@ -67,9 +67,9 @@ def _write_runs(file: Any, plan: Mapping) -> None:
     """Define the dimensions and write what is known of the runs before they are simulated."""
     runs, config = plan["runs"], plan["config"]
     file.createDimension("run", len(runs))
-    file.createDimension("parameter", len(plan["names"]))
     file.createDimension("event", None)
-    _text(file, "parameter", "parameter", plan["names"], "interval parameter")
+    write_names(file, "parameter", plan["names"])
+    file["parameter"].long_name = "interval parameter"
     _text(file, "role", "run", [run["role"] for run in runs], "what the run is for")
     _text(file, "run_id", "run", [run["id"] for run in runs], "name of the trajectory")
     for name, key, long_name in (
@@ -107,6 +107,8 @@ def _define_responses(file: Any, run: Mapping, names: Sequence[str]) -> None:
     time = file.createVariable("time", "f8", ("time",))
     time[:] = run["time"]
     time.setncatts({"units": "s", "long_name": "time", "axis": "T"})
+    write_names(file, "contact", run["contact"])
+    file["contact"].long_name = "name of the contact"
     chunk = (min(_CHUNK_RUNS, len(file.dimensions["run"])), size)
     for name in names:
         variable = file.createVariable(

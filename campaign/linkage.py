@@ -18,13 +18,17 @@ _MARGIN = 0.08  # m, room for the names
 _BAR_COLOURS = ("#E69F00", "#56B4E9", "#E69F00", "#56B4E9")
 
 
-def moments(opening: np.ndarray, count: int) -> np.ndarray:
+def moments(
+    time: np.ndarray, opening: np.ndarray, count: int, first_closure: float | None = None
+) -> np.ndarray:
     """Indices of `count` instants from the start to the first closure, evenly spread in opening.
 
-    `opening` (time) is that of a hinge, 0 when deployed. Without a closure, to its least value.
+    `opening` (time) is that of a hinge, 0 when deployed. The last instant is that of its least
+    value until shortly after `first_closure` (s) of any contact, since a flexible structure does
+    not close everywhere at once; without a closure, the least of all.
     """
-    shut = np.flatnonzero(opening <= 0)
-    last = int(shut[0]) if len(shut) else int(opening.argmin())
+    until = len(time) if first_closure is None else np.searchsorted(time, 1.1 * first_closure)
+    last = int(opening[:until].argmin())
     wanted = np.linspace(opening[0], opening[last], count)
     return np.array([int(np.abs(opening[: last + 1] - value).argmin()) for value in wanted])
 
@@ -45,7 +49,10 @@ def draw(trajectory_path: str | Path, count: int) -> Any:
     with open_netcdf(trajectory_path) as trajectory:
         hinge = list(trajectory["hinge"][:]).index("B")
         opening = trajectory["opening"][:, hinge]
-        indices = moments(opening, count)
+        closures = trajectory["contact_event_time"][trajectory["contact_event_closing"][:] == 1]
+        indices = moments(
+            trajectory["time"][:], opening, count, closures.min() if len(closures) else None
+        )
         times = trajectory["time"][indices]
         places = trajectory["position"][indices]
         points = {name: places[:, i] for i, name in enumerate(trajectory["point"][:])}
@@ -106,7 +113,9 @@ def _figure(bars: np.ndarray, points: Mapping, times: np.ndarray, degrees: np.nd
     for panel, ax in enumerate(axes):
         _draw_bars(ax, bars[panel], view, towards)
         _draw_points(ax, {name: view @ place[panel] for name, place in points.items()})
-        ax.set_title(f"t = {times[panel]:.3f} s\nopening at B {degrees[panel]:.0f}°", fontsize=8)
+        ax.set_title(
+            f"t = {times[panel]:.3f} s\nopening at B {abs(degrees[panel]):.0f}°", fontsize=8
+        )
         ax.set_aspect("equal")
         ax.axis("off")
     corners = bars.reshape(-1, 3) @ view.T

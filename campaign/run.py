@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import json
 import os
+import platform
 import sys
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -106,10 +108,25 @@ def simulate(plan: Mapping, runs: list[dict]) -> tuple[dict[str, Any], list[tupl
             "run_id": run["id"],
             "campaign": plan["campaign"],
             "config_hash": plan["config_hash"],
+            "time_step_limit": plan["step_limit"],
+            "limiting_element": plan["limiting_element"],
+            "versions": versions(),
             **{f"parameter_{name}": v for name, v in values.items() if v is not None},
         }
         datasets[run["id"]] = outcome.dataset(responses, attributes)
     return datasets, failed
+
+
+@cache
+def versions() -> str:
+    """What computes the runs, as one line for their files."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    found = [f"Python {platform.python_version()}"]
+    for package in ("deployable-intervals", "numpy", "numba"):
+        with suppress(PackageNotFoundError):  # a checkout that was not installed
+            found.append(f"{package} {version(package)}")
+    return ", ".join(found)
 
 
 def _failure_text(plan: Mapping, failures: list[tuple[dict, str]]) -> str:

@@ -118,6 +118,7 @@ class Responses:
             file.createDimension("time", ordered[0].sizes["time"])
             file.createDimension("event", events)
             file.createVariable("time", "f8", ("time",))[:] = ordered[0]["time"].values
+            write_names(file, "contact", ordered[0]["contact"].values)
             file.createVariable("run_id", str, ("run",))[:] = np.array(done, object)
             for name in names:
                 variable = file.createVariable(name, "f4", ("run", "time"), zlib=True, complevel=1)
@@ -150,6 +151,7 @@ def read_run(file: Any, names: Sequence[str]) -> dict[str, Any]:
     found: dict[str, Any] = {"time": np.asarray(file["time"][:])}
     for name in names:
         found[name] = np.asarray(file[name][:])
+    found["contact"] = list(file["contact"][:]) if "contact" in file.variables else []
     found["attributes"] = {
         name: {key: getattr(file[name], key, "") for key in ("units", "long_name")}
         for name in names
@@ -159,6 +161,14 @@ def read_run(file: Any, names: Sequence[str]) -> dict[str, Any]:
         if key in file.variables:
             found[name] = np.ma.filled(np.ma.asarray(file[key][:], dtype=float), np.nan)
     return found
+
+
+def write_names(file: Any, dimension: str, names: Sequence[str]) -> None:
+    """Define a dimension whose coordinate are names."""
+    file.createDimension(dimension, len(names))
+    variable = file.createVariable(dimension, str, (dimension,))
+    if len(names):
+        variable[:] = np.array([str(name) for name in names], dtype=object)
 
 
 def _is_whole(path: Path) -> bool:

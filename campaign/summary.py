@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from campaign.files import open_netcdf, write_text
+from campaign.units import pretty
 
 
 def summarise(
@@ -89,11 +90,12 @@ def _response(bounds: Any, name: str, published: float | None) -> dict:
 
 
 def closures(samples: Any, run: int) -> list[dict]:
-    """Contacts of one run that close: time (s) and index of the contact, in order of time."""
+    """Contacts of one run that close: time (s) and name of the contact, in order of time."""
+    names = list(samples["contact"][:])
     keys = ("event_time", "event_closing", "event_contact")
     time, closing, contact = (samples[key][run] for key in keys)
     rows = [
-        {"time": float(t), "contact": int(c)}
+        {"time": float(t), "contact": names[int(c)]}
         for t, shut, c in zip(time, closing, contact, strict=True)
         if np.isfinite(t) and shut == 1
     ]
@@ -126,19 +128,25 @@ def as_text(summary: Mapping) -> str:
     for row in summary["responses"]:
         published, ratio = row["published"], row["ratio_to_published"]
         lines.append(
-            f"| {row['name']} | {row['largest_difference']:.4g} {row['units']} "
+            f"| {row['name']} | {row['largest_difference']:.4g} {pretty(row['units'])} "
             f"| {row['time_of_largest_difference']:.4f} "
-            f"| {'' if published is None else f'{published:.4g} ' + row['units']} "
+            f"| {'' if published is None else f'{published:.4g} ' + pretty(row['units'])} "
             f"| {'' if ratio is None else f'{ratio:.2f}'} |"
         )
     lines += ["", _error_line(summary)]
     if summary["closures"]:
-        first = summary["closures"][0]["time"]
-        lines.append(
-            f"In the nominal run contacts close {len(summary['closures'])} times, first at "
-            f"{first:.4f} s."
-        )
+        lines += ["", f"Contacts that close in the nominal run: {_closure_text(summary)}."]
     return "\n".join(lines) + "\n"
+
+
+def _closure_text(summary: Mapping, most: int = 8) -> str:
+    """`A and C at 0.3251 s, ...`, the first `most` moments."""
+    moments: dict[str, list[str]] = {}
+    for row in summary["closures"]:
+        moments.setdefault(f"{row['time']:.4f} s", []).append(row["contact"])
+    texts = [f"{' and '.join(names)} at {time}" for time, names in moments.items()]
+    more = [f"and {len(texts) - most} later moments"] if len(texts) > most else []
+    return ", ".join(texts[:most] + more)
 
 
 def _error_line(summary: Mapping) -> str:
@@ -146,7 +154,7 @@ def _error_line(summary: Mapping) -> str:
     if not rows:
         return "Error estimate: none; the bounds are the least and the largest of the samples."
     parts = [
-        f"{row['name']} {row['largest_error']:.2g} {row['units']} "
+        f"{row['name']} {row['largest_error']:.2g} {pretty(row['units'])} "
         f"(at {row['time_of_largest_error']:.3f} s)"
         for row in rows
     ]

@@ -13,7 +13,6 @@ from fpm.kernels import layout as at
 from fpm.kernels.model import Model, Record
 from fpm.scene import AXES, Scene
 
-SCRATCH = 92
 MOST_EVENTS = 512
 """Contact events kept per sample; more are counted but not kept."""
 
@@ -149,8 +148,10 @@ def pack(scenes: Sequence[Scene], width: int, dtype=np.float64) -> tuple[np.ndar
     ]  # fmt: skip
     curve_points = [len(t) for t, _ in one.curves]
     springs, contacts = one.springs, one.contacts
+    hinged = {p for hinge in one.hinges for p in hinge.particles}
     model = Model(
         particles=stack(n, at.PARTICLE, _particles),
+        free=_integers(p for p in range(n) if p not in hinged),
         nodes=_integers(np.concatenate([b.nodes for b in one.beams]) if m else [], 2),
         beams=stack(m, at.BEAM, lambda s: np.concatenate([b.stiffness() for b in s.beams])),
         axes=axes,
@@ -159,7 +160,7 @@ def pack(scenes: Sequence[Scene], width: int, dtype=np.float64) -> tuple[np.ndar
         pairs=_integers((hinge.particles for hinge in one.hinges), 2),
         hinges=stack(h, at.HINGE, _hinges),
         supported=np.array([bool(hinge.support) for hinge in one.hinges], bool),
-        scratch=np.zeros((h, SCRATCH, width), dtype),
+        scratch=np.zeros((h, at.SCRATCH, width), dtype),
         openings=stack(h, 2, lambda s: [[hinge.opening] * 2 for hinge in s.hinges]),
         spring_on=_integers(s.hinge for s in springs),
         springs=stack(len(springs), 2, lambda s: [[x.stiffness, x.rest] for x in s.springs]),

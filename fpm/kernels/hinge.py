@@ -2,13 +2,15 @@
 
 Per hinge the unknowns are an impulse (3) at the hinge point, a moment impulse (2) normal to the
 axis and, where the point is held, a support impulse (up to 3). Their matrix A = G M^-1 G^T is built
-and factorised at the start of the step (`prepare`), the particles move freely, and two quasi-Newton
-rounds (`close`) bring the point and the axis together at the end of the step. The matrix changes by
-the angle turned in a step only, so each round gains three digits or more.
+and factorised at the start of the step, with first impulses from a second order Taylor series of
+the motion (`prepare`). Once the particles have moved, quasi-Newton rounds (`close`) bring the point
+and the axis together. The matrix changes by the angle turned in a step only, so each round gains
+three digits or more. A sample whose gaps are small enough is left alone in the rounds that other
+samples need: its numbers do not depend on theirs.
 """
 
-from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import ARM, AXIS, HELD, HIJ, HIM, PLACE, REF, D, P, Q, V, X
+from fpm.kernels.lanes import any_negative, load, store, where_negative
+from fpm.kernels.layout import ARM, AXIS, HELD, HIJ, HIM, PLACE, REF, D, F, M, P, Q, V, X
 from fpm.kernels.rotation import get4, half_turn, put_rotation, turned
 from fpm.kernels.vectors import (
     add,
@@ -28,7 +30,14 @@ from fpm.kernels.vectors import (
     to_local,
 )
 
-ROUNDS = 2
+ROUNDS = 4
+"""Most rounds in a step; a fast impact takes two, smooth motion one."""
+
+GAP2 = 2e-11**2
+"""Square of the gap (m) of the hinge point above which a sample gets another round."""
+
+TILT2 = 2e-10**2
+"""The same for the angle between the axes (rad)."""
 
 # Scratch of a hinge (rows, SCRATCH, lanes).
 OLD_X = 0  # positions at the start of the step (3, 3)
@@ -42,8 +51,7 @@ S = 53  # inverse of the Schur complement of the translation block (6)
 K1 = 59  # response of particle 1's hinge point to a force there (6)
 B1 = 65  # its coupling to the rotation rows p (3) and q (3)
 Y = 71  # A^-1 times the support columns: three times (3 + 2)
-G = 86  # inverse of the support's Schur complement (6)
-SCRATCH = 92
+G = 86  # inverse of the support's Schur complement (6); SCRATCH fields in all, see layout.py
 
 
 @inlined
@@ -102,59 +110,6 @@ def solve(w, h, g, ep, eq):
     return force, yp - dot(rp, force), yq - dot(rq, force)
 
 
-@kernel
-def prepare(state, pairs, hinges, supported, w):
-    """Factorise the hinges' matrices and keep their particles' state at the start of the step.
-
-    pairs (h, 2) particles; hinges (h, HINGE, lanes); supported (h,) whether the point is held;
-    w (h, SCRATCH, lanes) scratch.
-    """
-    for h in range(pairs.shape[0]):
-        one, two = pairs[h, 0], pairs[h, 1]
-        for k in range(2):
-            i = pairs[h, k]
-            put3(w, h, OLD_X + 3 * k, get3(state, i, X))
-            for m in range(4):
-                store(w, h, OLD_Q + 4 * k + m, load(state, i, Q + m))
-            for m in range(9):
-                store(w, h, OLD_D + 9 * k + m, load(state, i, D + m))
-        r1 = to_global(state, one, D, get3(hinges, h, ARM))
-        r2 = to_global(state, two, D, get3(hinges, h, ARM + 3))
-        p = to_global(state, one, D, get3(hinges, h, REF))
-        q = cross(to_global(state, one, D, get3(hinges, h, AXIS)), p)
-        put3(w, h, ARM1, r1)
-        put3(w, h, ARM2, r2)
-        put3(w, h, PA, p)
-        put3(w, h, QA, q)
-        j1 = world_inverse(state, one, get3(hinges, h, HIJ))
-        j2 = world_inverse(state, two, get3(hinges, h, HIJ + 3))
-        k1 = point_response(get3(hinges, h, HIM), j1, r1)
-        k2 = point_response(get3(hinges, h, HIM + 3), j2, r2)
-        p1, q1, p2, q2 = symmetric(j1, p), symmetric(j1, q), symmetric(j2, p), symmetric(j2, q)
-        # Rotation block and its coupling to the translations.
-        pp, qq, pq = dot(p, add(p1, p2)), dot(q, add(q1, q2)), dot(p, add(q1, q2))
-        det = 1.0 / (pp * qq - pq * pq)
-        cpp, cqq, cpq = det * qq, det * pp, -det * pq
-        b1p, b1q = cross(r1, p1), cross(r1, q1)
-        bp, bq = add(b1p, cross(r2, p2)), add(b1q, cross(r2, q2))
-        ep = axpy(cpp, bp, scale(cpq, bq))
-        eq = axpy(cpq, bp, scale(cqq, bq))
-        put3(w, h, C, (cpp, cqq, cpq))
-        put3(w, h, E, ep)
-        put3(w, h, E + 3, eq)
-        schur = (
-            k1[0] + k2[0] - bp[0] * ep[0] - bq[0] * eq[0],
-            k1[1] + k2[1] - bp[1] * ep[1] - bq[1] * eq[1],
-            k1[2] + k2[2] - bp[2] * ep[2] - bq[2] * eq[2],
-            k1[3] + k2[3] - bp[0] * ep[1] - bq[0] * eq[1],
-            k1[4] + k2[4] - bp[0] * ep[2] - bq[0] * eq[2],
-            k1[5] + k2[5] - bp[1] * ep[2] - bq[1] * eq[2],
-        )
-        put6(w, h, S, invert(schur))
-        if supported[h]:
-            support_prepare(hinges, h, w, k1, b1p, b1q)
-
-
 @inlined
 def support_prepare(hinges, h, w, k1, b1p, b1q):
     """Schur complement of the support impulses on particle 1's hinge point."""
@@ -205,49 +160,168 @@ def gaps(state, one, two, hinges, h):
 
 
 @inlined
-def push(state, i, w, h, k, inverse_mass, j, impulse, twist, step):
-    """Apply an impulse and a moment impulse to particle k of a hinge and redo its step."""
-    v = add(get3(state, i, V), times(inverse_mass, impulse))
-    put3(state, i, V, v)
-    put3(state, i, X, axpy(step, v, get3(w, h, OLD_X + 3 * k)))
-    p = add(get3(state, i, P), twist)
-    put3(state, i, P, p)
-    half = half_turn(to_local(w, h, OLD_D + 9 * k, p), j, step)
+def impulses(w, h, hinges, held_point, point, gap, ep, eq, rate):
+    """Impulses that close the gaps: force on particle 1 and on 2 (3 each), moment on 2 (3).
+
+    point, gap (3), ep, eq: as from `gaps`; rate: minus one over the time they have to act.
+    """
+    force, mp, mq = solve(w, h, scale(rate, gap), rate * ep, rate * eq)
+    on_one = force
+    if held_point:
+        off = scale(rate, sub(point, get3(hinges, h, PLACE)))
+        reached = symmetric(get6(w, h, K1), force)
+        turning = axpy(mp, get3(w, h, B1), scale(mq, get3(w, h, B1 + 3)))
+        held = get3(hinges, h, HELD)
+        missing = times(held, sub(off, add(reached, turning)))
+        x, y, z = times(held, symmetric(get6(w, h, G), missing))
+        less = axpy(x, get3(w, h, Y), axpy(y, get3(w, h, Y + 3), scale(z, get3(w, h, Y + 6))))
+        force = sub(force, less)
+        px, qx, py, qy, pz, qz = get6(w, h, Y + 9)
+        mp = mp - (x * px + y * py + z * pz)
+        mq = mq - (x * qx + y * qy + z * qz)
+        on_one = (force[0] + x, force[1] + y, force[2] + z)
+    moment = axpy(mp, get3(w, h, PA), scale(mq, get3(w, h, QA)))
+    return on_one, scale(-1.0, force), moment
+
+
+@inlined
+def add_impulse(state, i, inverse_mass, arm, impulse, moment):
+    """Change the momenta of particle i by an impulse at `arm` and a moment impulse."""
+    put3(state, i, V, add(get3(state, i, V), times(inverse_mass, impulse)))
+    put3(state, i, P, add(get3(state, i, P), add(cross(arm, impulse), moment)))
+
+
+@inlined
+def kicked(state, i, inverse_mass, kick):
+    """Velocity and angular momentum of particle i after its kick, which uses up its forces."""
+    v = add(get3(state, i, V), scale(kick, times(inverse_mass, get3(state, i, F))))
+    p = axpy(kick, get3(state, i, M), get3(state, i, P))
+    for k in range(6):
+        store(state, i, F + k, 0.0)
+    return v, p
+
+
+@inlined
+def midpoint_spin(j, p, step):
+    """Spin at the middle of the coming step, to second order; j: inverse inertia (6)."""
+    spin = symmetric(j, p)
+    return axpy(0.5 * step, symmetric(j, cross(p, spin)), spin)
+
+
+@inlined
+def swung(spin, arm, step):
+    """Change of an arm over a step, to second order."""
+    first = scale(step, cross(spin, arm))
+    return axpy(0.5 * step, cross(spin, first), first)
+
+
+@inlined
+def predict(state, h, one, two, hinges, held_point, w, j1, j2, kick, step):
+    """Kick both particles, with first impulses from the motion that they would make freely."""
+    him1, him2 = get3(hinges, h, HIM), get3(hinges, h, HIM + 3)
+    r1, r2, p, q = get3(w, h, ARM1), get3(w, h, ARM2), get3(w, h, PA), get3(w, h, QA)
+    v1, p1 = kicked(state, one, him1, kick)
+    v2, p2 = kicked(state, two, him2, kick)
+    spin1, spin2 = midpoint_spin(j1, p1, step), midpoint_spin(j2, p2, step)
+    point = add(axpy(step, v1, add(get3(state, one, X), r1)), swung(spin1, r1, step))
+    other = add(axpy(step, v2, add(get3(state, two, X), r2)), swung(spin2, r2, step))
+    axis = to_global(state, two, D, get3(hinges, h, AXIS + 3))
+    axis = add(axis, swung(spin2, axis, step))
+    ep = -dot(add(q, swung(spin1, q, step)), axis)
+    eq = dot(add(p, swung(spin1, p, step)), axis)
+    on_one, on_two, moment = impulses(
+        w, h, hinges, held_point, point, sub(point, other), ep, eq, -1.0 / step
+    )
+    put3(state, one, V, add(v1, times(him1, on_one)))
+    put3(state, two, V, add(v2, times(him2, on_two)))
+    put3(state, one, P, add(p1, sub(cross(r1, on_one), moment)))
+    put3(state, two, P, add(p2, add(cross(r2, on_two), moment)))
+
+
+@inlined
+def move_from_start(state, i, w, h, k, j, step):
+    """Move particle k of a hinge from the start of the step, with its present momenta."""
+    put3(state, i, X, axpy(step, get3(state, i, V), get3(w, h, OLD_X + 3 * k)))
+    half = half_turn(to_local(w, h, OLD_D + 9 * k, get3(state, i, P)), j, step)
     put_rotation(state, i, turned(get4(w, h, OLD_Q + 4 * k), half))
 
 
 @kernel
-def close(state, pairs, hinges, supported, w, step):
-    """Close all hinges at the end of the step."""
-    rate = -1.0 / step
+def prepare(state, pairs, hinges, supported, w, kick, step):
+    """Factorise the hinges' matrices, keep their particles' state, and kick them for `kick` s.
+
+    All forces must be summed; they are used up. The coming move takes `step` s.
+
+    pairs (h, 2) particles; hinges (h, HINGE, lanes); supported (h,) whether the point is held;
+    w (h, SCRATCH, lanes) scratch.
+    """
     for h in range(pairs.shape[0]):
         one, two = pairs[h, 0], pairs[h, 1]
-        r1, r2 = get3(w, h, ARM1), get3(w, h, ARM2)
+        for k in range(2):
+            i = pairs[h, k]
+            put3(w, h, OLD_X + 3 * k, get3(state, i, X))
+            for m in range(4):
+                store(w, h, OLD_Q + 4 * k + m, load(state, i, Q + m))
+            for m in range(9):
+                store(w, h, OLD_D + 9 * k + m, load(state, i, D + m))
+        r1 = to_global(state, one, D, get3(hinges, h, ARM))
+        r2 = to_global(state, two, D, get3(hinges, h, ARM + 3))
+        p = to_global(state, one, D, get3(hinges, h, REF))
+        q = cross(to_global(state, one, D, get3(hinges, h, AXIS)), p)
+        put3(w, h, ARM1, r1)
+        put3(w, h, ARM2, r2)
+        put3(w, h, PA, p)
+        put3(w, h, QA, q)
+        j1 = world_inverse(state, one, get3(hinges, h, HIJ))
+        j2 = world_inverse(state, two, get3(hinges, h, HIJ + 3))
+        k1 = point_response(get3(hinges, h, HIM), j1, r1)
+        k2 = point_response(get3(hinges, h, HIM + 3), j2, r2)
+        p1, q1, p2, q2 = symmetric(j1, p), symmetric(j1, q), symmetric(j2, p), symmetric(j2, q)
+        # Rotation block and its coupling to the translations.
+        pp, qq, pq = dot(p, add(p1, p2)), dot(q, add(q1, q2)), dot(p, add(q1, q2))
+        det = 1.0 / (pp * qq - pq * pq)
+        cpp, cqq, cpq = det * qq, det * pp, -det * pq
+        b1p, b1q = cross(r1, p1), cross(r1, q1)
+        bp, bq = add(b1p, cross(r2, p2)), add(b1q, cross(r2, q2))
+        ep = axpy(cpp, bp, scale(cpq, bq))
+        eq = axpy(cpq, bp, scale(cqq, bq))
+        put3(w, h, C, (cpp, cqq, cpq))
+        put3(w, h, E, ep)
+        put3(w, h, E + 3, eq)
+        schur = (
+            k1[0] + k2[0] - bp[0] * ep[0] - bq[0] * eq[0],
+            k1[1] + k2[1] - bp[1] * ep[1] - bq[1] * eq[1],
+            k1[2] + k2[2] - bp[2] * ep[2] - bq[2] * eq[2],
+            k1[3] + k2[3] - bp[0] * ep[1] - bq[0] * eq[1],
+            k1[4] + k2[4] - bp[0] * ep[2] - bq[0] * eq[2],
+            k1[5] + k2[5] - bp[1] * ep[2] - bq[1] * eq[2],
+        )
+        put6(w, h, S, invert(schur))
+        if supported[h]:
+            support_prepare(hinges, h, w, k1, b1p, b1q)
+        predict(state, h, one, two, hinges, supported[h], w, j1, j2, kick, step)
+
+
+@kernel
+def close(state, pairs, hinges, supported, w, step):
+    """Move the particles of all hinges by a step, and close the hinges at its end."""
+    for h in range(pairs.shape[0]):
+        one, two = pairs[h, 0], pairs[h, 1]
         for _ in range(ROUNDS):
+            move_from_start(state, one, w, h, 0, get3(hinges, h, HIJ), step)
+            move_from_start(state, two, w, h, 1, get3(hinges, h, HIJ + 3), step)
             point, gap, ep, eq = gaps(state, one, two, hinges, h)
-            force, mp, mq = solve(w, h, scale(rate, gap), rate * ep, rate * eq)
-            extra = scale(0.0, gap)
-            if supported[h]:
-                held = get3(hinges, h, HELD)
-                off = scale(rate, sub(point, get3(hinges, h, PLACE)))
-                reached = symmetric(get6(w, h, K1), force)
-                turning = axpy(mp, get3(w, h, B1), scale(mq, get3(w, h, B1 + 3)))
-                missing = times(held, sub(off, add(reached, turning)))
-                extra = times(held, symmetric(get6(w, h, G), missing))
-                x, y, z = extra
-                less = axpy(
-                    x,
-                    get3(w, h, Y),
-                    axpy(y, get3(w, h, Y + 3), scale(z, get3(w, h, Y + 6))),
-                )
-                force = sub(force, less)
-                px, qx, py, qy, pz, qz = get6(w, h, Y + 9)
-                mp = mp - (x * px + y * py + z * pz)
-                mq = mq - (x * qx + y * qy + z * qz)
-            moment = axpy(mp, get3(w, h, PA), scale(mq, get3(w, h, QA)))
-            both = add(force, extra)
-            him, hij = get3(hinges, h, HIM), get3(hinges, h, HIJ)
-            push(state, one, w, h, 0, him, hij, both, sub(cross(r1, both), moment), step)
-            him, hij = get3(hinges, h, HIM + 3), get3(hinges, h, HIJ + 3)
-            back = scale(-1.0, force)
-            push(state, two, w, h, 1, him, hij, back, add(cross(r2, back), moment), step)
+            good = (GAP2 - dot(gap, gap)) / GAP2
+            tilt = (TILT2 - (ep * ep + eq * eq)) / TILT2
+            good = where_negative(tilt, tilt, good)
+            if not any_negative(good):
+                break
+            on_one, on_two, moment = impulses(
+                w, h, hinges, supported[h], point, gap, ep, eq, -1.0 / step
+            )
+            wanted = where_negative(good, 1.0, 0.0 * good)
+            on_one, on_two = scale(wanted, on_one), scale(wanted, on_two)
+            moment = scale(wanted, moment)
+            him1, him2 = get3(hinges, h, HIM), get3(hinges, h, HIM + 3)
+            add_impulse(state, one, him1, get3(w, h, ARM1), on_one, scale(-1.0, moment))
+            add_impulse(state, two, him2, get3(w, h, ARM2), on_two, moment)

@@ -36,6 +36,7 @@ HIJ = 24  # inverse principal inertias (3, 3)
 HELD = 30  # 1 where the hinge point is held along a global axis (3)
 PLACE = 33  # where it is held (3)
 HINGE = 36
+SCRATCH = 92  # working fields of a hinge, named in hinge.py
 
 # Energies.
 KINETIC, STRAIN, SPRING, CONTACT, LOAD_WORK, DAMPING_WORK, BALANCE = range(7)

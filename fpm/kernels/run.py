@@ -14,9 +14,10 @@ from fpm.kernels.vectors import axpy, get3, kernel, put3, scale, sub, to_local
 
 
 @kernel
-def advance(state, particles, kick, step):
-    """Kick all particles for `kick` s, move them for `step` s, and clear their forces."""
-    for i in range(state.shape[0]):
+def advance(state, particles, on, kick, step):
+    """Kick the particles `on` (n,) for `kick` s, move them for `step` s, clear their forces."""
+    for n in range(on.shape[0]):
+        i = on[n]
         inverse_mass = load(particles, i, IM)
         v = axpy(kick * inverse_mass, get3(state, i, F), get3(state, i, V))
         put3(state, i, V, v)
@@ -53,7 +54,7 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
     hinged, held = pairs.shape[0] > 0, hold_on.shape[0] > 0
     sprung = spring_on.shape[0] + contact_on.shape[0] > 0
     loaded, driven = load_on.shape[0] > 0, drive_on.shape[0] > 0
-    half = 0.5 * step
+    free, half = model.free, 0.5 * step
 
     for n in range(steps + 1):
         t = n * step
@@ -99,11 +100,11 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
             )
         if held:
             outside.hold(state, hold_on, hold_free)
-        if hinged:
-            hinge.prepare(state, pairs, hinges, supported, scratch)
         if damped:
             outside.damp(state, damping, kick)
-        advance(state, particles, kick, step)
+        if hinged:
+            hinge.prepare(state, pairs, hinges, supported, scratch, kick, step)
+        advance(state, particles, free, kick, step)
         if driven:
             outside.drive(
                 state, drive_on, drives, drive_curve, starts, times, values, t + half, step

@@ -5,29 +5,52 @@ responses into polynomials, and `surrogate_range` or `bounds_dataset` bound them
 The package knows nothing of the model: it takes arrays, or netCDF files as datasets.
 """
 
+from .adaptive import Decision, Progress, Specification, decide
 from .bounds import bounds_dataset
 from .box import Box
 from .datasets import match_points
 from .designs import METHODS, Design, make_design
 from .errors import error_estimate
+from .events import event_bounds_dataset
 from .exceptions import IntervalError
+from .gather import gather_trajectories
+from .metrics import compare_bounds, compare_runs, hausdorff
+from .partition import SplitDesign, split_design
 from .ranges import Range, surrogate_range
+from .scan_bounds import RunningBounds, scan_bounds_dataset, stream_bounds
 from .scans import held_out_points
+from .sensitivity import parameter_sensitivity, sensitivity_dataset
 from .surrogate import Surrogate, fit, fit_points
 
 __all__ = [
     "METHODS",
     "Box",
+    "Decision",
     "Design",
     "IntervalError",
+    "Progress",
     "Range",
+    "RunningBounds",
+    "Specification",
+    "SplitDesign",
     "Surrogate",
     "bounds_dataset",
+    "compare_bounds",
+    "compare_runs",
+    "decide",
     "error_estimate",
+    "event_bounds_dataset",
     "fit",
     "fit_points",
+    "gather_trajectories",
+    "hausdorff",
     "held_out_points",
     "make_design",
     "match_points",
+    "parameter_sensitivity",
+    "scan_bounds_dataset",
+    "sensitivity_dataset",
+    "split_design",
+    "stream_bounds",
     "surrogate_range",
 ]

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import errors
-from .datasets import Bounds, Samples, bounds_to_dataset, match_points, other_runs, read_samples
+from .datasets import Bounds, bounds_to_dataset, match_points, other_runs, read_samples
 from .designs import Design
 from .partition import SplitDesign, parts_of
 from .ranges import surrogate_range
+from .scan_bounds import scan_bounds_dataset
 from .surrogate import fit
 
 if TYPE_CHECKING:
@@ -51,14 +52,11 @@ def bounds_dataset(
     (parameter values where), ``R_nominal``, ``R_error`` (estimate for the bounds). Attributes of
     ``R_error`` hold the numbers of the summary.
     """
-    data = read_samples(samples, responses)
     attrs = {"design_method": design.method, "design_order": list(design.order)}
     if isinstance(design, Design) and not len(design.multi_indices):
-        bounds = sample_bounds(data)
-        centre = None if data.nominal is None else data.values[data.nominal]
-        attrs |= {"design_runs": len(data.unit), "bounds_kind": "least and largest sample"}
-        return bounds_to_dataset(data, bounds, centre, None, np.arange(0), attrs)
+        return scan_bounds_dataset(samples, responses, attrs)
 
+    data = read_samples(samples, responses)
     tested = other_runs(data.unit, design.points)
     shape = data.values.shape[1:]
     held_out, decay, centre = np.zeros(shape), np.zeros(shape), None
@@ -81,13 +79,6 @@ def bounds_dataset(
     error = errors.ErrorEstimate(total, held_out, decay)
     attrs |= {"design_runs": design.runs, "bounds_kind": "range of the surrogate"}
     return bounds_to_dataset(data, _union(ranges), centre, error, tested, attrs)
-
-
-def sample_bounds(data: Samples) -> Bounds:
-    """Least and largest sample of each response at each instant."""
-    low, high = data.values.argmin(axis=0), data.values.argmax(axis=0)
-    lower, upper = data.values.min(axis=0), data.values.max(axis=0)
-    return Bounds(lower, upper, lower, upper, data.unit[low], data.unit[high])
 
 
 def _union(ranges) -> Bounds:

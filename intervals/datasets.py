@@ -44,8 +44,10 @@ class Bounds:
     argmax: np.ndarray
 
 
-def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:
-    """Check a samples dataset and take its arrays out."""
+def read_samples(
+    samples: xr.Dataset, responses: Sequence[str] | None = None, values: bool = True
+) -> Samples:
+    """Check a samples dataset and take its arrays out; without `values` the responses stay put."""
     for name in ("time", "unit", "value"):
         if name not in samples:
             raise IntervalError("samples", list(samples.variables), f"a dataset with {name}")
@@ -56,8 +58,10 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
             raise IntervalError("response", name, "one of " + ", ".join(known))
     if not names:
         raise IntervalError("samples", list(samples.data_vars), "variables over (run, time)")
-    values = np.stack([samples[name].values for name in names], axis=1).astype(float)
-    bad = [n for i, n in enumerate(names) if not np.isfinite(values[:, i]).all()]
+    stacked = np.empty((len(samples["unit"]), len(names), 0))
+    if values:
+        stacked = np.stack([samples[name].values for name in names], axis=1).astype(float)
+    bad = [n for i, n in enumerate(names) if not np.isfinite(stacked[:, i]).all()]
     if bad:
         raise IntervalError("samples", ", ".join(bad), "finite responses in every run")
     nominal = None
@@ -68,7 +72,7 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
         names,
         np.asarray(samples["time"].values, dtype=float),
         np.asarray(samples["unit"].values, dtype=float),
-        values,
+        stacked,
         nominal,
         samples,
     )
@@ -157,7 +161,9 @@ def bounds_to_dataset(
             text = {"long_name": f"parameters at the {side} bound of {label}"}
             data[f"{name}_{suffix}"] = (("time", "parameter"), to_value(unit), text)
         numbers = _numbers(samples.time, bounds, i)
-        numbers |= metrics.compare_runs(bounds.lower[i], bounds.upper[i], samples.values[tested, i])
+        if len(tested):
+            own_runs = samples.values[tested, i]
+            numbers |= metrics.compare_runs(bounds.lower[i], bounds.upper[i], own_runs)
         data[f"{name}_lower"][2].update(numbers)
         data[f"{name}_upper"][2].update(numbers)
         if error is not None:

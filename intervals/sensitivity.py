@@ -1,0 +1,118 @@
+"""Which parameter widens the bounds, and when."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .datasets import match_points, read_samples
+from .designs import Design
+from .line_range import line_range
+from .metrics import integral
+from .partition import SplitDesign, parts_of
+from .surrogate import Surrogate, fit
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Influence of each parameter at each instant, (k, ...).
+
+    Attributes
+    ----------
+    width
+        Exact width of the range when only this parameter varies, the others at the centre.
+    first
+        Share of the variance from this parameter alone (Sobol index of first order).
+    total
+        Share of the variance from all terms in which it takes part (total Sobol index).
+    variance
+        (...): the variance itself.
+    """
+
+    width: np.ndarray
+    first: np.ndarray
+    total: np.ndarray
+    variance: np.ndarray
+
+
+def parameter_sensitivity(surrogate: Surrogate, centre: np.ndarray | None = None) -> Sensitivity:
+    """Influence of each parameter from the surrogate.
+
+    The Sobol-like shares (Sudret 2008) are read off the coefficients. They refer to the arcsine
+    density, for which Chebyshev polynomials are orthogonal and which weighs the ends of the
+    intervals more than a uniform one; intervals have no density, so this is a convention.
+    Where the variance is 0 the shares are 0. `centre` (k) is the unit point of the widths.
+    """
+    indices, c = surrogate.multi_indices, surrogate.coefficients
+    k, shape = surrogate.dimension, c.shape[1:]
+    centre = np.zeros(k) if centre is None else np.asarray(centre, dtype=float)
+    active = indices > 0
+    # the mean square of T_i is 1/2 for i > 0 and 1 for i = 0
+    power = c**2 * (0.5 ** active.sum(axis=1)).reshape(-1, *[1] * len(shape))
+    variance = power[active.any(axis=1)].sum(axis=0)
+    scale = np.where(variance > 0, variance, 1.0)
+    width, first, total = np.zeros((3, k, *shape))
+    for j in range(k):
+        line = surrogate.restrict(j, centre)
+        low, high, *_ = line_range(line.reshape(len(line), -1))
+        width[j] = (high - low).reshape(shape)
+        first[j] = power[active[:, j] & (active.sum(axis=1) == 1)].sum(axis=0) / scale
+        total[j] = power[active[:, j]].sum(axis=0) / scale
+    return Sensitivity(width, first, total, variance)
+
+
+def sensitivity_dataset(
+    samples: xr.Dataset, design: Design | SplitDesign, responses: Sequence[str] | None = None
+) -> xr.Dataset:
+    """Influence of each parameter on each response R, per instant and overall.
+
+    Variables over (parameter, time): ``R_width`` in the response's units, ``R_first``, ``R_total``
+    (shares). Over (parameter): ``R_width_overall``, the width integrated over time as a share of
+    the sum over all parameters, and ``R_total_overall``, the variance-weighted mean of the shares.
+    For a split design the widths are the largest, the shares the mean, over its parts.
+    """
+    import xarray as xr
+
+    data = read_samples(samples, responses)
+    found = []
+    for part in parts_of(design):
+        surrogate = fit(part.design, data.values[match_points(part.points, data.unit)])
+        found.append(parameter_sensitivity(surrogate))
+    width = np.max([f.width for f in found], axis=0)
+    first = np.mean([f.first for f in found], axis=0)
+    total = np.mean([f.total for f in found], axis=0)
+    variance = np.mean([f.variance for f in found], axis=0)
+    variables = {}
+    for i, name in enumerate(data.names):
+        own = samples[name].attrs
+        label = own.get("long_name", name)
+        units = {"units": own["units"]} if "units" in own else {}
+        area = np.array([integral(data.time, row) for row in width[:, i]])
+        weight = integral(data.time, variance[i])
+        shares = np.array([integral(data.time, row * variance[i]) for row in total[:, i]])
+        axes = ("parameter", "time")
+        text = f"width of {label} when only this parameter varies"
+        variables[f"{name}_width"] = (axes, width[:, i], {"long_name": text, **units})
+        for key, values, text in (
+            ("first", first[:, i], "share of the variance from this parameter alone"),
+            ("total", total[:, i], "share of the variance in which this parameter takes part"),
+        ):
+            attrs = {"long_name": f"{text}: {label}", "units": "1"}
+            variables[f"{name}_{key}"] = (axes, values, attrs)
+        for key, values in (
+            ("width_overall", area / (area.sum() or 1.0)),
+            ("total_overall", shares / (weight or 1.0)),
+        ):
+            attrs = {"long_name": f"{key.replace('_', ' ')} of {label}", "units": "1"}
+            variables[f"{name}_{key}"] = ("parameter", values, attrs)
+    coords = {"time": samples["time"]}
+    if "parameter" in samples.coords:
+        coords["parameter"] = samples["parameter"]
+    attrs = {**samples.attrs, "responses": " ".join(data.names)}
+    return xr.Dataset(variables, coords=coords, attrs=attrs)

@@ -1,0 +1,47 @@
+"""Samples datasets from closed-form responses."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from ball import ball, bounces
+
+from intervals import Box, held_out_points
+
+
+def samples_of(function, box, design, time, held_out=4, names=("response",)):
+    """Samples of function(values (k)) -> (names, T) at the design, the centre and held-out runs."""
+    extra = held_out_points(box.free, held_out, design.points)
+    unit = np.concatenate([design.points, np.zeros((1, box.dimension)), extra])
+    value = box.from_unit(unit)
+    table = np.array([np.reshape(function(v), (len(names), -1)) for v in value])
+    role = ["node"] * design.runs + ["nominal"] + ["held_out"] * len(extra)
+    axes = ("run", "parameter")
+    data = {"unit": (axes, unit), "value": (axes, value), "role": ("run", role)}
+    for i, name in enumerate(names):
+        data[name] = (("run", "time"), table[:, i], {"units": "m", "long_name": name})
+    return xr.Dataset(data, coords={"time": time, "parameter": list(box.names)})
+
+
+def ball_samples(design, duration=2.0, held_out=4, instants=2001):
+    """Samples of a ball dropped from 1 m, +- 5 %, with its impacts as events."""
+    box = Box(["height"], [0.95], [1.05])
+    time = np.linspace(0.0, duration, instants)
+    samples = samples_of(
+        lambda v: np.array(ball(time, v[0])), box, design, time, held_out, ("z", "v")
+    )
+    impacts = [bounces(v[0], duration=duration) for v in samples["value"].values]
+    table = np.full((len(impacts), max(len(x) for x in impacts)), np.nan)
+    for row, times in zip(table, impacts, strict=True):
+        row[: len(times)] = times
+    return samples.assign(event_time=(("run", "event"), table))
+
+
+def ball_reference(duration=2.0, runs=4001, instants=2001):
+    """Bounds (2, T) from below and above of a dense scan of the ball: position and velocity."""
+    time = np.linspace(0.0, duration, instants)
+    low, high = np.full((2, instants), np.inf), np.full((2, instants), -np.inf)
+    for height in np.linspace(0.95, 1.05, runs):
+        curves = np.array(ball(time, height))
+        low, high = np.minimum(low, curves), np.maximum(high, curves)
+    return time, low, high

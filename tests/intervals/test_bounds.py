@@ -1,0 +1,170 @@
+"""Bounds datasets: exact, complete, reproducible, and fast."""
+
+import time as clock
+
+import numpy as np
+import pytest
+from datasets_for_tests import samples_of
+
+from intervals import (
+    Box,
+    IntervalError,
+    bounds_dataset,
+    make_design,
+    scan_bounds_dataset,
+    split_design,
+    stream_bounds,
+)
+from intervals.metrics import hausdorff
+
+TIME = np.linspace(0.0, 1.0, 201)
+
+
+def wave(v):
+    return np.sin(6 * TIME * v[0]) * np.exp(v[-1])
+
+
+def test_bounds_agree_with_a_dense_scan_within_the_estimated_error():
+    box = Box(["f"], [0.9], [1.1])
+    design = make_design("tensor_roots", box, 5)
+    bounds = bounds_dataset(samples_of(wave, box, design, TIME), design)
+    scan = np.array([wave(v) for v in np.linspace(0.9, 1.1, 2001)[:, None]])
+    distance = hausdorff(
+        bounds["response_lower"], bounds["response_upper"], scan.min(axis=0), scan.max(axis=0)
+    ).values
+    # the scan itself misses up to a quarter of its step squared times the curvature
+    assert (distance <= bounds["response_error"].values + 1e-5).all()
+    assert bounds["response_error"].attrs["error_share_of_width"] < 0.02
+    assert bounds["response_lower"].attrs["units"] == "m"
+    assert bounds.attrs["design_runs"] == 6
+    assert bounds.attrs["held_out_runs"] == 5
+
+
+def test_arguments_are_parameter_values_at_which_the_bound_is_taken():
+    box = Box(["f", "g"], [0.9, 0.0], [1.1, 0.2])
+    design = make_design("tensor_lobatto", box, 6)
+    bounds = bounds_dataset(samples_of(wave, box, design, TIME), design)
+    for side, where in (("inner_upper", "argmax"), ("inner_lower", "argmin")):
+        values = bounds[f"response_{where}"].values
+        at = np.array([wave(v)[i] for i, v in enumerate(values)])
+        np.testing.assert_allclose(at, bounds[f"response_{side}"].values, atol=1e-5)
+    assert (bounds["response_lower"] <= bounds["response_inner_lower"]).all()
+    assert bounds["response_lower"].attrs["gap_share_of_width"] < 2e-3
+
+
+def test_order_of_runs_and_a_larger_set_of_runs_do_not_matter():
+    box = Box(["f"], [0.9], [1.1])
+    few, many = make_design("tensor_lobatto", box, 4), make_design("tensor_lobatto", box, 8)
+    samples = samples_of(wave, box, many, TIME)
+    shuffled = samples.isel(run=np.random.default_rng(0).permutation(samples.sizes["run"]))
+    first, second = bounds_dataset(samples, few), bounds_dataset(shuffled, few)
+    assert (first["response_upper"] == second["response_upper"]).all()
+    assert first.attrs["held_out_runs"] > 4  # runs of the higher order test the lower one
+
+
+def test_a_split_design_helps_a_kink():
+    box = Box(["p"], [-1.0], [1.0])
+
+    def kink(v):
+        return np.abs(v[0] - 0.0) + 0 * TIME
+
+    whole = make_design("tensor_lobatto", box, 4)
+    halves = split_design(whole, [([-1.0], [0.0]), ([0.0], [1.0])])
+    assert halves.runs == 9
+    one = bounds_dataset(samples_of(kink, box, whole, TIME), whole)
+    two = bounds_dataset(samples_of(kink, box, halves, TIME), halves)
+    assert one["response_error"].max() > 0.01
+    assert two["response_error"].max() < 1e-12
+    assert two["response_lower"].values == pytest.approx(0.0, abs=1e-12)
+    assert two["response_upper"].values == pytest.approx(1.0)
+    assert two["response_argmin"].values == pytest.approx(0.0, abs=1e-9)
+
+
+def test_missing_runs_and_unknown_responses_are_refused():
+    box = Box(["f"], [0.9], [1.1])
+    design = make_design("tensor_roots", box, 3)
+    samples = samples_of(wave, box, design, TIME)
+    with pytest.raises(IntervalError, match="no run at 1 of 4"):
+        bounds_dataset(samples.isel(run=slice(1, None)), design)
+    with pytest.raises(IntervalError, match="'BD'"):
+        bounds_dataset(samples, design, ["BD"])
+    with pytest.raises(IntervalError, match="finite"):
+        late = samples["response"].where(samples["time"] < 0.5)
+        bounds_dataset(samples.assign(response=late), design)
+
+
+def test_zero_width_box_gives_the_run_itself():
+    box = Box(["f"], [1.0], [1.0])
+    design = make_design("tensor_roots", box, 3)
+    bounds = bounds_dataset(samples_of(wave, box, design, TIME), design)
+    expected = wave(np.array([1.0]))
+    for name in ("lower", "upper", "nominal"):
+        assert (bounds[f"response_{name}"].values == expected).all()
+    assert (bounds["response_argmax"].values == 1.0).all()
+
+
+def test_scan_bounds_are_the_extreme_samples():
+    box = Box(["f", "g"], [0.9, 0.0], [1.1, 0.2])
+    design = make_design("scan", box, samples=100)
+    samples = samples_of(wave, box, design, TIME, held_out=0)
+    bounds = bounds_dataset(samples, design)
+    values = samples["response"].values
+    assert (bounds["response_lower"].values == values.min(axis=0)).all()
+    assert (bounds["response_upper"].values == values.max(axis=0)).all()
+    at = bounds["response_argmax"].values[150]
+    assert wave(at)[150] == pytest.approx(bounds["response_upper"].values[150], abs=1e-12)
+    growth = values[:51].min(axis=0) - values.min(axis=0)
+    assert (bounds["response_error"].values >= growth).all()
+
+
+def test_streamed_bounds_do_not_depend_on_the_chunks():
+    values = np.random.default_rng(0).standard_normal((57, 3, 11))
+    for size in (1, 8, 57):
+        found = stream_bounds(values[i : i + size] for i in range(0, 57, size))
+        assert (found.low == values.min(axis=0)).all()
+        assert (found.high_run == values.argmax(axis=0)).all()
+
+
+def test_scan_of_a_file_reads_it_in_chunks(tmp_path, monkeypatch):
+    import xarray as xr
+
+    from intervals import scan_bounds
+
+    box = Box(["f"], [0.9], [1.1])
+    design = make_design("scan", box, samples=64)
+    samples = samples_of(wave, box, design, TIME, held_out=0)
+    samples.to_netcdf(tmp_path / "samples.nc")
+    monkeypatch.setattr(scan_bounds, "_CHUNK", 10 * len(TIME))
+    sizes = []
+    update = scan_bounds.RunningBounds.update
+
+    def record(self, values):
+        sizes.append(len(values))
+        update(self, values)
+
+    monkeypatch.setattr(scan_bounds.RunningBounds, "update", record)
+    with xr.open_dataset(tmp_path / "samples.nc") as file:
+        found = scan_bounds_dataset(file)
+    assert max(sizes) == 10
+    assert sum(sizes) == 65
+    np.testing.assert_array_equal(
+        found["response_lower"].values, samples["response"].values.min(axis=0)
+    )
+
+
+def test_ten_responses_of_two_thousand_instants_are_quick():
+    box = Box(["f"], [0.9], [1.1])
+    time = np.linspace(0, 1, 2000)
+    names = [f"r{i}" for i in range(10)]
+    design = make_design("tensor_roots", box, 9)
+    samples = samples_of(
+        lambda v: np.array([np.sin((3 + i) * v[0] * time) for i in range(10)]),
+        box,
+        design,
+        time,
+        names=names,
+    )
+    start = clock.process_time()
+    bounds_dataset(samples, design)
+    # about 0.3 s; the loose limit catches a loop over instants, not a busy machine
+    assert clock.process_time() - start < 5.0

@@ -1,0 +1,150 @@
+"""Designs: counts, nested points, exactness, refusals."""
+
+from math import comb
+
+import numpy as np
+import pytest
+
+from intervals import Box, IntervalError, fit, held_out_points, make_design
+from intervals.chebyshev import lobatto, roots
+from intervals.multi_indices import total_degree
+from intervals.subsets import product_basis
+
+
+def keys(points):
+    return {tuple(p) for p in points}
+
+
+def test_roots_are_those_of_the_paper():
+    n = 3
+    paper = np.cos((2 * np.arange(1, n + 2) - 1) / (n + 1) * np.pi / 2)
+    np.testing.assert_allclose(np.sort(paper), roots(n), atol=1e-15)
+    assert make_design("tensor_roots", 2, n).runs == (n + 1) ** 2
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 5, 8, 16, 32])
+def test_lobatto_points_of_the_doubled_order_contain_the_old_ones_to_the_last_bit(order):
+    assert set(lobatto(order)) <= set(lobatto(2 * order))
+    box = Box(["a", "E"], [0.03465, 0.95e9], [0.03535, 1.05e9])
+    few = box.from_unit(make_design("tensor_lobatto", 2, min(order, 8)).points)
+    many = box.from_unit(make_design("tensor_lobatto", 2, 2 * min(order, 8)).points)
+    assert keys(few) <= keys(many)
+    assert keys(box.from_unit(box.corners())) <= keys(few)
+
+
+def test_smolyak_and_scan_are_nested_too():
+    assert keys(make_design("smolyak", 3, 2).points) <= keys(make_design("smolyak", 3, 4).points)
+    few, many = (make_design("scan", 2, samples=n).points for n in (64, 200))
+    assert keys(few) <= keys(many)
+
+
+@pytest.mark.parametrize(("k", "order"), [(1, 5), (2, 4), (3, 3), (6, 2), (8, 2)])
+def test_total_degree_needs_one_run_a_coefficient_and_is_well_conditioned(k, order):
+    design = make_design("total_degree", k, order)
+    assert design.runs == len(design.multi_indices) == comb(order + k, k)
+    assert np.linalg.cond(product_basis(design.points, design.multi_indices)) < 100
+    assert design.runs == len(keys(design.points))
+
+
+def test_total_degree_is_20_runs_at_three_parameters_and_order_3():
+    assert make_design("total_degree", 3, 3).runs == 20
+
+
+def test_total_degree_takes_existing_points_first():
+    few = make_design("total_degree", 2, 2)
+    many = make_design("total_degree", 2, 4, existing=few.points)
+    assert keys(few.points) <= keys(many.points)
+    assert many.runs == comb(6, 2)
+
+
+def test_oversampling_adds_points():
+    assert make_design("total_degree", 2, 3, oversampling=1.5).runs == 15
+
+
+@pytest.mark.parametrize("k", [1, 2, 3, 4])
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+@pytest.mark.parametrize("method", ["tensor_roots", "tensor_lobatto", "total_degree", "smolyak"])
+def test_every_method_reproduces_polynomials_of_its_total_degree(method, k, order):
+    generator = np.random.default_rng(k + 10 * order)
+    indices = total_degree([order] * k)
+    weights = generator.standard_normal((len(indices), 2))
+    design = make_design(method, k, order)
+    surrogate = fit(design, product_basis(design.points, indices) @ weights)
+    test = generator.uniform(-1, 1, (20, k))
+    np.testing.assert_allclose(
+        surrogate.evaluate(test), product_basis(test, indices) @ weights, atol=1e-10
+    )
+
+
+def test_smolyak_needs_fewer_runs_than_the_grid():
+    assert make_design("smolyak", 4, 4).runs < 5**4 / 3
+
+
+def test_zero_width_contributes_one_point():
+    box = Box(["a", "b", "c"], [0.0, 5.0, 0.0], [1.0, 5.0, 1.0])
+    for method, runs in (("tensor_roots", 16), ("total_degree", 10), ("smolyak", None)):
+        design = make_design(method, box, 3)
+        assert runs in (None, design.runs)
+        assert not design.points[:, 1].any()
+    point = Box(["a"], [2.0], [2.0])
+    for method in ("tensor_roots", "tensor_lobatto", "total_degree", "smolyak", "scan"):
+        assert make_design(method, point, 3).runs == 1
+    assert len(held_out_points(point.free, 4)) == 0
+
+
+def test_order_per_direction():
+    assert make_design("tensor_lobatto", 2, [4, 0]).runs == 5
+    assert make_design("total_degree", 2, [4, 2]).runs == 9  # i / 4 + j / 2 <= 1
+
+
+@pytest.mark.parametrize("method", ["tensor_roots", "tensor_lobatto"])
+def test_order_64_is_stable(method):
+    design = make_design(method, 1, 64)
+    test = np.linspace(-1, 1, 101)
+    values = fit(design, np.sin(20 * design.points[:, 0])).evaluate(test[:, None])
+    np.testing.assert_allclose(values, np.sin(20 * test), atol=1e-13)
+
+
+def test_scan_contains_the_corners_and_repeats_with_its_seed():
+    design = make_design("scan", 3, samples=100, seed=5)
+    assert design.runs == 100
+    assert keys(Box(["a", "b", "c"], [-1] * 3, [1] * 3).corners()) <= keys(design.points)
+    assert (design.points == make_design("scan", 3, samples=100, seed=5).points).all()
+    cube = make_design("scan", 2, samples=50, sequence="latin_hypercube", corners=False).points
+    strata = np.floor((cube + 1) / 2 * 50).astype(int)
+    assert all(len(set(column)) == 50 for column in strata.T)
+
+
+def test_held_out_points_avoid_the_nodes():
+    design = make_design("tensor_lobatto", 2, 2)
+    points = held_out_points(np.ones(2, dtype=bool), 6, design.points)
+    assert len(points) == 6
+    assert not keys(points) & keys(design.points)
+    first = held_out_points(np.ones(2, dtype=bool), 4)
+    assert (np.abs(first[:2]) == 1).all()  # corners first, for half of the points
+    assert (np.abs(first[2:]) < 1).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "key"),
+    [
+        (("chebyshev", 1, 3), {}, "method"),
+        (("tensor_roots", 1, 0), {}, "order"),
+        (("tensor_roots", 1, 65), {}, "order"),
+        (("tensor_roots", 1, 2.5), {}, "order"),
+        (("tensor_roots", 1, None), {}, "order"),
+        (("tensor_roots", 2, [1, 2, 3]), {}, "order"),
+        (("tensor_roots", 8, 9), {}, "order"),
+        (("tensor_roots", 9, 1), {}, "box dimension"),
+        (("tensor_roots", 1, 3), {"seed": 1}, "design option"),
+        (("total_degree", 2, 3), {"oversampling": 0.5}, "oversampling"),
+        (("scan", 2), {"samples": 0}, "samples"),
+        (("scan", 2), {"sequence": "halton"}, "sequence"),
+        (("scan", 3, 9), {"samples": 10}, "samples"),
+    ],
+)
+def test_wrong_designs_are_refused_with_key_value_and_what_is_allowed(arguments, options, key):
+    with pytest.raises(IntervalError) as caught:
+        make_design(*arguments, **options)
+    assert caught.value.key == key
+    assert caught.value.allowed

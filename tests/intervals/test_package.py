@@ -1,0 +1,28 @@
+"""The package stands alone and is light to import."""
+
+import subprocess
+import sys
+
+import intervals
+
+
+def test_every_public_name_exists():
+    assert all(hasattr(intervals, name) for name in intervals.__all__)
+
+
+def test_import_is_light_and_knows_nothing_of_the_mechanics():
+    code = (
+        "import sys, intervals\n"
+        "heavy = {'scipy', 'xarray', 'numba', 'matplotlib', 'fpm', 'campaign'}\n"
+        "sys.exit(' '.join(heavy & set(sys.modules)) or 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_errors_cross_process_borders():
+    import pickle
+
+    error = pickle.loads(pickle.dumps(intervals.IntervalError("order", 0, "at least 1")))
+    assert (error.key, error.value, error.allowed) == ("order", 0, "at least 1")
+    assert "0" in str(error)

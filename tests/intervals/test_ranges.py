@@ -1,0 +1,148 @@
+"""Ranges: exact in one dimension, enclosures with a known gap in several."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.polynomial import chebyshev
+
+from intervals import Surrogate, surrogate_range
+from intervals.ascent import inner_range
+from intervals.bernstein import tighten
+from intervals.enclosures import effects_enclosure, grid_enclosure
+from intervals.line_range import line_range
+from intervals.multi_indices import tensor, total_degree
+
+
+def colleague_range(c):
+    """Range of one Chebyshev sum by the roots of its derivative."""
+    roots = chebyshev.chebroots(chebyshev.chebder(c)) if len(c) > 2 else np.zeros(0)
+    real = roots.real[(np.abs(roots.imag) < 1e-6) & (np.abs(roots.real) <= 1)]
+    values = chebyshev.chebval(np.concatenate([[-1.0, 1.0], real]), c)
+    return values.min(), values.max()
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 5, 9, 20, 40, 64])
+def test_one_dimension_agrees_with_the_colleague_matrix(order):
+    c = np.random.default_rng(order).standard_normal((order + 1, 60))
+    low, high, x_low, x_high, slack = line_range(c)
+    expected = np.array([colleague_range(column) for column in c.T]).T
+    scale = np.abs(c).sum(axis=0)
+    assert (np.abs(low - expected[0]) <= 1e-13 * scale).all()
+    assert (np.abs(high - expected[1]) <= 1e-13 * scale).all()
+    assert (np.abs(chebyshev.chebval(x_low, c, tensor=False) - low) <= 1e-13 * scale).all()
+    assert (np.abs(chebyshev.chebval(x_high, c, tensor=False) - high) <= 1e-13 * scale).all()
+    assert (slack <= 1e-12 * scale).all()
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.integers(0, 12),
+    st.integers(0, 10**6),
+    st.sampled_from([1.0, 0.1, 1e-3]),
+    st.integers(0, 3),
+)
+def test_one_dimension_holds_on_random_sums(order, seed, decay, zeros):
+    c = np.random.default_rng(seed).standard_normal((order + 1, 5))
+    c *= decay ** np.arange(order + 1)[:, None]
+    c[max(order + 1 - zeros, 1) :] = 0.0  # leading coefficients that vanish
+    low, high, _, _, slack = line_range(c)
+    dense = chebyshev.chebval(np.cos(np.linspace(0, np.pi, 4001)), c)
+    values = dense if dense.ndim == 2 else dense[:, None]
+    room = slack + 1e-14 * np.abs(c).sum(axis=0)
+    assert (values.min(axis=1) >= low - room).all()
+    assert (values.max(axis=1) <= high + room).all()
+    width = high - low
+    assert (high - values.max(axis=1) <= 1e-4 * width + room).all()
+    assert (values.min(axis=1) - low <= 1e-4 * width + room).all()
+
+
+@pytest.mark.parametrize(
+    ("function", "order", "low", "high"),
+    [
+        (lambda x: 0 * x + 0.3, 5, 0.3, 0.3),
+        (lambda x: 1 + 1e-12 * x, 9, 1 - 1e-12, 1 + 1e-12),
+        (lambda x: (x - 0.3) ** 4, 4, 0.0, 1.3**4),
+        (lambda x: (x - 0.3) ** 16, 20, 0.0, 1.3**16),
+        (lambda x: x**10, 10, 0.0, 1.0),
+        (lambda x: (x - 0.3) ** 3, 3, -(1.3**3), 0.7**3),
+    ],
+)
+def test_one_dimension_with_flat_extremes_and_constants(function, order, low, high):
+    c = chebyshev.chebinterpolate(function, order)[:, None]
+    found = line_range(c)
+    size = np.abs(c).sum()
+    assert found[0][0] == pytest.approx(low, abs=2e-14 * size)
+    assert found[1][0] == pytest.approx(high, abs=2e-14 * size)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.integers(2, 4),
+    st.integers(1, 4),
+    st.sampled_from([tensor, total_degree]),
+    st.sampled_from([1.0, 0.3]),
+    st.integers(0, 10**6),
+)
+def test_enclosures_hold_on_random_tensors(k, order, kind, decay, seed):
+    order = min(order, 2) if k == 4 else order
+    generator = np.random.default_rng(seed)
+    indices = kind([order] * k)
+    c = generator.standard_normal((len(indices), 4)) * decay ** indices.sum(axis=1)[:, None]
+    surrogate = Surrogate(c, indices)
+    points = np.concatenate(
+        [generator.uniform(-1, 1, (400, k)), generator.choice([-1.0, 0.0, 1.0], (100, k))]
+    )
+    values = surrogate.evaluate(points)
+    found = surrogate_range(surrogate)
+    enclosures = [effects_enclosure(c, indices), grid_enclosure(c, indices)]
+    enclosures += [grid_enclosure(c, indices, density=2), (found.lower, found.upper)]
+    for lower, upper in enclosures:
+        assert (values >= lower).all()
+        assert (values <= upper).all()
+    low, high, _, _ = inner_range(c, indices)
+    bernstein, _, _ = tighten(surrogate.dense(), high, np.full(4, np.inf), np.zeros(4))
+    assert (values <= bernstein).all()
+    assert (low >= found.lower).all()
+    assert (high <= found.upper).all()
+    # what is called attained is attained
+    at = surrogate.evaluate(found.argmax)[np.arange(4), np.arange(4)]
+    np.testing.assert_allclose(at, found.inner_upper, atol=1e-12 * np.abs(c).sum())
+    at = surrogate.evaluate(found.argmin)[np.arange(4), np.arange(4)]
+    np.testing.assert_allclose(at, found.inner_lower, atol=1e-12 * np.abs(c).sum())
+    assert (np.abs(found.argmax) <= 1).all()
+    # and nothing that was sampled lies outside the inner range by more than the gap
+    gap = found.gap
+    assert (values.max(axis=0) <= found.inner_upper + gap).all()
+    assert (gap <= 0.06 * (found.inner_upper - found.inner_lower)).all()
+
+
+def test_gap_meets_the_tolerance_where_coefficients_decay():
+    generator = np.random.default_rng(3)
+    indices = tensor([3, 3, 3])
+    c = generator.standard_normal((64, 300)) * 0.2 ** indices.sum(axis=1)[:, None]
+    found = surrogate_range(Surrogate(c, indices), tolerance=1e-3)
+    assert (found.gap <= 1.01e-3 * (found.inner_upper - found.inner_lower)).all()
+
+
+def test_shape_and_directions_without_width():
+    indices = np.array([[0, 0], [0, 1], [0, 2]])
+    c = np.random.default_rng(0).standard_normal((3, 2, 5))
+    found = surrogate_range(Surrogate(c, indices))
+    assert found.lower.shape == (2, 5)
+    assert found.argmin.shape == (2, 5, 2)
+    expected = np.array([colleague_range(x) for x in c.reshape(3, -1).T])
+    np.testing.assert_allclose(found.lower.ravel(), expected[:, 0], atol=1e-13)
+    np.testing.assert_allclose(found.upper.ravel(), expected[:, 1], atol=1e-13)
+
+
+def test_high_order_in_two_directions_is_enclosed():
+    generator = np.random.default_rng(5)
+    indices = tensor([20, 20])
+    c = generator.standard_normal((len(indices), 3)) * 0.7 ** indices.sum(axis=1)[:, None]
+    surrogate = Surrogate(c, indices)
+    found = surrogate_range(surrogate)
+    values = surrogate.evaluate(generator.uniform(-1, 1, (4000, 2)))
+    assert (values >= found.lower).all()
+    assert (values <= found.upper).all()
+    assert (found.gap <= 0.05 * (found.inner_upper - found.inner_lower)).all()

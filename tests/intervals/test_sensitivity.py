@@ -1,0 +1,39 @@
+"""Which parameter matters: shares that are known in closed form."""
+
+import numpy as np
+import pytest
+from datasets_for_tests import samples_of
+
+from intervals import Box, fit, make_design, parameter_sensitivity, sensitivity_dataset
+
+
+def test_shares_of_a_known_polynomial():
+    design = make_design("tensor_roots", 2, 3)
+    x, y = design.points.T
+    # mean squares under the arcsine density: x 1/2, 2 y 2, x y 1/4
+    found = parameter_sensitivity(fit(design, (x + 2 * y + x * y)[:, None]))
+    assert found.variance[0] == pytest.approx(2.75)
+    assert found.first[:, 0] == pytest.approx([0.5 / 2.75, 2 / 2.75])
+    assert found.total[:, 0] == pytest.approx([0.75 / 2.75, 2.25 / 2.75])
+    assert found.width[:, 0] == pytest.approx([2.0, 4.0])
+
+
+def test_dataset_per_instant_and_overall():
+    time = np.linspace(0, 1, 101)
+    box = Box(["a", "b"], [0.0, 0.0], [1.0, 1.0])
+    design = make_design("total_degree", box, 2)
+    samples = samples_of(lambda v: v[0] * (1 - time) + v[1] * time, box, design, time)
+    found = sensitivity_dataset(samples, design)
+    np.testing.assert_allclose(found["response_width"].values[0], 1 - time, atol=1e-12)
+    np.testing.assert_allclose(found["response_width"].values[1], time, atol=1e-12)
+    assert found["response_total"].values[:, 0] == pytest.approx([1.0, 0.0], abs=1e-12)
+    assert found["response_width_overall"].values == pytest.approx([0.5, 0.5])
+    assert found["response_total_overall"].values == pytest.approx([0.5, 0.5])
+    assert not np.isnan(found["response_first"]).any()
+
+
+def test_a_constant_response_has_no_shares():
+    design = make_design("tensor_roots", 2, 2)
+    found = parameter_sensitivity(fit(design, np.full((design.runs, 1), 0.25)))
+    assert (found.width < 1e-15).all()
+    assert np.isfinite(found.total).all()

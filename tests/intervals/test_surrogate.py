@@ -1,0 +1,66 @@
+"""Surrogates: evaluation, derivatives, refusals."""
+
+import numpy as np
+import pytest
+
+from intervals import IntervalError, Surrogate, fit, make_design
+from intervals.chebyshev import lobatto_transform, roots_transform
+from intervals.multi_indices import total_degree
+
+
+def test_transforms_agree_with_the_paper_and_with_a_dct():
+    from scipy.fft import dct
+
+    values = np.random.default_rng(0).standard_normal(8)
+    expected = dct(values[::-1], type=2) / 8
+    expected[0] /= 2
+    np.testing.assert_allclose(roots_transform(7) @ values, expected, atol=1e-14)
+    expected = dct(values[::-1], type=1) / 7
+    expected[[0, -1]] /= 2
+    np.testing.assert_allclose(lobatto_transform(7) @ values, expected, atol=1e-14)
+
+
+@pytest.mark.parametrize("direction", [0, 1, 2])
+def test_derivatives_agree_with_differences(direction):
+    indices = total_degree([4, 4, 4])
+    surrogate = Surrogate(np.random.default_rng(1).standard_normal((len(indices), 3)), indices)
+    x = np.random.default_rng(2).uniform(-0.9, 0.9, (5, 3))
+    step = np.zeros(3)
+    step[direction] = 1e-5
+    differences = (surrogate.evaluate(x + step) - surrogate.evaluate(x - step)) / 2e-5
+    exact = surrogate.derivative(direction).evaluate(x)
+    np.testing.assert_allclose(exact, differences, rtol=1e-6, atol=1e-6)
+
+
+def test_restriction_to_a_line():
+    indices = total_degree([3, 2])
+    surrogate = Surrogate(np.random.default_rng(1).standard_normal((len(indices), 4)), indices)
+    line = surrogate.restrict(1, np.array([0.3, 0.0]))
+    x = np.linspace(-1, 1, 7)
+    expected = surrogate.evaluate(np.stack([np.full(7, 0.3), x], axis=1))
+    values = np.polynomial.chebyshev.chebval(x, line).T
+    np.testing.assert_allclose(values, expected, atol=1e-13)
+
+
+def test_trailing_axes_are_kept_and_least_squares_smooths():
+    design = make_design("total_degree", 2, 2, oversampling=3.0)
+    values = np.random.default_rng(0).standard_normal((design.runs, 3, 4))
+    surrogate = fit(design, values)
+    assert surrogate.evaluate(np.zeros((5, 2))).shape == (5, 3, 4)
+    rest = (values - surrogate.evaluate(design.points)).reshape(design.runs, -1)
+    from intervals.subsets import product_basis
+
+    basis = product_basis(design.points, design.multi_indices)
+    np.testing.assert_allclose(basis.T @ rest, 0, atol=1e-12)  # normal equations
+
+
+def test_refusals():
+    design = make_design("tensor_roots", 1, 3)
+    with pytest.raises(IntervalError, match="rows"):
+        fit(design, np.zeros((3, 5)))
+    with pytest.raises(IntervalError, match="finite"):
+        fit(design, np.full((4, 5), np.nan))
+    with pytest.raises(IntervalError, match="order"):
+        fit(make_design("scan", 1, samples=4), np.zeros((4, 5)))
+    with pytest.raises(IntervalError, match="shape"):
+        fit(design, np.zeros(4)).evaluate(np.zeros((2, 3)))

@@ -27,14 +27,10 @@ from campaign.store import open_store
 
 
 def groups_of(plan: Mapping, batches: int, lanes: int) -> list[list[list[dict]]]:
-    """The plan's runs by batch, then by group of at most `lanes`, evenly split."""
+    """The plan's runs by batch, then by group of `lanes`; only the last group may be smaller."""
     runs = unique_runs(plan)
-    by_batch = [share(runs, batch, batches) for batch in range(batches)]
-    return [
-        [share(mine, part, parts) for part in range(parts)]
-        for mine in by_batch
-        for parts in [-(-len(mine) // lanes)]
-    ]
+    groups = [runs[first : first + lanes] for first in range(0, len(runs), lanes)]
+    return [share(groups, batch, batches) for batch in range(batches)]
 
 
 def run_batch(

@@ -40,7 +40,8 @@ def _remove(data: Any, error: Any) -> None:
     elif "propertyNames" in error.absolute_schema_path:
         paths = [[*path, error.instance]]
     else:
-        paths = [path] if path else []
+        # An interval or a response without one of its keys would only raise another complaint.
+        paths = [path[:2] if path[0] in ("intervals", "responses") else path] if path else []
     for *parents, last in paths:
         place = data
         for part in parents:
@@ -75,7 +76,9 @@ def _sentences(error: Any) -> list[str]:
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """`" (did you mean x?)"` when a known name is close, else an empty string."""
-    close = difflib.get_close_matches(name, list(known), n=1)
+    known = list(known)
+    close = [other for other in known if other.lower() == name.lower()]
+    close += difflib.get_close_matches(name, known, n=1)
     return f" (did you mean {close[0]}?)" if close else ""
 
 

@@ -1,0 +1,200 @@
+"""Configs: what is refused, in which words, and what the defaults are."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from campaign.config import SCHEMA_PATH, check_config, config_hash, load_config, merge, schema
+from campaign.errors import ConfigError
+
+ROOT = Path(__file__).parents[2]
+
+
+def change(raw: dict, key: str, value) -> dict:
+    """Set a value by its dotted key."""
+    *parents, last = key.split(".")
+    place = raw
+    for parent in parents:
+        place = place.setdefault(parent, {})
+    place[last] = value
+    return raw
+
+
+# key that is changed, value, what the message must contain
+REFUSED = [
+    ("intervals.q", {"nominal": 1, "relative": 0.1}, ["intervals.q", "no such parameter", "K_C"]),
+    ("intervals.K_c", {"relative": 0.1}, ["intervals.K_c", "did you mean K_C?"]),
+    ("intervals.elements_per_link", {"lower": 2, "upper": 4}, ["cannot be an interval"]),
+    ("intervals.a", {"lower": 0.04, "upper": 0.03}, ["intervals.a.lower", "0.04", "0.03"]),
+    ("intervals.a", {"lower": 0.03}, ["intervals.a", "lower", "lower with upper"]),
+    ("intervals.a", {"lower": 0.03, "upper": 0.04, "relative": 0.1}, ["intervals.a", "allowed"]),
+    ("intervals.a", {"nominal": 0.05, "lower": 0.03, "upper": 0.04}, ["nominal", "0.05", "0.04"]),
+    ("intervals.a", {"relative": -0.1}, ["intervals.a.relative", "-0.1", "at least 0"]),
+    ("intervals.a", {"relative": 1.5}, ["intervals.a", "lower end -0.0175", "> 0"]),
+    ("intervals.a", {}, ["intervals.a", "relative, absolute, or lower with upper"]),
+    ("intervals.a", {"nominal": "thin", "relative": 0.1}, ["intervals.a.nominal", "'thin'"]),
+    ("intervals", {}, ["intervals", "1 to 8"]),
+    ("scene.parameters.a", 0.03, ["intervals.a.nominal", "defined twice", "scene.parameters.a"]),
+    ("scene.parameters.K_C", -5, ["scene.parameters.K_C", "-5", ">= 0"]),
+    ("scene.parameters.E", 0, ["scene.parameters.E", "> 0"]),
+    ("scene.parameters.elements_per_link", 2.5, ["elements_per_link", "2.5", "whole number"]),
+    ("scene.parameters.supports", "nailed", ["supports", "'nailed'", "plane"]),
+    ("scene.parameters", {"omega_deg": 54.7, "mu_deg": 22.5}, ["scene", "omega_deg", "22.5"]),
+    ("scene.parameters.Q", 1, ["scene.parameters.Q", "no such parameter", "elements_per_link"]),
+    ("scene.name", "benett", ["scene.name", "'benett'", "bennett"]),
+    ("design.order", 0, ["design.order", "0", "1 to 64"]),
+    ("design.order", 2.5, ["design.order", "2.5"]),
+    ("design.method", "guess", ["design.method", "'guess'", "tensor_roots"]),
+    ("responses.BD", {"distance": ["B", "Q"]}, ["responses.BD", "'Q'", "A, B, C, D"]),
+    ("responses.BD", {"distance": ["B", "B"]}, ["responses.BD", "two different points"]),
+    ("responses.x", {"speed": "B"}, ["responses.x", "velocity"]),
+    ("responses.x", {"velocity": "B"}, ["responses.x", "component"]),
+    ("responses.x", {"opening": "Z"}, ["responses.x", "'Z'"]),
+    ("responses", {}, ["responses", "at least one"]),
+    ("responses.3d", {"opening": "A"}, ["responses.3d", "starts with a letter"]),
+    ("published.CE", 1.0, ["published.CE", "BD, vBz"]),
+    ("solver.duration", 0, ["solver.duration", "0", "above 0"]),
+    ("solver.duration", float("inf"), ["solver.duration", "inf", "finite"]),
+    ("solver.duration", float("nan"), ["solver.duration", "nan", "finite"]),
+    ("solver.instants", 1, ["solver.instants", "1"]),
+    ("solver.step", "fast", ["solver.step", "'fast'", "auto"]),
+    ("solver.step", -1e-5, ["solver.step", "-1e-05"]),
+    ("solver.step", 1.0, ["solver.step", "longer than the duration"]),
+    ("solver.safety", 1.1, ["solver.safety", "1.1"]),
+    ("held_out", -1, ["held_out", "-1"]),
+    ("held_out", True, ["held_out", "true"]),
+    ("jobs.keep", "all", ["jobs.keep", "'all'", "trajectories"]),
+    ("desgin", {}, ["desgin", "did you mean design?"]),
+    ("campaign", "../x", ["campaign", "'../x'", "letters"]),
+    ("scene", 3, ["scene", "3", "mapping"]),
+]
+
+
+@pytest.mark.parametrize(("key", "value", "words"), REFUSED)
+def test_what_is_wrong_is_told_with_key_value_and_what_is_allowed(raw, key, value, words):
+    with pytest.raises(ConfigError) as error:
+        check_config(change(raw, key, value), "my.yaml")
+    assert len(error.value.problems) == 1, error.value.problems
+    for word in ["my.yaml", *words]:
+        assert word in str(error.value)
+    assert "allowed" in error.value.problems[0] or "scene" in error.value.problems[0]
+
+
+@pytest.mark.parametrize("key", ["campaign", "scene", "intervals", "responses"])
+def test_a_missing_key_is_told(raw, key):
+    del raw[key]
+    with pytest.raises(ConfigError, match=f"{key}: missing; allowed: "):
+        check_config(raw)
+
+
+def test_all_problems_are_told_at_once(raw):
+    change(raw, "design.order", 0)
+    change(raw, "intervals.q", {"relative": 0.1})
+    change(raw, "scene.parameters.K_C", -1)
+    change(raw, "responses.x", {"opening": "Z"})
+    change(raw, "desgin", {})
+    with pytest.raises(ConfigError) as error:
+        check_config(raw)
+    assert len(error.value.problems) == 5
+    assert "5 problems" in str(error.value)
+
+
+def test_too_many_runs_are_refused_before_they_are_made(raw):
+    for name in ("L", "E", "rho", "K_C"):
+        change(raw, f"intervals.{name}", {"relative": 0.01})
+    with pytest.raises(ConfigError, match=r"design\.order: 64 .*runs"):
+        check_config(change(raw, "design.order", 64))
+
+
+def test_defaults_come_from_the_schema(raw):
+    del raw["design"], raw["jobs"]
+    config = check_config(raw)
+    assert config["design"]["method"] == "tensor_roots"
+    assert config["design"]["order"] == 3
+    assert (
+        config["solver"]["safety"]
+        == schema()["properties"]["solver"]["properties"]["safety"]["default"]
+    )
+    assert config["jobs"]["lanes"] == 32
+
+
+def test_a_scan_has_no_order_unless_it_is_given(raw):
+    assert check_config(change(raw, "design", {"method": "scan"}))["design"]["order"] is None
+    both = {"method": "scan", "order": 2}
+    assert check_config(change(raw, "design", both))["design"]["order"] == 2
+
+
+@pytest.mark.parametrize(
+    "definition",
+    [
+        {"nominal": 0.04, "relative": 0.05},
+        {"nominal": 0.04, "absolute": 0.002},
+        {"lower": 0.038, "upper": 0.042},
+    ],
+)
+def test_an_interval_can_be_given_in_three_ways(raw, definition):
+    import fpm
+    from campaign.parameters import intervals_of
+
+    config = check_config(change(raw, "intervals", {"a": definition}))
+    intervals, _ = intervals_of(config, fpm.scenes.get("bennett"))
+    interval = intervals["a"]
+    found = (interval.lower, interval.nominal, interval.upper)
+    assert found == pytest.approx((0.038, 0.04, 0.042), rel=1e-14)
+
+
+def test_an_interval_without_nominal_is_about_the_scenes_value(raw):
+    import fpm
+    from campaign.parameters import intervals_of
+
+    config = check_config(change(raw, "intervals", {"E": {"relative": 0.1}, "a": {"absolute": 0}}))
+    intervals, _ = intervals_of(config, fpm.scenes.get("bennett"))
+    assert (intervals["E"].lower, intervals["E"].upper) == pytest.approx((0.9e9, 1.1e9))
+    assert intervals["a"].lower == intervals["a"].nominal == intervals["a"].upper
+
+
+def test_the_hash_knows_values_and_not_the_order_of_keys(raw):
+    config = check_config(raw)
+    turned = json.loads(json.dumps(dict(reversed(config.items()))))
+    assert config_hash(turned) == config_hash(config)
+    turned["solver"]["duration"] = 0.0040000000000000001
+    assert config_hash(turned) == config_hash(config)
+    turned["solver"]["duration"] = 0.004000000000000001
+    assert config_hash(turned) != config_hash(config)
+
+
+def test_merging_changes_single_keys_and_leaves_its_arguments_alone():
+    base = {"a": {"b": 1, "c": 2}, "d": 3}
+    other = {"a": {"c": 4}, "d": {"e": 5}}
+    assert merge(dict(base), other) == {"a": {"b": 1, "c": 4}, "d": {"e": 5}}
+    assert base == {"a": {"b": 1, "c": 2}, "d": 3}
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda p: p.stem)
+def test_every_campaign_that_we_ship_can_be_used(path):
+    assert load_config([path])["campaign"] == path.stem
+
+
+def test_the_paper_s_campaign_is_the_paper_s():
+    config = load_config([ROOT / "config" / "paper.yaml"])
+    assert config["intervals"] == {"a": {"nominal": 0.035, "relative": 0.01}}
+    assert (config["design"]["method"], config["design"]["order"]) == ("tensor_roots", 3)
+    assert config["solver"]["duration"] == 1.0
+    assert config["published"] == {"BD": 0.063, "vBz": 4.38}
+
+
+def test_every_key_of_the_schema_says_what_it_is_and_what_is_allowed():
+    def visit(part: dict, key: str):
+        for name, sub in part.get("properties", {}).items():
+            assert sub.get("description"), f"{key}{name}"
+            assert sub.get("allowed"), f"{key}{name}"
+            visit(sub, f"{key}{name}.")
+        more = part.get("additionalProperties")
+        if isinstance(more, dict):
+            visit(more, f"{key}*.")
+
+    assert SCHEMA_PATH.is_file()
+    visit(schema(), "")

@@ -69,7 +69,7 @@ def bounds_dataset(
         local = part.to_local(data.unit[inside])
         seen = errors.held_out_error(surrogate, local, data.values[inside])
         held_out = np.maximum(held_out, seen)
-        decay = np.maximum(decay, errors.decay_estimate(surrogate))
+        decay = np.maximum(decay, errors.decay_estimate(surrogate, data.time, window))
         middle = np.zeros((1, design.dimension))
         if centre is None and part.contains(middle)[0]:
             centre = surrogate.evaluate(part.to_local(middle))[0]

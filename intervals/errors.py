@@ -53,7 +53,7 @@ def error_estimate(
         Half width in s of the maximum filter; by default 0.5 % of the duration each side.
     """
     held_out = held_out_error(surrogate, unit, values)
-    decay = decay_estimate(surrogate)
+    decay = decay_estimate(surrogate, time, window)
     total = np.maximum(held_out, decay)
     return ErrorEstimate(widen(time, total, window), held_out, decay)
 
@@ -65,15 +65,22 @@ def held_out_error(surrogate: Surrogate, unit: np.ndarray, values: np.ndarray) -
     return np.abs(values - surrogate.evaluate(unit)).max(axis=0)
 
 
-def decay_estimate(surrogate: Surrogate) -> np.ndarray:
+def decay_estimate(
+    surrogate: Surrogate, time: np.ndarray | None = None, window: float | None = None
+) -> np.ndarray:
     """Size of the first neglected coefficients, extrapolated from the last ones, (..., T).
 
-    In each direction the shells S_l = sum of |c_i| with i_j = l are formed, the envelope of the
-    last two (S_n, S_(n-1)) is compared with that of the two before, and its decay is continued.
-    Two at a time, since odd or even functions have every second coefficient zero. Where total
+    In each direction the shells S_l = sum of |c_i| with i_j = l are formed, and the next two are
+    foretold from the shells two and four places before them, S_(n+2) = S_n S_n / S_(n-2): two
+    places at a time, since odd or even functions have every second coefficient zero. Where total
     degree limits the basis, its shells stand for all directions at once.
+
+    With `time` (T), the last axis, the largest coefficients within `window` count (see `widen`):
+    a coefficient that passes through zero would pretend a decay, or hide one.
     """
     indices, c = surrogate.multi_indices, np.abs(surrogate.coefficients)
+    if time is not None:
+        c = widen(time, c, window)
     degrees = surrogate.degrees
     if not degrees.any():
         return np.zeros(c.shape[1:])
@@ -94,13 +101,21 @@ def _tail(level: np.ndarray, c: np.ndarray) -> np.ndarray:
     n = int(level.max())
     if n == 0:
         return np.zeros(c.shape[1:])
-    shells = np.array([c[level == l].sum(axis=0) for l in range(1, n + 1)])
-    last = shells[-2:].max(axis=0) if n > 1 else shells[-1]
-    before = shells[0] if n < 3 else shells[-4:-2].max(axis=0)
-    if n == 2:  # the pair before the last two does not exist: the last one against the first
-        last = shells[-1]
-    ratio = np.divide(last, before, out=np.ones_like(last), where=before > 0)
-    return last * np.minimum(ratio, 1.0)
+    shells = [c[level == i].sum(axis=0) for i in range(n + 1)]
+    if n == 1:
+        return shells[1]  # no decay can be told
+    if n == 2:
+        return shells[2] * _ratio(shells[2], shells[1])
+    after_next = shells[n] * _ratio(shells[n], shells[n - 2])
+    # the constant term says nothing about decay, so n = 3 borrows the ratio of the other parity
+    pair = (n - 1, n - 3) if n > 3 else (3, 1)
+    return after_next + shells[n - 1] * _ratio(shells[pair[0]], shells[pair[1]])
+
+
+def _ratio(last: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """Decay from `before` to `last`, at most 1; 1 where `before` is nothing but rounding."""
+    told = before > 1e-12 * (before.max(initial=0.0) + last)
+    return np.minimum(np.divide(last, before, out=np.ones_like(last), where=told), 1.0)
 
 
 def widen(time: np.ndarray, error: np.ndarray, window: float | None = None) -> np.ndarray:

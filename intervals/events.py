@@ -13,8 +13,8 @@ from .designs import Design
 from .elements import Element, cut_share, split_elements
 from .event_bounds import event_range
 from .event_model import EventModel, fit_event_model
-from .exceptions import IntervalError
-from .impacts import GAP, find_impacts
+from .exceptions import IntervalError, check_choice
+from .impacts import GAP, add_anchors, anchor_delays, find_impacts
 from .surrogate import Surrogate
 
 if TYPE_CHECKING:
@@ -27,6 +27,8 @@ def event_bounds_dataset(
     responses: Sequence[str] | None = None,
     *,
     gap: float | None = None,
+    alignment: str = "stretch",
+    max_impacts: int | None = None,
     window: float | None = None,
 ) -> xr.Dataset:
     """Bounds of the responses from event-aligned surrogates.
@@ -34,6 +36,13 @@ def event_bounds_dataset(
     Like `bounds.bounds_dataset`, with the events of the runs besides: ``event_time`` (run, event)
     in s, NaN where a run has fewer, ``event_contact`` and ``event_closing``. `gap` is the time in s
     without contact after which a closing counts as a new impact (2 % of the duration by default).
+    `alignment` is "stretch" (each piece is stretched as a whole) or "shift" (a piece follows its
+    first impact at the same pace in every run, and only its last fifth is stretched to meet the
+    next one, see `impacts.add_anchors`); `max_impacts` leaves the later impacts unaligned.
+
+    It pays where impacts are hard, that is short against the spread of their times over the box;
+    where contact is soft or a vibration is out of step with the next impact, it can be worse than
+    the plain surrogate: compare the two error estimates.
 
     The bounds are attained by the composed model, they are not an enclosure of it. Where the number
     of impacts differs between runs that no split separates, the bounds also contain the runs
@@ -50,9 +59,11 @@ def event_bounds_dataset(
         samples[name].values if name in samples else None
         for name in ("event_contact", "event_closing")
     )
+    check_choice("alignment", alignment, ("stretch", "shift"))
     impacts = find_impacts(
         samples["event_time"].values, contact, closing, gap=gap, end=data.time[-1]
     )
+    impacts = [x[:max_impacts] for x in impacts]
     nodes = match_points(design.points, data.unit)
     tested = other_runs(data.unit, design.points)
     free = np.ptp(design.points, axis=0) > 0
@@ -70,14 +81,24 @@ def event_bounds_dataset(
     for element in elements:
         inside = tested[_inside(element, data.unit[tested])]
         runs = nodes[element.runs]
+        count = element.impacts.shape[1]
+        table, delays = element.impacts, None
+        if alignment == "shift":
+            delays = anchor_delays(table, data.time[0], data.time[-1])
+            table = add_anchors(table, data.time[0], delays)
+        own_tables = {
+            run: _own_table(impacts[run], count, data.time[0], delays)
+            for run in inside
+            if len(impacts[run]) >= count
+        }
         for i in range(names):
-            model = _fit(design, element, data.time, data.values[runs, i])
+            model = _fit(design, element, table, data.time, data.values[runs, i])
             low, high, at_low, at_high = event_range(model, data.time)
             late = data.time >= element.unresolved_from
             if late.any():
                 low, at_low = _with_runs(-1, low, at_low, late, data, runs, i)
                 high, at_high = _with_runs(1, high, at_high, late, data, runs, i)
-            found = _error(model, data, inside, i, impacts, low, high, window)
+            found = _error(model, data, inside, i, own_tables, low, high, window)
             for name, value in found.items():
                 parts[name][i] = np.maximum(parts[name][i], value)
             less, more = low < lower[i], high > upper[i]
@@ -105,7 +126,7 @@ def event_bounds_dataset(
     return result.assign(unresolved=("time", unresolved, text))
 
 
-def _fit(design: Design, element: Element, time, values) -> EventModel:
+def _fit(design: Design, element: Element, table, time, values) -> EventModel:
     """Fit the element with the design's basis, or with the largest that its runs determine."""
     bases = []
     if len(element.runs) == design.runs:
@@ -122,7 +143,7 @@ def _fit(design: Design, element: Element, time, values) -> EventModel:
                 indices,
                 time,
                 values,
-                element.impacts,
+                table,
                 element.lower,
                 element.upper,
             )
@@ -130,6 +151,12 @@ def _fit(design: Design, element: Element, time, values) -> EventModel:
             if error.key != "points":  # only a basis that the runs do not determine is replaced
                 raise
     raise IntervalError("points", len(element.runs), "runs that determine at least a constant")
+
+
+def _own_table(times, count, start, delays) -> np.ndarray:
+    """A run's own ends of the model's pieces, (J) or (2 J + 1) with anchors."""
+    table = np.asarray(times)[None, :count]
+    return (table if delays is None else add_anchors(table, start, delays))[0]
 
 
 def _inside(element: Element, unit: np.ndarray) -> np.ndarray:
@@ -146,7 +173,7 @@ def _with_runs(sign, bound, argument, late, data, runs, i):
     return np.where(wins, sign * best, bound), argument
 
 
-def _error(model, data, inside, i, impacts, low, high, window) -> dict[str, np.ndarray]:
+def _error(model, data, inside, i, own_tables, low, high, window) -> dict[str, np.ndarray]:
     """Error estimate (T) of one response on one element, in its parts."""
     time, count = data.time, model.impacts.coefficients.shape[1]
     held_out = np.zeros(len(time))
@@ -154,8 +181,8 @@ def _error(model, data, inside, i, impacts, low, high, window) -> dict[str, np.n
     for run in inside:
         unit = np.repeat(data.unit[run][None], len(time), axis=0)
         edges = None
-        if len(impacts[run]) >= count:
-            ends = np.concatenate([[time[0]], impacts[run][:count], [time[-1]]])
+        if run in own_tables:
+            ends = np.concatenate([[time[0]], own_tables[run], [time[-1]]])
             told = model.edges(unit[:1])[0, 1:-1]
             timing = np.maximum(timing, np.abs(ends[1:-1] - told))
             edges = np.repeat(ends[None], len(time), axis=0)

@@ -58,3 +58,24 @@ def common_prefix(impacts: Sequence[np.ndarray]) -> tuple[np.ndarray, float]:
     table = np.array([x[:count] for x in impacts]).reshape(len(impacts), count)
     later = [x[count] for x in impacts if len(x) > count]
     return table, float(min(later, default=np.inf))
+
+
+def anchor_delays(impacts: np.ndarray, start: float, end: float, share: float = 0.2) -> np.ndarray:
+    """Delays (J + 1) in s after which each piece's anchor follows the piece's beginning.
+
+    They leave the last `share` of the shortest of the pieces of impacts (R, J).
+    """
+    ends = np.ones((len(impacts), 1))
+    edges = np.concatenate([start * ends, impacts, end * ends], axis=1)
+    return (1.0 - share) * np.diff(edges, axis=1).min(axis=0)
+
+
+def add_anchors(impacts: np.ndarray, start: float, delays: np.ndarray) -> np.ndarray:
+    """Impacts (R, J) with an anchor in each piece, (R, 2 J + 1).
+
+    Between the beginning of a piece and its anchor, a fixed time later, all runs are aligned by
+    shifting alone: a vibration that the impact excites keeps its frequency. Only the rest of the
+    piece is stretched to meet the next impact.
+    """
+    begins = np.concatenate([np.full((len(impacts), 1), start), impacts], axis=1)
+    return np.sort(np.concatenate([impacts, begins + delays], axis=1), axis=1)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -69,6 +71,17 @@ def parse(text: str, source: str) -> dict:
         found = "nothing" if data is None else type(data).__name__
         raise ConfigError(source, [f"the file holds {found}; allowed: a mapping of keys"])
     return data
+
+
+def retyped(value: Any) -> Any:
+    """`value` with the text in it read as YAML: Snakemake's `--config` leaves numbers as text."""
+    if isinstance(value, Mapping):
+        return {key: retyped(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [retyped(item) for item in value]
+    if isinstance(value, str):
+        return parse(f"value: {value}", "--config")["value"] if value else value
+    return value
 
 
 def load(path: str | Path) -> dict:

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from campaign.config import RUN_SECTIONS, load_config
+from campaign.loader import retyped
 
 
 class Campaign:
@@ -24,8 +25,11 @@ class Campaign:
 
     @classmethod
     def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Campaign:
-        """The campaign of YAML files, later ones and `overrides` winning; raises `ConfigError`."""
-        return cls(load_config([_relative(path) for path in paths], overrides))
+        """The campaign of YAML files, later ones and `overrides` (of `--config`) winning.
+
+        Raises `ConfigError`.
+        """
+        return cls(load_config([_relative(path) for path in paths], retyped(overrides or {})))
 
     @property
     def data_version(self) -> str:

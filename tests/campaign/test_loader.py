@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from campaign.errors import ConfigError
-from campaign.loader import load, parse
+from campaign.loader import load, parse, retyped
 
 
 @pytest.mark.parametrize("text", ["1e9", "1.0e9", "1.e9", "1E9", "1e+9", "1000000000.0"])
@@ -55,3 +55,9 @@ def test_keys_must_be_text():
 def test_an_absent_file_is_told(tmp_path):
     with pytest.raises(ConfigError, match=r"absent\.yaml.*\n.*No such file"):
         load(tmp_path / "absent.yaml")
+
+
+def test_text_from_the_command_line_becomes_numbers_again():
+    given = {"a": {"b": "0.2", "c": ["1e9", "x"], "d": 3}, "e": "auto", "f": ""}
+    wanted = {"a": {"b": 0.2, "c": [1e9, "x"], "d": 3}, "e": "auto", "f": ""}
+    assert retyped(given) == wanted

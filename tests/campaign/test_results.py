@@ -1,0 +1,102 @@
+"""From samples to bounds, summary and figures, on a campaign that was really run."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.polynomial import chebyshev
+
+from campaign.figures import draw_envelopes
+from campaign.linkage import draw_nominal, moments
+from campaign.summary import as_text, summarise
+from campaign.units import pretty
+
+
+def test_the_surrogate_goes_through_its_nodes(finished):
+    with (
+        xr.open_dataset(finished["samples"]) as samples,
+        xr.open_dataset(finished["surrogate"]) as surrogate,
+    ):
+        nodes = samples["role"].values == "node"
+        assert nodes.sum() == 3
+        degrees = surrogate["multi_index"].values[:, 0]
+        for name in ("BD", "vBz"):
+            values = samples[name].values[nodes]
+            coefficients = np.zeros((3, values.shape[1]))
+            coefficients[degrees] = surrogate[f"{name}_coefficient"].values
+            fitted = chebyshev.chebval(samples["unit"].values[nodes, 0], coefficients)
+            np.testing.assert_allclose(fitted.T, values, atol=1e-12 * np.abs(values).max())
+
+
+def test_the_bounds_are_the_exact_range_of_the_surrogate(finished):
+    with (
+        xr.open_dataset(finished["bounds"]) as bounds,
+        xr.open_dataset(finished["surrogate"]) as surrogate,
+    ):
+        unit = np.linspace(-1, 1, 4001)
+        degrees = surrogate["multi_index"].values[:, 0]
+        for name in ("BD", "vBz"):
+            coefficients = np.zeros((3, surrogate.sizes["time"]))
+            coefficients[degrees] = surrogate[f"{name}_coefficient"].values
+            dense = chebyshev.chebval(unit, coefficients)
+            lower, upper = bounds[f"{name}_lower"].values, bounds[f"{name}_upper"].values
+            scale = np.abs(dense).max()
+            assert (lower <= dense.min(axis=1) + 1e-14 * scale).all()
+            assert (upper >= dense.max(axis=1) - 1e-14 * scale).all()
+            np.testing.assert_allclose(lower, dense.min(axis=1), atol=1e-7 * scale)
+            np.testing.assert_allclose(upper, dense.max(axis=1), atol=1e-7 * scale)
+
+
+def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path):
+    published = {"published": {"BD": 0.063}}
+    text = summarise(
+        finished["bounds"], finished["samples"], published, tmp_path / "s.json", tmp_path / "s.md"
+    )
+    summary = json.loads((tmp_path / "s.json").read_text())
+    with xr.open_dataset(finished["bounds"]) as bounds:
+        width = bounds["BD_upper"] - bounds["BD_lower"]
+        row = summary["responses"][0]
+        assert row["largest_difference"] == float(width.max())
+        assert row["time_of_largest_difference"] == float(width["time"][int(width.values.argmax())])
+        assert row["ratio_to_published"] == pytest.approx(float(width.max()) / 0.063)
+    assert summary["responses"][1]["published"] is None
+    assert summary["design"]["runs"] == 5
+    assert text == (tmp_path / "s.md").read_text() == as_text(summary)
+    for words in ("0.063 m", "m/s", "Error estimate", "tensor_roots of order 2"):
+        assert words in text
+
+
+def test_figures_are_drawn_as_png_and_pdf_and_are_the_same_again(finished, tmp_path):
+    config = {"error": {"shade_above": 0.1}, "figures": {"moments": 5}}
+    for folder in ("first", "second"):
+        draw_envelopes(finished["bounds"], config, tmp_path / folder)
+        draw_nominal(finished["samples"], finished["trajectories"], config, tmp_path / folder)
+    names = sorted(path.name for path in (tmp_path / "first").iterdir())
+    assert names == sorted(f"{n}.{k}" for n in ("BD", "vBz", "linkage") for k in ("png", "pdf"))
+    for name in names:
+        first = (tmp_path / "first" / name).read_bytes()
+        assert first == (tmp_path / "second" / name).read_bytes()
+        assert first.startswith(b"\x89PNG" if name.endswith("png") else b"%PDF")
+        assert len(first) > 5000
+
+
+def test_moments_go_from_the_start_to_the_first_closure():
+    time = np.linspace(0, 1, 1001)
+    opening = np.abs(np.cos(2 * np.pi * time)) + 0.05  # least at 0.25 s and again at 0.75 s
+    opening[750] = 0.0
+    indices = moments(time, opening, 5, first_closure=0.24)
+    assert indices[0] == 0
+    assert time[indices[-1]] == pytest.approx(0.25, abs=1e-3)
+    np.testing.assert_allclose(opening[indices], np.linspace(1.05, 0.05, 5), atol=0.01)
+    assert moments(time, opening, 5)[-1] == 750
+
+
+@pytest.mark.parametrize(
+    ("units", "text"),
+    [("m", "m"), ("m s-1", "m/s"), ("kg m2 s-2", "kg m²/s²"), ("s-1", "1/s"), ("1", "1")],
+)
+def test_units_are_written_as_people_do(units, text):
+    assert pretty(units) == text

@@ -1,0 +1,154 @@
+"""Campaigns through Snakemake: complete, repeatable, and only what changed runs again."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+import xarray as xr
+
+SMALL = ("--configfile", "config/small.yaml")
+
+
+def planned(output: str) -> set[str]:
+    """Names of the rules in Snakemake's table of jobs, `all` left out."""
+    table = output.split("Job stats:")[1].split("total")[0]
+    return set(re.findall(r"^(\w+)\s+\d+$", table, flags=re.M)) - {"all"}
+
+
+def test_a_campaign_leaves_its_results(small):
+    results = small.folder / "results" / "small"
+    for name in ("BD.png", "BD.pdf", "vBz.png", "vBz.pdf", "linkage.png", "linkage.pdf"):
+        assert (results / "figures" / name).stat().st_size > 5000
+    summary = json.loads((results / "summary.json").read_text())
+    assert [row["name"] for row in summary["responses"]] == ["BD", "vBz"]
+    assert all(row["largest_difference"] > 0 for row in summary["responses"])
+    assert len(list((results / "trajectories").glob("*.nc"))) == summary["design"]["runs"] == 7
+
+
+def test_progress_is_visible(small):
+    assert "small: 7 of 7 runs done" in small.output
+    assert "(100%) done" in small.output
+
+
+def test_a_second_call_has_nothing_to_do(small):
+    again = small.snakemake(*SMALL)
+    assert again.returncode == 0
+    assert "Nothing to be done" in again.stdout
+
+
+def test_the_same_campaign_gives_the_same_numbers(small, workplace):
+    done = workplace.snakemake(*SMALL)
+    assert done.returncode == 0, done.stdout
+    for name in ("samples.nc", "surrogate.nc", "bounds.nc"):
+        with (
+            xr.open_dataset(small.folder / "results" / "small" / name) as first,
+            xr.open_dataset(workplace.folder / "results" / "small" / name) as second,
+        ):
+            xr.testing.assert_identical(first, second)
+    for name in ("nodes.json", "summary.json", "figures/BD.png", "figures/linkage.pdf"):
+        first, second = (p.folder / "results" / "small" / name for p in (small, workplace))
+        assert first.read_bytes() == second.read_bytes(), name
+
+
+@pytest.mark.parametrize(
+    ("override", "rules"),
+    [
+        ("error={shade_above: 0.2}", {"envelopes"}),
+        ("figures={moments: 4}", {"linkage"}),
+        ("published={BD: 0.1}", {"summary"}),
+        (
+            "intervals={a: {nominal: 0.035, relative: 0.02}}",
+            {"nodes", "simulate", "gather", "bounds", "envelopes", "linkage", "summary"},
+        ),
+        ("jobs={nodes_per_job: 4}", None),
+    ],
+)
+def test_a_change_runs_only_what_depends_on_it(small, override, rules):
+    planned_run = small.snakemake(*SMALL, "--dry-run", "--config", override)
+    assert planned_run.returncode == 0, planned_run.stdout
+    if rules is None:
+        assert "Nothing to be done" in planned_run.stdout
+    else:
+        assert planned(planned_run.stdout) == rules
+
+
+def test_runs_that_exist_are_used_by_another_design(workplace):
+    config = (workplace.folder / "config" / "small.yaml").read_text()
+    config = config.replace("method: tensor_roots, order: 1", "method: tensor_lobatto, order: 1")
+    path = workplace.config("nested", config.replace("held_out: 2", "held_out: 0"))
+    samples = "results/small/samples.nc"
+    assert workplace.snakemake(samples, "--configfile", path).returncode == 0
+    again = workplace.snakemake(samples, "--configfile", path, "--config", "design={order: 2}")
+    assert again.returncode == 0, again.stdout
+    manifests = (workplace.folder / "results" / "small" / "batches").glob("*.json")
+    simulated = sum(json.loads(path.read_text())["simulated"] for path in manifests)
+    # A 3 x 3 grid with its middle as the nominal run: the 4 corners and the middle are there.
+    assert simulated == 4
+
+
+def test_a_campaign_that_was_stopped_goes_on(workplace):
+    # Runs one by one, long enough to be stopped between two of them.
+    override = ["--config", "jobs={lanes: 1, nodes_per_job: 100}", "solver={duration: 2.0}"]
+    with subprocess.Popen(
+        workplace.command(*SMALL, *override),
+        cwd=workplace.folder,
+        env=workplace.environment(),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    ) as process:
+        folder = workplace.folder / "results" / "small" / "trajectories"
+        deadline = time.monotonic() + 120
+        while len(list(folder.glob("*.nc"))) < 2 and time.monotonic() < deadline:
+            time.sleep(0.02)
+        os.killpg(process.pid, signal.SIGKILL)
+    before = {path.name: path.stat().st_mtime_ns for path in folder.glob("*.nc")}
+    assert 2 <= len(before) < 7
+    assert workplace.snakemake(*SMALL, *override, "--unlock").returncode == 0
+    done = workplace.snakemake("results/small/samples.nc", *SMALL, *override)
+    assert done.returncode == 0, done.stdout
+    after = {path.name: path.stat().st_mtime_ns for path in folder.glob("*.nc")}
+    assert len(after) == 7
+    assert {name: after[name] for name in before} == before
+
+
+def test_a_scan_keeps_responses_only(workplace):
+    path = workplace.config(
+        "scan", (workplace.folder / "config" / "scan.yaml").read_text().replace("10000", "20")
+    )
+    override = [
+        "--config",
+        "scene={parameters: {elements_per_link: 2}}",
+        "solver={duration: 0.01, instants: 21}",
+        "jobs={lanes: 8}",
+    ]
+    done = workplace.snakemake("--configfile", path, *override)
+    assert done.returncode == 0, done.stdout
+    results = workplace.folder / "results" / "scan"
+    assert not (results / "trajectories").exists()
+    assert not (results / "figures" / "linkage.png").exists()
+    with (
+        xr.open_dataset(results / "samples.nc") as samples,
+        xr.open_dataset(results / "bounds.nc") as bounds,
+    ):
+        assert samples.sizes["run"] == 21
+        np.testing.assert_array_equal(bounds["BD_lower"].values, samples["BD"].min("run").values)
+        np.testing.assert_array_equal(bounds["BD_upper"].values, samples["BD"].max("run").values)
+
+
+def test_a_failing_batch_ends_with_a_message_and_keeps_the_others(workplace):
+    override = ["--config", "intervals={E: {lower: 1.0e9, upper: 9.0e9}}", "solver={step: 6.0e-5}"]
+    done = workplace.snakemake(*SMALL, *override)
+    assert done.returncode != 0
+    assert "unstable at t = " in done.stdout
+    assert "all others were written" in done.stdout
+    assert 0 < len(list((workplace.folder / "results/small/trajectories").glob("*.nc"))) < 7
+    assert not (workplace.folder / "results" / "small" / "bounds.nc").exists()

@@ -1,0 +1,92 @@
+"""Configs that cannot be used: status not 0, a message, no traceback, no job, no results."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+GOOD = """\
+campaign: mine
+scene: {name: bennett}
+intervals:
+  a: {nominal: 0.035, relative: 0.01}
+responses:
+  BD: {distance: [B, D]}
+"""
+
+BAD = {
+    "unknown parameter": (GOOD.replace("  a:", "  q:"), ["intervals.q", "no such parameter"]),
+    "lower above upper": (
+        GOOD.replace("{nominal: 0.035, relative: 0.01}", "{lower: 0.04, upper: 0.03}"),
+        ["intervals.a.lower", "0.04", "0.03"],
+    ),
+    "order 0": (GOOD + "design: {order: 0}\n", ["design.order", "0", "1 to 64"]),
+    "a name twice": (
+        GOOD.replace("responses:", "  a: {relative: 0.1}\nresponses:"),
+        ["line 5", "a is defined twice", "line 4"],
+    ),
+    "a negative stiffness": (
+        GOOD.replace("{name: bennett}", "{name: bennett, parameters: {K_C: -1}}"),
+        ["scene.parameters.K_C", "-1"],
+    ),
+    "an interval below zero": (
+        GOOD.replace("a: {nominal: 0.035, relative: 0.01}", "K_C: {nominal: 1, absolute: 2}"),
+        ["intervals.K_C", "lower end -1"],
+    ),
+    "no such response": (GOOD.replace("distance", "angle"), ["responses.BD", "distance"]),
+    "no such point": (GOOD.replace("[B, D]", "[B, X]"), ["responses.BD", "'X'", "A, B, C, D"]),
+    "no such scene": (GOOD.replace("bennett", "sarrus"), ["scene.name", "'sarrus'", "bennett"]),
+    "not a mapping": ("- a\n- b\n", ["keys"]),
+    "not YAML": (GOOD.replace("[B, D]", "[B, D"), ["YAML"]),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_bad_config_is_refused_before_any_job(workplace, case):
+    text, words = BAD[case]
+    refused = workplace.snakemake("--configfile", workplace.config("bad", text))
+    assert refused.returncode != 0
+    for word in words:
+        assert word in refused.stdout
+    assert "Traceback" not in refused.stdout
+    assert "Job stats" not in refused.stdout
+    assert not (workplace.folder / "results").exists()
+
+
+def test_the_default_campaign_is_checked_too(workplace):
+    path = workplace.folder / "config" / "paper.yaml"
+    path.write_text(path.read_text().replace("[B, D]", "[B, D"), encoding="utf-8")
+    refused = workplace.snakemake()
+    assert refused.returncode != 0
+    assert "config/paper.yaml" in refused.stdout
+    assert "line " in refused.stdout
+    assert "Traceback" not in refused.stdout
+
+
+def test_one_file_can_be_checked_without_snakemake(workplace):
+    def check(*paths: str) -> subprocess.CompletedProcess:
+        command = [sys.executable, "-m", "campaign", *paths]
+        return subprocess.run(
+            command, cwd=workplace.folder, env=workplace.environment(),
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+
+    good = check("config/paper.yaml", "config/small.yaml")
+    assert good.returncode == 0
+    assert "small, at most 7 runs" in good.stdout
+    broken = check("config/paper.yaml", workplace.config("bad", BAD["not YAML"][0]))
+    assert broken.returncode == 1
+    assert "this is not YAML" in broken.stderr
+    assert "Traceback" not in broken.stderr
+    assert check().returncode == 2
+
+
+def test_a_campaign_does_not_mix_with_the_default_one(workplace):
+    path = workplace.config("mine", GOOD.replace("a: {nominal: 0.035", "E: {nominal: 1e9"))
+    planned = workplace.snakemake("--configfile", path, "--dry-run", "-p", "--quiet", "host")
+    assert planned.returncode == 0, planned.stdout
+    assert '"E":{"nominal":1000000000.0' in planned.stdout
+    assert '"a":{"nominal"' not in planned.stdout
+    assert "results/mine/" in planned.stdout

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,18 @@ CHECK_EVERY = 50
 """The energy balance is checked at least every this many steps."""
 
 
+class Motion(NamedTuple):
+    """Where all particles are and how they move, in the form in which a Scene keeps its start.
+
+    position (n, 3) m; frame (n, 3, 3) axes as columns; velocity (n, 3) m/s; spin (n, 3) rad/s.
+    """
+
+    position: np.ndarray
+    frame: np.ndarray
+    velocity: np.ndarray
+    spin: np.ndarray
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What one sample did.
@@ -25,8 +37,8 @@ class Outcome:
     time (t,) s; points: name -> (position (t, 3) m, velocity (t, 3) m/s); openings: hinge ->
     (t,) rad; gap (t,) m and axis_gap (t,) rad: largest over the hinges; energies: kind -> (t,) J;
     events (e, 3): time (s), contact index, 1 if it closes; events_dropped: how many more there
-    were; final: positions (n, 3), frames (n, 3, 3), velocities (n, 3), spins (n, 3) of all
-    particles at the end; failure: None or the InstabilityError of this sample.
+    were; final: the motion of all particles at the end; failure: None or the InstabilityError of
+    this sample, whose curves and final motion mean nothing then.
     """
 
     scene: Scene
@@ -42,6 +54,7 @@ class Outcome:
     steps: int
     limit: StableStep
     failure: InstabilityError | None
+    final: Motion
 
     def dataset(self, responses=(), attributes=None) -> "xarray.Dataset":
         """The trajectory as an xarray Dataset (trajectory.py); raises the failure if there is one.
@@ -154,4 +167,20 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
         steps=steps,
         limit=limit,
         failure=failure,
+        final=_final(scene, state[:, :, lane], kept[:, :, lane]),
+    )
+
+
+def _final(scene: Scene, state: np.ndarray, kept: np.ndarray) -> Motion:
+    """The motion at the last instant; the momenta stand half a step before (kept) and after it."""
+    from fpm.kernels.layout import D, P, V, X
+
+    frame = kept[:, D : D + 9].reshape(-1, 3, 3).transpose(0, 2, 1).copy()
+    momentum = 0.5 * (kept[:, P : P + 3] + state[:, P : P + 3])
+    local = np.einsum("nji,nj->ni", frame, momentum) / scene.inertia
+    return Motion(
+        position=kept[:, X : X + 3].copy(),
+        frame=frame,
+        velocity=0.5 * (kept[:, V : V + 3] + state[:, V : V + 3]),
+        spin=np.einsum("nij,nj->ni", frame, local) * ~scene.fixed[:, 3:],
     )

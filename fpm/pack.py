@@ -88,12 +88,11 @@ def _particles(scene: Scene) -> np.ndarray:
 
 def _end_axes(scene: Scene) -> np.ndarray:
     """Axes 2 and 3 of every element in the frames of its ends (m, 12)."""
+    frame = scene.frame if scene.unstrained is None else scene.unstrained
     rows = []
     for beams in scene.beams:
         for end in (0, 1):
-            local = np.einsum(
-                "mji,mjk->mik", scene.frame[beams.nodes[:, end]], beams.triad[:, :, 1:]
-            )
+            local = np.einsum("mji,mjk->mik", frame[beams.nodes[:, end]], beams.triad[:, :, 1:])
             rows.append(local.transpose(0, 2, 1).reshape(-1, 6))
     pairs = [np.hstack(rows[i : i + 2]) for i in range(0, len(rows), 2)]
     return np.concatenate(pairs)

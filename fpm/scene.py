@@ -5,7 +5,8 @@ Everything is in SI units; positions, directions and loads are given in global a
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -44,6 +45,7 @@ class Scene:
         self.damping = float(damping)
         self.position = np.zeros((0, 3))
         self.frame = np.zeros((0, 3, 3))
+        self.unstrained: np.ndarray | None = None  # frames (n, 3, 3) without strain; None: `frame`
         self.velocity = np.zeros((0, 3))
         self.spin = np.zeros((0, 3))
         self.mass = np.zeros(0)
@@ -248,6 +250,19 @@ class Scene:
         origin, frame = self.position[particle], self.frame[particle]
         point = origin if position is None else position
         self.points[name] = VirtualBeam.to_point(int(particle), origin, frame, point)
+
+    def going_on(self, motion, openings: Sequence[float]) -> "Scene":
+        """The scene in another state, strained as it is there: a run that goes on from another.
+
+        motion: an Outcome's `final`, openings (rad): of all hinges there.
+        """
+        out = copy(self)
+        out.unstrained = self.frame if self.unstrained is None else self.unstrained
+        out.position, out.frame, out.velocity, out.spin = motion
+        out.hinges = [
+            replace(h, opening=float(x)) for h, x in zip(self.hinges, openings, strict=True)
+        ]
+        return out
 
     # -- names and sums -----------------------------------------------------------------------
 

@@ -39,6 +39,7 @@ def deformation_modes(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray,
     belongs to energy 1/2 k d². Degrees of freedom of particle p: 6 p .. 6 p + 5.
     """
     dofs, values, stiffness, element = [], [], [], []
+    frame = scene.frame if scene.unstrained is None else scene.unstrained
     count = 0
     for beams in scene.beams:
         table = beams.stiffness()
@@ -50,7 +51,7 @@ def deformation_modes(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray,
         length, zero = beams.length[:, None], np.zeros_like(n)
 
         def local(v, nodes):
-            return np.einsum("mji,mj->mi", scene.frame[nodes], v)
+            return np.einsum("mji,mj->mi", frame[nodes], v)
 
         def row(xa, ra, xb, rb, a=a, b=b):
             return np.concatenate([xa, local(ra, a), xb, local(rb, b)], axis=1)
@@ -94,16 +95,17 @@ def closed_hinges(scene: Scene, inverse: np.ndarray):
     from scipy.sparse import csc_matrix
 
     columns, dofs = [], []
+    frame = scene.frame if scene.unstrained is None else scene.unstrained
     for hinge in {c.hinge for c in scene.contacts}:
         h = scene.hinges[hinge]
-        frames = [
+        shut = [
             np.column_stack([a, r, np.cross(a, r)])
             for a, r in zip(h.axes, h.references, strict=True)
         ]
         rows = []
-        for sign, beam, axes in zip((1.0, -1.0), h.beams, frames, strict=True):
+        for sign, beam, axes in zip((1.0, -1.0), h.beams, shut, strict=True):
             turn = -np.array([np.cross(beam.arm, e) for e in np.eye(3)]).T
-            point = np.hstack([axes.T @ scene.frame[beam.particle].T, axes.T @ turn])
+            point = np.hstack([axes.T @ frame[beam.particle].T, axes.T @ turn])
             tilt = np.hstack([np.zeros((2, 3)), axes.T[1:]])
             rows.append(sign * np.vstack([point, tilt]))
         on = np.concatenate([6 * p + np.arange(6) for p in h.particles])

@@ -1,5 +1,7 @@
 """Errors of the mechanics. Each one says what was found, what is allowed and what to change."""
 
+from math import isfinite
+
 
 class SceneError(ValueError):
     """A scene, a parameter or a response that cannot be built.
@@ -33,9 +35,14 @@ class InstabilityError(RuntimeError):
                 "the step is below the limit of the undeformed scene, so the motion itself is "
                 "too violent for it: halve solver.step, refine the mesh, or soften the contact"
             )
+        found = (
+            f"the energy balance is off by {balance:.3g} J of {scale:.3g} J"
+            if isfinite(balance)
+            else "numbers are no longer finite"
+        )
         super().__init__(
-            f"unstable at t = {time:.6g} s: the energy balance is off by {balance:.3g} J of "
-            f"{scale:.3g} J, worst in element {element}; step {step:.4g} s, "
+            f"unstable at t = {time:.6g} s: {found}, worst in element {element}; "
+            f"step {step:.4g} s, "
             f"stable limit {limit:.4g} s; {remedy}"
         )
 

@@ -94,7 +94,7 @@ def simulate(
     """
     from fpm.kernels.compiled import run
     from fpm.kernels.lanes import width as lanes_of
-    from fpm.pack import blank_record, check_topology, pack
+    from fpm.pack import blank, blank_record, check_topology, pack
 
     scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
     if not scenes:
@@ -122,7 +122,7 @@ def simulate(
         batch = scenes[first : first + width]
         state, model = pack(batch, width, dtype)
         record = blank_record(model, instants, len(batch))
-        kept = np.zeros_like(state)
+        kept = blank(*state.shape, dtype)
         run(state, kept, model, record, step, steps, per_instant, per_check, energy_tolerance)
         for lane, scene in enumerate(batch):
             limit = None if limits is None else limits[first + lane]
@@ -144,12 +144,16 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
     failure = None
     if record.failed_step[lane] >= 0:
         limit = limit or stable_step(scene)
+        balance = float(record.failed_balance[lane])
+        element = scene.elements[record.failed_element[lane]] if scene.elements else "none"
+        if step > limit.step and not math.isfinite(balance):
+            element = limit.element  # all elements broke down since the last check; this began it
         failure = InstabilityError(
             time=record.failed_step[lane] * step,
-            element=scene.elements[record.failed_element[lane]] if scene.elements else "none",
+            element=element,
             step=step,
             limit=limit.step,
-            balance=float(record.failed_balance[lane]),
+            balance=balance,
             scale=float(record.scale[lane]),
         )
     noted = int(record.event_count[lane])

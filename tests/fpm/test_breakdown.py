@@ -1,0 +1,114 @@
+"""A run that breaks down says so, soon and clearly, and harms nobody."""
+
+import numpy as np
+import pytest
+
+import fpm
+from studies.stable_step import bennett
+from studies.true_limit import disturb, true_limit
+
+STEEL = fpm.Material(2.1e11, 0.3, 7850.0)
+WOOD = fpm.Material(1e10, 0.3, 600.0)
+Z = fpm.responses.Response("z", "position", ("tip",), "z", "m", "height of the tip")
+
+
+def two_bars(steel=STEEL) -> fpm.Scene:
+    """Two clamped bars side by side, plucked; the one of steel limits the step."""
+    scene = fpm.Scene("two bars")
+    section = fpm.Section.square(0.02)
+    for y, material, name in ((0.0, WOOD, "wood"), (1.0, steel, "steel")):
+        bar = scene.add_link((0, y, 0), (1, y, 0), (0, 0, 1), section, material, 4, name)
+        scene.fix(bar.particles[0])
+        scene.velocity[bar.particles[-1]] = (0.0, 0.0, 0.1)
+    scene.add_point("tip", 4)
+    return scene
+
+
+def run(*scenes, factor=1.0, step=None, steps=2000, instants=3):
+    step = step or factor * min(fpm.stable_step(s).step for s in scenes)
+    return fpm.simulate(scenes, duration=steps * step, instants=instants, step=step)
+
+
+def same(first: fpm.Outcome, second: fpm.Outcome) -> bool:
+    """Whether two outcomes are equal bit for bit."""
+    tracks = [(first.points[p][k], second.points[p][k]) for p in first.points for k in (0, 1)]
+    tracks += [(first.energies[k], second.energies[k]) for k in first.energies]
+    tracks += list(zip(first.final, second.final, strict=True))
+    return all(np.array_equal(x, y) for x, y in tracks)
+
+
+@pytest.mark.parametrize("factor", [1.02, 1.2, 2.0, 100.0])
+def test_above_the_limit_a_run_stops_within_a_few_hundred_steps(factor):
+    (outcome,) = run(two_bars(), factor=factor, steps=20_000)
+    failure = outcome.failure
+    assert isinstance(failure, fpm.InstabilityError)
+    assert 0 < failure.time <= 400 * failure.step
+    assert failure.element.startswith("steel[")
+    limit = fpm.stable_step(two_bars()).step
+    assert failure.limit == limit
+    assert failure.step == pytest.approx(factor * limit, rel=1e-3)
+    text = str(failure)
+    for part in (
+        f"t = {failure.time:.6g} s", failure.element, f"step {failure.step:.4g} s",
+        f"limit {limit:.4g} s", f"use a step below {limit:.4g} s",
+    ):  # fmt: skip
+        assert part in text
+    assert "nan" not in text
+
+
+def test_the_remedy_helps():
+    failed = run(two_bars(), factor=1.5)[0].failure
+    assert run(two_bars(), step=0.999 * failed.limit, steps=5000)[0].failure is None
+
+
+def test_slow_growth_is_caught_while_all_numbers_are_finite():
+    """At 1.005 times the limit: long before anything overflows, by the balance of the energies."""
+    (outcome,) = run(two_bars(), factor=1.005, steps=20_000, instants=201)
+    failure = outcome.failure
+    assert failure.time <= 500 * failure.step
+    assert 0.02 * failure.scale < abs(failure.balance) < 1e6 * failure.scale
+
+
+def test_a_linkage_at_its_own_limit():
+    """0.5 % above the limit of the motion itself (found by bisection) it fails, below it runs."""
+    scene = disturb(bennett(elements_per_link=4), 1e-4)
+    limit = true_limit(scene, 1e-3)
+    assert run(scene, step=1.005 * limit)[0].failure is not None
+    assert run(scene, step=0.998 * limit)[0].failure is None
+
+
+def test_a_motion_too_violent_for_a_stable_step_is_told_what_to_do():
+    """Springs that bend the links into hooks: below the limit, and yet refused; a cure is named."""
+    (outcome,) = run(bennett(K_F=1e5, start_deg=60.0), factor=0.9)
+    assert outcome.failure.step < outcome.failure.limit
+    assert "halve solver.step" in str(outcome.failure)
+
+
+@pytest.mark.parametrize("place", [0, 3, 7])
+def test_an_unstable_lane_does_not_harm_the_others(place):
+    """Its neighbours are equal bit for bit to runs alone, it is reported as its own."""
+    step = 0.9 * fpm.stable_step(two_bars()).step
+    scenes = [two_bars(fpm.Material((1.0 + 0.01 * i) * 2.0e11, 0.3, 7850.0)) for i in range(8)]
+    stiffer = fpm.Material(8.4e11, 0.3, 7850.0)
+    scenes[place] = two_bars(stiffer)
+    outcomes = run(*scenes, step=step)
+    assert [i for i, o in enumerate(outcomes) if o.failure is not None] == [place]
+    assert not np.isfinite(outcomes[place].final.position).all()  # it really blew up
+    assert outcomes[place].failure.limit == fpm.stable_step(two_bars(stiffer)).step
+    for i in (1, 2, 6):
+        assert same(outcomes[i], run(scenes[i], step=step)[0])
+
+
+def test_no_trajectory_file_appears(tmp_path):
+    """The failure is raised where a dataset is asked for; numbers that are not finite stay out."""
+    stable, unstable = run(two_bars(), factor=0.9)[0], run(two_bars(), factor=1.2)[0]
+    path = tmp_path / "run.nc"
+    with pytest.raises(fpm.InstabilityError):
+        fpm.trajectory.write(unstable.dataset([Z]), path)
+    broken = stable.dataset([Z]).copy(deep=True)
+    broken["z"].values[-1] = np.inf
+    with pytest.raises(ValueError, match="z has values that are not finite"):
+        fpm.trajectory.write(broken, path)
+    assert list(tmp_path.iterdir()) == []
+    fpm.trajectory.write(stable.dataset([Z]), path)
+    assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]

@@ -4,6 +4,7 @@ All scenes of a batch must share their topology (particles, connections, held ax
 numbers may differ. The last scene fills the lanes that are left over; their results are dropped.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -52,9 +53,21 @@ def quaternion(frames: np.ndarray) -> np.ndarray:
     return np.roll(Rotation.from_matrix(frames).as_quat(), 1, axis=-1)
 
 
+def blank(*shape_and_dtype) -> np.ndarray:
+    """Zeros of shape (..., width) and the given dtype (last argument), aligned to 64 bytes.
+
+    A register of lanes that straddles two cache lines costs twice.
+    """
+    *shape, dtype = shape_and_dtype
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    buffer = np.zeros(size + 64, np.uint8)
+    offset = -buffer.ctypes.data % 64
+    return buffer[offset : offset + size].view(dtype).reshape(shape)
+
+
 def _stack(scenes, rows, columns, function, width, dtype):
     """Array (rows, columns, width) from function(scene) -> (rows, columns), scene by scene."""
-    out = np.zeros((rows, columns, width), dtype)
+    out = blank(rows, columns, width, dtype)
     if rows:
         for s in range(width):
             if s < len(scenes):
@@ -101,17 +114,23 @@ def _end_axes(scene: Scene) -> np.ndarray:
 ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
 
 
+def _bodies(scene: Scene) -> np.ndarray:
+    out = np.zeros((2 * len(scene.hinges), at.BODY))
+    for h, hinge in enumerate(scene.hinges):
+        for k, beam in enumerate(hinge.beams):
+            row, p = out[2 * h + k], beam.particle
+            free = ~scene.fixed[p]
+            row[at.ARM : at.ARM + 3] = beam.arm
+            row[at.AXIS : at.AXIS + 3] = hinge.axes[k]
+            row[at.REF : at.REF + 3] = hinge.references[k]
+            row[at.HIM : at.HIM + 3] = free[:3] / scene.mass[p]
+            row[at.HIJ : at.HIJ + 3] = free[3:].any() / scene.inertia[p]
+    return out
+
+
 def _hinges(scene: Scene) -> np.ndarray:
     out = np.zeros((len(scene.hinges), at.HINGE))
     for row, hinge in zip(out, scene.hinges, strict=True):
-        for k, beam in enumerate(hinge.beams):
-            p = beam.particle
-            free = ~scene.fixed[p]
-            row[at.ARM + 3 * k : at.ARM + 3 * k + 3] = beam.arm
-            row[at.HIM + 3 * k : at.HIM + 3 * k + 3] = free[:3] / scene.mass[p]
-            row[at.HIJ + 3 * k : at.HIJ + 3 * k + 3] = free[3:].any() / scene.inertia[p]
-        row[at.AXIS : at.AXIS + 6] = hinge.axes.ravel()
-        row[at.REF : at.REF + 6] = hinge.references.ravel()
         row[at.HELD : at.HELD + 3] = [axis in hinge.support for axis in AXES]
         first = hinge.beams[0]
         place = scene.position[first.particle] + scene.frame[first.particle] @ first.arm
@@ -156,10 +175,14 @@ def pack(scenes: Sequence[Scene], width: int, dtype=np.float64) -> tuple[np.ndar
         axes=axes,
         gravity=stack(int(heavy), 3, lambda s: s.gravity[None]),
         damping=stack(int(damped), 1, lambda s: [[s.damping]]),
-        pairs=_integers((hinge.particles for hinge in one.hinges), 2),
+        chord=blank(m, at.CHORD, width, dtype),
+        ends=_integers(p for hinge in one.hinges for p in hinge.particles),
+        bodies=stack(2 * h, at.BODY, _bodies),
         hinges=stack(h, at.HINGE, _hinges),
-        supported=np.array([bool(hinge.support) for hinge in one.hinges], bool),
-        scratch=np.zeros((h, at.SCRATCH, width), dtype),
+        held=_integers(([axis in hinge.support for axis in AXES] for hinge in one.hinges), 3),
+        body_scratch=blank(2 * h, at.BODY_SCRATCH, width, dtype),
+        hinge_scratch=blank(h, at.HINGE_SCRATCH, width, dtype),
+        open_hinge=np.zeros(h, bool),
         openings=stack(h, 2, lambda s: [[hinge.opening] * 2 for hinge in s.hinges]),
         spring_on=_integers(s.hinge for s in springs),
         springs=stack(len(springs), 2, lambda s: [[x.stiffness, x.rest] for x in s.springs]),
@@ -178,8 +201,8 @@ def pack(scenes: Sequence[Scene], width: int, dtype=np.float64) -> tuple[np.ndar
         curve_value=np.concatenate([v for _, v in one.curves] or [np.zeros(0)]),
         point_on=_integers(p.particle for p in one.points.values()),
         point_arm=stack(len(one.points), 3, lambda s: np.array([p.arm for p in s.points.values()])),
-        work=np.zeros((2, 2, width), dtype),
-        element_energy=np.zeros((len(one.elements), 1, width), dtype),
+        work=blank(2, 2, width, dtype),
+        element_energy=blank(len(one.elements), 1, width, dtype),
     )
     return stack(n, at.STATE, state_of), model
 
@@ -190,9 +213,9 @@ def blank_record(model: Model, instants: int, samples: int) -> Record:
     failed = np.full(width, -1, np.int64)
     failed[samples:] = 0  # the lanes that only fill up are never looked at
     return Record(
-        points=np.zeros((instants + 1, 6 * len(model.point_on), width), dtype),
-        hinges=np.zeros((instants + 1, len(model.pairs) + 2, width), dtype),
-        energies=np.zeros((instants + 1, len(at.ENERGIES), width), dtype),
+        points=blank(instants + 1, 6 * len(model.point_on), width, dtype),
+        hinges=blank(instants + 1, len(model.hinges) + 2, width, dtype),
+        energies=blank(instants + 1, len(at.ENERGIES), width, dtype),
         events=np.full((MOST_EVENTS, 3, width), np.nan, dtype),
         event_count=np.zeros(width, np.int64),
         failed_step=failed,

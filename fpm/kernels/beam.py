@@ -1,6 +1,6 @@
 """Forces and strain energy of beam elements (theory: elements/beam.py)."""
 
-from fpm.kernels.lanes import load, sqrt
+from fpm.kernels.lanes import load, sqrt, store
 from fpm.kernels.layout import AXIAL, BEND_Y, BEND_Z, LENGTH, TWIST, D, F, M, X
 from fpm.kernels.vectors import (
     add,
@@ -48,13 +48,24 @@ def framed_axes(state, axes, e, a, b):
     )
 
 
+@kernel
+def chords(state, nodes, beams, out):
+    """Direction of every chord (3), inverse length and axial force into out (m, CHORD, lanes)."""
+    for e in range(nodes.shape[0]):
+        chord = sub(get3(state, nodes[e, 1], X), get3(state, nodes[e, 0], X))
+        square = dot(chord, chord)
+        # The root and the quotient run side by side.
+        length = sqrt(square)
+        inverse = length * (1.0 / square)
+        put3(out, e, 0, scale(inverse, chord))
+        store(out, e, 3, inverse)
+        store(out, e, 4, load(beams, e, AXIAL) * (length - load(beams, e, LENGTH)))
+
+
 @inlined
-def add_forces(state, beams, e, a, b, a2, a3, b2, b3):
+def add_forces(state, beams, chord, e, a, b, a2, a3, b2, b3):
     """Add the end forces and moments of element e, whose axes are given, to particles a and b."""
-    chord = sub(get3(state, b, X), get3(state, a, X))
-    length = sqrt(dot(chord, chord))
-    inverse = 1.0 / length
-    n = scale(inverse, chord)
+    n, inverse = get3(chord, e, 0), load(chord, e, 3)
     sa2, sa3, sb2, sb3 = dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)
     ta2, da2 = angle(sa2)
     ta3, da3 = angle(sa3)
@@ -68,9 +79,8 @@ def add_forces(state, beams, e, a, b, a2, a3, b2, b3):
     cb3 = ky * (2.0 * tb3 + ta3) * db3
     ga = axpy(ca2, a2, scale(ca3, a3))
     gb = axpy(cb2, b2, scale(cb3, b3))
-    along = ca2 * sa2 + ca3 * sa3 + cb2 * sb2 + cb3 * sb3
-    axial = load(beams, e, AXIAL) * (length - load(beams, e, LENGTH))
-    force = axpy(inverse, add(ga, gb), scale(axial - along * inverse, n))
+    along = (ca2 * sa2 + ca3 * sa3) + (cb2 * sb2 + cb3 * sb3)
+    force = axpy(inverse, add(ga, gb), scale(load(chord, e, 4) - along * inverse, n))
     twist = 0.5 * (dot(b2, a3) - dot(b3, a2))
     moment = scale(0.5 * load(beams, e, TWIST) * twist, sub(cross(a3, b2), cross(a2, b3)))
     put3(state, a, F, add(get3(state, a, F), force))
@@ -80,24 +90,27 @@ def add_forces(state, beams, e, a, b, a2, a3, b2, b3):
 
 
 @kernel
-def beam_forces(state, nodes, beams):
+def beam_forces(state, nodes, beams, chord):
     """Add all elements' forces and moments where their axes are the particles' (straight links).
 
-    nodes (m, 2); beams (m, BEAM, lanes).
+    nodes (m, 2); beams (m, BEAM, lanes); chord (m, CHORD, lanes) scratch. Two passes, each with a
+    short chain of operations, so that the processor works on several elements at once.
     """
+    chords(state, nodes, beams, chord)
     for e in range(nodes.shape[0]):
         a, b = nodes[e, 0], nodes[e, 1]
         a2, a3, b2, b3 = own_axes(state, a, b)
-        add_forces(state, beams, e, a, b, a2, a3, b2, b3)
+        add_forces(state, beams, chord, e, a, b, a2, a3, b2, b3)
 
 
 @kernel
-def framed_beam_forces(state, nodes, beams, axes):
+def framed_beam_forces(state, nodes, beams, axes, chord):
     """The same for elements whose axes (m, AXES, lanes) differ from the particles'."""
+    chords(state, nodes, beams, chord)
     for e in range(nodes.shape[0]):
         a, b = nodes[e, 0], nodes[e, 1]
         a2, a3, b2, b3 = framed_axes(state, axes, e, a, b)
-        add_forces(state, beams, e, a, b, a2, a3, b2, b3)
+        add_forces(state, beams, chord, e, a, b, a2, a3, b2, b3)
 
 
 @inlined

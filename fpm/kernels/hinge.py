@@ -7,6 +7,9 @@ the motion (`prepare`). Once the particles have moved, quasi-Newton rounds (`clo
 and the axis together. The matrix changes by the angle turned in a step only, so each round gains
 three digits or more. A sample whose gaps are small enough is left alone in the rounds that other
 samples need: its numbers do not depend on theirs.
+
+The two particles of hinge h are its bodies, rows 2h and 2h + 1 of the arrays over bodies. The work
+goes in passes over all bodies or hinges, each with a short chain of operations.
 """
 
 from fpm.kernels.lanes import any_negative, load, store, where_negative
@@ -39,19 +42,38 @@ GAP2 = 2e-11**2
 TILT2 = 2e-10**2
 """The same for the angle between the axes (rad)."""
 
-# Scratch of a hinge (rows, SCRATCH, lanes).
-OLD_X = 0  # positions at the start of the step (3, 3)
-OLD_Q = 6  # quaternions (4, 4)
-OLD_D = 14  # directors (9, 9)
-ARM1, ARM2 = 32, 35  # global arms
-PA, QA = 38, 41  # the two directions normal to the axis
-C = 44  # inverse of the 2 by 2 rotation block (pp, qq, pq)
-E = 47  # that inverse times the coupling: rows p (3) and q (3)
-S = 53  # inverse of the Schur complement of the translation block (6)
-K1 = 59  # response of particle 1's hinge point to a force there (6)
-B1 = 65  # its coupling to the rotation rows p (3) and q (3)
-Y = 71  # A^-1 times the support columns: three times (3 + 2)
-G = 86  # inverse of the support's Schur complement (6); SCRATCH fields in all, see layout.py
+# Scratch of a body (rows, BODY_SCRATCH, lanes).
+OLD_X = 0  # position at the start of the step (3)
+OLD_Q = 3  # quaternion (4)
+OLD_D = 7  # directors (9)
+GLOBAL_ARM = 16  # arm in global components (3)
+INVERSE = 19  # inverse inertia in global components (6)
+RESPONSE = 25  # velocity of the hinge point per unit impulse there (6)
+SPIN = 31  # spin at the middle of the step, if the body were free (3)
+POINT = 34  # where its hinge point would then be (3)
+
+# Scratch of a hinge (rows, HINGE_SCRATCH, lanes).
+PA, QA = 0, 3  # the two directions normal to the axis
+C = 6  # inverse of the 2 by 2 rotation block (pp, qq, pq)
+E = 9  # that inverse times the coupling: rows p (3) and q (3)
+S = 15  # inverse of the Schur complement of the translation block (6)
+B1 = 21  # coupling of a force on body 1 to the rotation rows p (3) and q (3)
+Y = 27  # A^-1 times the columns of the supports x, y, z: each 3 + 2
+G = 42  # inverse of the supports' Schur complement (6)
+
+
+@inlined
+def get6(a, i, k):
+    """The six lanes in fields k .. k+5 of row i."""
+    x, y = get3(a, i, k), get3(a, i, k + 3)
+    return x[0], x[1], x[2], y[0], y[1], y[2]
+
+
+@inlined
+def put6(a, i, k, s):
+    """Write six lanes to fields k .. k+5 of row i."""
+    put3(a, i, k, (s[0], s[1], s[2]))
+    put3(a, i, k + 3, (s[3], s[4], s[5]))
 
 
 @inlined
@@ -72,31 +94,91 @@ def world_inverse(state, i, j):
 @inlined
 def point_response(inverse_mass, j, r):
     """Velocity of a point at arm r per unit impulse there: M^-1 - [r] J^-1 [r] (6)."""
-    zero = 0.0 * r[0]
-    tx, ty, tz = (zero, r[2], -r[1]), (-r[2], zero, r[0]), (r[1], -r[0], zero)
-    ux, uy, uz = symmetric(j, tx), symmetric(j, ty), symmetric(j, tz)
+    xx, yy, zz, xy, xz, yz = j
+    # Columns of J^-1 [r]^T, i.e. J^-1 (r x e).
+    ux = (xy * r[2] - xz * r[1], yy * r[2] - yz * r[1], yz * r[2] - zz * r[1])
+    uy = (xz * r[0] - xx * r[2], yz * r[0] - xy * r[2], zz * r[0] - xz * r[2])
+    uz = (xx * r[1] - xy * r[0], xy * r[1] - yy * r[0], xz * r[1] - yz * r[0])
     return (
-        inverse_mass[0] + dot(tx, ux),
-        inverse_mass[1] + dot(ty, uy),
-        inverse_mass[2] + dot(tz, uz),
-        dot(tx, uy),
-        dot(tx, uz),
-        dot(ty, uz),
+        inverse_mass[0] + (r[2] * ux[1] - r[1] * ux[2]),
+        inverse_mass[1] + (r[0] * uy[2] - r[2] * uy[0]),
+        inverse_mass[2] + (r[1] * uz[0] - r[0] * uz[1]),
+        r[2] * uy[1] - r[1] * uy[2],
+        r[2] * uz[1] - r[1] * uz[2],
+        r[0] * uz[2] - r[2] * uz[0],
     )
 
 
 @inlined
-def get6(a, i, k):
-    """The six lanes in fields k .. k+5 of row i."""
-    x, y = get3(a, i, k), get3(a, i, k + 3)
-    return x[0], x[1], x[2], y[0], y[1], y[2]
+def swung(spin, arm, step):
+    """Change of an arm over a step, to second order."""
+    first = scale(step, cross(spin, arm))
+    return axpy(0.5 * step, cross(spin, first), first)
 
 
-@inlined
-def put6(a, i, k, s):
-    """Write six lanes to fields k .. k+5 of row i."""
-    put3(a, i, k, (s[0], s[1], s[2]))
-    put3(a, i, k + 3, (s[3], s[4], s[5]))
+@kernel
+def prepare_bodies(state, ends, bodies, w, kick, step):
+    """Keep each body's state, kick it, and find its response and where its point would go."""
+    for r in range(ends.shape[0]):
+        i = ends[r]
+        x = get3(state, i, X)
+        put3(w, r, OLD_X, x)
+        for m in range(4):
+            store(w, r, OLD_Q + m, load(state, i, Q + m))
+        for m in range(9):
+            store(w, r, OLD_D + m, load(state, i, D + m))
+        arm = to_global(state, i, D, get3(bodies, r, ARM))
+        inverse_mass = get3(bodies, r, HIM)
+        j = world_inverse(state, i, get3(bodies, r, HIJ))
+        put3(w, r, GLOBAL_ARM, arm)
+        put6(w, r, INVERSE, j)
+        put6(w, r, RESPONSE, point_response(inverse_mass, j, arm))
+        v = add(get3(state, i, V), scale(kick, times(inverse_mass, get3(state, i, F))))
+        p = axpy(kick, get3(state, i, M), get3(state, i, P))
+        put3(state, i, V, v)
+        put3(state, i, P, p)
+        for k in range(6):
+            store(state, i, F + k, 0.0)
+        spin = symmetric(j, p)
+        spin = axpy(0.5 * step, symmetric(j, cross(p, spin)), spin)
+        put3(w, r, SPIN, spin)
+        put3(w, r, POINT, add(axpy(step, v, add(x, arm)), swung(spin, arm, step)))
+
+
+@kernel
+def prepare_matrices(state, ends, bodies, b, w):
+    """Build and factorise the matrix of every hinge; b, w: scratch of bodies and hinges."""
+    for h in range(w.shape[0]):
+        one, two = 2 * h, 2 * h + 1
+        p = to_global(state, ends[one], D, get3(bodies, one, REF))
+        q = cross(to_global(state, ends[one], D, get3(bodies, one, AXIS)), p)
+        put3(w, h, PA, p)
+        put3(w, h, QA, q)
+        j1, j2 = get6(b, one, INVERSE), get6(b, two, INVERSE)
+        r1, r2 = get3(b, one, GLOBAL_ARM), get3(b, two, GLOBAL_ARM)
+        p1, q1, p2, q2 = symmetric(j1, p), symmetric(j1, q), symmetric(j2, p), symmetric(j2, q)
+        pp, qq, pq = dot(p, add(p1, p2)), dot(q, add(q1, q2)), dot(p, add(q1, q2))
+        det = 1.0 / (pp * qq - pq * pq)
+        cpp, cqq, cpq = det * qq, det * pp, -det * pq
+        b1p, b1q = cross(r1, p1), cross(r1, q1)
+        bp, bq = add(b1p, cross(r2, p2)), add(b1q, cross(r2, q2))
+        ep = axpy(cpp, bp, scale(cpq, bq))
+        eq = axpy(cpq, bp, scale(cqq, bq))
+        put3(w, h, C, (cpp, cqq, cpq))
+        put3(w, h, E, ep)
+        put3(w, h, E + 3, eq)
+        put3(w, h, B1, b1p)
+        put3(w, h, B1 + 3, b1q)
+        k1, k2 = get6(b, one, RESPONSE), get6(b, two, RESPONSE)
+        schur = (
+            (k1[0] + k2[0]) - (bp[0] * ep[0] + bq[0] * eq[0]),
+            (k1[1] + k2[1]) - (bp[1] * ep[1] + bq[1] * eq[1]),
+            (k1[2] + k2[2]) - (bp[2] * ep[2] + bq[2] * eq[2]),
+            (k1[3] + k2[3]) - (bp[0] * ep[1] + bq[0] * eq[1]),
+            (k1[4] + k2[4]) - (bp[0] * ep[2] + bq[0] * eq[2]),
+            (k1[5] + k2[5]) - (bp[1] * ep[2] + bq[1] * eq[2]),
+        )
+        put6(w, h, S, invert(schur))
 
 
 @inlined
@@ -111,74 +193,79 @@ def solve(w, h, g, ep, eq):
 
 
 @inlined
-def support_prepare(hinges, h, w, k1, b1p, b1q):
-    """Schur complement of the support impulses on particle 1's hinge point."""
-    put6(w, h, K1, k1)
-    put3(w, h, B1, b1p)
-    put3(w, h, B1 + 3, b1q)
+def column(k1, b1, axis):
+    """Effect of a unit impulse along a global axis on body 1's hinge point: point (3), p, q."""
     xx, yy, zz, xy, xz, yz = k1
-    held = get3(hinges, h, HELD)
-    columns = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-    f0, p0, q0 = solve(w, h, columns[0], b1p[0], b1q[0])
-    f1, p1, q1 = solve(w, h, columns[1], b1p[1], b1q[1])
-    f2, p2, q2 = solve(w, h, columns[2], b1p[2], b1q[2])
-    put3(w, h, Y, f0)
-    put3(w, h, Y + 3, f1)
-    put3(w, h, Y + 6, f2)
-    put6(w, h, Y + 9, (p0, q0, p1, q1, p2, q2))
-    s00 = xx - dot(columns[0], f0) - b1p[0] * p0 - b1q[0] * q0
-    s11 = yy - dot(columns[1], f1) - b1p[1] * p1 - b1q[1] * q1
-    s22 = zz - dot(columns[2], f2) - b1p[2] * p2 - b1q[2] * q2
-    s01 = xy - dot(columns[0], f1) - b1p[0] * p1 - b1q[0] * q1
-    s02 = xz - dot(columns[0], f2) - b1p[0] * p2 - b1q[0] * q2
-    s12 = yz - dot(columns[1], f2) - b1p[1] * p2 - b1q[1] * q2
-    # Directions that are free get a unit diagonal and no coupling.
-    a, b, c = held
-    inverse = invert(
-        (
-            a * s00 + (1.0 - a),
-            b * s11 + (1.0 - b),
-            c * s22 + (1.0 - c),
-            a * b * s01,
-            a * c * s02,
-            b * c * s12,
+    if axis == 0:
+        point = (xx, xy, xz)
+    elif axis == 1:
+        point = (xy, yy, yz)
+    else:
+        point = (xz, yz, zz)
+    return point, b1[axis], b1[axis + 3]
+
+
+@kernel
+def prepare_supports(hinges, held, b, w):
+    """Schur complement of the support impulses; held (h, 3): whether an axis is held."""
+    for h in range(w.shape[0]):
+        if held[h, 0] + held[h, 1] + held[h, 2] == 0:
+            continue
+        k1, b1 = get6(b, 2 * h, RESPONSE), get6(w, h, B1)
+        for axis in range(3):
+            if held[h, axis]:
+                point, p, q = column(k1, b1, axis)
+                force, mp, mq = solve(w, h, point, p, q)
+                put3(w, h, Y + 5 * axis, force)
+                store(w, h, Y + 5 * axis + 3, mp)
+                store(w, h, Y + 5 * axis + 4, mq)
+        # Directions that are free get a unit diagonal and no coupling (their Y is zero).
+        x, y, z = get3(hinges, h, HELD)
+        c0, p0, q0 = column(k1, b1, 0)
+        c1, p1, q1 = column(k1, b1, 1)
+        c2, p2, q2 = column(k1, b1, 2)
+        y0, y1, y2 = get3(w, h, Y), get3(w, h, Y + 5), get3(w, h, Y + 10)
+        m0, n0 = load(w, h, Y + 3), load(w, h, Y + 4)
+        m1, n1 = load(w, h, Y + 8), load(w, h, Y + 9)
+        m2, n2 = load(w, h, Y + 13), load(w, h, Y + 14)
+        s00 = c0[0] - dot(c0, y0) - (p0 * m0 + q0 * n0)
+        s11 = c1[1] - dot(c1, y1) - (p1 * m1 + q1 * n1)
+        s22 = c2[2] - dot(c2, y2) - (p2 * m2 + q2 * n2)
+        s01 = c0[1] - dot(c0, y1) - (p0 * m1 + q0 * n1)
+        s02 = c0[2] - dot(c0, y2) - (p0 * m2 + q0 * n2)
+        s12 = c1[2] - dot(c1, y2) - (p1 * m2 + q1 * n2)
+        inverse = invert(
+            (
+                x * s00 + (1.0 - x),
+                y * s11 + (1.0 - y),
+                z * s22 + (1.0 - z),
+                x * y * s01,
+                x * z * s02,
+                y * z * s12,
+            )
         )
-    )
-    put6(w, h, G, inverse)
+        put6(w, h, G, inverse)
 
 
 @inlined
-def gaps(state, one, two, hinges, h):
-    """Hinge point of particle 1, its gap (3) to that of 2, and the axis gap about p and q (rad)."""
-    arm = to_global(state, one, D, get3(hinges, h, ARM))
-    point = add(get3(state, one, X), arm)
-    other = add(get3(state, two, X), to_global(state, two, D, get3(hinges, h, ARM + 3)))
-    p = to_global(state, one, D, get3(hinges, h, REF))
-    q = cross(to_global(state, one, D, get3(hinges, h, AXIS)), p)
-    axis = to_global(state, two, D, get3(hinges, h, AXIS + 3))
-    return point, sub(point, other), -dot(q, axis), dot(p, axis)
-
-
-@inlined
-def impulses(w, h, hinges, held_point, point, gap, ep, eq, rate):
-    """Impulses that close the gaps: force on particle 1 and on 2 (3 each), moment on 2 (3).
+def impulses(h, hinges, held, b, w, point, gap, ep, eq, rate):
+    """Impulses that close the gaps: force on body 1 and on 2 (3 each), moment on 2 (3).
 
     point, gap (3), ep, eq: as from `gaps`; rate: minus one over the time they have to act.
     """
     force, mp, mq = solve(w, h, scale(rate, gap), rate * ep, rate * eq)
     on_one = force
-    if held_point:
+    if held[h, 0] + held[h, 1] + held[h, 2] > 0:
         off = scale(rate, sub(point, get3(hinges, h, PLACE)))
-        reached = symmetric(get6(w, h, K1), force)
+        reached = symmetric(get6(b, 2 * h, RESPONSE), force)
         turning = axpy(mp, get3(w, h, B1), scale(mq, get3(w, h, B1 + 3)))
-        held = get3(hinges, h, HELD)
-        missing = times(held, sub(off, add(reached, turning)))
-        x, y, z = times(held, symmetric(get6(w, h, G), missing))
-        less = axpy(x, get3(w, h, Y), axpy(y, get3(w, h, Y + 3), scale(z, get3(w, h, Y + 6))))
+        free = get3(hinges, h, HELD)
+        missing = times(free, sub(off, add(reached, turning)))
+        x, y, z = times(free, symmetric(get6(w, h, G), missing))
+        less = axpy(x, get3(w, h, Y), axpy(y, get3(w, h, Y + 5), scale(z, get3(w, h, Y + 10))))
         force = sub(force, less)
-        px, qx, py, qy, pz, qz = get6(w, h, Y + 9)
-        mp = mp - (x * px + y * py + z * pz)
-        mq = mq - (x * qx + y * qy + z * qz)
+        mp = mp - (x * load(w, h, Y + 3) + y * load(w, h, Y + 8) + z * load(w, h, Y + 13))
+        mq = mq - (x * load(w, h, Y + 4) + y * load(w, h, Y + 9) + z * load(w, h, Y + 14))
         on_one = (force[0] + x, force[1] + y, force[2] + z)
     moment = axpy(mp, get3(w, h, PA), scale(mq, get3(w, h, QA)))
     return on_one, scale(-1.0, force), moment
@@ -192,136 +279,97 @@ def add_impulse(state, i, inverse_mass, arm, impulse, moment):
 
 
 @inlined
-def kicked(state, i, inverse_mass, kick):
-    """Velocity and angular momentum of particle i after its kick, which uses up its forces."""
-    v = add(get3(state, i, V), scale(kick, times(inverse_mass, get3(state, i, F))))
-    p = axpy(kick, get3(state, i, M), get3(state, i, P))
-    for k in range(6):
-        store(state, i, F + k, 0.0)
-    return v, p
-
-
-@inlined
-def midpoint_spin(j, p, step):
-    """Spin at the middle of the coming step, to second order; j: inverse inertia (6)."""
-    spin = symmetric(j, p)
-    return axpy(0.5 * step, symmetric(j, cross(p, spin)), spin)
-
-
-@inlined
-def swung(spin, arm, step):
-    """Change of an arm over a step, to second order."""
-    first = scale(step, cross(spin, arm))
-    return axpy(0.5 * step, cross(spin, first), first)
-
-
-@inlined
-def predict(state, h, one, two, hinges, held_point, w, j1, j2, kick, step):
-    """Kick both particles, with first impulses from the motion that they would make freely."""
-    him1, him2 = get3(hinges, h, HIM), get3(hinges, h, HIM + 3)
-    r1, r2, p, q = get3(w, h, ARM1), get3(w, h, ARM2), get3(w, h, PA), get3(w, h, QA)
-    v1, p1 = kicked(state, one, him1, kick)
-    v2, p2 = kicked(state, two, him2, kick)
-    spin1, spin2 = midpoint_spin(j1, p1, step), midpoint_spin(j2, p2, step)
-    point = add(axpy(step, v1, add(get3(state, one, X), r1)), swung(spin1, r1, step))
-    other = add(axpy(step, v2, add(get3(state, two, X), r2)), swung(spin2, r2, step))
-    axis = to_global(state, two, D, get3(hinges, h, AXIS + 3))
-    axis = add(axis, swung(spin2, axis, step))
-    ep = -dot(add(q, swung(spin1, q, step)), axis)
-    eq = dot(add(p, swung(spin1, p, step)), axis)
-    on_one, on_two, moment = impulses(
-        w, h, hinges, held_point, point, sub(point, other), ep, eq, -1.0 / step
-    )
-    put3(state, one, V, add(v1, times(him1, on_one)))
-    put3(state, two, V, add(v2, times(him2, on_two)))
-    put3(state, one, P, add(p1, sub(cross(r1, on_one), moment)))
-    put3(state, two, P, add(p2, add(cross(r2, on_two), moment)))
-
-
-@inlined
-def move_from_start(state, i, w, h, k, j, step):
-    """Move particle k of a hinge from the start of the step, with its present momenta."""
-    put3(state, i, X, axpy(step, get3(state, i, V), get3(w, h, OLD_X + 3 * k)))
-    half = half_turn(to_local(w, h, OLD_D + 9 * k, get3(state, i, P)), j, step)
-    put_rotation(state, i, turned(get4(w, h, OLD_Q + 4 * k), half))
+def push_apart(state, ends, bodies, b, h, on_one, on_two, moment):
+    """Apply the impulses of hinge h to its bodies."""
+    one, two = 2 * h, 2 * h + 1
+    back = scale(-1.0, moment)
+    r1, r2 = get3(b, one, GLOBAL_ARM), get3(b, two, GLOBAL_ARM)
+    add_impulse(state, ends[one], get3(bodies, one, HIM), r1, on_one, back)
+    add_impulse(state, ends[two], get3(bodies, two, HIM), r2, on_two, moment)
 
 
 @kernel
-def prepare(state, pairs, hinges, supported, w, kick, step):
-    """Factorise the hinges' matrices, keep their particles' state, and kick them for `kick` s.
+def first_impulses(state, ends, bodies, hinges, held, b, w, step):
+    """Impulses that close the hinges after the motion that their bodies would make freely."""
+    for h in range(w.shape[0]):
+        one, two = 2 * h, 2 * h + 1
+        spin1, spin2 = get3(b, one, SPIN), get3(b, two, SPIN)
+        p, q = get3(w, h, PA), get3(w, h, QA)
+        axis = to_global(state, ends[two], D, get3(bodies, two, AXIS))
+        axis = add(axis, swung(spin2, axis, step))
+        ep = -dot(add(q, swung(spin1, q, step)), axis)
+        eq = dot(add(p, swung(spin1, p, step)), axis)
+        point = get3(b, one, POINT)
+        gap = sub(point, get3(b, two, POINT))
+        on_one, on_two, moment = impulses(h, hinges, held, b, w, point, gap, ep, eq, -1.0 / step)
+        push_apart(state, ends, bodies, b, h, on_one, on_two, moment)
 
-    All forces must be summed; they are used up. The coming move takes `step` s.
 
-    pairs (h, 2) particles; hinges (h, HINGE, lanes); supported (h,) whether the point is held;
-    w (h, SCRATCH, lanes) scratch.
+@kernel
+def prepare(state, ends, bodies, hinges, held, supported, b, w, kick, step):
+    """Kick the particles of all hinges for `kick` s, with the hinges' first impulses.
+
+    All forces must be summed; those of hinged particles are used up. ends (2h,) particles; bodies
+    (2h, BODY, lanes), hinges (h, HINGE, lanes) constants; held (h, 3) held axes, supported: whether
+    there are any; b (2h, BODY_SCRATCH, lanes), w (h, HINGE_SCRATCH, lanes) scratch.
     """
-    for h in range(pairs.shape[0]):
-        one, two = pairs[h, 0], pairs[h, 1]
-        for k in range(2):
-            i = pairs[h, k]
-            put3(w, h, OLD_X + 3 * k, get3(state, i, X))
-            for m in range(4):
-                store(w, h, OLD_Q + 4 * k + m, load(state, i, Q + m))
-            for m in range(9):
-                store(w, h, OLD_D + 9 * k + m, load(state, i, D + m))
-        r1 = to_global(state, one, D, get3(hinges, h, ARM))
-        r2 = to_global(state, two, D, get3(hinges, h, ARM + 3))
-        p = to_global(state, one, D, get3(hinges, h, REF))
-        q = cross(to_global(state, one, D, get3(hinges, h, AXIS)), p)
-        put3(w, h, ARM1, r1)
-        put3(w, h, ARM2, r2)
-        put3(w, h, PA, p)
-        put3(w, h, QA, q)
-        j1 = world_inverse(state, one, get3(hinges, h, HIJ))
-        j2 = world_inverse(state, two, get3(hinges, h, HIJ + 3))
-        k1 = point_response(get3(hinges, h, HIM), j1, r1)
-        k2 = point_response(get3(hinges, h, HIM + 3), j2, r2)
-        p1, q1, p2, q2 = symmetric(j1, p), symmetric(j1, q), symmetric(j2, p), symmetric(j2, q)
-        # Rotation block and its coupling to the translations.
-        pp, qq, pq = dot(p, add(p1, p2)), dot(q, add(q1, q2)), dot(p, add(q1, q2))
-        det = 1.0 / (pp * qq - pq * pq)
-        cpp, cqq, cpq = det * qq, det * pp, -det * pq
-        b1p, b1q = cross(r1, p1), cross(r1, q1)
-        bp, bq = add(b1p, cross(r2, p2)), add(b1q, cross(r2, q2))
-        ep = axpy(cpp, bp, scale(cpq, bq))
-        eq = axpy(cpq, bp, scale(cqq, bq))
-        put3(w, h, C, (cpp, cqq, cpq))
-        put3(w, h, E, ep)
-        put3(w, h, E + 3, eq)
-        schur = (
-            k1[0] + k2[0] - bp[0] * ep[0] - bq[0] * eq[0],
-            k1[1] + k2[1] - bp[1] * ep[1] - bq[1] * eq[1],
-            k1[2] + k2[2] - bp[2] * ep[2] - bq[2] * eq[2],
-            k1[3] + k2[3] - bp[0] * ep[1] - bq[0] * eq[1],
-            k1[4] + k2[4] - bp[0] * ep[2] - bq[0] * eq[2],
-            k1[5] + k2[5] - bp[1] * ep[2] - bq[1] * eq[2],
-        )
-        put6(w, h, S, invert(schur))
-        if supported[h]:
-            support_prepare(hinges, h, w, k1, b1p, b1q)
-        predict(state, h, one, two, hinges, supported[h], w, j1, j2, kick, step)
+    prepare_bodies(state, ends, bodies, b, kick, step)
+    prepare_matrices(state, ends, bodies, b, w)
+    if supported:
+        prepare_supports(hinges, held, b, w)
+    first_impulses(state, ends, bodies, hinges, held, b, w, step)
+
+
+@inlined
+def gaps(state, ends, bodies, h):
+    """Hinge point of body 1, its gap (3) to that of 2, and the axis gap about p and q (rad)."""
+    one, two = 2 * h, 2 * h + 1
+    i, k = ends[one], ends[two]
+    point = add(get3(state, i, X), to_global(state, i, D, get3(bodies, one, ARM)))
+    other = add(get3(state, k, X), to_global(state, k, D, get3(bodies, two, ARM)))
+    p = to_global(state, i, D, get3(bodies, one, REF))
+    q = cross(to_global(state, i, D, get3(bodies, one, AXIS)), p)
+    axis = to_global(state, k, D, get3(bodies, two, AXIS))
+    return point, sub(point, other), -dot(q, axis), dot(p, axis)
+
+
+@inlined
+def move_from_start(state, i, r, bodies, b, step):
+    """Move particle i, body r, from the start of the step, with its present momenta."""
+    put3(state, i, X, axpy(step, get3(state, i, V), get3(b, r, OLD_X)))
+    local = to_local(b, r, OLD_D, get3(state, i, P))
+    half = half_turn(local, get3(bodies, r, HIJ), step)
+    put_rotation(state, i, turned(get4(b, r, OLD_Q), half))
 
 
 @kernel
-def close(state, pairs, hinges, supported, w, step):
-    """Move the particles of all hinges by a step, and close the hinges at its end."""
-    for h in range(pairs.shape[0]):
-        one, two = pairs[h, 0], pairs[h, 1]
-        for _ in range(ROUNDS):
-            move_from_start(state, one, w, h, 0, get3(hinges, h, HIJ), step)
-            move_from_start(state, two, w, h, 1, get3(hinges, h, HIJ + 3), step)
-            point, gap, ep, eq = gaps(state, one, two, hinges, h)
-            good = (GAP2 - dot(gap, gap)) / GAP2
-            tilt = (TILT2 - (ep * ep + eq * eq)) / TILT2
+def close(state, ends, bodies, hinges, held, b, w, open_, step):
+    """Move the particles of all hinges by a step, and close the hinges at its end.
+
+    open_ (h,) scratch: whether a hinge needs another round.
+    """
+    open_[:] = True
+    for _ in range(ROUNDS):
+        for h in range(w.shape[0]):
+            if open_[h]:
+                for r in (2 * h, 2 * h + 1):
+                    move_from_start(state, ends[r], r, bodies, b, step)
+        left = False
+        for h in range(w.shape[0]):
+            if not open_[h]:
+                continue
+            point, gap, ep, eq = gaps(state, ends, bodies, h)
+            good = (GAP2 - dot(gap, gap)) * (1.0 / GAP2)
+            tilt = (TILT2 - (ep * ep + eq * eq)) * (1.0 / TILT2)
             good = where_negative(tilt, tilt, good)
-            if not any_negative(good):
-                break
-            on_one, on_two, moment = impulses(
-                w, h, hinges, supported[h], point, gap, ep, eq, -1.0 / step
-            )
-            wanted = where_negative(good, 1.0, 0.0 * good)
-            on_one, on_two = scale(wanted, on_one), scale(wanted, on_two)
-            moment = scale(wanted, moment)
-            him1, him2 = get3(hinges, h, HIM), get3(hinges, h, HIM + 3)
-            add_impulse(state, one, him1, get3(w, h, ARM1), on_one, scale(-1.0, moment))
-            add_impulse(state, two, him2, get3(w, h, ARM2), on_two, moment)
+            open_[h] = any_negative(good)
+            if open_[h]:
+                left = True
+                on_one, on_two, moment = impulses(
+                    h, hinges, held, b, w, point, gap, ep, eq, -1.0 / step
+                )
+                wanted = where_negative(good, 1.0, 0.0 * good)
+                on_one, on_two = scale(wanted, on_one), scale(wanted, on_two)
+                push_apart(state, ends, bodies, b, h, on_one, on_two, scale(wanted, moment))
+        if not left:
+            break

@@ -42,16 +42,16 @@ def arctan2(s, c):
 
 
 @kernel
-def update_openings(state, pairs, hinges, openings):
+def update_openings(state, ends, bodies, openings):
     """New openings (h, 2, lanes): field 0 now (rad), field 1 at the call before.
 
     The angle is a function of the configuration; the last value only picks the turn.
     """
-    for h in range(pairs.shape[0]):
-        one, two = pairs[h, 0], pairs[h, 1]
-        axis = to_global(state, one, D, get3(hinges, h, AXIS))
-        first = to_global(state, one, D, get3(hinges, h, REF))
-        second = to_global(state, two, D, get3(hinges, h, REF + 3))
+    for h in range(openings.shape[0]):
+        one, two = ends[2 * h], ends[2 * h + 1]
+        axis = to_global(state, one, D, get3(bodies, 2 * h, AXIS))
+        first = to_global(state, one, D, get3(bodies, 2 * h, REF))
+        second = to_global(state, two, D, get3(bodies, 2 * h + 1, REF))
         angle = arctan2(dot(axis, cross(first, second)), dot(first, second))
         last = load(openings, h, 0)
         store(openings, h, 1, last)
@@ -60,31 +60,31 @@ def update_openings(state, pairs, hinges, openings):
 
 
 @inlined
-def turn_hinge(state, pairs, hinges, h, moment):
+def turn_hinge(state, ends, bodies, h, moment):
     """Add a moment about the axis of hinge h to its second particle, its opposite to the first."""
-    one, two = pairs[h, 0], pairs[h, 1]
-    axis = to_global(state, one, D, get3(hinges, h, AXIS))
+    one, two = ends[2 * h], ends[2 * h + 1]
+    axis = to_global(state, one, D, get3(bodies, 2 * h, AXIS))
     put3(state, two, M, axpy(moment, axis, get3(state, two, M)))
     put3(state, one, M, axpy(-1.0 * moment, axis, get3(state, one, M)))
 
 
 @kernel
-def spring_forces(state, pairs, hinges, openings, on, springs):
+def spring_forces(state, ends, bodies, openings, on, springs):
     """Torsion springs; on (n,) hinge indices, springs (n, 2, lanes): stiffness and rest."""
     for i in range(on.shape[0]):
         h = on[i]
         moment = load(springs, i, 0) * (load(springs, i, 1) - load(openings, h, 0))
-        turn_hinge(state, pairs, hinges, h, moment)
+        turn_hinge(state, ends, bodies, h, moment)
 
 
 @kernel
-def contact_forces(state, pairs, hinges, openings, on, contacts):
+def contact_forces(state, ends, bodies, openings, on, contacts):
     """Face-to-face contacts; on (n,) hinge indices, contacts (n, 1, lanes): stiffness."""
     for i in range(on.shape[0]):
         h = on[i]
         psi = load(openings, h, 0)
         overlap = where_negative(psi, -psi, 0.0 * psi)
-        turn_hinge(state, pairs, hinges, h, load(contacts, i, 0) * overlap)
+        turn_hinge(state, ends, bodies, h, load(contacts, i, 0) * overlap)
 
 
 @inlined

@@ -4,13 +4,15 @@ A kernel written with lanes reads like scalar code, yet every operation is one L
 instruction over all samples of the batch. This does not lean on the auto-vectoriser, which gives
 up silently (on index wrap-around, on alias checks, on large loop bodies).
 
-Two lane types exist: eight ``float64`` or sixteen ``float32``, both one 512-bit register wide; on
-narrower machines LLVM splits them. The lanes never mix, so a sample's numbers do not depend on
-which samples run beside it. Multiply-add may be fused (``contract``); nothing else is relaxed, so
-that the same machine gives the same bits in every run.
+A register holds eight ``float64`` or sixteen ``float32`` (512 bits; LLVM splits it on narrower
+machines). The lanes never mix, so a sample's numbers do not depend on which samples run beside it.
+Multiply-add may be fused (``contract``); nothing else is relaxed, so that the same machine gives
+the same bits in every run.
 
 Arrays hold lanes along the last, contiguous axis: ``(rows, fields, WIDTH)``; ``load(a, i, k)``
-reads the lanes ``a[i, k, :]``.
+reads the lanes ``a[i, k, :]``. With a pair of rows ``(i, j)`` it reads both into a lane type of
+twice the width, and the same code then works on two particles or elements at once: their chains
+of operations interleave, which hides the latency of the arithmetic units.
 """
 
 import operator
@@ -40,11 +42,11 @@ def width(dtype: np.dtype) -> int:
 
 
 class Lane(types.Type):
-    """Numba type of one register of samples."""
+    """Numba type of one register of samples, or of two for a pair of rows."""
 
-    def __init__(self, scalar):
+    def __init__(self, scalar, registers=1):
         self.scalar = scalar
-        self.count = 512 // scalar.bitwidth
+        self.count = registers * 512 // scalar.bitwidth
         super().__init__(name=f"Lane({scalar} x {self.count})")
 
 
@@ -55,7 +57,9 @@ class _LaneModel(models.PrimitiveModel):
         super().__init__(dmm, fe_type, ir.VectorType(element, fe_type.count))
 
 
-LANES = {types.float64: Lane(types.float64), types.float32: Lane(types.float32)}
+LANES = {scalar: (Lane(scalar), Lane(scalar, 2)) for scalar in (types.float64, types.float32)}
+ALL_LANES = [lane for both in LANES.values() for lane in both]
+PAIR = types.UniTuple(types.intp, 2)
 
 
 def _splat(context, builder, value, scalar_type, lane):
@@ -65,10 +69,7 @@ def _splat(context, builder, value, scalar_type, lane):
     start = builder.insert_element(
         ir.Constant(vector_type, ir.Undefined), value, ir.Constant(ir.IntType(32), 0)
     )
-    mask = ir.Constant(
-        ir.VectorType(ir.IntType(32), lane.count), [ir.Constant(ir.IntType(32), 0)] * lane.count
-    )
-    return builder.shuffle_vector(start, start, mask)
+    return builder.shuffle_vector(start, start, _mask([0] * lane.count))
 
 
 def _as_lane(context, builder, value, value_type, lane):
@@ -88,7 +89,7 @@ _SCALARS = (types.float64, types.int64)
 
 def _register_binary(op, instruction):
     cases = []
-    for lane in LANES.values():
+    for lane in ALL_LANES:
         pairs = [(lane, lane)] + [(lane, s) for s in _SCALARS] + [(s, lane) for s in _SCALARS]
         for left, right in pairs:
             cases.append(signature(lane, left, right))
@@ -107,13 +108,13 @@ for _op, _instruction in _BINARY.items():
 
 
 def _register_negative():
-    for lane in LANES.values():
+    for lane in ALL_LANES:
 
         @lower_builtin(operator.neg, lane)
         def lower(context, builder, sig, args):
             return builder.fneg(args[0])
 
-    cases = [signature(lane, lane) for lane in LANES.values()]
+    cases = [signature(lane, lane) for lane in ALL_LANES]
     infer_global(operator.neg)(type("LaneNeg", (ConcreteTemplate,), {"cases": cases}))
 
 
@@ -124,46 +125,76 @@ def _pointer(context, builder, array_type, array, row, field):
     """Address of ``array[row, field, 0]`` of a C-contiguous array (no index wrap-around)."""
     struct = make_array(array_type)(context, builder, array)
     fields = cgutils.unpack_tuple(builder, struct.shape)[1]
-    lane = LANES[array_type.dtype]
+    lane = LANES[array_type.dtype][0]
     index = builder.add(builder.mul(row, fields), field)
     index = builder.mul(index, ir.Constant(index.type, lane.count))
     address = builder.gep(struct.data, [index])
     return builder.bitcast(address, context.get_value_type(lane).as_pointer())
 
 
-def _check(array):
-    return isinstance(array, types.Array) and array.ndim == 3 and array.layout == "C"
+def _lane_of(array, row):
+    """The lane type that `row` (an index or a pair) of `array` is read into; None if unfit."""
+    if not (isinstance(array, types.Array) and array.ndim == 3 and array.layout == "C"):
+        return None
+    return LANES[array.dtype][row == PAIR]
+
+
+def _addresses(context, builder, sig, args):
+    """Addresses of the lanes at args[1] (row or pair of rows), args[2] (field) of args[0]."""
+    field = context.cast(builder, args[2], sig.args[2], types.intp)
+    if sig.args[1] == PAIR:
+        rows = cgutils.unpack_tuple(builder, args[1])
+    else:
+        rows = [context.cast(builder, args[1], sig.args[1], types.intp)]
+    return [_pointer(context, builder, sig.args[0], args[0], row, field) for row in rows]
+
+
+def _mask(indices):
+    index = ir.IntType(32)
+    return ir.Constant(ir.VectorType(index, len(indices)), [ir.Constant(index, i) for i in indices])
 
 
 @intrinsic
 def load(typingctx, array, row, field):
-    """Lanes ``array[row, field, :]`` of a C-contiguous array of shape (rows, fields, width)."""
-    if not _check(array):
+    """Lanes ``array[row, field, :]`` of a C-contiguous array of shape (rows, fields, width).
+
+    row: an index, or a pair of indices for a lane of twice the width.
+    """
+    lane = _lane_of(array, row)
+    if lane is None:
         return None
-    lane = LANES[array.dtype]
 
     def codegen(context, builder, sig, args):
-        row = context.cast(builder, args[1], sig.args[1], types.intp)
-        field = context.cast(builder, args[2], sig.args[2], types.intp)
-        address = _pointer(context, builder, sig.args[0], args[0], row, field)
-        return builder.load(address, align=lane.scalar.bitwidth // 8)
+        align = lane.scalar.bitwidth // 8
+        values = [builder.load(a, align=align) for a in _addresses(context, builder, sig, args)]
+        if len(values) == 1:
+            return values[0]
+        return builder.shuffle_vector(values[0], values[1], _mask(range(lane.count)))
 
     return lane(array, row, field), codegen
 
 
 @intrinsic
 def store(typingctx, array, row, field, value):
-    """Write lanes to ``array[row, field, :]``; `value` is a lane or a scalar for all lanes."""
-    if not _check(array):
+    """Write lanes to ``array[row, field, :]``; `value` is a lane or a scalar for all lanes.
+
+    row: an index, or a pair of different indices.
+    """
+    lane = _lane_of(array, row)
+    if lane is None:
         return None
-    lane = LANES[array.dtype]
 
     def codegen(context, builder, sig, args):
-        row = context.cast(builder, args[1], sig.args[1], types.intp)
-        field = context.cast(builder, args[2], sig.args[2], types.intp)
-        address = _pointer(context, builder, sig.args[0], args[0], row, field)
+        align = lane.scalar.bitwidth // 8
         vector = _as_lane(context, builder, args[3], sig.args[3], lane)
-        builder.store(vector, address, align=lane.scalar.bitwidth // 8)
+        addresses = _addresses(context, builder, sig, args)
+        if len(addresses) == 1:
+            builder.store(vector, addresses[0], align=align)
+        else:
+            half = lane.count // 2
+            for k, address in enumerate(addresses):
+                part = _mask(range(k * half, (k + 1) * half))
+                builder.store(builder.shuffle_vector(vector, vector, part), address, align=align)
         return context.get_dummy_value()
 
     return types.void(array, row, field, value), codegen

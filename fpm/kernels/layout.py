@@ -27,16 +27,22 @@ BEAM = 5
 # Axes of an element in the frames of its particles, where they differ from these: 2, 3 at a and b.
 AXES = 12
 
-# Constants of a hinge, for particle 1 and 2; vectors in the particles' frames.
-ARM = 0  # virtual beams (3, 3)
-AXIS = 6  # axis (3, 3)
-REF = 12  # reference directions (3, 3)
-HIM = 18  # inverse masses along the global axes (3, 3)
-HIJ = 24  # inverse principal inertias (3, 3)
-HELD = 30  # 1 where the hinge point is held along a global axis (3)
-PLACE = 33  # where it is held (3)
-HINGE = 36
-SCRATCH = 92  # working fields of a hinge, named in hinge.py
+CHORD = 5  # working fields of an element: chord (3), inverse length, axial force
+
+# Constants of a body of a hinge; vectors in the particle's frame.
+ARM = 0  # virtual beam (3)
+AXIS = 3  # axis (3)
+REF = 6  # reference direction (3)
+HIM = 9  # inverse masses along the global axes (3)
+HIJ = 12  # inverse principal inertias (3)
+BODY = 15
+
+# Constants of a hinge.
+HELD = 0  # 1 where the hinge point is held along a global axis (3)
+PLACE = 3  # where it is held (3)
+HINGE = 6
+
+BODY_SCRATCH, HINGE_SCRATCH = 37, 48  # working fields, named in hinge.py
 
 # Energies.
 KINETIC, STRAIN, SPRING, CONTACT, LOAD_WORK, DAMPING_WORK, BALANCE = range(7)

@@ -18,10 +18,14 @@ class Model(NamedTuple):
     axes: np.ndarray  # (m or 0, AXES, lanes)
     gravity: np.ndarray  # (1 or 0, 3, lanes)
     damping: np.ndarray  # (1 or 0, 1, lanes) rate, 1/s
-    pairs: np.ndarray  # (h, 2) particles of the hinges
+    chord: np.ndarray  # (m, CHORD, lanes) scratch
+    ends: np.ndarray  # (2h,) particles of the hinges: bodies 2h and 2h + 1 of hinge h
+    bodies: np.ndarray  # (2h, BODY, lanes)
     hinges: np.ndarray  # (h, HINGE, lanes)
-    supported: np.ndarray  # (h,) whether the hinge point is held along any axis
-    scratch: np.ndarray  # (h, SCRATCH, lanes)
+    held: np.ndarray  # (h, 3) 1 where the hinge point is held along a global axis
+    body_scratch: np.ndarray  # (2h, BODY_SCRATCH, lanes)
+    hinge_scratch: np.ndarray  # (h, HINGE_SCRATCH, lanes)
+    open_hinge: np.ndarray  # (h,) scratch
     openings: np.ndarray  # (h, 2, lanes) now and one step ago
     spring_on: np.ndarray  # (s,) hinges
     springs: np.ndarray  # (s, 2, lanes) stiffness, rest

@@ -64,7 +64,7 @@ def record_before(state, model, row, record):
     out = record.energies
     store(out, row, STRAIN, energy.strain_energy(state, model.nodes, model.beams, model.axes))
     if model.spring_on.shape[0] + model.contact_on.shape[0] == 0:
-        update_openings(state, model.pairs, model.hinges, model.openings)
+        update_openings(state, model.ends, model.bodies, model.openings)
     springs = energy.spring_energies(state, model.openings, model.spring_on, model.springs)
     store(out, row, SPRING, springs)
     contacts = energy.contact_energies(state, model.openings, model.contact_on, model.contacts)
@@ -74,13 +74,12 @@ def record_before(state, model, row, record):
         work = work + energy.weight_work(state, model.particles, model.gravity)
     store(out, row, LOAD_WORK, work)
     store(out, row, DAMPING_WORK, load(model.work, 0, 1))
-    count = model.pairs.shape[0]
+    count = model.hinges.shape[0]
     worst = 0.0 * work
     worst_axis = worst
     for h in range(count):
         store(record.hinges, row, h, load(model.openings, h, 0))
-        one, two = model.pairs[h, 0], model.pairs[h, 1]
-        _, gap, ep, eq = hinge.gaps(state, one, two, model.hinges, h)
+        _, gap, ep, eq = hinge.gaps(state, model.ends, model.bodies, h)
         size, tilt = dot(gap, gap), ep * ep + eq * eq
         worst = where_negative(worst - size, size, worst)
         worst_axis = where_negative(worst_axis - tilt, tilt, worst_axis)

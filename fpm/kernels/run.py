@@ -9,25 +9,32 @@ from fpm.kernels.beam import beam_forces, framed_beam_forces
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import IJ, IM, D, F, M, P, Q, V, X
 from fpm.kernels.record import find_failures, keep, note_events, record_after, record_before
-from fpm.kernels.rotation import get4, half_turn, put_rotation, turned
-from fpm.kernels.vectors import axpy, get3, kernel, put3, scale, sub, to_local
+from fpm.kernels.rotation import get4, half_turn, normalise, put_rotation, turned
+from fpm.kernels.vectors import axpy, get3, inlined, kernel, put3, scale, sub, to_local
+
+
+@inlined
+def kick_and_move(state, particles, i, kick, step):
+    """Kick particle (or pair) i for `kick` s, move it for `step` s, clear its forces."""
+    v = axpy(kick * load(particles, i, IM), get3(state, i, F), get3(state, i, V))
+    put3(state, i, V, v)
+    put3(state, i, X, axpy(step, v, get3(state, i, X)))
+    p = axpy(kick, get3(state, i, M), get3(state, i, P))
+    put3(state, i, P, p)
+    half = half_turn(to_local(state, i, D, p), get3(particles, i, IJ), step)
+    put_rotation(state, i, turned(get4(state, i, Q), half))
+    for k in range(6):
+        store(state, i, F + k, 0.0)
 
 
 @kernel
 def advance(state, particles, on, kick, step):
     """Kick the particles `on` (n,) for `kick` s, move them for `step` s, clear their forces."""
-    for n in range(on.shape[0]):
-        i = on[n]
-        inverse_mass = load(particles, i, IM)
-        v = axpy(kick * inverse_mass, get3(state, i, F), get3(state, i, V))
-        put3(state, i, V, v)
-        put3(state, i, X, axpy(step, v, get3(state, i, X)))
-        p = axpy(kick, get3(state, i, M), get3(state, i, P))
-        put3(state, i, P, p)
-        half = half_turn(to_local(state, i, D, p), get3(particles, i, IJ), step)
-        put_rotation(state, i, turned(get4(state, i, Q), half))
-        for k in range(6):
-            store(state, i, F + k, 0.0)
+    even = on.shape[0] - on.shape[0] % 2
+    for n in range(0, even, 2):
+        kick_and_move(state, particles, (on[n], on[n + 1]), kick, step)
+    for n in range(even, on.shape[0]):
+        kick_and_move(state, particles, on[n], kick, step)
 
 
 @kernel
@@ -40,7 +47,9 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
     """
     # Taken out of the tuple once: each look into it inside the loop would count references.
     particles, nodes, beams, axes = model.particles, model.nodes, model.beams, model.axes
-    pairs, hinges, supported, scratch = model.pairs, model.hinges, model.supported, model.scratch
+    chord, ends, bodies, hinges = model.chord, model.ends, model.bodies, model.hinges
+    held, open_hinge = model.held, model.open_hinge
+    body_scratch, hinge_scratch = model.body_scratch, model.hinge_scratch
     openings, spring_on, springs = model.openings, model.spring_on, model.springs
     contact_on, contacts = model.contact_on, model.contacts
     load_on, load_curve, loads = model.load_on, model.load_curve, model.loads
@@ -51,7 +60,7 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
     events, event_count = record.events, record.event_count
     spare = record.energies.shape[0] - 1
     heavy, damped, framed = gravity.shape[0] > 0, damping.shape[0] > 0, axes.shape[0] > 0
-    hinged, held = pairs.shape[0] > 0, hold_on.shape[0] > 0
+    hinged, supported = hinges.shape[0] > 0, held.sum() > 0
     sprung = spring_on.shape[0] + contact_on.shape[0] > 0
     loaded, driven = load_on.shape[0] > 0, drive_on.shape[0] > 0
     free, half = model.free, 0.5 * step
@@ -63,13 +72,13 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
         if heavy:
             outside.gravity_forces(state, particles, gravity)
         if framed:
-            framed_beam_forces(state, nodes, beams, axes)
+            framed_beam_forces(state, nodes, beams, axes, chord)
         else:
-            beam_forces(state, nodes, beams)
+            beam_forces(state, nodes, beams, chord)
         if sprung:
-            joint.update_openings(state, pairs, hinges, openings)
-            joint.spring_forces(state, pairs, hinges, openings, spring_on, springs)
-            joint.contact_forces(state, pairs, hinges, openings, contact_on, contacts)
+            joint.update_openings(state, ends, bodies, openings)
+            joint.spring_forces(state, ends, bodies, openings, spring_on, springs)
+            joint.contact_forces(state, ends, bodies, openings, contact_on, contacts)
             if n > 0:
                 note_events(openings, contact_on, events, event_count, t, step)
         if loaded:
@@ -91,6 +100,7 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
         check = n % per_check == 0
         row = n // per_instant if n % per_instant == 0 else spare
         if check:
+            normalise(state)
             keep(state, kept)
             record_before(state, model, row, record)
         # Momenta to t + step/2, positions to t + step; the forces are used up.
@@ -98,19 +108,24 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
             outside.add_drive_work(
                 work, state, drive_on, drives, drive_curve, starts, times, values, t + half, half
             )
-        if held:
+        if hold_on.shape[0] > 0:
             outside.hold(state, hold_on, hold_free)
         if damped:
             outside.damp(state, damping, kick)
         if hinged:
-            hinge.prepare(state, pairs, hinges, supported, scratch, kick, step)
+            hinge.prepare(
+                state, ends, bodies, hinges, held, supported, body_scratch, hinge_scratch,
+                kick, step,
+            )  # fmt: skip
         advance(state, particles, free, kick, step)
         if driven:
             outside.drive(
                 state, drive_on, drives, drive_curve, starts, times, values, t + half, step
             )
         if hinged:
-            hinge.close(state, pairs, hinges, supported, scratch, step)
+            hinge.close(
+                state, ends, bodies, hinges, held, body_scratch, hinge_scratch, open_hinge, step
+            )
         # Work of the half step after t.
         if loaded:
             outside.add_load_work(

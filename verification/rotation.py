@@ -46,8 +46,8 @@ def rigid_motion(bench: Bench) -> None:
     corners = {
         "one element": [(0.1, 0.2, 0.3), (0.4, 0.3, 0.1)],
         "chain of 6 elements": [
-            (0, 0, 0), (0.3, 0, 0), (0.3, 0.2, 0), (0.3, 0.2, 0.4), (0.5, 0.1, 0.5), (0.9, 0.1, 0.5),
-            (1.0, 0.5, 0.1),
+            (0, 0, 0), (0.3, 0, 0), (0.3, 0.2, 0), (0.3, 0.2, 0.4), (0.5, 0.1, 0.5),
+            (0.9, 0.1, 0.5), (1.0, 0.5, 0.1),
         ],
     }  # fmt: skip
     for name, places in corners.items():
@@ -71,7 +71,7 @@ def rigid_motion(bench: Bench) -> None:
         bench.check_small(f"{name}: mean force, from its work", force, 1e-12, source, "EA")
 
     # Free: flying along a slanted line and spinning about it, slower than its lowest bending mode
-    # (129 rad/s): a shaft whose section is no square whirls by itself between its two critical speeds.
+    # (129 rad/s): a shaft that is not square whirls by itself between its two critical speeds.
     direction = np.array([2.0, -1.0, 2.0]) / 3
     scene = fpm.Scene("arrow")
     bar = scene.add_link((0, 0, 0), direction, (0, 0, 1), SECTION, MATERIAL, 4)

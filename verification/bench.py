@@ -130,6 +130,10 @@ class Bench:
         error = max(0.0, float(least) - float(value))
         self._add(name, value, least, 0.0, error, bool(value >= least), "at least", source)
 
+    def broke(self, error: Exception) -> None:
+        """Write a failing row for a run that broke down, which ends the problem."""
+        self._add(f"broke down: {error}", math.nan, math.nan, 0.0, math.nan, False, "", "")
+
     def _add(self, name, value, reference, tolerance, error, passed, measure, source):
         # Not-a-number passes no comparison, so a broken value is a failing row.
         self.rows.append(

@@ -37,11 +37,15 @@ RAMP, REST = 10.0, 25.0
 """Times in units of 1 / lowest frequency: while the loads grow, and from then to the end."""
 
 
+class NotAtRest(RuntimeError):
+    """A scene that did not come to rest in the time given to it."""
+
+
 def settle(bench: Bench, scenes: list[fpm.Scene], rest: float = REST) -> list[fpm.Outcome]:
     """Bring loads up slowly and run to rest, in lanes; the last instant is the equilibrium.
 
     Mass-proportional damping at twice the lowest frequency makes all modes die out like
-    exp(-lowest frequency * t). RuntimeError if a scene is not at rest at the end.
+    exp(-lowest frequency * t). NotAtRest if a scene is not at rest at the end.
     """
     lowest = min(lowest_frequency(scene) for scene in scenes)
     times = np.linspace(0.0, RAMP / lowest, 33)
@@ -53,7 +57,7 @@ def settle(bench: Bench, scenes: list[fpm.Scene], rest: float = REST) -> list[fp
     for outcome in outcomes:
         moving, stored = outcome.energies["kinetic"][-1], outcome.energies["strain"][-1]
         if not moving <= 1e-10 * stored:
-            raise RuntimeError(
+            raise NotAtRest(
                 f"{bench.problem}: not at rest, kinetic energy {moving:.3g} J beside "
                 f"{stored:.3g} J of strain; relax for longer"
             )

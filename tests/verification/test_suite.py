@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+import fpm
 from verification import report, suite
 from verification.__main__ import main
 from verification.bench import Bench, observed_orders
@@ -47,6 +48,23 @@ def test_failing_rows_stay_in_summary_and_table(tmp_path, monkeypatch, capsys):
     assert (tmp_path / "a-plot.png").read_bytes()[:4] == b"\x89PNG"
     assert "failed: broken: wrong" in capsys.readouterr().out
     assert main(["--output", str(tmp_path), "--strict"]) == 1
+
+
+def test_a_run_that_breaks_down_is_a_failing_row(tmp_path, monkeypatch):
+    def unstable(bench):
+        bench.check("before", 1.0, 1.0, 1e-3, "book")
+        scene = fpm.Scene("bar")
+        scene.add_link(
+            (0, 0, 0), (1, 0, 0), (0, 0, 1), fpm.Section.square(0.1), fpm.Material(1e9, 0.3, 1e3), 2
+        )
+        scene.velocity[0, 2] = 1.0
+        bench.simulate(scene, duration=0.1, instants=11, step=1.05 * fpm.stable_step(scene).step)
+
+    monkeypatch.setattr(suite, "problems", lambda: {"unstable": unstable})
+    assert main(["--output", str(tmp_path)]) == 0
+    rows = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
+    assert [row["passed"] for row in rows] == [True, False]
+    assert "unstable at t =" in rows[1]["name"]
 
 
 def test_an_unknown_problem_is_refused_by_name(capsys):

@@ -1,2 +1,26 @@
 # Studies of the program itself: verification, extremes, benchmark, tradeoff.
 # Each leaves results/<target>/summary.json, a table and plots.
+
+# A study runs again when the code that it judges changes.
+STUDIED_CODE = sorted(
+    str(file)
+    for package in ["fpm", "verification"]
+    for file in Path(workflow.basedir).glob(f"{package}/**/*.py")
+)
+
+
+# Rows that fail stay in the summary and the table; the rule fails only if the suite itself does.
+rule verification:
+    input:
+        STUDIED_CODE,
+    output:
+        "results/verification/summary.json",
+        "results/verification/table.md",
+    log:
+        "results/verification/verification.log",
+    conda:
+        "../envs/campaign.yaml"
+    message:
+        "Comparing the solver with closed forms and published results"
+    shell:
+        "python -m verification --output results/verification 2>&1 | tee {log}"

@@ -2,11 +2,12 @@
 
 Per hinge the unknowns are an impulse (3) at the hinge point, a moment impulse (2) normal to the
 axis and, where the point is held, a support impulse (up to 3). Their matrix A = G M^-1 G^T is built
-and factorised at the start of the step, with first impulses from a second order Taylor series of
-the motion (`prepare`). Once the particles have moved, quasi-Newton rounds (`close`) bring the point
-and the axis together. The matrix changes by the angle turned in a step only, so each round gains
-three digits or more. A sample whose gaps are small enough is left alone in the rounds that other
-samples need: its numbers do not depend on theirs.
+and factorised at the start of the step. First impulses (`prepare`) are those of the last step,
+corrected by a second order Taylor series of the motion. Once the particles have moved, quasi-Newton
+rounds (`close`) bring the point and the axis together where that is not enough. The matrix changes
+by the angle turned in a step only, so each round gains three digits or more. A sample whose gaps
+are small enough is left alone in the rounds that other samples need: its numbers do not depend on
+theirs.
 
 The two particles of hinge h are its bodies, rows 2h and 2h + 1 of the arrays over bodies. The work
 goes in passes over all bodies or hinges, each with a short chain of operations.
@@ -34,12 +35,12 @@ from fpm.kernels.vectors import (
 )
 
 ROUNDS = 4
-"""Most rounds in a step; a fast impact takes two, smooth motion one."""
+"""Most rounds in a step; smooth motion mostly takes none, a fast impact two."""
 
-GAP2 = 2e-11**2
+GAP2 = 5e-11**2
 """Square of the gap (m) of the hinge point above which a sample gets another round."""
 
-TILT2 = 2e-10**2
+TILT2 = 5e-10**2
 """The same for the angle between the axes (rad)."""
 
 # Scratch of a body (rows, BODY_SCRATCH, lanes).
@@ -51,6 +52,7 @@ INVERSE = 19  # inverse inertia in global components (6)
 RESPONSE = 25  # velocity of the hinge point per unit impulse there (6)
 SPIN = 31  # spin at the middle of the step, if the body were free (3)
 POINT = 34  # where its hinge point would then be (3)
+LAST = 37  # the hinge's impulse on it in the last step (3)
 
 # Scratch of a hinge (rows, HINGE_SCRATCH, lanes).
 PA, QA = 0, 3  # the two directions normal to the axis
@@ -60,6 +62,7 @@ S = 15  # inverse of the Schur complement of the translation block (6)
 B1 = 21  # coupling of a force on body 1 to the rotation rows p (3) and q (3)
 Y = 27  # A^-1 times the columns of the supports x, y, z: each 3 + 2
 G = 42  # inverse of the supports' Schur complement (6)
+TURN = 48  # moment impulses about p and q on body 2 in the last step
 
 
 @inlined
@@ -117,8 +120,20 @@ def swung(spin, arm, step):
 
 
 @kernel
-def prepare_bodies(state, ends, bodies, w, kick, step):
-    """Keep each body's state, kick it, and find its response and where its point would go."""
+def prepare_directions(state, ends, bodies, w):
+    """The two directions normal to every hinge's axis."""
+    for h in range(w.shape[0]):
+        p = to_global(state, ends[2 * h], D, get3(bodies, 2 * h, REF))
+        put3(w, h, PA, p)
+        put3(w, h, QA, cross(to_global(state, ends[2 * h], D, get3(bodies, 2 * h, AXIS)), p))
+
+
+@kernel
+def prepare_bodies(state, ends, bodies, w, hinge, kick, step):
+    """Keep each body's state, kick it, and find its response and where its point would go.
+
+    The kick has the hinge's impulses of the last step in it.
+    """
     for r in range(ends.shape[0]):
         i = ends[r]
         x = get3(state, i, X)
@@ -135,6 +150,15 @@ def prepare_bodies(state, ends, bodies, w, kick, step):
         put6(w, r, RESPONSE, point_response(inverse_mass, j, arm))
         v = add(get3(state, i, V), scale(kick, times(inverse_mass, get3(state, i, F))))
         p = axpy(kick, get3(state, i, M), get3(state, i, P))
+        last, h = get3(w, r, LAST), r // 2
+        v = add(v, times(inverse_mass, last))
+        # About the present p and q: a moment about the axis would do work.
+        moment = axpy(
+            load(hinge, h, TURN),
+            get3(hinge, h, PA),
+            scale(load(hinge, h, TURN + 1), get3(hinge, h, QA)),
+        )
+        p = add(p, add(cross(arm, last), scale(2.0 * (r % 2) - 1.0, moment)))
         put3(state, i, V, v)
         put3(state, i, P, p)
         for k in range(6):
@@ -146,14 +170,11 @@ def prepare_bodies(state, ends, bodies, w, kick, step):
 
 
 @kernel
-def prepare_matrices(state, ends, bodies, b, w):
+def prepare_matrices(b, w):
     """Build and factorise the matrix of every hinge; b, w: scratch of bodies and hinges."""
     for h in range(w.shape[0]):
         one, two = 2 * h, 2 * h + 1
-        p = to_global(state, ends[one], D, get3(bodies, one, REF))
-        q = cross(to_global(state, ends[one], D, get3(bodies, one, AXIS)), p)
-        put3(w, h, PA, p)
-        put3(w, h, QA, q)
+        p, q = get3(w, h, PA), get3(w, h, QA)
         j1, j2 = get6(b, one, INVERSE), get6(b, two, INVERSE)
         r1, r2 = get3(b, one, GLOBAL_ARM), get3(b, two, GLOBAL_ARM)
         p1, q1, p2, q2 = symmetric(j1, p), symmetric(j1, q), symmetric(j2, p), symmetric(j2, q)
@@ -249,7 +270,7 @@ def prepare_supports(hinges, held, b, w):
 
 @inlined
 def impulses(h, hinges, held, b, w, point, gap, ep, eq, rate):
-    """Impulses that close the gaps: force on body 1 and on 2 (3 each), moment on 2 (3).
+    """Impulses that close the gaps: force on body 1 and on 2 (3 each), moments on 2 about p, q.
 
     point, gap (3), ep, eq: as from `gaps`; rate: minus one over the time they have to act.
     """
@@ -267,25 +288,27 @@ def impulses(h, hinges, held, b, w, point, gap, ep, eq, rate):
         mp = mp - (x * load(w, h, Y + 3) + y * load(w, h, Y + 8) + z * load(w, h, Y + 13))
         mq = mq - (x * load(w, h, Y + 4) + y * load(w, h, Y + 9) + z * load(w, h, Y + 14))
         on_one = (force[0] + x, force[1] + y, force[2] + z)
-    moment = axpy(mp, get3(w, h, PA), scale(mq, get3(w, h, QA)))
-    return on_one, scale(-1.0, force), moment
+    return on_one, scale(-1.0, force), mp, mq
 
 
 @inlined
-def add_impulse(state, i, inverse_mass, arm, impulse, moment):
-    """Change the momenta of particle i by an impulse at `arm` and a moment impulse."""
-    put3(state, i, V, add(get3(state, i, V), times(inverse_mass, impulse)))
-    put3(state, i, P, add(get3(state, i, P), add(cross(arm, impulse), moment)))
+def add_impulse(state, i, r, bodies, b, impulse, moment):
+    """Change the momenta of particle i, body r, by an impulse at its arm and a moment impulse."""
+    put3(state, i, V, add(get3(state, i, V), times(get3(bodies, r, HIM), impulse)))
+    twist = add(cross(get3(b, r, GLOBAL_ARM), impulse), moment)
+    put3(state, i, P, add(get3(state, i, P), twist))
+    put3(b, r, LAST, add(get3(b, r, LAST), impulse))
 
 
 @inlined
-def push_apart(state, ends, bodies, b, h, on_one, on_two, moment):
+def push_apart(state, ends, bodies, b, w, h, on_one, on_two, mp, mq):
     """Apply the impulses of hinge h to its bodies."""
     one, two = 2 * h, 2 * h + 1
-    back = scale(-1.0, moment)
-    r1, r2 = get3(b, one, GLOBAL_ARM), get3(b, two, GLOBAL_ARM)
-    add_impulse(state, ends[one], get3(bodies, one, HIM), r1, on_one, back)
-    add_impulse(state, ends[two], get3(bodies, two, HIM), r2, on_two, moment)
+    moment = axpy(mp, get3(w, h, PA), scale(mq, get3(w, h, QA)))
+    store(w, h, TURN, load(w, h, TURN) + mp)
+    store(w, h, TURN + 1, load(w, h, TURN + 1) + mq)
+    add_impulse(state, ends[one], one, bodies, b, on_one, scale(-1.0, moment))
+    add_impulse(state, ends[two], two, bodies, b, on_two, moment)
 
 
 @kernel
@@ -301,8 +324,8 @@ def first_impulses(state, ends, bodies, hinges, held, b, w, step):
         eq = dot(add(p, swung(spin1, p, step)), axis)
         point = get3(b, one, POINT)
         gap = sub(point, get3(b, two, POINT))
-        on_one, on_two, moment = impulses(h, hinges, held, b, w, point, gap, ep, eq, -1.0 / step)
-        push_apart(state, ends, bodies, b, h, on_one, on_two, moment)
+        on_one, on_two, mp, mq = impulses(h, hinges, held, b, w, point, gap, ep, eq, -1.0 / step)
+        push_apart(state, ends, bodies, b, w, h, on_one, on_two, mp, mq)
 
 
 @kernel
@@ -313,8 +336,9 @@ def prepare(state, ends, bodies, hinges, held, supported, b, w, kick, step):
     (2h, BODY, lanes), hinges (h, HINGE, lanes) constants; held (h, 3) held axes, supported: whether
     there are any; b (2h, BODY_SCRATCH, lanes), w (h, HINGE_SCRATCH, lanes) scratch.
     """
-    prepare_bodies(state, ends, bodies, b, kick, step)
-    prepare_matrices(state, ends, bodies, b, w)
+    prepare_directions(state, ends, bodies, w)
+    prepare_bodies(state, ends, bodies, b, w, kick, step)
+    prepare_matrices(b, w)
     if supported:
         prepare_supports(hinges, held, b, w)
     first_impulses(state, ends, bodies, hinges, held, b, w, step)
@@ -365,11 +389,12 @@ def close(state, ends, bodies, hinges, held, b, w, open_, step):
             open_[h] = any_negative(good)
             if open_[h]:
                 left = True
-                on_one, on_two, moment = impulses(
+                on_one, on_two, mp, mq = impulses(
                     h, hinges, held, b, w, point, gap, ep, eq, -1.0 / step
                 )
                 wanted = where_negative(good, 1.0, 0.0 * good)
                 on_one, on_two = scale(wanted, on_one), scale(wanted, on_two)
-                push_apart(state, ends, bodies, b, h, on_one, on_two, scale(wanted, moment))
+                mp, mq = wanted * mp, wanted * mq
+                push_apart(state, ends, bodies, b, w, h, on_one, on_two, mp, mq)
         if not left:
             break

@@ -9,6 +9,7 @@ min_version("8.11")
 
 
 include: "workflow/rules/common.smk"
+include: CAMPAIGN.plan_rules
 include: "workflow/rules/runs.smk"
 include: "workflow/rules/bounds.smk"
 include: "workflow/rules/report.smk"

@@ -1,21 +1,36 @@
-"""From `samples.nc` to `surrogate.nc` and `bounds.nc`, by the `intervals` package.
+"""From `samples.nc` to surrogate, bounds and sensitivities, by the `intervals` package.
 
-`surrogate.nc` has the Chebyshev coefficients of every response at every instant:
-`multi_index(term, parameter)` and `<response>_coefficient(term, time)`; a scan without order has no
-terms. `bounds.nc` is described at `intervals.bounds_dataset`.
+`bounds.nc` is described at `intervals.bounds_dataset`, `sensitivities.nc` at
+`intervals.sensitivity_dataset`. `surrogate.nc` has the Chebyshev coefficients of every response at
+every instant, for each part of the box (one, unless it was split): `part_lower`, `part_upper`
+(part, parameter) in unit coordinates, `multi_index(term, parameter)` and
+`<response>_coefficient(part, term, time)`. A scan without order has no terms.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from campaign.files import whole_file
 
 
-def analyse(samples_path: str | Path, surrogate_path: str | Path, bounds_path: str | Path) -> None:
-    """Fit the design of the samples' own config and write surrogate and bounds."""
+def analyse(
+    samples_path: str | Path,
+    config: Mapping,
+    surrogate_path: str | Path,
+    bounds_path: str | Path,
+    sensitivities_path: str | Path,
+) -> None:
+    """Fit the design that the samples were made for; write surrogate, bounds and sensitivities.
+
+    `config` has the section `bounds`. Samples of a scan are read in pieces, so that they may be
+    larger than memory.
+    """
     import xarray as xr
 
     import fpm
@@ -23,36 +38,53 @@ def analyse(samples_path: str | Path, surrogate_path: str | Path, bounds_path: s
     from campaign.nodes import make_design
     from campaign.parameters import intervals_of
 
-    with xr.open_dataset(samples_path) as file:
-        samples = file.load()
-    config = json.loads(samples.attrs["config"])
-    named, _ = intervals_of(config, fpm.scenes.get(config["scene"]["name"]))
-    design = make_design(config, named)
-    names = samples.attrs["responses"].split()
-    bounds = intervals.bounds_dataset(samples, design, names)
-    for key in ("lower", "upper", "nominal"):
-        bounds[f"parameter_{key}"] = samples[f"parameter_{key}"]
-    write_dataset(bounds, bounds_path)
-    write_dataset(surrogate_dataset(samples, design, names), surrogate_path)
+    align = config["bounds"]["align"]
+    with xr.open_dataset(samples_path) as samples:
+        made_for = json.loads(samples.attrs["config"])
+        named, _ = intervals_of(made_for, fpm.scenes.get(made_for["scene"]["name"]))
+        design = make_design(made_for, named)
+        names = samples.attrs["responses"].split()
+        if align == "none":
+            bounds = intervals.bounds_dataset(samples, design, names)
+        else:
+            bounds = intervals.event_bounds_dataset(samples, design, names, alignment=align)
+        for key in ("lower", "upper", "nominal"):
+            bounds[f"parameter_{key}"] = samples[f"parameter_{key}"]
+        write_dataset(bounds, bounds_path)
+        write_dataset(surrogate_dataset(samples, design, names), surrogate_path)
+        if design.method == "scan" and made_for["design"]["order"] is None:
+            sensitivities = xr.Dataset(attrs={**samples.attrs, "responses": ""})
+        else:
+            sensitivities = intervals.sensitivity_dataset(samples, design, names)
+        write_dataset(sensitivities, sensitivities_path)
 
 
 def surrogate_dataset(samples: Any, design: Any, names: list[str]) -> Any:
     """The fitted coefficients as a dataset (see the module's text)."""
     import xarray as xr
 
-    from intervals import fit
-    from intervals.bounds import match_points
+    from intervals import fit, match_points
+    from intervals.partition import parts_of
 
-    data = {"multi_index": (("term", "parameter"), design.multi_indices)}
-    if len(design.multi_indices):
-        rows = match_points(design.points, samples["unit"].values)
+    parts = parts_of(design)
+    indices = parts[0].design.multi_indices  # all parts have the same
+    corner = ("part", "parameter")
+    data: dict[str, tuple] = {
+        "multi_index": (("term", "parameter"), indices, {"long_name": "degree"}),
+        "part_lower": (corner, [p.lower for p in parts], {"long_name": "lower unit coordinate"}),
+        "part_upper": (corner, [p.upper for p in parts], {"long_name": "upper unit coordinate"}),
+    }
+    if len(indices):
+        rows = [match_points(part.points, samples["unit"].values) for part in parts]
         for name in names:
-            coefficients = fit(design, samples[name].values[rows]).coefficients
+            values = samples[name].values
+            fitted = [fit(p.design, values[r]) for p, r in zip(parts, rows, strict=True)]
             attributes = {
                 "units": samples[name].attrs.get("units", ""),
                 "long_name": f"Chebyshev coefficients of {samples[name].attrs['long_name']}",
             }
-            data[f"{name}_coefficient"] = (("term", "time"), coefficients, attributes)
+            coefficients = np.stack([surrogate.coefficients for surrogate in fitted])
+            data[f"{name}_coefficient"] = (("part", "term", "time"), coefficients, attributes)
     coords = {"time": samples["time"], "parameter": samples["parameter"]}
     return xr.Dataset(data, coords=coords, attrs=samples.attrs)
 

@@ -23,6 +23,8 @@ UPPER = {
     "label": "upper bound",
 }
 NOMINAL = {"color": "black", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#7F7F7F")
+_DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 KINDS = ("png", "pdf")
 
 
@@ -63,6 +65,44 @@ def envelope(bounds: Any, name: str, shade_above: float) -> Any:
     ax.set_axisbelow(True)
     figure.legend(loc="outside upper center", ncols=4, fontsize=7, frameon=False)
     return figure
+
+
+def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
+    """Draw `sensitivities.png` and `.pdf` into `folder`: which parameter widens which bounds when.
+
+    A row for each response: the width of its range when one parameter varies alone, against time,
+    and each parameter's share of these widths over all time.
+    """
+    from matplotlib.figure import Figure
+
+    with open_netcdf(path) as data:
+        names, parameters = data.responses.split(), list(data["parameter"][:])
+        time = data["time"][:]
+        figure = Figure(figsize=(7.0, 2.2 * len(names) + 0.4), layout="constrained")
+        axes = figure.subplots(len(names), 2, width_ratios=(3, 1), squeeze=False)
+        for row, name in zip(axes, names, strict=True):
+            width, share = data[f"{name}_width"], data[f"{name}_width_overall"][:]
+            units = pretty(getattr(width, "units", "1"))
+            for i, (parameter, curve) in enumerate(zip(parameters, width[:], strict=True)):
+                line, colour = _DASHES[i % len(_DASHES)], _COLOURS[i % len(_COLOURS)]
+                row[0].plot(time, curve, color=colour, linestyle=line, label=parameter, lw=1.0)
+                row[1].barh(parameter, 100 * share[i], color=colour, height=0.6)
+                row[1].text(100 * share[i], i, f" {100 * share[i]:.0f} %", va="center", fontsize=7)
+            row[0].set_ylabel(f"width of {name} ({units})", fontsize=8)
+            row[0].set_xlim(time[0], time[-1])
+            row[0].set_ylim(bottom=0)
+            row[0].grid(color="0.9", linewidth=0.5)
+            row[1].set_xlim(0, 130)
+            row[1].invert_yaxis()
+            for ax in row:
+                ax.tick_params(labelsize=8)
+        axes[-1, 0].set_xlabel("time (s)", fontsize=8)
+        axes[-1, 1].set_xlabel("share (%)", fontsize=8)
+        handles, labels = axes[0, 0].get_legend_handles_labels()
+        figure.legend(
+            handles, labels, loc="outside upper center", ncols=8, fontsize=8, frameon=False
+        )
+    save(figure, Path(folder) / "sensitivities")
 
 
 def _shade(ax: Any, time: np.ndarray, where: np.ndarray, label: str) -> None:

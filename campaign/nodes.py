@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ from campaign.files import write_text
 from campaign.parameters import Interval, all_parameters, intervals_of
 
 # Options of a config's design that each method takes.
-_OPTIONS = {"total_degree": ("oversampling",), "scan": ("samples", "seed", "sequence")}
+_OPTIONS = {"total_degree": ("oversampling", "existing"), "scan": ("samples", "seed", "sequence")}
 
 
 def box_of(intervals: Mapping[str, Interval]) -> Any:
@@ -35,29 +35,41 @@ def box_of(intervals: Mapping[str, Interval]) -> Any:
 
 
 def make_design(config: Mapping, intervals: Mapping[str, Interval]) -> Any:
-    """The `intervals.Design` that a config asks for; raises `intervals.IntervalError`."""
+    """The `intervals.Design` that a config asks for; raises `intervals.IntervalError`.
+
+    Besides a config's keys, `design` may have what an adaptive campaign settles: `order` for each
+    direction, `parts` of the box (a `SplitDesign`), and `existing` points that are run already.
+    """
     import intervals as interval_side
 
     design = config["design"]
-    options = {key: design[key] for key in _OPTIONS.get(design["method"], ())}
-    return interval_side.make_design(
-        design["method"], box_of(intervals), design["order"], **options
-    )
+    options = {key: design[key] for key in _OPTIONS.get(design["method"], ()) if key in design}
+    box = box_of(intervals)
+    made = interval_side.make_design(design["method"], box, design["order"], **options)
+    if design.get("parts"):
+        return interval_side.split_design(made, design["parts"])
+    return made
 
 
 def count_runs(config: Mapping) -> int:
-    """Number of runs of the campaign, those listed in two roles counted twice."""
+    """Number of runs of the campaign, at most; those in two roles are counted twice."""
     import fpm
 
     design = config["design"]
     if design["method"] == "scan":  # its points take a while to make, and their number is known
         return design["samples"] + 1
+    if design["order"] == "auto":
+        return design["budget"] + 1 + config["held_out"]
     intervals, _ = intervals_of(config, fpm.scenes.get(config["scene"]["name"]))
     return make_design(config, intervals).runs + 1 + config["held_out"]
 
 
-def make_plan(config: Mapping) -> dict:
-    """The plan of a checked config (see the module's text)."""
+def make_plan(config: Mapping, tested: Sequence[Sequence[float]] = ()) -> dict:
+    """The plan of a checked config (see the module's text).
+
+    `tested` are unit coordinates of further runs that test the surrogate; those at points of the
+    design are left out.
+    """
     import fpm
     from intervals import held_out_points
 
@@ -71,6 +83,8 @@ def make_plan(config: Mapping) -> dict:
     rows += [("node", unit, box.from_unit(unit)) for unit in design.points]
     if config["design"]["method"] != "scan":
         points = held_out_points(box.free, config["held_out"], design.points)
+        nodes = {tuple(point) for point in design.points.tolist()}
+        points = [*points, *(point for point in tested if tuple(point) not in nodes)]
         rows += [("held_out", unit, box.from_unit(unit)) for unit in points]
 
     step = choose_step(config, scene_type, box)

@@ -12,6 +12,7 @@ import os
 import platform
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -172,12 +173,12 @@ def warm_up(tell: Any) -> None:
     """
     import fpm
 
+    slow = threading.Timer(5.0, tell, ["compiling the kernels, once; this takes about a minute"])
+    slow.daemon = True
+    slow.start()
     with _one_at_a_time(Path(tempfile.gettempdir()) / f"deployable-intervals-{os.getuid()}.lock"):
-        start = time.perf_counter()
         fpm.warm_up()
-        seconds = time.perf_counter() - start
-    if seconds > 5:
-        tell(f"compiled the kernels in {duration_text(seconds)}; from now on they are cached")
+    slow.cancel()
 
 
 @contextmanager

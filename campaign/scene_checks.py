@@ -80,12 +80,25 @@ def _response_problems(config: Mapping, scene_type: Any) -> list[str]:
 
 
 def _design_problems(config: Mapping, intervals: Mapping) -> list[str]:
+    from campaign.adaptive import start_config
     from campaign.nodes import make_design
     from intervals import IntervalError
 
     problems = []
+    design, align = config["design"], config["bounds"]["align"]
+    automatic = design["order"] == "auto"
+    if automatic and design["method"] == "scan":
+        problems.append("design.order: 'auto' is not allowed with scan; allowed: a whole number")
+    elif automatic:
+        config = start_config(config)
+    if align != "none" and (automatic or design["order"] is None):
+        problems.append(
+            f"bounds.align: {show(align)} is not allowed with order auto or without order; "
+            "allowed: none"
+        )
     try:
-        make_design(config, intervals)
+        if not problems:
+            make_design(config, intervals)
     except IntervalError as error:
         problems.append(_sentence(f"design.{error.key}", error))
     solver = config["solver"]

@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 
 from campaign.files import open_netcdf, write_text
+from campaign.nodes import read_plan
 from campaign.units import pretty
 
 
 def summarise(
     bounds_path: str | Path,
     samples_path: str | Path,
+    plan_path: str | Path,
     config: Mapping,
     json_path: str | Path,
     text_path: str | Path,
@@ -23,6 +25,9 @@ def summarise(
     """Write both summaries and return the text. `config` has `published`."""
     with open_netcdf(bounds_path) as bounds, open_netcdf(samples_path) as samples:
         summary = headline(bounds, samples, config["published"])
+    rounds = read_plan(plan_path).get("adaptive")
+    if rounds is not None:
+        summary["adaptive"] = {"rounds": rounds["rounds"], "met": rounds["met"]}
     text = as_text(summary)
     write_text(json_path, json.dumps(summary, indent=2) + "\n")
     write_text(text_path, text)
@@ -134,6 +139,9 @@ def as_text(summary: Mapping) -> str:
             f"| {'' if ratio is None else f'{ratio:.2f}'} |"
         )
     lines += ["", _error_line(summary)]
+    if "adaptive" in summary:
+        rounds = summary["adaptive"]["rounds"]
+        lines += ["", f"Order found in {len(rounds)} rounds: {rounds[-1]['reason']}."]
     if summary["closures"]:
         lines += ["", f"Contacts that close in the nominal run: {_closure_text(summary)}."]
     return "\n".join(lines) + "\n"

@@ -42,12 +42,40 @@ class Campaign:
         """Some sections of the config as one JSON text, in the order of the file."""
         return json.dumps({name: self.config[name] for name in names}, separators=(",", ":"))
 
-    @cache  # noqa: B019 - there is one campaign in a process
-    def batch_count(self) -> int:
-        """Number of jobs that the runs are shared among."""
-        from campaign.nodes import count_runs
+    @property
+    def is_adaptive(self) -> bool:
+        """Whether the order is found in rounds."""
+        return self.config["design"]["order"] == "auto"
 
-        return -(-count_runs(self.config) // self.config["jobs"]["nodes_per_job"])
+    @property
+    def plan_rules(self) -> str:
+        """The rules that plan the runs: all at once, or in rounds."""
+        return f"workflow/rules/{'adaptive' if self.is_adaptive else 'nodes'}.smk"
+
+    @property
+    def any_stage(self) -> str:
+        """Pattern of the folders of the campaign and of its rounds."""
+        return rf"results/{self.name}(/rounds/\d+)?"
+
+    @property
+    def run_stage(self) -> str:
+        """Pattern of the folders in which runs are made: the campaign's, or those of its rounds."""
+        return rf"results/{self.name}/rounds/\d+" if self.is_adaptive else f"results/{self.name}"
+
+    @cache  # noqa: B019 - there is one campaign in a process
+    def batch_count(self, plan_path: str | None = None) -> int:
+        """Number of jobs that the runs are shared among, those of a plan or of the config."""
+        from campaign.nodes import count_runs, read_plan
+
+        runs = len(read_plan(plan_path)["runs"]) if plan_path else count_runs(self.config)
+        return -(-runs // self.config["jobs"]["nodes_per_job"])
+
+    def is_last(self, plan_path: str) -> bool:
+        """Whether a round's plan says that the rounds are over."""
+        from campaign.adaptive import is_finished
+        from campaign.nodes import read_plan
+
+        return is_finished(read_plan(plan_path))
 
     def store_folder(self) -> str:
         """Where runs are kept; all designs of a campaign share it."""
@@ -70,6 +98,8 @@ class Campaign:
         figures = self.envelope_figures(stage)
         if self.draws_structure():
             figures += _figures(stage, ["linkage"])
+        if len(self.config["intervals"]) > 1 and self.config["design"]["order"] is not None:
+            figures += _figures(stage, ["sensitivities"])
         return [*figures, f"{stage}/summary.json", f"{stage}/summary.md"]
 
 

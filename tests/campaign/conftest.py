@@ -34,7 +34,7 @@ def config(raw) -> dict:
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory) -> dict:
-    """Paths of a campaign of six runs, simulated once: plan, samples, surrogate, bounds, folder."""
+    """Paths of a campaign of six runs, simulated once: plan, samples, bounds and so on."""
     from campaign.analyse import analyse
     from campaign.config import check_config
     from campaign.gather import gather
@@ -50,6 +50,7 @@ def finished(tmp_path_factory) -> dict:
             "samples": "samples.nc",
             "surrogate": "surrogate.nc",
             "bounds": "bounds.nc",
+            "sensitivities": "sensitivities.nc",
             "trajectories": "trajectories",
             "manifest": "0.json",
         }.items()
@@ -58,5 +59,6 @@ def finished(tmp_path_factory) -> dict:
     plan = read_plan(paths["plan"])
     run_batch(plan, 0, 1, config["jobs"], paths["trajectories"], paths["manifest"])
     gather(plan, 1, config["jobs"], paths["trajectories"], paths["samples"])
-    analyse(paths["samples"], paths["surrogate"], paths["bounds"])
+    written = (paths[name] for name in ("surrogate", "bounds", "sensitivities"))
+    analyse(paths["samples"], config, *written)
     return paths

@@ -26,7 +26,7 @@ def test_the_surrogate_goes_through_its_nodes(finished):
         for name in ("BD", "vBz"):
             values = samples[name].values[nodes]
             coefficients = np.zeros((3, values.shape[1]))
-            coefficients[degrees] = surrogate[f"{name}_coefficient"].values
+            coefficients[degrees] = surrogate[f"{name}_coefficient"].values[0]
             fitted = chebyshev.chebval(samples["unit"].values[nodes, 0], coefficients)
             np.testing.assert_allclose(fitted.T, values, atol=1e-12 * np.abs(values).max())
 
@@ -40,7 +40,7 @@ def test_the_bounds_are_the_exact_range_of_the_surrogate(finished):
         degrees = surrogate["multi_index"].values[:, 0]
         for name in ("BD", "vBz"):
             coefficients = np.zeros((3, surrogate.sizes["time"]))
-            coefficients[degrees] = surrogate[f"{name}_coefficient"].values
+            coefficients[degrees] = surrogate[f"{name}_coefficient"].values[0]
             dense = chebyshev.chebval(unit, coefficients)
             lower, upper = bounds[f"{name}_lower"].values, bounds[f"{name}_upper"].values
             scale = np.abs(dense).max()
@@ -53,7 +53,12 @@ def test_the_bounds_are_the_exact_range_of_the_surrogate(finished):
 def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path):
     published = {"published": {"BD": 0.063}}
     text = summarise(
-        finished["bounds"], finished["samples"], published, tmp_path / "s.json", tmp_path / "s.md"
+        finished["bounds"],
+        finished["samples"],
+        finished["plan"],
+        published,
+        tmp_path / "s.json",
+        tmp_path / "s.md",
     )
     summary = json.loads((tmp_path / "s.json").read_text())
     with xr.open_dataset(finished["bounds"]) as bounds:

@@ -15,6 +15,17 @@ import xarray as xr
 
 SMALL = ("--configfile", "config/small.yaml")
 
+ALL_RULES = {
+    "nodes",
+    "simulate",
+    "gather",
+    "bounds",
+    "envelopes",
+    "sensitivities",
+    "linkage",
+    "summary",
+}
+
 
 def planned(output: str) -> set[str]:
     """Names of the rules in Snakemake's table of jobs, `all` left out."""
@@ -63,9 +74,10 @@ def test_the_same_campaign_gives_the_same_numbers(small, workplace):
         ("error={shade_above: 0.2}", {"envelopes"}),
         ("figures={moments: 4}", {"linkage"}),
         ("published={BD: 0.1}", {"summary"}),
+        ("bounds={align: stretch}", ALL_RULES - {"nodes", "simulate", "gather", "linkage"}),
         (
             "intervals={a: {nominal: 0.035, relative: 0.02}}",
-            {"nodes", "simulate", "gather", "bounds", "envelopes", "linkage", "summary"},
+            ALL_RULES,
         ),
         ("jobs={nodes_per_job: 4}", None),
     ],
@@ -106,7 +118,7 @@ def test_a_campaign_that_was_stopped_goes_on(workplace):
         start_new_session=True,
     ) as process:
         folder = workplace.folder / "results" / "small" / "trajectories"
-        deadline = time.monotonic() + 120
+        deadline = time.monotonic() + 400
         while len(list(folder.glob("*.nc"))) < 2 and time.monotonic() < deadline:
             time.sleep(0.02)
         os.killpg(process.pid, signal.SIGKILL)
@@ -118,6 +130,21 @@ def test_a_campaign_that_was_stopped_goes_on(workplace):
     after = {path.name: path.stat().st_mtime_ns for path in folder.glob("*.nc")}
     assert len(after) == 7
     assert {name: after[name] for name in before} == before
+
+
+def test_an_automatic_order_is_found_in_rounds(workplace):
+    override = ["--config", "design={method: tensor_lobatto, order: auto, budget: 20}"]
+    done = workplace.snakemake(*SMALL, *override)
+    assert done.returncode == 0, done.stdout
+    results = workplace.folder / "results" / "small"
+    summary = json.loads((results / "summary.json").read_text())
+    rounds = summary["adaptive"]["rounds"]
+    assert len(rounds) > 1
+    assert rounds[-1]["runs"] <= 20
+    assert rounds[-1]["action"] == "stop"
+    assert rounds[-1]["reason"] in (results / "summary.md").read_text()
+    assert (results / "figures" / "sensitivities.png").exists()
+    assert "Nothing to be done" in workplace.snakemake(*SMALL, *override).stdout
 
 
 def test_a_scan_keeps_responses_only(workplace):

@@ -1,4 +1,4 @@
-# From samples to a surrogate and to bounds.
+# From samples to a surrogate, to bounds, and to what each parameter contributes.
 
 
 rule bounds:
@@ -7,12 +7,18 @@ rule bounds:
     output:
         surrogate="{stage}/surrogate.nc",
         bounds="{stage}/bounds.nc",
+        sensitivities="{stage}/sensitivities.nc",
     log:
         "{stage}/logs/bounds.log",
+    wildcard_constraints:
+        stage=CAMPAIGN.run_stage,
     conda:
         "../envs/campaign.yaml"
+    params:
+        config=sections("bounds"),
     message:
         "Fitting the surrogate and taking its bounds"
     shell:
-        "python workflow/scripts/bounds.py --samples {input} --surrogate {output.surrogate}"
-        " --bounds {output.bounds} --log {log}"
+        "python workflow/scripts/bounds.py --samples {input} --config {params.config:q}"
+        " --surrogate {output.surrogate} --bounds {output.bounds}"
+        " --sensitivities {output.sensitivities} --log {log}"

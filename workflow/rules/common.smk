@@ -32,8 +32,19 @@ except CampaignError as error:
 
 wildcard_constraints:
     campaign=CAMPAIGN.name,
-    stage=f"results/{CAMPAIGN.name}",
+    stage=CAMPAIGN.any_stage,
     batch=r"\d+",
+    round=r"\d+",
+
+
+# What a round leaves; in an adaptive campaign the last round's become the campaign's.
+ROUND_FILES = [
+    "nodes.json",
+    "samples.nc",
+    "surrogate.nc",
+    "bounds.nc",
+    "sensitivities.nc",
+]
 
 
 def campaign_results():
@@ -42,13 +53,43 @@ def campaign_results():
 
 
 def sections(*names):
-    """Sections of the config as JSON; a rule that has them as `params` runs again when they change."""
+    """Sections of the config as JSON; a rule with them as `params` runs again when they change."""
     return CAMPAIGN.sections_json(*names)
 
 
+def batch_count(wildcards):
+    """Number of batches that the runs of a stage are shared among."""
+    if not CAMPAIGN.is_adaptive:
+        return CAMPAIGN.batch_count()
+    number = wildcards.stage.rsplit("/", 1)[1]
+    plan = checkpoints.plan_round.get(campaign=CAMPAIGN.name, round=number).output[0]
+    return CAMPAIGN.batch_count(plan)
+
+
 def batches(wildcards):
-    """The manifests of all batches of runs."""
+    """The manifests of all batches of a stage."""
     return [
         f"{wildcards.stage}/batches/{batch}.json"
-        for batch in range(CAMPAIGN.batch_count())
+        for batch in range(batch_count(wildcards))
     ]
+
+
+def previous_round(wildcards):
+    """The files of the round before, which decide about this one; none for the first."""
+    number = int(wildcards.round)
+    folder = f"results/{wildcards.campaign}/rounds/{number - 1}"
+    names = ["nodes.json", "samples.nc", "bounds.nc"]
+    return [f"{folder}/{name}" for name in names] if number else []
+
+
+def last_round(wildcards):
+    """The files of the last round, and its plan with the reason to stop."""
+    number = 0
+    while True:
+        plan = checkpoints.plan_round.get(
+            campaign=wildcards.campaign, round=number
+        ).output[0]
+        if CAMPAIGN.is_last(plan):
+            folder = f"results/{wildcards.campaign}/rounds/{number - 1}"
+            return [plan, *(f"{folder}/{name}" for name in ROUND_FILES[1:])]
+        number += 1

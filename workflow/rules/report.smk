@@ -20,6 +20,25 @@ rule envelopes:
         " --output {params.folder} --log {log}"
 
 
+rule sensitivities:
+    input:
+        "{stage}/sensitivities.nc",
+    output:
+        "{stage}/figures/sensitivities.png",
+        "{stage}/figures/sensitivities.pdf",
+    log:
+        "{stage}/logs/sensitivities.log",
+    conda:
+        "../envs/campaign.yaml"
+    params:
+        folder=lambda wildcards: f"{wildcards.stage}/figures",
+    message:
+        "Drawing which parameter matters when"
+    shell:
+        "python workflow/scripts/sensitivities.py --sensitivities {input}"
+        " --output {params.folder} --log {log}"
+
+
 rule linkage:
     input:
         "{stage}/samples.nc",
@@ -45,6 +64,7 @@ rule summary:
     input:
         bounds="{stage}/bounds.nc",
         samples="{stage}/samples.nc",
+        nodes="{stage}/nodes.json",
     output:
         json="{stage}/summary.json",
         text="{stage}/summary.md",
@@ -58,4 +78,4 @@ rule summary:
         "Summing up"
     shell:
         "python workflow/scripts/summary.py --bounds {input.bounds} --samples {input.samples}"
-        " --config {params.config:q} --json {output.json} --text {output.text} --log {log}"
+        " --nodes {input.nodes} --config {params.config:q} --json {output.json} --text {output.text} --log {log}"

@@ -1,20 +1,4 @@
-# Which runs there are, and the runs themselves.
-
-
-rule nodes:
-    output:
-        "{stage}/nodes.json",
-    log:
-        "{stage}/logs/nodes.log",
-    conda:
-        "../envs/campaign.yaml"
-    params:
-        config=sections(*CAMPAIGN.RUN_SECTIONS),
-        data_version=CAMPAIGN.data_version,
-    message:
-        "Choosing the runs and the time step"
-    shell:
-        "python workflow/scripts/nodes.py --config {params.config:q} --output {output} --log {log}"
+# The runs and their responses.
 
 
 # Trajectories are not listed as outputs: they are named by their content, so that any later design
@@ -26,11 +10,13 @@ rule simulate:
         "{stage}/batches/{batch}.json",
     log:
         "{stage}/logs/batch-{batch}.log",
+    wildcard_constraints:
+        stage=CAMPAIGN.run_stage,
     conda:
         "../envs/campaign.yaml"
     params:
         jobs=sections("jobs"),
-        batch_count=CAMPAIGN.batch_count(),
+        batch_count=batch_count,
         folder=CAMPAIGN.store_folder(),
     message:
         "Simulating batch {wildcards.batch}"
@@ -48,11 +34,13 @@ rule gather:
         "{stage}/samples.nc",
     log:
         "{stage}/logs/gather.log",
+    wildcard_constraints:
+        stage=CAMPAIGN.run_stage,
     conda:
         "../envs/campaign.yaml"
     params:
         jobs=sections("jobs"),
-        batch_count=CAMPAIGN.batch_count(),
+        batch_count=batch_count,
         folder=CAMPAIGN.store_folder(),
     message:
         "Gathering the responses of all runs"

@@ -24,3 +24,31 @@ rule verification:
         "Comparing the solver with closed forms and published results"
     shell:
         "python -m verification --output results/verification 2>&1 | tee {log}"
+
+
+rule calibration:
+    input:
+        STUDIED_CODE,
+        sorted(str(f) for f in Path(workflow.basedir).glob("intervals/*.py")),
+        collect(
+            workflow.basedir + "/studies/calibration{part}.py",
+            part=["", "_report", "_figures"],
+        ),
+    output:
+        "results/calibration/summary.json",
+        "results/calibration/table.md",
+        collect(
+            "results/calibration/{plot}.{kind}",
+            plot=["numbers", "misfit", "closures"],
+            kind=["png", "pdf"],
+        ),
+    log:
+        "results/calibration/calibration.log",
+    conda:
+        "../envs/campaign.yaml"
+    threads: 2
+    message:
+        "Fitting K_F to the paper's two numbers"
+    shell:
+        "python -m studies.calibration --output results/calibration --workers {threads}"
+        " > {log} 2>&1"

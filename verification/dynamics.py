@@ -205,7 +205,7 @@ def flying_beam(bench: Bench) -> None:
             bench.check(f"{name} at 5 s, {axis} (m)", value, reference, 0.02, FLYING_SOURCE,
                         length, "share of L")  # fmt: skip
     figure = bench.figure("Flying beam", "x (m)", "y (m)", equal=True)
-    for i in range(0, 501, 50):
+    for i in range(0, 501, 100):
         shape = np.array([outcome.points[f"{p}"][0][i, :2] for p in particles])
         figure.curve(*shape.T, f"{time[i]:g} s")
 

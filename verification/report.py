@@ -32,6 +32,7 @@ def table(benches: list[Bench]) -> str:
         "“at least” passes if the value is not below the reference.",
         "",
     ]
+    lines += ["![Overview](overview.png)", ""]
     lines += [f"- **failed**: {row.name}, error {row.error:.3g}" for row in failed]
     for bench in benches:
         rows = bench.rows
@@ -94,11 +95,44 @@ def draw(figure: Figure, folder: Path) -> None:
     canvas.savefig(folder / file_name(figure), dpi=150)
 
 
+def draw_overview(benches: list[Bench], folder: Path) -> None:
+    """Draw how far each row is from its tolerance, and what each problem cost (overview.png)."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure as Canvas
+
+    canvas = Canvas(figsize=(9.6, 0.32 * len(benches) + 1.4), layout="constrained")
+    FigureCanvasAgg(canvas)
+    shares, costs = canvas.subplots(1, 2, sharey=True, width_ratios=(2, 1))
+    for i, bench in enumerate(benches):
+        for row in bench.rows:
+            share = row.error / row.tolerance if row.tolerance > 0 else float("nan")
+            if row.passed and not share > 0:
+                continue  # rows without a tolerance, and errors of zero
+            shares.plot(
+                max(share, 1e-6) if share > 0 else 10.0,
+                i,
+                "o" if row.passed else "X",
+                color=COLOURS[0] if row.passed else COLOURS[1],
+                alpha=0.6,
+                markersize=5 if row.passed else 9,
+            )
+        costs.barh(i, sum(row.cpu for row in bench.rows), color=COLOURS[5])
+    shares.axvline(1.0, color="#444444", linestyle="--", linewidth=1)
+    shares.set(xscale="log", xlabel="error / tolerance (crosses: failed)")
+    shares.set_yticks(range(len(benches)), [bench.problem for bench in benches])
+    shares.invert_yaxis()
+    costs.set(xlabel="cpu time (s)")
+    for axes in (shares, costs):
+        axes.grid(alpha=0.3)
+    canvas.savefig(folder / "overview.png", dpi=150)
+
+
 def write(benches: list[Bench], folder: Path) -> None:
     """Write the plots, the table and, last, the summary into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     for bench in benches:
         for figure in bench.figures:
             draw(figure, folder)
+    draw_overview(benches, folder)
     (folder / "table.md").write_text(table(benches), encoding="utf-8")
     write_summary([row for bench in benches for row in bench.rows], folder / "summary.json")

@@ -96,14 +96,15 @@ def tumbling(bench: Bench) -> None:
         *_, frame, rate = motion(outcome, 0)
         local = np.einsum("tji,tj->ti", frame, rate)
         found.append(crossings(outcome.time, local[:, 1]))
-    flips, time = found[-1], outcome.time
+    time = outcome.time
+    first, *_, last = found[-1] if len(found[-1]) > 1 else (np.nan, np.nan)
     exact_time, exact = euler_top(inertia, spin, time)
     source = "Euler's equations (DOP853, 1e-12)"
-    bench.check("first flip (s)", flips[0], 2.742, 1e-3, "required; " + source)
-    bench.check("first flip (s), own reference", flips[0], exact_time[0], 1e-3, source)
-    bench.check("last flip in 20 s (s)", flips[-1], exact_time[-1], 1e-3, source)
-    bench.check("flips in 20 s", len(flips), 4, 0, "required; " + source, 1.0, "absolute")
-    orders = observed_orders([abs(f[-1] - exact_time[-1]) for f in found])
+    bench.check("first flip (s)", first, 2.742, 1e-3, "required; " + source)
+    bench.check("first flip (s), own reference", first, exact_time[0], 1e-3, source)
+    bench.check("last flip in 20 s (s)", last, exact_time[-1], 1e-3, source)
+    bench.check("flips in 20 s", len(found[-1]), 4, 0, "required; " + source, 1.0, "absolute")
+    orders = observed_orders([abs(f[-1:].sum() - exact_time[-1]) for f in found])
     bench.check_at_least("order of the last flip in the time step", orders[-1], 1.8, "order 2")
     angular = momenta(outcome)[1]
     bench.check_small("drift of the angular momentum", drift(angular), 1e-12, "free body", "it")

@@ -166,10 +166,11 @@ def pack(scenes: Sequence[Scene], width: int, dtype=np.float64) -> tuple[np.ndar
     ]  # fmt: skip
     curve_points = [len(t) for t, _ in one.curves]
     springs, contacts = one.springs, one.contacts
-    hinged = {p for hinge in one.hinges for p in hinge.particles}
+    moved = {p for hinge in one.hinges for p in hinge.particles}
+    moved |= {d.particle for d in one.drives}
     model = Model(
         particles=stack(n, at.PARTICLE, _particles),
-        free=_integers(p for p in range(n) if p not in hinged),
+        free=_integers(p for p in range(n) if p not in moved),
         nodes=_integers(np.concatenate([b.nodes for b in one.beams]) if m else [], 2),
         beams=stack(m, at.BEAM, lambda s: np.concatenate([b.stiffness() for b in s.beams])),
         axes=axes,

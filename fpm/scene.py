@@ -158,9 +158,12 @@ class Scene:
         if first == second or not (0 <= first < count and 0 <= second < count):
             raise SceneError(f"particles of hinge {name}", particles, "two different particles")
         taken = {p for hinge in self.hinges for p in hinge.particles if not self.fixed[p].all()}
+        taken |= {drive.particle for drive in self.drives}
         if taken & {first, second}:
             raise SceneError(
-                f"particles of hinge {name}", particles, "particles that no other hinge uses"
+                f"particles of hinge {name}",
+                particles,
+                "particles that no other hinge or drive uses",
             )
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
@@ -237,7 +240,13 @@ class Scene:
         self.loads.append(load)
 
     def drive(self, particle: int, velocity=(0, 0, 0), spin=(0, 0, 0), curve: int = -1) -> None:
-        """Prescribe a particle's velocity (3,) m/s and spin (3,) rad/s, scaled by a curve."""
+        """Prescribe a particle's velocity (3,) m/s and spin (3,) rad/s, scaled by a curve.
+
+        Several drives of one particle add up (spins: one turn after another in each step). A
+        driven particle cannot carry a hinge: drive the particle at the other end of its element.
+        """
+        if any(particle in hinge.particles for hinge in self.hinges):
+            raise SceneError("driven particle", int(particle), "one that no hinge uses")
         self.fix(particle)
         self.drives.append(
             Drive(int(particle), np.asarray(velocity, float), np.asarray(spin, float), int(curve))

@@ -157,6 +157,8 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
             scale=float(record.scale[lane]),
         )
     noted = int(record.event_count[lane])
+    energies = {name: record.energies[:instants, k, lane] for k, name in enumerate(ENERGIES)}
+    energies["load_work"] = energies["load_work"] - energies["load_work"][0]  # weight starts at 0
     return Outcome(
         scene=scene,
         time=interval * np.arange(instants),
@@ -164,7 +166,7 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
         openings={h.name: hinges[:, i] for i, h in enumerate(scene.hinges)},
         gap=hinges[:, -2],
         axis_gap=hinges[:, -1],
-        energies={name: record.energies[:instants, k, lane] for k, name in enumerate(ENERGIES)},
+        energies=energies,
         events=record.events[: min(noted, len(record.events)), :, lane],
         events_dropped=max(0, noted - len(record.events)),
         step=step,

@@ -12,7 +12,7 @@ class Model(NamedTuple):
     """Constants of the scene (fields: layout.py) and the small states that are not particles'."""
 
     particles: np.ndarray  # (n, PARTICLE, lanes)
-    free: np.ndarray  # (n - 2 h,) particles that no hinge moves
+    free: np.ndarray  # particles that neither a hinge nor a drive moves
     nodes: np.ndarray  # (m, 2) particles of the beam elements
     beams: np.ndarray  # (m, BEAM, lanes)
     axes: np.ndarray  # (m or 0, AXES, lanes)

@@ -105,15 +105,19 @@ def add_drive_work(work, state, on, drives, curves, starts, times_, values, t, s
 
 @kernel
 def drive(state, on, drives, curves, starts, times_, values, t, step):
-    """Move the driven particles by one step; t (s) is its middle.
+    """Move the driven particles by one step, and clear their forces; t (s) is its middle.
 
-    drives (n, 6, lanes): velocity and spin in global axes.
+    drives (n, 6, lanes): velocity and spin in global axes; those of one particle add up.
     """
+    for n in range(on.shape[0]):
+        put3(state, on[n], V, scale(0.0, get3(state, on[n], V)))
+        for k in range(6):
+            store(state, on[n], F + k, 0.0)
     for n in range(on.shape[0]):
         i = on[n]
         factor = curve_value(curves[n], starts, times_, values, t)
         v = scale(factor, get3(drives, n, 0))
-        put3(state, i, V, v)
+        put3(state, i, V, add(v, get3(state, i, V)))
         put3(state, i, X, axpy(step, v, get3(state, i, X)))
         half = scale(0.5 * step * factor, get3(drives, n, 3))
         put_rotation(state, i, turned(get4(state, i, Q), to_local(state, i, D, half)))

@@ -1,0 +1,84 @@
+"""Sections, lumped masses, and what the scene refuses."""
+
+import numpy as np
+import pytest
+
+import fpm
+from fpm.elements.lumping import lump
+
+SQUARE, WOOD = fpm.Section.square(0.035), fpm.Material(1e9, 0.3, 800.0)
+
+
+def test_torsion_constants_are_those_of_the_handbook():
+    # Timoshenko and Goodier, table of § 109: J = 0.1406 a^4 and 0.229 a^3 b for b / a = 2.
+    assert pytest.approx(0.1406, abs=5e-5) == fpm.Section.square(1.0).J
+    assert pytest.approx(2 * 0.229, abs=1e-3) == fpm.Section.rectangle(2.0, 1.0).J
+    assert pytest.approx(np.pi / 32, rel=1e-12) == fpm.Section.circle(0.5).J
+
+
+def test_rectangle_resists_bending_more_across_its_long_side():
+    flat = fpm.Section.rectangle(width=0.04, height=0.01)
+    assert flat.Iz == pytest.approx(0.01 * 0.04**3 / 12)
+    assert flat.Iy == pytest.approx(0.04 * 0.01**3 / 12)
+
+
+@pytest.mark.parametrize("elements", [2, 3, 5, 8, 40])
+@pytest.mark.parametrize("scale", [1.0, 1.5])
+def test_lumped_link_has_the_bar_s_mass_centre_and_inertia(elements, scale):
+    length = 0.45
+    if scale > 1 and elements > 20:
+        pytest.skip("no positive end mass makes up for so much inertia")
+    mass, inertia = lump(length, elements, SQUARE, WOOD, scale)
+    x = np.linspace(0, length, elements + 1)
+    total = WOOD.rho * SQUARE.A * length
+    assert mass.min() > 0
+    assert mass.sum() == pytest.approx(total, rel=1e-13)
+    assert mass @ x == pytest.approx(total * length / 2, rel=1e-13)
+    about = inertia.sum(axis=0)
+    about[1:] += mass @ (x - length / 2) ** 2
+    section = WOOD.rho * length * np.array([SQUARE.Iy + SQUARE.Iz, SQUARE.Iy, SQUARE.Iz])
+    exact = section + total * length**2 / 12 * np.array([0, 1, 1])
+    np.testing.assert_allclose(about, exact, rtol=1e-12)
+
+
+def test_too_much_inertia_is_refused_with_the_largest_that_goes():
+    with pytest.raises(fpm.SceneError, match=r"at most 1\.\d+ for 64 elements"):
+        lump(0.45, 64, SQUARE, WOOD, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("build", "text"),
+    [
+        (lambda: fpm.Material(-1.0, 0.3, 1.0), "Young's modulus E = -1.0"),
+        (lambda: fpm.Material(1.0, 0.6, 1.0), "-1 < nu <= 0.5"),
+        (lambda: fpm.Section.square(0.0), "positive lengths"),
+        (lambda: fpm.Scene(damping=-1.0), "damping = -1.0"),
+        (lambda: fpm.Scene().add_particles((0, 0, 0), 0.0, 1.0), "positive values"),
+        (lambda: fpm.Scene().add_curve([0.0, 0.0], [1.0, 2.0]), "increasing times"),
+    ],
+)
+def test_numbers_that_mean_nothing_are_refused(build, text):
+    with pytest.raises(fpm.SceneError, match=text):
+        build()
+
+
+def test_hinges_refuse_what_they_cannot_hold():
+    scene = fpm.Scene()
+    bars = [
+        scene.add_link((i, 0, 0), (i + 1, 0, 0), (0, 0, 1), SQUARE, WOOD, 2, f"bar {i}")
+        for i in range(2)
+    ]
+    ends = (bars[0].particles[-1], bars[1].particles[0])
+    with pytest.raises(fpm.SceneError, match="two different particles"):
+        scene.add_hinge("A", (0, 0), (1, 0, 0), (0, 0, 1))
+    with pytest.raises(fpm.SceneError, match="normal to the axis"):
+        scene.add_hinge("A", ends, (1, 0, 0), (0, 0, 1), references=((0, 0, 1), (1, 0, 0)))
+    with pytest.raises(fpm.SceneError, match="letters out of 'xyz'"):
+        scene.add_hinge("A", ends, (1, 0, 0), (0, 0, 1), support="w")
+    hinge = scene.add_hinge("A", ends, (1, 0, 0), (0, 0, 1))
+    with pytest.raises(fpm.SceneError, match="no other hinge or drive"):
+        scene.add_hinge("B", ends, (1, 0, 0), (0, 1, 0))
+    with pytest.raises(fpm.SceneError, match="contact stiffness = -1"):
+        scene.add_contact(hinge, -1.0)
+    with pytest.raises(fpm.SceneError, match="hinge of torsion spring = 3"):
+        scene.add_torsion_spring(3, 1.0)

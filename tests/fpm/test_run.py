@@ -1,0 +1,139 @@
+"""The time loop: batches, energy bookkeeping, events, restarts at the level of one run."""
+
+import numpy as np
+import pytest
+
+import fpm
+
+WOOD = fpm.Material(1e9, 0.3, 800.0)
+
+
+def linkage(**parameters) -> fpm.Scene:
+    return fpm.scenes.get("bennett").build(elements_per_link=4, **parameters)
+
+
+def equal(a: fpm.Outcome, b: fpm.Outcome) -> bool:
+    """Whether two outcomes agree bit for bit in points and energies."""
+    points = all(np.array_equal(a.points[p][k], b.points[p][k]) for p in a.points for k in (0, 1))
+    return points and all(np.array_equal(a.energies[k], b.energies[k]) for k in a.energies)
+
+
+@pytest.fixture(scope="module")
+def batch():
+    """Eleven linkages of different side, run together: one full register and three lanes."""
+    sides = 0.035 * (1 + 0.01 * np.linspace(-1, 1, 11))
+    scenes = [linkage(a=a) for a in sides]
+    return scenes, fpm.simulate(scenes, duration=0.4, instants=81, step=4e-5)
+
+
+def test_a_sample_does_not_depend_on_its_neighbours(batch):
+    scenes, together = batch
+    order = [7, 2, 9]
+    shuffled = fpm.simulate([scenes[i] for i in order], duration=0.4, instants=81, step=4e-5)
+    for i, outcome in zip(order, shuffled, strict=True):
+        assert equal(outcome, together[i])
+    assert not equal(together[2], together[3])
+
+
+def test_hinges_stay_closed_and_energy_balances(batch):
+    _, together = batch
+    for outcome in together:
+        start = outcome.energies["spring"][0]
+        assert outcome.gap.max() < 1e-10
+        assert outcome.axis_gap.max() < 1e-9
+        assert np.abs(outcome.energies["balance"]).max() < 0.005 * start
+        assert outcome.energies["kinetic"].max() > 0.9 * start, "nothing moved"
+
+
+def test_contacts_close_where_the_opening_crosses_zero(batch):
+    _, together = batch
+    outcome = together[0]
+    assert len(outcome.events) >= 4
+    assert outcome.events_dropped == 0
+    time, contact, closing = outcome.events[0]
+    opening = outcome.openings[outcome.scene.hinges[int(contact)].name]
+    assert closing == 1
+    before = opening[outcome.time < time]
+    assert before[-1] > 0
+    assert opening[outcome.time > time][0] < 0
+
+
+def test_batch_of_unlike_scenes_is_refused():
+    with pytest.raises(fpm.SceneError, match="topology of scene 1"):
+        fpm.simulate([linkage(), linkage(supports="free")], duration=0.1, instants=2)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ({"duration": -1.0, "instants": 3}, "duration"),
+        ({"duration": 1.0, "instants": 1}, "instants"),
+        ({"duration": 1.0, "instants": 3, "step": 0.0}, "step"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments, text):
+    with pytest.raises(fpm.SceneError, match=text):
+        fpm.simulate(linkage(), **arguments)
+
+
+def test_step_divides_the_time_between_instants():
+    outcome = fpm.simulate(linkage(), duration=0.01, instants=11, step=3e-4)[0]
+    assert outcome.step <= 3e-4
+    assert outcome.step * outcome.steps == pytest.approx(0.01, rel=1e-12)
+    assert outcome.time[-1] == pytest.approx(0.01, rel=1e-12)
+
+
+def beam(**more) -> tuple[fpm.Scene, fpm.Link]:
+    scene = fpm.Scene("beam", **more)
+    bar = scene.add_link((0, 0, 0), (1, 0, 0), (0, 0, 1), fpm.Section.square(0.05), WOOD, 6, "bar")
+    scene.add_point("tip", int(bar.particles[-1]))
+    return scene, bar
+
+
+@pytest.mark.parametrize("damping", [0.0, 30.0])
+def test_work_of_loads_weight_drive_and_damping_balances(damping):
+    scene, bar = beam(gravity=(0, 0, -9.81), damping=damping)
+    pulse = scene.add_curve([0.0, 0.02, 0.05], [0.0, 1.0, 0.2])
+    scene.add_load(
+        int(bar.particles[-1]), force=(3, 5, 20), moment=(1, 0, 2), arm=(0, 0.05, 0), curve=pulse
+    )
+    turn = scene.add_curve([0.0, 0.05, 0.1], [0.0, 1.0, 0.0])
+    scene.drive(int(bar.particles[0]), velocity=(0, 0.1, 0), spin=(0, 0, 3.0), curve=turn)
+    outcome = fpm.simulate(scene, duration=0.1, instants=41)[0]
+    energies = outcome.energies
+    stored = energies["kinetic"] + energies["strain"]
+    assert energies["load_work"][0] == 0
+    assert np.abs(energies["load_work"]).max() > 0.5
+    assert (energies["damping_work"][-1] > 0) == (damping > 0)
+    scale = np.abs(stored).max()
+    assert np.abs(energies["balance"]).max() < 3e-3 * scale
+    # The balance is what it says: nothing is hidden in it.
+    total = stored - energies["load_work"] + energies["damping_work"]
+    np.testing.assert_allclose(energies["balance"], total - total[0], atol=1e-12 * scale)
+
+
+def test_drive_moves_its_particle_as_told():
+    scene, bar = beam()
+    scene.add_point("root", int(bar.particles[0]))
+    curve = scene.add_curve([0.0, 0.1], [0.0, 1.0])
+    scene.drive(int(bar.particles[0]), velocity=(0, 2.0, 0), curve=curve)
+    outcome = fpm.simulate(scene, duration=0.1, instants=11)[0]
+    y = outcome.points["root"][0][:, 1]
+    np.testing.assert_allclose(y, 10 * outcome.time**2, atol=1e-9)
+
+
+def test_held_axes_stay_and_free_ones_move():
+    scene, bar = beam(gravity=(1.0, 2.0, 3.0))
+    scene.fix(bar.particles, translations="z", rotations="")
+    outcome = fpm.simulate(scene, duration=0.1, instants=3)[0]
+    x = outcome.points["tip"][0]
+    assert x[-1, 2] == x[0, 2]
+    np.testing.assert_allclose(x[-1, :2] - x[0, :2], [0.005, 0.01], rtol=1e-6)
+
+
+def test_single_precision_runs_sixteen_samples_and_is_less_exact():
+    scene = linkage()
+    double = fpm.simulate(scene, duration=0.1, instants=11, step=5e-5)[0]
+    single = fpm.simulate(scene, duration=0.1, instants=11, step=5e-5, dtype=np.float32)[0]
+    off = np.abs(double.points["B"][0] - single.points["B"][0]).max()
+    assert 1e-9 < off < 5e-3

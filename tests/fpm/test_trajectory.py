@@ -1,0 +1,115 @@
+"""Responses and trajectory files."""
+
+import netCDF4
+import numpy as np
+import pytest
+
+import fpm
+
+BENNETT = fpm.scenes.get("bennett")
+DEFINITIONS = {
+    "BD": {"distance": ["B", "D"]},
+    "vBz": {"velocity": "B", "component": "z"},
+    "speed": {"velocity": "B", "component": "norm"},
+    "zA": {"position": "A", "component": "z"},
+    "psi": {"opening": "A"},
+    "T": {"energy": "kinetic"},
+}
+
+
+@pytest.fixture(scope="module")
+def outcome():
+    return fpm.simulate(BENNETT.build(elements_per_link=2), duration=0.05, instants=11)[0]
+
+
+@pytest.fixture
+def dataset(outcome):
+    responses = [fpm.responses.parse(n, d, BENNETT) for n, d in DEFINITIONS.items()]
+    return outcome.dataset(responses, {"run_id": "0123"})
+
+
+def test_responses_are_what_they_say(dataset):
+    apart = dataset.position.sel(point="B") - dataset.position.sel(point="D")
+    np.testing.assert_allclose(dataset.BD, np.sqrt((apart**2).sum("axis")), rtol=1e-14)
+    assert np.array_equal(dataset.vBz, dataset.velocity.sel(point="B", axis="z"))
+    assert np.array_equal(dataset.zA, dataset.position.sel(point="A", axis="z"))
+    assert np.array_equal(dataset.psi, dataset.opening.sel(hinge="A"))
+    assert np.array_equal(dataset["T"], dataset.kinetic_energy)
+    assert dataset.attrs["responses"] == "BD vBz speed zA psi T"
+
+
+def test_velocity_is_the_rate_of_the_position():
+    outcome = fpm.simulate(BENNETT.build(elements_per_link=2), duration=0.02, instants=401)[0]
+    x, v = outcome.points["B"]
+    rate = np.gradient(x, outcome.time, axis=0)[2:-2]
+    assert np.abs(rate - v[2:-2]).max() < 2e-3 * np.abs(v).max()
+
+
+@pytest.mark.parametrize(
+    ("definition", "text"),
+    [
+        ({"distance": ["B", "X"]}, "one of A, B, C, D"),
+        ({"distance": ["B", "B"]}, "two different points"),
+        ({"velocity": "B"}, "velocity and component"),
+        ({"velocity": "B", "component": "w"}, "one of x, y, z, norm"),
+        ({"opening": "E"}, "one of A, B, C, D"),
+        ({"energy": "dark"}, "one of kinetic"),
+        ({"speed": "B"}, "exactly one of distance"),
+        ("BD", "exactly one of distance"),
+    ],
+)
+def test_unknown_responses_are_refused(definition, text):
+    with pytest.raises(fpm.SceneError, match=text):
+        fpm.responses.parse("r", definition, BENNETT)
+
+
+def test_a_file_comes_back_whole_and_tells_its_units(dataset, tmp_path):
+    path = tmp_path / "deep" / "run.nc"
+    fpm.trajectory.write(dataset, path)
+    back = fpm.trajectory.read(path)
+    assert back.identical(dataset)
+    with netCDF4.Dataset(path) as file:
+        assert file.data_model == "NETCDF4"
+        for name, variable in file.variables.items():
+            if variable.dtype is not str:
+                assert variable.units and variable.long_name, name
+    assert [p.name for p in path.parent.iterdir()] == ["run.nc"]
+
+
+def test_a_value_that_is_not_finite_is_never_written(dataset, tmp_path):
+    dataset["BD"][3] = np.nan
+    with pytest.raises(ValueError, match="BD has values that are not finite"):
+        fpm.trajectory.write(dataset, tmp_path / "run.nc")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_write_that_breaks_off_leaves_nothing(dataset, tmp_path, monkeypatch):
+    def break_off(dataset, path):
+        path.write_bytes(b"half")
+        raise OSError("disk full")
+
+    monkeypatch.setattr(fpm.trajectory, "write_netcdf", break_off)
+    with pytest.raises(OSError, match="disk full"):
+        fpm.trajectory.write(dataset, tmp_path / "run.nc")
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_unstable_run_has_no_dataset():
+    scene = BENNETT.build(elements_per_link=2)
+    step = 2 * fpm.stable_step(scene).step
+    outcome = fpm.simulate(scene, duration=0.1, instants=11, step=step)[0]
+    with pytest.raises(fpm.InstabilityError, match="use a step below"):
+        outcome.dataset()
+
+
+def test_scene_types_check_what_they_are_given():
+    with pytest.raises(fpm.SceneError, match="one of bennett, pendulum"):
+        fpm.scenes.get("bennet")
+    with pytest.raises(fpm.SceneError, match="parameter mass of scene bennett"):
+        BENNETT.build(mass=1.0)
+    with pytest.raises(fpm.SceneError, match=r"E = -1\.0"):
+        BENNETT.build(E=-1.0)
+    with pytest.raises(fpm.SceneError, match="a whole number"):
+        BENNETT.build(elements_per_link=2.5)
+    with pytest.raises(fpm.SceneError, match="one of plane"):
+        BENNETT.build(supports="rope")

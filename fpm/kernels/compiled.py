@@ -23,7 +23,10 @@ def source_digest() -> str:
 
 
 def cache_folder() -> Path:
-    """Where compiled code is kept: beside the sources if writable, else in the user's cache."""
+    """Where compiled code is kept: where NUMBA_CACHE_DIR says, beside the sources, or at home."""
+    name = f"numba-{source_digest()}"
+    if numba.config.CACHE_DIR:
+        return Path(numba.config.CACHE_DIR) / name
     beside = Path(__file__).parent / "__pycache__"
     try:
         beside.mkdir(exist_ok=True)
@@ -31,7 +34,7 @@ def cache_folder() -> Path:
     except OSError:
         writable = False
     user = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "fpm"
-    return (beside if writable else user) / f"numba-{source_digest()}"
+    return (beside if writable else user) / name
 
 
 def _cached(function):

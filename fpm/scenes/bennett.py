@@ -39,10 +39,10 @@ PARAMETERS = {
     "nu": Parameter(0.3, "1", "Poisson's ratio", -1.0, 0.5, lower_open=True),
     "rho": _positive(800.0, "kg m-3", "density"),
     "K_C": Parameter(1.0e4, "N rad-1", "contact stiffness per length of hinge line", lower=0.0),
-    "K_F": Parameter(5.0, "N rad-1", "torsion spring per length of hinge line", lower=0.0),
+    "K_F": Parameter(5.5, "N rad-1", "torsion spring per length of hinge line", lower=0.0),
     "damping": Parameter(0.0, "s-1", "mass-proportional damping", lower=0.0),
     "start_deg": Parameter(
-        5.0, "degree", "opening at B by which the start is short of the folded bundle", 0.0, 180.0
+        3.0, "degree", "opening at B by which the start is short of the folded bundle", 0.0, 180.0
     ),
     "elements_per_link": Parameter(8, "1", "beam elements of a link", lower=1, kind="integer"),
     "inertia_scale": Parameter(1.0, "1", "factor on the section's rotational inertia", lower=1.0),

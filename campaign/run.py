@@ -24,7 +24,7 @@ from campaign.errors import CampaignError
 from campaign.files import write_text
 from campaign.nodes import share, unique_runs
 from campaign.parameters import all_parameters
-from campaign.store import open_store
+from campaign.store import Result, open_store
 
 
 def groups_of(plan: Mapping, batches: int, lanes: int) -> list[list[list[dict]]]:
@@ -61,10 +61,10 @@ def run_batch(
         warm_up(tell)
         progress = Progress(plan["campaign"], sum(map(len, flat)), lambda: store.count(flat), tell)
         for group, missing in work:
-            datasets, failed = simulate(plan, missing)
-            store.write(group, datasets)
+            results, failed = simulate(plan, missing)
+            store.write(group, results)
             failures += failed
-            simulated += len(datasets)
+            simulated += len(results)
             progress.report()
     if failures:
         raise CampaignError(_failure_text(plan, failures))
@@ -74,8 +74,8 @@ def run_batch(
     write_text(manifest, json.dumps(facts, indent=1) + "\n")
 
 
-def simulate(plan: Mapping, runs: list[dict]) -> tuple[dict[str, Any], list[tuple[dict, str]]]:
-    """Simulate runs side by side: datasets by run id, and the runs that failed with the reason."""
+def simulate(plan: Mapping, runs: list[dict]) -> tuple[list[Result], list[tuple[dict, str]]]:
+    """Simulate runs side by side: those that went well, and those that failed with the reason."""
     import fpm
 
     config = plan["config"]
@@ -96,7 +96,7 @@ def simulate(plan: Mapping, runs: list[dict]) -> tuple[dict[str, Any], list[tupl
         step=plan["step"],
         energy_tolerance=solver["energy_tolerance"],
     )
-    datasets, failed = {}, []
+    results, failed = [], []
     for run, values, outcome in zip(runs, parameters, outcomes, strict=True):
         if outcome.failure is not None:
             failed.append((run, str(outcome.failure)))
@@ -110,8 +110,8 @@ def simulate(plan: Mapping, runs: list[dict]) -> tuple[dict[str, Any], list[tupl
             "versions": versions(),
             **{f"parameter_{name}": v for name, v in values.items() if v is not None},
         }
-        datasets[run["id"]] = outcome.dataset(responses, attributes)
-    return datasets, failed
+        results.append(Result(run["id"], outcome, responses, attributes))
+    return results, failed
 
 
 @cache

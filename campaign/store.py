@@ -11,6 +11,7 @@ killed. Two ways to keep a run, with the same methods:
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,23 @@ import numpy as np
 from campaign.config import digest
 from campaign.files import whole_file
 
-# What a run leaves for the interval side, whichever way it is kept.
+# Contact events as the interval side gets them, however a run is kept: names in the samples and in
+# a trajectory, in the order of the columns of an outcome's `events`.
 EVENT_VARIABLES = {
     "event_time": "contact_event_time",
     "event_contact": "contact_event_contact",
     "event_closing": "contact_event_closing",
 }
+
+
+@dataclass(frozen=True)
+class Result:
+    """A run that went well: its `fpm.Outcome`, parsed responses, and attributes for its file."""
+
+    id: str
+    outcome: Any
+    responses: Sequence[Any]
+    attributes: Mapping[str, Any]
 
 
 def open_store(keep: str, folder: str | Path) -> Trajectories | Responses:
@@ -50,14 +62,13 @@ class Trajectories:
         there = {path.stem for path in self.folder.glob("*.nc")} if self.folder.is_dir() else set()
         return sum(run["id"] in there for group in groups for run in group)
 
-    def write(self, group: Sequence[Mapping], datasets: Mapping[str, Any]) -> None:
-        """Write the runs that have a dataset."""
+    def write(self, group: Sequence[Mapping], results: Sequence[Result]) -> None:
+        """Write the results that a group has left."""
         import fpm
 
-        for run in group:
-            if run["id"] in datasets:
-                self.folder.mkdir(parents=True, exist_ok=True)
-                fpm.trajectory.write(datasets[run["id"]], self.path(run))
+        for result in results:
+            dataset = result.outcome.dataset(result.responses, result.attributes)
+            fpm.trajectory.write(dataset, self.folder / f"{result.id}.nc")
 
     def read(self, group: Sequence[Mapping], names: Sequence[str]) -> dict[str, dict]:
         """Responses (time) and events (event) of each run by its id; see `read_run`."""
@@ -100,36 +111,40 @@ class Responses:
         """How many runs of all groups are there."""
         return sum(len(group) for group in groups if self.path(group).exists())
 
-    def write(self, group: Sequence[Mapping], datasets: Mapping[str, Any]) -> None:
-        """Write the runs that have a dataset."""
+    def write(self, group: Sequence[Mapping], results: Sequence[Result]) -> None:
+        """Write the results that a group has left; ValueError if a number is not finite."""
         import netCDF4
 
-        done = [run["id"] for run in group if run["id"] in datasets]
-        if not done:
+        if not results:
             return
-        ordered = [datasets[id_] for id_ in done]
-        names = ordered[0].attrs["responses"].split()
-        events = max(1, max(data.sizes.get("event", 0) for data in ordered))
+        first = results[0].outcome
+        events = [result.outcome.events for result in results]
         with (
             whole_file(self.path(group)) as temporary,
             netCDF4.Dataset(temporary, "w", format="NETCDF4") as file,
         ):
-            file.createDimension("run", len(done))
-            file.createDimension("time", ordered[0].sizes["time"])
-            file.createDimension("event", events)
-            file.createVariable("time", "f8", ("time",))[:] = ordered[0]["time"].values
-            write_names(file, "contact", ordered[0]["contact"].values)
-            file.createVariable("run_id", str, ("run",))[:] = np.array(done, object)
-            for name in names:
-                variable = file.createVariable(name, "f4", ("run", "time"), zlib=True, complevel=1)
-                variable[:] = np.stack([data[name].values for data in ordered])
-                for key in ("units", "long_name"):
-                    setattr(variable, key, ordered[0][name].attrs.get(key, ""))
-            for name, source in EVENT_VARIABLES.items():
+            file.createDimension("run", len(results))
+            file.createDimension("time", len(first.time))
+            file.createDimension("event", max(1, max(map(len, events))))
+            file.createVariable("time", "f8", ("time",))[:] = first.time
+            write_names(
+                file, "contact", [first.scene.hinges[c.hinge].name for c in first.scene.contacts]
+            )
+            ids = np.array([result.id for result in results], dtype=object)
+            file.createVariable("run_id", str, ("run",))[:] = ids
+            for response in results[0].responses:
+                values = np.stack([response.evaluate(result.outcome) for result in results])
+                if not np.isfinite(values).all():
+                    raise ValueError(f"{response.name} has values that are not finite")
+                variable = file.createVariable(
+                    response.name, "f4", ("run", "time"), zlib=True, complevel=1
+                )
+                variable[:] = values
+                variable.setncatts({"units": response.unit, "long_name": response.long_name})
+            for column, name in enumerate(EVENT_VARIABLES):
                 variable = file.createVariable(name, "f8", ("run", "event"), fill_value=np.nan)
-                for row, data in enumerate(ordered):
-                    if source in data:
-                        variable[row, : data.sizes["event"]] = data[source].values
+                for row, table in enumerate(events):
+                    variable[row, : len(table)] = table[:, column]
 
     def read(self, group: Sequence[Mapping], names: Sequence[str]) -> dict[str, dict]:
         """Responses (time) and events (event) of each run by its id; see `read_run`."""

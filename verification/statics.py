@@ -162,8 +162,9 @@ def princeton(bench: Bench) -> None:
     length, material, load = 0.508, fpm.Material(71.7e9, 0.31, 2700.0), 13.345
     section = fpm.Section.rectangle(12.3777e-3, 3.2024e-3)
     elements = 12 if bench.quick else 16
+    cases = PRINCETON[::2] if bench.quick else PRINCETON
     scenes = []
-    for roll in np.radians(PRINCETON[:, 0]):
+    for roll in np.radians(cases[:, 0]):
         scene = cantilever(elements, section, material, length)
         scene.add_load(elements, force=load * np.array([0, np.cos(roll), np.sin(roll)]))
         scenes.append(scene)
@@ -173,7 +174,7 @@ def princeton(bench: Bench) -> None:
         [material.G * section.J, *(material.E * x for x in section_inertias(section))]
     )
     rods = []
-    for (roll, *expected), tip in zip(PRINCETON, tips, strict=True):
+    for (roll, *expected), tip in zip(cases, tips, strict=True):
         direction = np.array([0, np.cos(np.radians(roll)), np.sin(np.radians(roll))])
         rods.append(
             1e3
@@ -192,7 +193,7 @@ def princeton(bench: Bench) -> None:
     bench.check_small("worst tip off the rod's", off.max(), 5e-3, ROD, "tip displacement")
     figure = bench.figure("Princeton beam", "roll of the load (°)", "tip displacement (mm)")
     for column, axis in ((1, "stiff"), (2, "soft")):
-        figure.curve(PRINCETON[:, 0], tips[:, column], f"{axis} axis, computed")
+        figure.curve(cases[:, 0], tips[:, column], f"{axis} axis, computed")
         figure.curve(PRINCETON[:, 0], PRINCETON[:, column], f"{axis} axis, ANSYS", True)
 
 

@@ -145,7 +145,11 @@ def prepare_bodies(state, ends, bodies, w, hinge, kick, step):
         arm = to_global(state, i, D, get3(bodies, r, ARM))
         inverse_mass = get3(bodies, r, HIM)
         j = world_inverse(state, i, get3(bodies, r, HIJ))
-        put3(w, r, GLOBAL_ARM, arm)
+        lever = arm
+        if r % 2 == 1:
+            # Both impulses act at the first body's point: they make no moment if the hinge gapes.
+            lever = sub(add(get3(w, r - 1, OLD_X), get3(w, r - 1, GLOBAL_ARM)), x)
+        put3(w, r, GLOBAL_ARM, lever)
         put6(w, r, INVERSE, j)
         put6(w, r, RESPONSE, point_response(inverse_mass, j, arm))
         v = add(get3(state, i, V), scale(kick, times(inverse_mass, get3(state, i, F))))
@@ -158,7 +162,7 @@ def prepare_bodies(state, ends, bodies, w, hinge, kick, step):
             get3(hinge, h, PA),
             scale(load(hinge, h, TURN + 1), get3(hinge, h, QA)),
         )
-        p = add(p, add(cross(arm, last), scale(2.0 * (r % 2) - 1.0, moment)))
+        p = add(p, add(cross(lever, last), scale(2.0 * (r % 2) - 1.0, moment)))
         put3(state, i, V, v)
         put3(state, i, P, p)
         for k in range(6):

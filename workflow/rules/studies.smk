@@ -52,3 +52,26 @@ rule calibration:
     shell:
         "python -m studies.calibration --output results/calibration --workers {threads}"
         " > {log} 2>&1"
+
+
+# Timed, so it asks for all cores; `--force benchmark` repeats it on unchanged code.
+rule benchmark:
+    input:
+        sorted(
+            str(f)
+            for package in ["fpm", "benchmark"]
+            for f in Path(workflow.basedir).glob(f"{package}/**/*.py")
+        ),
+    output:
+        "results/benchmark/summary.json",
+        "results/benchmark/table.md",
+        "results/benchmark/benchmark.png",
+    log:
+        "results/benchmark/benchmark.log",
+    conda:
+        "../envs/campaign.yaml"
+    threads: workflow.cores
+    message:
+        "Measuring the solver, the workflow and, where they are installed, peers"
+    shell:
+        "python -m benchmark --output results/benchmark > {log} 2>&1"

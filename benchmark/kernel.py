@@ -1,0 +1,126 @@
+"""The time loop: cost per element, step and sample; lanes, cores, recording and memory."""
+
+import json
+import os
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import fpm
+from benchmark.clock import best
+from benchmark.processes import python
+from benchmark.rows import Row, at_least, at_most, skipped, told
+from benchmark.scenes import beam_count, linkages, runner
+
+GROUP = "Kernel: the paper's linkage"
+UNIT = "ns per element, step and sample"
+LANES = 8
+
+MEMORY = """
+import json, sys
+from pathlib import Path
+import fpm
+from benchmark.scenes import linkages, runner
+instants, steps, samples, step = json.loads(sys.argv[1])
+run = runner(linkages(samples), steps, step, instants)
+runner(linkages(samples), 2, step)()
+def read(key):
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith(key))
+Path("/proc/self/clear_refs").write_text("5")  # the peak counts from here
+before = read("VmRSS")
+run()
+print(read("VmHWM") - before, before)
+"""
+
+
+def stable(scenes: list[fpm.Scene]) -> float:
+    """A step (s) that suits all the scenes, found from the first."""
+    return 0.85 * fpm.stable_step(scenes[0]).step
+
+
+def cost(steps: int, repeats: int, samples: int = 32, meshes=(8, 16, 32)) -> list[Row]:
+    """A batch and a single sample on several meshes, and their ratio."""
+    runs, units = {}, {}
+    for elements in meshes:
+        scenes = linkages(samples, elements)
+        step = stable(scenes)
+        for name, some in ((f"batch {elements}", scenes), (f"single {elements}", scenes[:1])):
+            runs[name] = runner(some, steps, step)
+            units[name] = beam_count(scenes[0]) * steps * len(some)
+    runs["set-up"] = runner(linkages(samples, meshes[0]), 1, stable(linkages(1, meshes[0])))
+    seconds = best(runs, repeats)
+    each = {name: 1e9 * seconds[name] / units[name] for name in units}
+    setup = 1e3 * seconds["set-up"] / samples
+    rows = [told(GROUP, "setting up a run and handing it back", setup, "ms per sample")]
+    for elements in meshes:
+        batch, single = each[f"batch {elements}"], each[f"single {elements}"]
+        where = f"{elements} elements a link" + (" (default)" if elements == 8 else "")
+        all_elements = batch * elements / (elements + 2)
+        note = f"{all_elements:.3g} with the virtual beams counted as elements"
+        rows.append(at_most(GROUP, f"batch of {samples}, {where}", batch, 6.0, UNIT, note))
+        note = "one sample fills one lane of eight, and costs as much as eight"
+        rows.append(
+            at_most(GROUP, f"single sample, {where}", single, 40.0, "ns per element and step", note)
+        )
+        rows.append(at_least(GROUP, f"lanes against one sample, {where}", single / batch, 5.0, "x"))
+    return rows
+
+
+def cores(steps: int, repeats: int, samples: int = 16) -> list[Row]:
+    """Two batches one after the other against two at once, in threads; wall time."""
+    name, unit = "two cores against one", "x"
+    if len(os.sched_getaffinity(0)) < 2:
+        return [skipped(GROUP, name, unit, "needs a machine with two cores")]
+    scenes = linkages(samples)
+    run = runner(scenes, steps, stable(scenes))
+    with ThreadPoolExecutor(2) as pool:
+
+        def together():
+            for future in [pool.submit(run), pool.submit(run)]:
+                future.result()
+
+        def in_turn():
+            run()
+            run()
+
+        seconds = best({"in turn": in_turn, "together": together}, repeats, time.perf_counter)
+    ratio = seconds["in turn"] / seconds["together"]
+    note = "two threads; the kernels release the interpreter's lock"
+    return [at_least(GROUP, name, ratio, 1.8, unit, note)]
+
+
+def recording(steps: int, repeats: int, instants: int = 2001) -> list[Row]:
+    """The same steps with many instants recorded and with two."""
+    scenes = linkages(LANES)
+    steps = max(1, round(steps / (instants - 1))) * (instants - 1)
+    step = stable(scenes)
+    runs = {str(n): runner(scenes, steps, step, n) for n in (2, instants)}
+    seconds = best(runs, repeats)
+    extra = 100 * (seconds[str(instants)] / seconds["2"] - 1)
+    name = f"recording {instants - 1} instants in {steps} steps against 2"
+    return [at_most(GROUP, name, extra, 5.0, "% more")]
+
+
+def memory(steps: int, times: int = 10, instants: int = 2001) -> list[Row]:
+    """Peak memory of runs of different length and of different numbers of instants."""
+    name = f"memory of a run of {times} times as many steps, the same {instants} instants"
+    if not os.path.exists("/proc/self/clear_refs"):
+        return [skipped(GROUP, name, "MiB more", "needs Linux (/proc/self/clear_refs)")]
+    step = stable(linkages(1))
+    steps = max(1, round(steps / (instants - 1))) * (instants - 1)
+    short, _ = _grown(instants, steps, step)
+    long, before = _grown(instants, times * steps, step)
+    many, _ = _grown(times * (instants - 1) + 1, times * steps, step)
+    note = f"{short / 1024:.1f} MiB for 8 samples, on top of {before / 1024:.0f} MiB of the process"
+    each = 1024 * (many - long) / ((times - 1) * (instants - 1) * LANES)
+    return [
+        at_most(GROUP, name, (long - short) / 1024, 1.0, "MiB more", note),
+        told(GROUP, "memory for what is recorded", each, "bytes per instant and sample"),
+    ]
+
+
+def _grown(instants: int, steps: int, step: float) -> tuple[int, int]:
+    """By how much a run raises its process's peak memory, and what it was before (KiB)."""
+    task = json.dumps([instants, steps, LANES, step])
+    grown, before = map(int, python("-c", MEMORY, task).split())
+    return grown, before

@@ -1,0 +1,154 @@
+"""The same work by peers, where they are installed: Exudyn and PyElastica.
+
+A peer may live in an environment of its own, since the peers' pins clash: the environment variables
+EXUDYN_PYTHON and PYELASTICA_PYTHON name its interpreter.
+"""
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import fpm
+from benchmark.clock import best
+from benchmark.description import describe
+from benchmark.rows import Row, at_least, skipped, told
+from benchmark.scenes import beam_count, linkages, runner
+
+GROUP = "Peers"
+COST = "cpu s per simulated s"
+ELEMENTS = 10
+"""Elements a link, as in the figures of others for this problem."""
+
+EXUDYN = [
+    {"name": "implicit, generalised-alpha, step 2e-3 s", "step": 2e-3},
+    {"name": "implicit, generalised-alpha, step 1e-3 s", "step": 1e-3},
+    {"name": "implicit, generalised-alpha, step 1e-4 s", "step": 1e-4},
+    {"name": "explicit, velocity Verlet, step 2e-5 s", "step": 2e-5, "solver": "VelocityVerlet"},
+    {"name": "explicit, velocity Verlet, step 1e-5 s", "step": 1e-5, "solver": "VelocityVerlet"},
+]
+ELASTICA = [
+    {"name": f"{what}, step {step:g} s", "rods": rods, "step": step}
+    for rods, what in ((1, "one rod of 40 elements"), (4, "4 rods of 10 elements, 3 hinges"))
+    for step in (4e-5, 2e-5, 1e-5, 5e-6)
+]
+
+
+def interpreter(module: str, variable: str) -> str | None:
+    """The interpreter that has a peer; None if there is none."""
+    if os.environ.get(variable):
+        return os.environ[variable]
+    return sys.executable if importlib.util.find_spec(module) else None
+
+
+def ask(python: str, script: str, task: dict) -> list[dict]:
+    """What a peer's script answers to a task, one mapping per run."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "task.json"
+        path.write_text(json.dumps(task))
+        command = [python, str(Path(__file__).with_name(script)), str(path)]
+        # In the folder, so that what a peer leaves behind goes away with it.
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    answers = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+    if not answers:
+        raise RuntimeError(f"{script} gave no answer:\n{done.stderr[-2000:]}")
+    return answers
+
+
+def distance(outcome: fpm.Outcome) -> np.ndarray:
+    """BD (t,) m."""
+    (b, _), (d, _) = outcome.points["B"], outcome.points["D"]
+    return np.linalg.norm(b - d, axis=1)
+
+
+def ours(duration: float, repeats: int, samples: int = 32) -> tuple[float, float, np.ndarray]:
+    """Our cpu seconds per simulated second and sample, BD's error (m), and a fine reference's BD.
+
+    The reference has four times as many elements (and so about a fourth of the step).
+    """
+    scenes = linkages(samples, ELEMENTS)
+    step = 0.9 * min(fpm.stable_step(scenes[0]).step, fpm.stable_step(scenes[-1]).step)
+    steps = round(duration / step)
+    seconds = best({"ours": runner(scenes, steps, step)}, repeats)["ours"]
+    fine, plain = (
+        distance(fpm.simulate(linkages(1, n), duration=duration, instants=11)[0])
+        for n in (4 * ELEMENTS, ELEMENTS)
+    )
+    return seconds / samples / (steps * step), float(np.sqrt(np.mean((plain - fine) ** 2))), fine
+
+
+def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
+    """The paper's linkage in Exudyn, from the same start, before the contacts close."""
+    what = "fastest flexible run of Exudyn against ours, one sample of a batch of 32"
+    python = interpreter("exudyn", "EXUDYN_PYTHON")
+    if python is None:
+        reason = "not installed: pip install -e '.[peer-exudyn]'"
+        return [skipped(GROUP, f"Exudyn: {what}", "x", reason)]
+    cost, error, fine = ours(duration, repeats)
+    scene = linkages(1, ELEMENTS)[0]
+    count = beam_count(scene)
+    name = f"ours: 4 x {ELEMENTS} elements, a sample of a batch of 32"
+    rows = [told(GROUP, name, cost, COST, f"BD off by {error:.2g} m (rms)")]
+    task = {"linkage": describe(scene), "duration": duration, "runs": EXUDYN[:cases]}
+    times, exact = np.linspace(0, duration, 11), []
+    for answer in ask(python, "peer_exudyn.py", task):
+        name = f"Exudyn: {answer['name']}"
+        if not answer["ok"]:
+            note = "breaks down: " + answer.get("error", "not finite").splitlines()[0]
+            rows.append(told(GROUP, name, "none", COST, note))
+            continue
+        other = np.interp(times, answer["time"], answer["distance"])
+        off = float(np.sqrt(np.mean((other - fine) ** 2)))
+        each = 1e9 * answer["cpu"] / answer["steps"] / count
+        note = f"BD off by {off:.2g} m (rms); {each:.0f} ns per element and step"
+        rows.append(told(GROUP, name, answer["cpu"] / duration, COST, note))
+        exact.append((answer["cpu"] / duration, off, answer["version"]))
+    if exact:
+        version = exact[0][2]
+        ratio = min(exact)[0] / cost
+        rows.append(at_least(GROUP, f"{what} (Exudyn {version})", ratio, 100.0, "x"))
+        off, seconds = min((off, seconds) for seconds, off, _ in exact)
+        note = f"error {off:.2g} m against {error:.2g} m"
+        rows.append(
+            told(GROUP, "Exudyn's most accurate run against ours", seconds / cost, "x", note)
+        )
+    return rows
+
+
+def elastica(duration: float, repeats: int, cases=None) -> list[Row]:
+    """Rods in PyElastica of as many elements as ours, at the largest step that holds."""
+    python = interpreter("elastica", "PYELASTICA_PYTHON")
+    what = "cpu per element and step, PyElastica against ours, one sample of a batch of 32"
+    if python is None:
+        reason = "not installed: pip install -e '.[peer-elastica]'"
+        return [skipped(GROUP, f"PyElastica: {what}", "x", reason)]
+    count = 4 * ELEMENTS
+    task = {
+        "elements": count, "length": 4 * 0.45, "side": 0.035, "E": 1e9, "nu": 0.3, "rho": 800.0,
+        "duration": duration, "runs": ELASTICA[:cases],
+    }  # fmt: skip
+    rows, each, done = [], [], set()
+    for answer in ask(python, "peer_elastica.py", task):
+        name = f"PyElastica: {answer['name']}"
+        if answer["rods"] in done:
+            continue
+        if not answer["ok"]:
+            rows.append(told(GROUP, name, "none", COST, answer.get("error", "breaks down")))
+            continue
+        done.add(answer["rods"])  # the first is the largest step that holds
+        each.append(1e9 * answer["cpu"] / answer["steps"] / count)
+        note = f"{each[-1]:.0f} ns per element and step, version {answer['version']}"
+        rows.append(told(GROUP, name, answer["cpu"] / duration, COST, note))
+    if each:
+        scenes = linkages(32, ELEMENTS)
+        step = 0.85 * fpm.stable_step(scenes[0]).step
+        seconds = best({"ours": runner(scenes, 4000, step)}, repeats)["ours"]
+        mine = 1e9 * seconds / 4000 / count / 32
+        name = f"{what} ({mine:.3g} ns)"
+        rows.append(told(GROUP, name, min(each) / mine, "x"))
+    return rows

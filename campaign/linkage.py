@@ -57,21 +57,23 @@ def draw(trajectory_path: str | Path, count: int) -> Any:
         places = trajectory["position"][indices]
         points = {name: places[:, i] for i, name in enumerate(trajectory["point"][:])}
         bars_of = BARS[trajectory.scene]
-        bars, pose_centre = bars_of(trajectory.__dict__, np.maximum(opening[indices], 0.0))
+        bars, drawn = bars_of(trajectory.__dict__, np.maximum(opening[indices], 0.0))
     # A structure that is free to move as a whole is drawn where it is.
-    bars += (np.mean(list(points.values()), axis=0) - pose_centre)[:, None, None, :]
-    return _figure(bars, points, times, np.degrees(opening[indices]))
+    move = np.mean([points[name] - place for name, place in drawn.items()], axis=0)
+    bars += move[:, None, None, :]
+    marks = {name: place + move for name, place in drawn.items()}
+    return _figure(bars, marks, times, np.degrees(opening[indices]))
 
 
 def _bennett_bars(
     attributes: Mapping[str, Any], opening: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Corners (moment, bar, 8, 3) of the four mitred bars, placed by the opening at hinge B (rad),
-    and the mean (moment, 3) of the points A to D in that place.
+    and the points A to D in that place, each (moment, 3).
 
-    The bars are drawn straight: on the scale of the picture their bending cannot be seen.
+    The bars are drawn straight, as the rigid linkage of that opening would stand.
     """
-    from fpm.scenes.bennett_geometry import bennett_geometry
+    from fpm.scenes.bennett_geometry import HINGES, bennett_geometry
 
     def number(name: str) -> float | None:
         value = attributes.get(f"parameter_{name}")
@@ -97,7 +99,7 @@ def _bennett_bars(
         pose.origin[:, i, None, :] + np.einsum("mij,cj->mci", pose.rotation[:, i], shape)
         for i, shape in enumerate(shapes)
     ]
-    return np.stack(bars, axis=1), pose.point.mean(axis=1)
+    return np.stack(bars, axis=1), {n: pose.point[:, i] for i, n in enumerate(HINGES)}
 
 
 BARS: dict[str, Callable] = {"bennett": _bennett_bars}

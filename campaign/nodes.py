@@ -149,12 +149,10 @@ def choose_step(config: Mapping, scene_type: Any, box: Any) -> dict:
         if stable.step < limit:
             limit, element = float(stable.step), str(stable.element)
     wanted = solver["safety"] * limit if solver["step"] == "auto" else float(solver["step"])
-    interval = solver["duration"] / (solver["instants"] - 1)
-    # The tiny allowance keeps a step that was given as an exact share of the interval.
-    steps = max(1, math.ceil(interval / wanted * (1 - 1e-12)))
+    division = fpm.divide_time(solver["duration"], solver["instants"], wanted)
     return {
-        "step": interval / steps,
-        "steps_per_instant": steps,
+        "step": division.step,
+        "steps_per_instant": division.per_instant,
         "step_limit": limit,
         "limiting_element": element,
     }

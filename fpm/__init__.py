@@ -11,7 +11,7 @@ from fpm import responses, scenes, trajectory
 from fpm.elements.beam import Material, Section
 from fpm.errors import InstabilityError, SceneError
 from fpm.scene import Link, Scene
-from fpm.simulate import Outcome, simulate
+from fpm.simulate import Outcome, divide_time, simulate
 from fpm.timestep import StableStep, stable_step
 
 DATA_VERSION = "1"
@@ -27,6 +27,7 @@ __all__ = [
     "SceneError",
     "Section",
     "StableStep",
+    "divide_time",
     "responses",
     "scenes",
     "simulate",

@@ -68,9 +68,22 @@ class Outcome:
         return to_dataset(self, responses, attributes or {})
 
 
-def divide_interval(interval: float, limit: float) -> int:
-    """Whole number of steps, none above `limit` (s), that make up `interval` (s)."""
-    return max(1, math.ceil(interval / limit * (1 - 1e-12)))
+class Division(NamedTuple):
+    """How the time between two instants is divided: step (s), steps per instant and per check."""
+
+    step: float
+    per_instant: int
+    per_check: int
+
+
+def divide_time(duration: float, instants: int, wanted: float) -> Division:
+    """The step that `simulate` takes: at most `wanted` (s), whole steps between two instants."""
+    interval = duration / (instants - 1)
+    # The tiny allowance keeps a step that was given as an exact share of the interval.
+    steps = max(1, math.ceil(interval / wanted * (1 - 1e-12)))
+    checks = math.ceil(steps / CHECK_EVERY)
+    per_check = math.ceil(steps / checks)
+    return Division(interval / (per_check * checks), per_check * checks, per_check)
 
 
 def simulate(
@@ -109,11 +122,7 @@ def simulate(
     interval = duration / (instants - 1)
     limits = [stable_step(scene) for scene in scenes] if step is None else None
     wanted = safety * min(limit.step for limit in limits) if step is None else step
-    per_instant = divide_interval(interval, min(wanted, interval))
-    checks = math.ceil(per_instant / CHECK_EVERY)
-    per_check = math.ceil(per_instant / checks)
-    per_instant = per_check * checks
-    step = interval / per_instant
+    step, per_instant, per_check = divide_time(duration, instants, wanted)
     steps = per_instant * (instants - 1)
 
     outcomes = []

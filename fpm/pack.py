@@ -18,6 +18,10 @@ MOST_EVENTS = 512
 """Contact events kept per sample; more are counted but not kept."""
 
 
+REST_STRAIN = 1e-10
+"""Rounding strains a scene at rest by less; the energy of so much is the least energy scale."""
+
+
 def topology(scene: Scene) -> tuple:
     """What must be equal in all scenes of a batch, as a hashable tuple."""
     curves = tuple((tuple(t), tuple(v)) for t, v in scene.curves)
@@ -222,5 +226,5 @@ def blank_record(model: Model, instants: int, samples: int) -> Record:
         failed_step=failed,
         failed_element=np.zeros(width, np.int64),
         failed_balance=np.zeros(width, dtype),
-        scale=np.zeros(width, dtype),
+        scale=REST_STRAIN**2 * np.sum(model.beams[:, at.AXIAL] * model.beams[:, at.LENGTH] ** 2, 0),
     )

@@ -84,6 +84,14 @@ def test_a_motion_too_violent_for_a_stable_step_is_told_what_to_do():
     assert "halve solver.step" in str(outcome.failure)
 
 
+@pytest.mark.parametrize("parameters", [{"K_F": 0.0}, {"start_deg": 120.0}])
+def test_rounding_of_a_scene_at_rest_is_no_breakdown(parameters):
+    """All its energy is rounding, and so is the imbalance; the balance is judged on more."""
+    (outcome,) = run(bennett(**parameters), factor=0.9)
+    assert outcome.failure is None
+    assert max(np.abs(x - x[0]).max() for x, _ in outcome.points.values()) < 1e-12
+
+
 @pytest.mark.parametrize("place", [0, 3, 7])
 def test_an_unstable_lane_does_not_harm_the_others(place):
     """Its neighbours are equal bit for bit to runs alone, it is reported as its own."""

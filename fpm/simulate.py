@@ -93,7 +93,7 @@ def simulate(
     instants: int,
     step: float | None = None,
     safety: float = 0.9,
-    energy_tolerance: float = 0.005,
+    energy_tolerance: float = 0.02,
     dtype=np.float64,
 ) -> list[Outcome]:
     """Integrate scenes of one topology over `duration` s; one Outcome per scene, in order.

@@ -2,12 +2,11 @@
 
 Per hinge the unknowns are an impulse (3) at the hinge point, a moment impulse (2) normal to the
 axis and, where the point is held, a support impulse (up to 3). Their matrix A = G M^-1 G^T is built
-and factorised at the start of the step. First impulses (`prepare`) are those of the last step,
-corrected by a second order Taylor series of the motion. Once the particles have moved, quasi-Newton
-rounds (`close`) bring the point and the axis together where that is not enough. The matrix changes
-by the angle turned in a step only, so each round gains three digits or more. A sample whose gaps
-are small enough is left alone in the rounds that other samples need: its numbers do not depend on
-theirs.
+and factorised at the start of the step, and the impulses of the last step are applied (`prepare`).
+Once the particles have moved, quasi-Newton rounds (`close`) bring the point and the axis together.
+The matrix changes by the angle turned in a step only, so each round gains three digits or more. A
+sample whose gaps are small enough is left alone in the rounds that other samples need: its numbers
+do not depend on theirs.
 
 The two particles of hinge h are its bodies, rows 2h and 2h + 1 of the arrays over bodies. The work
 goes in passes over all bodies or hinges, each with a short chain of operations.
@@ -35,7 +34,7 @@ from fpm.kernels.vectors import (
 )
 
 ROUNDS = 4
-"""Most rounds in a step; smooth motion mostly takes none, a fast impact two."""
+"""Most rounds in a step; smooth motion takes one, a fast impact two."""
 
 GAP2 = 5e-11**2
 """Square of the gap (m) of the hinge point above which a sample gets another round."""
@@ -50,9 +49,7 @@ OLD_D = 7  # directors (9)
 GLOBAL_ARM = 16  # arm in global components (3)
 INVERSE = 19  # inverse inertia in global components (6)
 RESPONSE = 25  # velocity of the hinge point per unit impulse there (6)
-SPIN = 31  # spin at the middle of the step, if the body were free (3)
-POINT = 34  # where its hinge point would then be (3)
-LAST = 37  # the hinge's impulse on it in the last step (3)
+LAST = 31  # the hinge's impulse on it in the last step (3)
 
 # Scratch of a hinge (rows, HINGE_SCRATCH, lanes).
 PA, QA = 0, 3  # the two directions normal to the axis
@@ -112,13 +109,6 @@ def point_response(inverse_mass, j, r):
     )
 
 
-@inlined
-def swung(spin, arm, step):
-    """Change of an arm over a step, to second order."""
-    first = scale(step, cross(spin, arm))
-    return axpy(0.5 * step, cross(spin, first), first)
-
-
 @kernel
 def prepare_directions(state, ends, bodies, w):
     """The two directions normal to every hinge's axis."""
@@ -129,8 +119,8 @@ def prepare_directions(state, ends, bodies, w):
 
 
 @kernel
-def prepare_bodies(state, ends, bodies, w, hinge, kick, step):
-    """Keep each body's state, kick it, and find its response and where its point would go.
+def prepare_bodies(state, ends, bodies, w, hinge, kick):
+    """Keep each body's state, kick it, and find its response.
 
     The kick has the hinge's impulses of the last step in it.
     """
@@ -167,10 +157,6 @@ def prepare_bodies(state, ends, bodies, w, hinge, kick, step):
         put3(state, i, P, p)
         for k in range(6):
             store(state, i, F + k, 0.0)
-        spin = symmetric(j, p)
-        spin = axpy(0.5 * step, symmetric(j, cross(p, spin)), spin)
-        put3(w, r, SPIN, spin)
-        put3(w, r, POINT, add(axpy(step, v, add(x, arm)), swung(spin, arm, step)))
 
 
 @kernel
@@ -316,36 +302,18 @@ def push_apart(state, ends, bodies, b, w, h, on_one, on_two, mp, mq):
 
 
 @kernel
-def first_impulses(state, ends, bodies, hinges, held, b, w, step):
-    """Impulses that close the hinges after the motion that their bodies would make freely."""
-    for h in range(w.shape[0]):
-        one, two = 2 * h, 2 * h + 1
-        spin1, spin2 = get3(b, one, SPIN), get3(b, two, SPIN)
-        p, q = get3(w, h, PA), get3(w, h, QA)
-        axis = to_global(state, ends[two], D, get3(bodies, two, AXIS))
-        axis = add(axis, swung(spin2, axis, step))
-        ep = -dot(add(q, swung(spin1, q, step)), axis)
-        eq = dot(add(p, swung(spin1, p, step)), axis)
-        point = get3(b, one, POINT)
-        gap = sub(point, get3(b, two, POINT))
-        on_one, on_two, mp, mq = impulses(h, hinges, held, b, w, point, gap, ep, eq, -1.0 / step)
-        push_apart(state, ends, bodies, b, w, h, on_one, on_two, mp, mq)
-
-
-@kernel
-def prepare(state, ends, bodies, hinges, held, supported, b, w, kick, step):
-    """Kick the particles of all hinges for `kick` s, with the hinges' first impulses.
+def prepare(state, ends, bodies, hinges, held, supported, b, w, kick):
+    """Kick the particles of all hinges for `kick` s, with the hinges' impulses of the last step.
 
     All forces must be summed; those of hinged particles are used up. ends (2h,) particles; bodies
     (2h, BODY, lanes), hinges (h, HINGE, lanes) constants; held (h, 3) held axes, supported: whether
     there are any; b (2h, BODY_SCRATCH, lanes), w (h, HINGE_SCRATCH, lanes) scratch.
     """
     prepare_directions(state, ends, bodies, w)
-    prepare_bodies(state, ends, bodies, b, w, kick, step)
+    prepare_bodies(state, ends, bodies, b, w, kick)
     prepare_matrices(b, w)
     if supported:
         prepare_supports(hinges, held, b, w)
-    first_impulses(state, ends, bodies, hinges, held, b, w, step)
 
 
 @inlined

@@ -115,7 +115,7 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
         if hinged:
             hinge.prepare(
                 state, ends, bodies, hinges, held, supported, body_scratch, hinge_scratch,
-                kick, step,
+                kick,
             )  # fmt: skip
         advance(state, particles, free, kick, step)
         if driven:

@@ -13,6 +13,10 @@ from fpm.kernels.rotation import get4, half_turn, normalise, put_rotation, turne
 from fpm.kernels.vectors import axpy, get3, inlined, kernel, put3, scale, sub, to_local
 
 
+NORMALISE_EVERY = 64
+"""Steps between two corrections of the quaternions' length, which only rounding changes."""
+
+
 @inlined
 def kick_and_move(state, particles, i, kick, step):
     """Kick particle (or pair) i for `kick` s, move it for `step` s, clear its forces."""
@@ -95,12 +99,11 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
                     work, state, drive_on, drives, drive_curve, starts, times, values,
                     t - half, half,
                 )  # fmt: skip
-            if damped:
-                outside.add_damping_work(work, state, particles, damping, half)
         check = n % per_check == 0
         row = n // per_instant if n % per_instant == 0 else spare
-        if check:
+        if n % NORMALISE_EVERY == 0:
             normalise(state)
+        if check:
             keep(state, kept)
             record_before(state, model, row, record)
         # Momenta to t + step/2, positions to t + step; the forces are used up.
@@ -132,7 +135,7 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
                 work, state, particles, load_on, loads, load_curve, starts, times, values, t, half
             )
         if damped:
-            outside.add_damping_work(work, state, particles, damping, half)
+            outside.add_damping_work(work, state, particles, damping, step)
         if check:
             if n == 0:
                 # The momenta half a step before the start, by reflection of those after it.

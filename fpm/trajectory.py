@@ -68,10 +68,10 @@ def to_dataset(outcome, responses=(), attributes=None) -> "xarray.Dataset":
         data,
         coords={
             "time": ("time", outcome.time, {"units": "s", "long_name": "time", "axis": "T"}),
-            "point": ("point", np.array(names, dtype=str)),
-            "axis": ("axis", np.array(list("xyz"))),
-            "hinge": ("hinge", np.array(hinges, dtype=str)),
-            "contact": ("contact", np.array(contacts, dtype=str)),
+            "point": ("point", np.array(names, dtype=str), {"long_name": "named point"}),
+            "axis": ("axis", np.array(list("xyz")), {"long_name": "global axis"}),
+            "hinge": ("hinge", np.array(hinges, dtype=str), {"long_name": "hinge"}),
+            "contact": ("contact", np.array(contacts, dtype=str), {"long_name": "hinge of the contact"}),
         },
         attrs={
             "Conventions": "CF-1.11",
@@ -115,7 +115,10 @@ def write(dataset: "xarray.Dataset", path: str | os.PathLike) -> None:
 
 
 def write_netcdf(dataset: "xarray.Dataset", path: Path) -> None:
-    """Plain netCDF-4 through the netCDF4 library: a third of the time that to_netcdf takes."""
+    """Plain netCDF-4 through the netCDF4 library: a quarter of the time that to_netcdf takes.
+
+    Names are fixed-width characters, which are quicker than strings of variable length.
+    """
     import netCDF4
 
     with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
@@ -123,12 +126,17 @@ def write_netcdf(dataset: "xarray.Dataset", path: Path) -> None:
         for name, size in dataset.sizes.items():
             file.createDimension(name, size)
         for name, variable in dataset.variables.items():
-            text = variable.dtype.kind == "U"
-            target = file.createVariable(name, str if text else variable.dtype, variable.dims)
-            target.setncatts(variable.attrs)
-            values = variable.values
+            values, dims, kind, attributes = variable.values, variable.dims, variable.dtype, {}
+            if kind.kind == "U":
+                width = max(1, kind.itemsize // 4)
+                file.createDimension(f"{name}_width", width)
+                dims, kind, attributes = (*dims, f"{name}_width"), "S1", {"_Encoding": "utf-8"}
+                values = netCDF4.stringtochar(np.char.encode(values, "utf-8").astype(f"S{width}"))
+            target = file.createVariable(name, kind, dims, fill_value=False)
+            target.setncatts({**variable.attrs, **attributes})
+            target.set_auto_chartostring(False)
             if values.size:
-                target[:] = values.astype(object) if text else values
+                target[:] = values
 
 
 def read(path: str | os.PathLike) -> "xarray.Dataset":

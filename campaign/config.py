@@ -49,11 +49,12 @@ def load_config(
 
 def check_config(raw: Mapping, source: str = "the config") -> dict:
     """`raw` with the defaults filled in; raises `ConfigError` with everything that is wrong."""
+    from campaign.presets import with_preset
     from campaign.scene_checks import scene_problems
     from campaign.schema_checks import schema_problems
 
     problems, sound = schema_problems(raw, schema())
-    config = None if sound is None else with_defaults(sound)
+    config = None if sound is None else with_defaults(with_preset(sound))
     if config is not None:
         problems += scene_problems(config)
     if problems or config is None:

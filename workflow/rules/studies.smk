@@ -75,3 +75,73 @@ rule benchmark:
         "Measuring the solver, the workflow and, where they are installed, peers"
     shell:
         "python -m benchmark --output results/benchmark > {log} 2>&1"
+
+
+# Each case and the peers are measured by one process each, so that cpu times are those of one core.
+TRADEOFF = ["three", "one", "spring", "smooth"]
+
+
+rule tradeoff:
+    input:
+        collect("results/tradeoff/cases/{case}.json", case=[*TRADEOFF, "peers"]),
+    output:
+        "results/tradeoff/summary.json",
+        "results/tradeoff/table.md",
+        collect("results/tradeoff/pareto_{case}.png", case=TRADEOFF),
+    log:
+        "results/tradeoff/logs/report.log",
+    conda:
+        "../envs/campaign.yaml"
+    message:
+        "Putting error against cost"
+    shell:
+        "python -m studies.tradeoff report {input} --output results/tradeoff > {log} 2>&1"
+
+
+rule tradeoff_case:
+    input:
+        sorted(
+            str(f)
+            for package in ["fpm", "intervals"]
+            for f in Path(workflow.basedir).glob(f"{package}/**/*.py")
+        ),
+        collect(
+            workflow.basedir + "/studies/tradeoff{part}.py",
+            part=["", "_bounds", "_cases", "_points", "_runs"],
+        ),
+    output:
+        "results/tradeoff/cases/{case}.json",
+    log:
+        "results/tradeoff/logs/{case}.log",
+    wildcard_constraints:
+        case="|".join(TRADEOFF),
+    conda:
+        "../envs/campaign.yaml"
+    message:
+        "Measuring error against cost, case {wildcards.case}"
+    shell:
+        "python -m studies.tradeoff case {wildcards.case} --output {output} > {log} 2>&1"
+
+
+# Peers that are not installed become skipped rows; docs/tradeoff.md tells how to name theirs.
+rule tradeoff_peers:
+    input:
+        sorted(
+            str(f)
+            for package in ["fpm", "intervals"]
+            for f in Path(workflow.basedir).glob(f"{package}/**/*.py")
+        ),
+        collect(
+            workflow.basedir + "/studies/tradeoff{part}.py",
+            part=["_cases", "_peer", "_peers", "_points", "_runs"],
+        ),
+    output:
+        "results/tradeoff/cases/peers.json",
+    log:
+        "results/tradeoff/logs/peers.log",
+    conda:
+        "../envs/campaign.yaml"
+    message:
+        "Measuring peers on the same runs"
+    shell:
+        "python -m studies.tradeoff peers --output {output} > {log} 2>&1"

@@ -1,0 +1,56 @@
+"""Presets of a config: mesh, step, design and held-out runs that belong together.
+
+They come from the study `snakemake -c2 tradeoff`, which measures what each costs and how wrong it
+is (docs/tradeoff.md). A preset fills in what the config itself does not say.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from typing import Any
+
+# Smolyak's points on a line are the Lobatto points of the same order; in more directions they grow
+# slowly. One order serves all.
+PRESETS: dict[str, dict[str, Any]] = {
+    "draft": {"elements": 8, "safety": 0.9, "order": 2, "held_out": 4},
+    "standard": {"elements": 16, "safety": 0.9, "order": 4, "held_out": 3},
+    "reference": {"elements": 32, "safety": 0.9, "order": 8, "held_out": 7},
+}
+
+# What the scenes call their number of elements.
+_MESH = ("elements_per_link", "elements")
+
+
+def with_preset(raw: Mapping) -> dict:
+    """A copy of `raw` with what its `preset`, if it names one, says of absent keys.
+
+    A config's own `design` counts as a whole: orders of one method mean nothing to another.
+    """
+    config = copy.deepcopy(dict(raw))
+    if "preset" not in config:
+        return config
+    preset = PRESETS[config["preset"]]
+    design = {"method": "smolyak", "order": preset["order"]}
+    config.setdefault("design", design)
+    if config["design"].get("method") != "scan":
+        config.setdefault("held_out", preset["held_out"])
+    solver = config.setdefault("solver", {})
+    if "step" not in solver:
+        solver.setdefault("safety", preset["safety"])
+    mesh = _mesh_of(config["scene"]["name"])
+    if mesh is not None:
+        parameters = config["scene"].setdefault("parameters", {})
+        parameters.setdefault(mesh, preset["elements"])
+    return config
+
+
+def _mesh_of(scene: str) -> str | None:
+    """The scene's parameter for the number of elements; None where it or the scene is unknown."""
+    import fpm
+
+    try:
+        known = fpm.scenes.get(scene).parameters
+    except fpm.SceneError:
+        return None
+    return next((name for name in _MESH if name in known), None)

@@ -1,0 +1,179 @@
+"""Error against cost: over mesh, time step, order, design, alignment of impacts, and lanes.
+
+`python -m studies.tradeoff case one --output FILE` measures one case (tradeoff_cases.py),
+`python -m studies.tradeoff peers --output FILE` other programs on the same runs, and
+`python -m studies.tradeoff report FILES --output FOLDER` writes summary.json, table.md and plots.
+
+Two errors are told apart. The surrogate's: bounds against a dense scan of the same level, that is
+of the same mesh and step. The total: bounds against the dense scan of the finest level. What single
+runs are off by, from mesh and step alone, is measured beside them.
+"""
+
+import argparse
+import json
+import math
+import sys
+import time
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+import fpm
+from studies.rows import write_text
+from studies.tradeoff_bounds import (
+    Band,
+    distance,
+    hull,
+    judge_estimate,
+    mean_width,
+    phases_of,
+    rms,
+    runs_in_band,
+    take_bounds,
+)
+from studies.tradeoff_cases import CASES, Case, Level, find
+from studies.tradeoff_points import design_of, held_out_of, points_of, scan_of
+from studies.tradeoff_runs import LANES, Runs, simulate
+
+
+def measure_case(case: Case, tell=print) -> dict:
+    """Everything that the report needs of a case, as plain numbers."""
+    levels = []
+    for level in case.levels:
+        tell(f"{case.name}: {level.label}, {level.scan} runs of the scan and the designs")
+        points = points_of(case, level.choices, level.scan)
+        levels.append((level, simulate(case, level.elements, level.safety, points)))
+    finest_level, finest = levels[-1]
+    reference, phases = hull(finest), phases_of(finest)
+    records = []
+    for level, runs in levels:
+        tell(f"{case.name}: {level.label}, bounds of {len(level.choices)} choices")
+        records += _measure_level(case, level, runs, reference, phases)
+    half = scan_of(case, finest_level.scan)
+    half = half[::2] if len(case.intervals) == 1 else half[: len(half) // 2]
+    return {
+        "case": case.name,
+        "title": case.title,
+        "dimension": len(case.intervals),
+        "responses": list(case.responses),
+        "phases": {name: _span(finest.time, mask) for name, mask in phases.items()},
+        "widths": mean_width(finest.time, reference, phases),
+        "reference": {
+            "elements": finest_level.elements,
+            "runs": len(finest.unit),
+            "cpu": finest.cost(len(finest.unit)),
+            "growth": distance(finest.time, hull(finest, points=half), reference, phases),
+        },
+        "records": records,
+        "trajectories": _measure_trajectories(case, phases, tell),
+        "lanes": _measure_lanes(case, case.levels[0]),
+    }
+
+
+def _measure_level(
+    case: Case, level: Level, runs: Runs, reference: Band, phases: dict[str, np.ndarray]
+) -> list[dict]:
+    own = hull(runs) if level.scan else None
+    records = []
+    for choice in level.choices:
+        band = take_bounds(case, choice, runs)
+        design = design_of(case, choice)
+        record = {
+            "level": level.label,
+            "elements": level.elements,
+            "safety": level.safety,
+            "step": runs.step,
+            "choice": choice.label,
+            "method": choice.method,
+            "order": choice.order,
+            "align": choice.align,
+            "impacts": choice.impacts,
+            "runs": design.runs,
+            "held_out": len(held_out_of(case, choice, design)),
+            "cpu": runs.cost(design.runs) + band.cpu,
+            "cpu_batch": runs.cpu,
+            "cpu_bounds": band.cpu,
+            "lanes": LANES,
+            "total": distance(runs.time, band, reference, phases),
+        }
+        if own is not None:
+            record["surrogate"] = distance(runs.time, band, own, phases)
+            record["estimate"] = judge_estimate(runs.time, band, own, phases)
+            record["scan"] = runs_in_band(band, runs)
+        records.append(record)
+    return records
+
+
+def _measure_trajectories(case: Case, phases: dict[str, np.ndarray], tell) -> list[dict]:
+    """Error of single runs from mesh and step: rms over LANES runs spread over the box."""
+    if not case.trajectories:
+        return []
+    points = np.linspace(-1.0, 1.0, LANES)[:, None] * np.ones(len(case.intervals))
+    found = []
+    for elements, safety in case.trajectories:
+        tell(f"{case.name}: single runs with {elements} elements, {safety} of the stable step")
+        found.append(simulate(case, elements, safety, points))
+    # what the step alone does: against the smallest step on the same mesh
+    smallest = {}
+    for (elements, _), runs in zip(case.trajectories, found, strict=True):
+        kept = smallest.setdefault(elements, runs)
+        smallest[elements] = min(kept, runs, key=lambda r: r.step)
+    rows = []
+    for (elements, safety), runs in zip(case.trajectories, found, strict=True):
+        row = {"elements": elements, "safety": safety, "step": runs.step, "cpu": runs.cpu / LANES}
+        for key, exact in (("rms", found[-1]), ("rms_step", smallest[elements])):
+            off = runs.values - exact.values
+            row[key] = [rms(off[:, i], phases) for i in range(off.shape[1])]
+        rows.append(row)
+    return rows
+
+
+def _measure_lanes(case: Case, level: Level) -> list[dict]:
+    """Cpu time of 1 and of LANES runs side by side."""
+    kind = fpm.scenes.get(case.scene)
+    scene = kind.build(**{case.mesh: level.elements}, **case.fixed)
+    rows = []
+    for count in (1, LANES):
+        best = math.inf
+        for _ in range(3):
+            start = time.process_time()
+            fpm.simulate([scene] * count, duration=case.duration, instants=case.instants)
+            best = min(best, time.process_time() - start)
+        rows.append({"lanes": count, "cpu": best})
+    return rows
+
+
+def _span(time: np.ndarray, mask: np.ndarray) -> list[float]:
+    return [float(time[mask][0]), float(time[mask][-1])]
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """The command line; see the module's text."""
+    parser = argparse.ArgumentParser(prog="python -m studies.tradeoff", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    one = commands.add_parser("case", help="measure one case")
+    one.add_argument("name", choices=[case.name for case in CASES])
+    one.add_argument("--output", type=Path, required=True, help="JSON file to write")
+    peers = commands.add_parser("peers", help="measure peers on the same runs")
+    peers.add_argument("--output", type=Path, required=True, help="JSON file to write")
+    report = commands.add_parser("report", help="rows, table and plots of measured cases")
+    report.add_argument("files", type=Path, nargs="+", help="JSON files of cases and peers")
+    report.add_argument("--output", type=Path, required=True, help="folder to write to")
+    options = parser.parse_args(arguments)
+    tell = partial(print, flush=True)
+    if options.command in ("case", "peers"):
+        from studies.tradeoff_peers import measure_peers
+
+        data = measure_peers(tell) if options.command == "peers" else None
+        data = data or measure_case(find(options.name), tell)
+        write_text(options.output, json.dumps(data, indent=1, allow_nan=False) + "\n")
+    else:
+        from studies.tradeoff_report import write_report
+
+        write_report([json.loads(path.read_text()) for path in options.files], options.output)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,110 @@
+"""Runs of a case at one discretisation, timed, as the samples that the interval side takes."""
+
+import math
+import time
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+import fpm
+import intervals
+from campaign.run import warm_up
+from studies.tradeoff_cases import Case
+from studies.tradeoff_points import box_of, unique_points
+
+LANES = 8
+"""Runs that cost what one costs: double-precision lanes of the widest vector unit."""
+_CHUNK = 8 * LANES
+
+
+@dataclass(frozen=True)
+class Runs:
+    """Runs at unit points (R, k): responses values (R, n, T), events (R, e, 3) padded with NaN.
+
+    time (T,) s; step (s) and steps of the integration; cpu (s) of a full batch of LANES runs.
+    """
+
+    case: Case
+    unit: np.ndarray
+    time: np.ndarray
+    values: np.ndarray
+    events: np.ndarray
+    step: float
+    steps: int
+    cpu: float
+
+    @property
+    def lower(self) -> np.ndarray:
+        """Least value of all the runs, (n, T)."""
+        return self.values.min(axis=0)
+
+    @property
+    def upper(self) -> np.ndarray:
+        """Largest value of all the runs, (n, T)."""
+        return self.values.max(axis=0)
+
+    @cached_property
+    def closures(self) -> list[np.ndarray]:
+        """Times of the impacts (closures after a time without contact) of each run."""
+        from intervals.impacts import GAP, find_impacts
+
+        gap = GAP * float(self.time[-1])
+        return find_impacts(*np.moveaxis(self.events, 2, 0), gap=gap, end=float(self.time[-1]))
+
+    def cost(self, runs: int) -> float:
+        """Cpu time (s) of so many runs, in whole batches."""
+        return math.ceil(runs / LANES) * self.cpu
+
+    def samples(self, points: np.ndarray):
+        """Samples dataset of the runs at `points` (N, k), the first ones nodes or not."""
+        import xarray as xr
+
+        rows = intervals.match_points(points, self.unit)
+        axes = ("run", "parameter")
+        value = box_of(self.case).from_unit(self.unit[rows])
+        data = {"unit": (axes, self.unit[rows]), "value": (axes, value)}
+        for i, name in enumerate(self.case.responses):
+            data[name] = (("run", "time"), self.values[rows, i])
+        for i, name in enumerate(("event_time", "event_contact", "event_closing")):
+            data[name] = (("run", "event"), self.events[rows, :, i])
+        coords = {"time": self.time, "parameter": list(self.case.intervals)}
+        return xr.Dataset(data, coords=coords)
+
+
+def simulate(case: Case, elements: int, safety: float, unit: np.ndarray) -> Runs:
+    """Run the case at unit points (R, k), each once; the step serves the whole box.
+
+    RuntimeError if a run breaks down.
+    """
+    kind = fpm.scenes.get(case.scene)
+    responses = [fpm.responses.parse(n, d, kind) for n, d in case.responses.items()]
+    box = box_of(case)
+
+    def scene(point):
+        named = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
+        return kind.build(**{case.mesh: elements}, **case.fixed, **named)
+
+    ends = np.vstack([np.zeros(box.dimension), box.corners()])
+    step = safety * min(fpm.stable_step(scene(point)).step for point in ends)
+    unit = unique_points(unit)
+    warm_up(print)
+    values, events, cpu = [], [], 0.0
+    for first in range(0, len(unit), _CHUNK):
+        scenes = [scene(point) for point in unit[first : first + _CHUNK]]
+        start = time.process_time()
+        outcomes = fpm.simulate(scenes, duration=case.duration, instants=case.instants, step=step)
+        cpu += time.process_time() - start
+        for outcome in outcomes:
+            if outcome.failure is not None:
+                raise RuntimeError(str(outcome.failure))
+            values.append([response.evaluate(outcome) for response in responses])
+            events.append(outcome.events)
+    table = np.full((len(events), max(1, max(map(len, events))), 3), np.nan)
+    for row, found in zip(table, events, strict=True):
+        row[: len(found)] = found
+    batches = math.ceil(len(unit) / LANES)
+    last = outcomes[-1]
+    return Runs(
+        case, unit, last.time, np.array(values), table, last.step, last.steps, cpu / batches
+    )

@@ -86,8 +86,9 @@ def draw_pareto(case: dict, path: Path) -> None:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
+    count = len(case["responses"])
     figure, axes = pyplot.subplots(
-        len(case["responses"]), 2, figsize=(11, 4 * len(case["responses"])), layout="constrained"
+        count, 2, figsize=(11, 4 * count), layout="constrained", squeeze=False
     )
     levels = list(dict.fromkeys(record["level"] for record in case["records"]))
     colours = dict(zip(levels, _COLOURS, strict=False))

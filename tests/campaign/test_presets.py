@@ -1,0 +1,63 @@
+"""Presets of a config: what they fill in, and what they leave alone."""
+
+import pytest
+
+from campaign.config import check_config
+from campaign.errors import ConfigError
+from campaign.nodes import count_runs
+from campaign.presets import PRESETS
+
+
+@pytest.fixture
+def bare(raw) -> dict:
+    """A config that leaves to a preset whatever a preset can say."""
+    for key in ("design", "held_out"):
+        del raw[key]
+    raw["scene"] = {"name": "bennett"}
+    return raw
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_fills_in_what_is_absent(bare, name):
+    config = check_config({**bare, "preset": name})
+    preset = PRESETS[name]
+    assert config["scene"]["parameters"]["elements_per_link"] == preset["elements"]
+    assert config["design"]["method"] == "smolyak"
+    assert config["design"]["order"] == preset["order"]
+    assert config["held_out"] == preset["held_out"]
+    assert config["solver"]["safety"] == preset["safety"]
+    assert config["solver"]["duration"] == 0.004
+
+
+def test_presets_cost_more_and_more(bare):
+    runs = [count_runs(check_config({**bare, "preset": name})) for name in PRESETS]
+    meshes = [preset["elements"] for preset in PRESETS.values()]
+    assert runs == sorted(runs)
+    assert meshes == sorted(set(meshes))
+
+
+def test_what_the_config_says_wins(raw):
+    with_preset = check_config({**raw, "preset": "reference"})
+    assert with_preset["scene"]["parameters"]["elements_per_link"] == 2
+    assert with_preset["design"] == check_config(raw)["design"]
+    assert with_preset["held_out"] == 2
+
+
+def test_another_scene_gets_its_own_mesh(bare):
+    bare |= {
+        "scene": {"name": "pendulum"},
+        "intervals": {"L": {"relative": 0.01}},
+        "responses": {"x": {"position": "T", "component": "x"}},
+        "preset": "draft",
+    }
+    assert check_config(bare)["scene"]["parameters"] == {"elements": PRESETS["draft"]["elements"]}
+
+
+def test_an_unknown_preset_is_refused(bare):
+    with pytest.raises(ConfigError, match=r"preset.*'quick'.*draft"):
+        check_config({**bare, "preset": "quick"})
+
+
+def test_the_presets_scene_may_be_unknown(bare):
+    with pytest.raises(ConfigError, match="sarrus"):
+        check_config({**bare, "scene": {"name": "sarrus"}, "preset": "draft"})

@@ -94,7 +94,7 @@ def draw_pareto(case: dict, path: Path) -> None:
     colours = dict(zip(levels, _COLOURS, strict=False))
     for i, name in enumerate(case["responses"]):
         for axis, kind in zip(axes[i], ("surrogate", "total"), strict=True):
-            points = []
+            points: dict[str, list] = {}
             for record in case["records"]:
                 if kind not in record:
                     continue
@@ -102,8 +102,12 @@ def draw_pareto(case: dict, path: Path) -> None:
                 mark = "aligned" if record["align"] != "none" else record["method"]
                 shape, colour = _MARKS[mark][0], colours[record["level"]]
                 axis.plot(record["cpu"], error, shape, color=colour, markersize=6)
-                points.append((record["cpu"], error))
-            axis.step(*zip(*pareto(points), strict=True), where="post", color="0.6", zorder=0)
+                # levels are rivals only where all are judged by the same reference
+                group = record["level"] if kind == "surrogate" else "all"
+                points.setdefault(group, []).append((record["cpu"], error))
+            for group, found in points.items():
+                style = {"color": colours.get(group, "0.6"), "linewidth": 1, "zorder": 0}
+                axis.step(*zip(*pareto(found), strict=True), where="post", **style)
             axis.set(xscale="log", yscale="log", xlabel="cpu time (s)")
             against = "a scan of its own level" if kind == "surrogate" else "the finest level"
             axis.set_title(f"{name}: bounds against {against}", fontsize=10)

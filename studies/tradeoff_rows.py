@@ -233,7 +233,8 @@ def _bound_rows(peers: dict) -> list[Row]:
             continue
         if row["by"] == "intervals":
             continue
-        mine = max((m for m in own if m["calls"] <= row["calls"]), key=lambda m: m["calls"])
+        fewer = [m for m in own if m["calls"] <= row["calls"]] or own[:1]
+        mine = max(fewer, key=lambda m: m["calls"])
         text = f"one: bounds of vBz at an instant, error of {row['by']} {row['method']} over ours"
         note = (
             f"{row['calls']:.0f} runs, error {row['error']:.3g} of the width, "

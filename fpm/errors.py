@@ -18,35 +18,39 @@ class SceneError(ValueError):
 
 
 class InstabilityError(RuntimeError):
-    """A run whose energy balance broke: the numbers can no longer be trusted.
+    """A run whose numbers can not be trusted: its energy balance broke, or its mesh is too coarse.
 
     Attributes: `time` (s) of the first check that failed, `element` (name of the element with the
     most strain energy, or the first non-finite one), `step` (s) used, `limit` (s) the stable step
-    of the scene at its start, `balance` (J) the energy that came from nowhere, `scale` (J).
+    of the scene at its start, `balance` (J) the energy that came from nowhere, `scale` (J), `bend`
+    the largest sine between an element's chord and its ends, where that was too large, else None.
     """
 
-    def __init__(self, time, element, step, limit, balance, scale):
+    def __init__(self, time, element, step, limit, balance, scale, bend=None):
         self.time, self.element, self.step = time, element, step
-        self.limit, self.balance, self.scale = limit, balance, scale
-        if step > limit:
-            remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
-        else:
-            remedy = (
-                "the step is below the limit of the undeformed scene, so the motion itself is "
-                "too violent for it: halve solver.step, refine the mesh, or soften the contact"
-            )
+        self.limit, self.balance, self.scale, self.bend = limit, balance, scale, bend
         found = (
             f"the energy balance is off by {balance:.3g} J of {scale:.3g} J"
             if isfinite(balance)
             else "numbers are no longer finite"
         )
+        if step > limit:
+            remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
+        elif bend is not None:
+            found = f"an element is bent by {bend:.2g} rad, more than linear beam theory bears"
+            remedy = "refine the mesh: the bend of an element falls with its length"
+        else:
+            remedy = (
+                "the step is below the limit of the undeformed scene, so the motion itself is "
+                "too violent for it: halve solver.step, refine the mesh, or soften the contact"
+            )
         super().__init__(
             f"unstable at t = {time:.6g} s: {found}, worst in element {element}; "
-            f"step {step:.4g} s, "
-            f"stable limit {limit:.4g} s; {remedy}"
+            f"step {step:.4g} s, stable limit {limit:.4g} s; {remedy}"
         )
 
     def __reduce__(self):
         return type(self), (
-            self.time, self.element, self.step, self.limit, self.balance, self.scale
+            self.time, self.element, self.step, self.limit, self.balance, self.scale,
+            self.bend,
         )  # fmt: skip

@@ -226,5 +226,6 @@ def blank_record(model: Model, instants: int, samples: int) -> Record:
         failed_step=failed,
         failed_element=np.zeros(width, np.int64),
         failed_balance=np.zeros(width, dtype),
+        bend=blank(1, 1, width, dtype),
         scale=REST_STRAIN**2 * np.sum(model.beams[:, at.AXIAL] * model.beams[:, at.LENGTH] ** 2, 0),
     )

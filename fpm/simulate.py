@@ -37,8 +37,9 @@ class Outcome:
     time (t,) s; points: name -> (position (t, 3) m, velocity (t, 3) m/s); openings: hinge ->
     (t,) rad; gap (t,) m and axis_gap (t,) rad: largest over the hinges; energies: kind -> (t,) J;
     events (e, 3): time (s), contact index, 1 if it closes; events_dropped: how many more there
-    were; final: the motion of all particles at the end; failure: None or the InstabilityError of
-    this sample, whose curves and final motion mean nothing then.
+    were; largest_bend: largest sine of the angle between an element's chord and its ends; final:
+    the motion of all particles at the end; failure: None or the InstabilityError of this sample,
+    whose curves and final motion mean nothing then.
     """
 
     scene: Scene
@@ -54,6 +55,7 @@ class Outcome:
     steps: int
     limit: StableStep
     failure: InstabilityError | None
+    largest_bend: float
     final: Motion
 
     def dataset(self, responses=(), attributes=None) -> "xarray.Dataset":
@@ -143,6 +145,7 @@ def simulate(
 
 def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> Outcome:
     from fpm.kernels.layout import ENERGIES
+    from fpm.kernels.record import MOST_BEND
 
     instants = len(record.energies) - 1
     points = {}
@@ -151,6 +154,7 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
         points[name] = (track[:, :3], track[:, 3:])
     hinges = record.hinges[:instants, :, lane]
     failure = None
+    bend = float(np.sqrt(record.bend[0, 0, lane]))
     if record.failed_step[lane] >= 0:
         limit = limit or stable_step(scene)
         balance = float(record.failed_balance[lane])
@@ -164,6 +168,7 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
             limit=limit.step,
             balance=balance,
             scale=float(record.scale[lane]),
+            bend=bend if math.isfinite(balance) and bend > MOST_BEND else None,
         )
     noted = int(record.event_count[lane])
     energies = {name: record.energies[:instants, k, lane] for k, name in enumerate(ENERGIES)}
@@ -182,6 +187,7 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
         steps=steps,
         limit=limit,
         failure=failure,
+        largest_bend=bend,
         final=_final(scene, state[:, :, lane], kept[:, :, lane]),
     )
 

@@ -62,3 +62,4 @@ class Record(NamedTuple):
     failed_element: np.ndarray  # (lanes,)
     failed_balance: np.ndarray  # (lanes,) J
     scale: np.ndarray  # (lanes,) largest energy so far
+    bend: np.ndarray  # (1, 1, lanes) largest square of the sine between a chord and an end so far

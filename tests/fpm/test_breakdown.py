@@ -78,10 +78,24 @@ def test_a_linkage_at_its_own_limit():
 
 
 def test_a_motion_too_violent_for_a_stable_step_is_told_what_to_do():
-    """Springs that bend the links into hooks: below the limit, and yet refused; a cure is named."""
-    (outcome,) = run(bennett(K_F=1e5, start_deg=60.0), factor=0.9)
+    """A contact that sets the step is shut for two steps only: refused, with a cure that helps."""
+    scene = bennett(K_C=1e7, K_F=55.0, start_deg=60.0, elements_per_link=2)
+    (outcome,) = run(scene, factor=0.9, steps=8000)
     assert outcome.failure.step < outcome.failure.limit
     assert "halve solver.step" in str(outcome.failure)
+    assert run(scene, factor=0.3, steps=24_000)[0].failure is None
+
+
+def test_a_mesh_too_coarse_for_the_bending_is_refused():
+    """Links that springs bend double: the energy balances at a small step, on a wrong curve."""
+    soft = {"E": 1e5, "start_deg": 60.0}
+    (coarse,) = run(bennett(elements_per_link=8, **soft), factor=0.1, steps=20_000)
+    assert coarse.failure.bend > 0.35
+    assert abs(coarse.failure.balance) < 0.02 * coarse.failure.scale
+    assert "refine the mesh" in str(coarse.failure)
+    (fine,) = run(bennett(elements_per_link=64, **soft), factor=0.2, steps=20_000)
+    assert fine.failure is None
+    assert 0.01 < fine.largest_bend < 0.35
 
 
 @pytest.mark.parametrize("parameters", [{"K_F": 0.0}, {"start_deg": 120.0}])

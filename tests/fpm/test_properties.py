@@ -53,8 +53,8 @@ def loaded_bar(seed: int) -> fpm.Scene:
 
 
 def run(*scenes: fpm.Scene, steps=400, step=None):
-    """Outcomes of all scenes at one step: 0.8 of the smallest limit, or as given (s)."""
-    step = step or 0.8 * min(fpm.stable_step(s).step for s in scenes)
+    """Outcomes of all scenes at one step: 0.5 of the smallest limit, or as given (s)."""
+    step = step or 0.5 * min(fpm.stable_step(s).step for s in scenes)
     outcomes = fpm.simulate(scenes, duration=steps * step, instants=INSTANTS, step=step)
     for outcome in outcomes:
         assert outcome.failure is None
@@ -63,7 +63,7 @@ def run(*scenes: fpm.Scene, steps=400, step=None):
 
 def run_each(*scenes: fpm.Scene, **more):
     """The same for scenes that cannot share a batch."""
-    step = 0.8 * min(fpm.stable_step(s).step for s in scenes)
+    step = 0.5 * min(fpm.stable_step(s).step for s in scenes)
     return [run(s, step=step, **more)[0] for s in scenes]
 
 

@@ -80,7 +80,7 @@ def durations() -> list[Row]:
 
 def oscillator(rate: float, angle: float, times: np.ndarray) -> np.ndarray:
     """Angle of theta'' + rate theta' + theta = 0 from rest at `angle`; frequency 1 rad/s."""
-    root = np.sqrt(complex(rate**2 / 4 - 1)) or 1e-8
+    root = np.sqrt(complex(rate**2 / 4 - 1)) or 1e-5
     fast, slow = -rate / 2 - root, -rate / 2 + root
     shares = fast / (fast - slow), -slow / (fast - slow)
     return (angle * (shares[0] * np.exp(slow * times) + shares[1] * np.exp(fast * times))).real

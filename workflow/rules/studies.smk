@@ -145,3 +145,60 @@ rule tradeoff_peers:
         "Measuring peers on the same runs"
     shell:
         "python -m studies.tradeoff peers --output {output} > {log} 2>&1"
+
+
+rule extremes:
+    input:
+        STUDIED_CODE,
+        sorted(str(f) for f in Path(workflow.basedir).glob("intervals/*.py")),
+        collect(
+            workflow.basedir + "/studies/{part}.py",
+            part=[
+                "extremes",
+                "extreme_parameters",
+                "extreme_runs",
+                "judge",
+                "linkage",
+                "rows",
+                "stable_step",
+                "true_limit",
+            ],
+        ),
+    output:
+        "results/extremes/summary.json",
+        "results/extremes/table.md",
+        collect(
+            "results/extremes/{plot}.{kind}",
+            plot=["stable-step", "errors"],
+            kind=["png", "pdf"],
+        ),
+    log:
+        "results/extremes/extremes.log",
+    conda:
+        "../envs/campaign.yaml"
+    message:
+        "Running the linkage at the ends of its parameters' ranges"
+    shell:
+        "python -m studies.extremes --output results/extremes > {log} 2>&1"
+
+
+rule accuracy:
+    input:
+        STUDIED_CODE,
+        collect(
+            workflow.basedir + "/studies/{part}.py",
+            part=["accuracy", "linkage", "rows"],
+        ),
+    output:
+        "results/accuracy/summary.json",
+        "results/accuracy/table.md",
+        "results/accuracy/choices.md",
+        collect("results/accuracy/errors.{kind}", kind=["png", "pdf"]),
+    log:
+        "results/accuracy/accuracy.log",
+    conda:
+        "../envs/campaign.yaml"
+    message:
+        "Measuring what meshes, steps and lumpings cost and get wrong"
+    shell:
+        "python -m studies.accuracy --output results/accuracy > {log} 2>&1"

@@ -105,10 +105,10 @@ rule tradeoff_case:
             for package in ["fpm", "intervals"]
             for f in Path(workflow.basedir).glob(f"{package}/**/*.py")
         ),
-        collect(
-            workflow.basedir + "/studies/tradeoff{part}.py",
-            part=["", "_bounds", "_cases", "_points", "_runs"],
-        ),
+        [
+            str(Path(workflow.basedir, "studies", f"tradeoff{part}.py"))
+            for part in ["", "_bounds", "_cases", "_points", "_runs"]
+        ],
     output:
         "results/tradeoff/cases/{case}.json",
     log:
@@ -131,10 +131,10 @@ rule tradeoff_peers:
             for package in ["fpm", "intervals"]
             for f in Path(workflow.basedir).glob(f"{package}/**/*.py")
         ),
-        collect(
-            workflow.basedir + "/studies/tradeoff{part}.py",
-            part=["_cases", "_peer", "_peers", "_points", "_runs"],
-        ),
+        [
+            str(Path(workflow.basedir, "studies", f"tradeoff{part}.py"))
+            for part in ["_cases", "_peer", "_peers", "_points", "_runs"]
+        ],
     output:
         "results/tradeoff/cases/peers.json",
     log:

@@ -122,7 +122,7 @@ def _mesh_rows(case: dict) -> list[Row]:
             _at_least(
                 f"one: {name}, error of 8 elements over that of the step at 0.9 of its limit",
                 mesh / step,
-                1.0,
+                3.0,
                 "single runs against 64 elements",
                 note,
             )
@@ -242,7 +242,7 @@ def _bound_rows(peers: dict) -> list[Row]:
             f"{mine['calls']:.0f} runs, {mine['error']:.3g}, {mine['seconds']:.2g} s"
         )
         ratio = row["error"] / mine["error"]
-        rows.append(_at_least(text, ratio, 0.5, "factor 2 at the same runs or fewer", note))
+        rows.append(_at_least(text, ratio, 1.0, "the same runs or fewer, side by side", note))
     return rows
 
 

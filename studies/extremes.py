@@ -45,6 +45,7 @@ def plot_steps(rows: list[Row], path: Path) -> None:
     axes.set_yticks(range(len(rows)), [r.name.removeprefix("stable step: ") for r in rows])
     axes.tick_params(axis="y", labelsize=6)
     axes.set(xlim=(stable_step.LOWEST, 1.02), xlabel="estimated / true stable step")
+    axes.margins(y=0.005)
     axes.invert_yaxis()
     save(figure, path)
 
@@ -69,6 +70,7 @@ def plot_errors(rows: list[Row], path: Path) -> None:
     axes.set_yticks(range(len(names)), names)
     axes.tick_params(axis="y", labelsize=5)
     axes.set(xscale="log", xlabel="error / stated accuracy")
+    axes.margins(y=0.005)
     axes.invert_yaxis()
     axes.legend(loc="lower left")
     save(figure, path)

@@ -140,16 +140,16 @@ def find_failures(state, model, record, row, n, tolerance):
         if not (balanced and record.bend[0, 0, s] <= MOST_BEND * MOST_BEND):
             record.failed_step[s] = n
             record.failed_balance[s] = record.energies[row, BALANCE, s]
-            record.failed_element[s] = worst_element(state, model, s)
+            record.failed_element[s] = worst_element(state, model, s, balanced)
             left -= 1
     return left == 0
 
 
 @kernel
-def worst_element(state, model, s):
+def worst_element(state, model, s, beams_only):
     """Index of the first element of lane s with an energy that is not finite, else the largest.
 
-    Order: beams, springs, contacts.
+    Order: beams, springs, contacts. beams_only: the balance holds, and what is wrong is a bend.
     """
     out, m = model.element_energy, model.nodes.shape[0]
     for e in range(m):
@@ -162,7 +162,7 @@ def worst_element(state, model, s):
         value = contact_energy(model.openings, model.contact_on, model.contacts, i)
         store(out, m + i, 0, value)
     worst = 0
-    for e in range(out.shape[0]):
+    for e in range(model.nodes.shape[0] if beams_only else out.shape[0]):
         if not abs(out[e, 0, s]) < float("inf"):
             return e
         if out[e, 0, s] > out[worst, 0, s]:

@@ -91,6 +91,7 @@ def test_a_mesh_too_coarse_for_the_bending_is_refused():
     soft = {"E": 1e5, "start_deg": 60.0}
     (coarse,) = run(bennett(elements_per_link=8, **soft), factor=0.1, steps=20_000)
     assert coarse.failure.bend > 0.35
+    assert coarse.failure.element.startswith("link ")
     assert abs(coarse.failure.balance) < 0.02 * coarse.failure.scale
     assert "refine the mesh" in str(coarse.failure)
     (fine,) = run(bennett(elements_per_link=64, **soft), factor=0.2, steps=20_000)

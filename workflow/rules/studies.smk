@@ -31,7 +31,7 @@ rule calibration:
         STUDIED_CODE,
         sorted(str(f) for f in Path(workflow.basedir).glob("intervals/*.py")),
         collect(
-            workflow.basedir + "/studies/calibration{part}.py",
+            str(Path(workflow.basedir, "studies", "calibration{part}.py")),
             part=["", "_report", "_figures"],
         ),
     output:
@@ -152,7 +152,7 @@ rule extremes:
         STUDIED_CODE,
         sorted(str(f) for f in Path(workflow.basedir).glob("intervals/*.py")),
         collect(
-            workflow.basedir + "/studies/{part}.py",
+            str(Path(workflow.basedir, "studies", "{part}.py")),
             part=[
                 "extremes",
                 "extreme_parameters",
@@ -186,7 +186,7 @@ rule accuracy:
     input:
         STUDIED_CODE,
         collect(
-            workflow.basedir + "/studies/{part}.py",
+            str(Path(workflow.basedir, "studies", "{part}.py")),
             part=["accuracy", "linkage", "rows"],
         ),
     output:

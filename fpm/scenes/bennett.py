@@ -44,7 +44,7 @@ PARAMETERS = {
     "start_deg": Parameter(
         3.0, "degree", "opening at B by which the start is short of the folded bundle", 0.0, 180.0
     ),
-    "elements_per_link": Parameter(8, "1", "beam elements of a link", lower=1, kind="integer"),
+    "elements_per_link": Parameter(12, "1", "beam elements of a link", lower=1, kind="integer"),
     "inertia_scale": Parameter(1.0, "1", "factor on the section's rotational inertia", lower=1.0),
     "supports": Parameter(
         "plane",

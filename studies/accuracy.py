@@ -2,9 +2,9 @@
 
 The paper's linkage is run with many meshes, steps, factors on the rotational inertia and lumpings
 of the mass, and compared with a reference of 80 elements a link, whose step is more than twenty
-times shorter than that of 12. Errors are told apart by phase of the motion: before the first closure,
-between the closures, after the second; past an impact the curves of a finer mesh still differ, and
-by how much two equally good runs differ is measured by changing the step a little.
+times shorter than that of 12. Errors are told apart by phase of the motion: before the first
+closure, between the closures, after the second; past an impact the curves of a finer mesh still
+differ, and by how much two equally good runs differ is measured by changing the step a little.
 """
 
 import argparse

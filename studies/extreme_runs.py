@@ -113,7 +113,7 @@ def damping() -> list[Row]:
 def precision() -> list[Row]:
     """Single against double precision: sixteen lanes against eight of the same register."""
     duration = closing_time()
-    scenes = [build(a=0.035 * (1 + 1e-3 * i)) for i in range(16)]
+    scenes = [build(a=0.035 * (1 + 1e-3 * i), elements_per_link=8) for i in range(16)]
     found, cost = {}, {}
     for dtype in (np.float64, np.float32):
         fpm.simulate(scenes, duration=1e-4, instants=2, dtype=dtype)  # compile

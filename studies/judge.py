@@ -20,10 +20,10 @@ from studies.linkage import (
 from studies.rows import Row
 from verification.rigid_bennett import RigidBennett
 
-DEFAULT = (8, 0.9)
+DEFAULT = (12, 0.9)
 """Elements a link and share of the stable step."""
 
-REMEDIES = ((8, 0.45), (16, 0.45), (16, 0.2), (32, 0.2), (64, 0.2))
+REMEDIES = ((12, 0.45), (16, 0.2), (32, 0.2), (64, 0.2))
 VELOCITY = 0.05
 """The root mean square error of B's velocity may be this share of its range, or four times the
 tolerance of BD if that is more."""

@@ -45,7 +45,8 @@ def _interval(name: str, definition: Mapping, given: Mapping, scene_type: Any) -
     parameter = scene_type.parameters[name]
     if parameter.kind != "real":
         raise _RefusedError(
-            f": {name} is a {parameter.kind} and cannot be an interval; allowed: {', '.join(real)}"
+            f": {name} is of kind {parameter.kind} and cannot be an interval; "
+            f"allowed: {', '.join(real)}"
         )
     if name in given and "nominal" in definition:
         raise _RefusedError(

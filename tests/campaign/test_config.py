@@ -50,6 +50,7 @@ REFUSED = [
     ("design.method", "guess", ["design.method", "'guess'", "tensor_roots"]),
     ("responses.BD", {"distance": ["B", "Q"]}, ["responses.BD", "'Q'", "A, B, C, D"]),
     ("responses.BD", {"distance": ["B", "B"]}, ["responses.BD", "two different points"]),
+    ("responses.time", {"opening": "A"}, ["responses.time", "something else"]),
     ("responses.x", {"speed": "B"}, ["responses.x", "velocity"]),
     ("responses.x", {"velocity": "B"}, ["responses.x", "component"]),
     ("responses.x", {"opening": "Z"}, ["responses.x", "'Z'"]),
@@ -69,6 +70,7 @@ REFUSED = [
     ("jobs.keep", "all", ["jobs.keep", "'all'", "trajectories"]),
     ("desgin", {}, ["desgin", "did you mean design?"]),
     ("campaign", "../x", ["campaign", "'../x'", "letters"]),
+    ("campaign", "tradeoff", ["campaign", "'tradeoff'", "not the name of a study"]),
     ("scene", 3, ["scene", "3", "mapping"]),
 ]
 

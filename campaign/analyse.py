@@ -48,15 +48,16 @@ def analyse(
             bounds = intervals.bounds_dataset(samples, design, names)
         else:
             bounds = intervals.event_bounds_dataset(samples, design, names, alignment=align)
-        for key in ("lower", "upper", "nominal"):
+        for key in ("unit", "lower", "upper", "nominal"):
             bounds[f"parameter_{key}"] = samples[f"parameter_{key}"]
-        write_dataset(bounds, bounds_path)
-        write_dataset(surrogate_dataset(samples, design, names), surrogate_path)
+        write_dataset(bounds, bounds_path, "Bounds of the responses")
+        surrogate = surrogate_dataset(samples, design, names)
+        write_dataset(surrogate, surrogate_path, "Surrogates of the responses")
         if design.method == "scan" and made_for["design"]["order"] is None:
             sensitivities = xr.Dataset(attrs={**samples.attrs, "responses": ""})
         else:
             sensitivities = intervals.sensitivity_dataset(samples, design, names)
-        write_dataset(sensitivities, sensitivities_path)
+        write_dataset(sensitivities, sensitivities_path, "Influence of each parameter")
 
 
 def surrogate_dataset(samples: Any, design: Any, names: list[str]) -> Any:
@@ -70,9 +71,17 @@ def surrogate_dataset(samples: Any, design: Any, names: list[str]) -> Any:
     indices = parts[0].design.multi_indices  # all parts have the same
     corner = ("part", "parameter")
     data: dict[str, tuple] = {
-        "multi_index": (("term", "parameter"), indices, {"long_name": "degree"}),
-        "part_lower": (corner, [p.lower for p in parts], {"long_name": "lower unit coordinate"}),
-        "part_upper": (corner, [p.upper for p in parts], {"long_name": "upper unit coordinate"}),
+        "multi_index": (("term", "parameter"), indices, {"units": "1", "long_name": "degree"}),
+        "part_lower": (
+            corner,
+            [p.lower for p in parts],
+            {"units": "1", "long_name": "lower unit coordinate"},
+        ),
+        "part_upper": (
+            corner,
+            [p.upper for p in parts],
+            {"units": "1", "long_name": "upper unit coordinate"},
+        ),
     }
     if len(indices):
         rows = [match_points(part.points, samples["unit"].values) for part in parts]
@@ -89,8 +98,10 @@ def surrogate_dataset(samples: Any, design: Any, names: list[str]) -> Any:
     return xr.Dataset(data, coords=coords, attrs=samples.attrs)
 
 
-def write_dataset(dataset: Any, path: str | Path) -> None:
-    """Write a dataset compressed, whole or not at all."""
+def write_dataset(dataset: Any, path: str | Path, title: str) -> None:
+    """Write a dataset compressed, whole or not at all; `title` says what it holds."""
+    titled = f"{title}, campaign {dataset.attrs['campaign']}"
+    dataset = dataset.assign_attrs(title=titled)
     encoding = {
         name: {"zlib": True, "complevel": 1}
         for name, variable in dataset.variables.items()

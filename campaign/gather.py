@@ -2,7 +2,7 @@
 
     dims   run, time, parameter, event
     unit(run, parameter)    coordinates in the box, -1 to 1
-    value(run, parameter)   parameter values
+    value(run, parameter)   parameter values, in the units parameter_unit(parameter)
     role(run)               node, nominal or held_out
     run_id(run)
     <response>(run, time)   with units and long_name
@@ -79,13 +79,16 @@ def _write_runs(file: Any, plan: Mapping) -> None:
         variable = file.createVariable(name, "f8", ("run", "parameter"))
         variable[:] = np.array([run[key] for run in runs])
         variable.long_name = long_name
+    file["unit"].units = "1"
+    units = parameter_units(config["scene"]["name"], plan["names"])
+    _text(file, "parameter_unit", "parameter", units, "unit of the parameter")
     for key in ("lower", "upper", "nominal"):
         variable = file.createVariable(f"parameter_{key}", "f8", ("parameter",))
         variable[:] = plan[key]
         variable.long_name = f"{key} value of the parameter"
     file.setncatts(
         {
-            "Conventions": "CF-1.10",
+            "Conventions": "CF-1.11",
             "title": f"Responses of all runs of the campaign {plan['campaign']}",
             "campaign": plan["campaign"],
             "scene": config["scene"]["name"],
@@ -98,6 +101,14 @@ def _write_runs(file: Any, plan: Mapping) -> None:
             "data_version": str(plan["data_version"]),
         }
     )
+
+
+def parameter_units(scene: str, names: Sequence[str]) -> list[str]:
+    """Units of a scene's parameters."""
+    import fpm
+
+    known = fpm.scenes.get(scene).parameters
+    return [known[name].unit for name in names]
 
 
 def _define_responses(file: Any, run: Mapping, names: Sequence[str]) -> None:
@@ -121,14 +132,13 @@ def _define_responses(file: Any, run: Mapping, names: Sequence[str]) -> None:
             chunksizes=chunk,
         )
         variable.setncatts(run["attributes"][name])
-    for name, long_name in (
-        ("event_time", "time at which a contact closes or opens"),
-        ("event_contact", "index of the contact"),
-        ("event_closing", "1 where it closes, 0 where it opens"),
+    for name, units, long_name in (
+        ("event_time", "s", "time at which a contact closes or opens"),
+        ("event_contact", "1", "index of the contact"),
+        ("event_closing", "1", "1 where it closes, 0 where it opens"),
     ):
         variable = file.createVariable(name, "f8", ("run", "event"), fill_value=np.nan)
-        variable.long_name = long_name
-    file["event_time"].units = "s"
+        variable.setncatts({"units": units, "long_name": long_name})
 
 
 def _text(file: Any, name: str, dimension: str, values: Sequence[str], long_name: str) -> None:

@@ -11,6 +11,7 @@ from numpy.polynomial import chebyshev
 
 from campaign.figures import draw_envelopes
 from campaign.linkage import draw_nominal, moments
+from campaign.scene_checks import TAKEN
 from campaign.summary import as_text, summarise
 from campaign.units import pretty
 
@@ -86,6 +87,37 @@ def test_figures_are_drawn_as_png_and_pdf_and_are_the_same_again(finished, tmp_p
         assert first == (tmp_path / "second" / name).read_bytes()
         assert first.startswith(b"\x89PNG" if name.endswith("png") else b"%PDF")
         assert len(first) > 5000
+
+
+def files_of(finished) -> list:
+    """All netCDF files of the campaign, one trajectory among them."""
+    trajectory = next(finished["trajectories"].glob("*.nc"))
+    return [trajectory, *(finished[n] for n in ("samples", "surrogate", "bounds", "sensitivities"))]
+
+
+def test_no_response_can_take_the_name_of_something_else(finished):
+    for path in files_of(finished):
+        with xr.open_dataset(path) as file:
+            names = {str(n) for n in {*file.variables, *file.dims}}
+        own = {n for n in names if n in ("BD", "vBz") or n.startswith(("BD_", "vBz_"))}
+        assert own
+        assert names - own <= TAKEN, path.name
+
+
+def test_files_tell_what_is_in_them(finished):
+    titles = set()
+    for path in files_of(finished):
+        with xr.open_dataset(path, decode_times=False) as file:
+            titles.add(file.attrs["title"])
+            assert file.attrs["Conventions"] == "CF-1.11"
+            for name, variable in file.variables.items():
+                assert "long_name" in variable.attrs, (path.name, name)
+                # The values of several parameters have several units: parameter_unit.
+                if variable.dtype.kind in "fiu" and variable.dims[-1:] != ("parameter",):
+                    assert "units" in variable.attrs, (path.name, name)
+    assert len(titles) == 5
+    with xr.open_dataset(finished["samples"]) as samples:
+        assert samples["parameter_unit"].values.tolist() == ["m"]
 
 
 def test_moments_go_from_the_start_to_the_first_closure():

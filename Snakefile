@@ -8,6 +8,9 @@ from snakemake.utils import min_version
 min_version("8.11")
 
 
+report: "workflow/report/workflow.rst"
+
+
 include: "workflow/rules/common.smk"
 include: CAMPAIGN.plan_rules
 include: "workflow/rules/runs.smk"

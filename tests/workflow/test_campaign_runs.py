@@ -7,6 +7,7 @@ import os
 import re
 import signal
 import subprocess
+import sys
 import time
 
 import numpy as np
@@ -52,6 +53,20 @@ def test_a_second_call_has_nothing_to_do(small):
     again = small.snakemake(*SMALL)
     assert again.returncode == 0
     assert "Nothing to be done" in again.stdout
+
+
+@pytest.mark.parametrize("arguments", [["--unlock"], ["--report", "report.html"]])
+def test_what_runs_no_job_needs_no_number_of_cores(small, arguments):
+    command = [sys.executable, "-m", "snakemake", *SMALL, *arguments]
+    done = subprocess.run(
+        command, cwd=small.folder, env=small.environment(),
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    if "--report" in arguments:
+        report = (small.folder / "report.html").read_text(encoding="utf-8")
+        for words in ("BD.png", "linkage.png", "summary.md", "The arrow marks the largest"):
+            assert words in report
 
 
 def test_the_same_campaign_gives_the_same_numbers(small, workplace):

@@ -5,7 +5,11 @@ rule envelopes:
     input:
         "{stage}/bounds.nc",
     output:
-        CAMPAIGN.envelope_figures("{stage}"),
+        report(
+            CAMPAIGN.envelope_figures("{stage}"),
+            caption="../report/envelope.rst",
+            category="Bounds",
+        ),
     log:
         "{stage}/logs/envelopes.log",
     conda:
@@ -24,7 +28,11 @@ rule sensitivities:
     input:
         "{stage}/sensitivities.nc",
     output:
-        "{stage}/figures/sensitivities.png",
+        report(
+            "{stage}/figures/sensitivities.png",
+            caption="../report/sensitivities.rst",
+            category="Parameters",
+        ),
         "{stage}/figures/sensitivities.pdf",
     log:
         "{stage}/logs/sensitivities.log",
@@ -43,7 +51,11 @@ rule linkage:
     input:
         "{stage}/samples.nc",
     output:
-        "{stage}/figures/linkage.png",
+        report(
+            "{stage}/figures/linkage.png",
+            caption="../report/linkage.rst",
+            category="Structure",
+        ),
         "{stage}/figures/linkage.pdf",
     log:
         "{stage}/logs/linkage.log",
@@ -67,7 +79,11 @@ rule summary:
         nodes="{stage}/nodes.json",
     output:
         json="{stage}/summary.json",
-        text="{stage}/summary.md",
+        text=report(
+            "{stage}/summary.md",
+            caption="../report/summary.rst",
+            category="Summary",
+        ),
     log:
         "{stage}/logs/summary.log",
     conda:

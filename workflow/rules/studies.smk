@@ -54,7 +54,8 @@ rule calibration:
         " > {log} 2>&1"
 
 
-# Timed, so it asks for all cores; `--force benchmark` repeats it on unchanged code.
+# Timed, so it asks for more cores than there are and gets all of them (`workflow.cores` would make
+# `--unlock` and `--report` ask for `-c` too); `--force benchmark` repeats it on unchanged code.
 rule benchmark:
     input:
         sorted(
@@ -70,7 +71,7 @@ rule benchmark:
         "results/benchmark/benchmark.log",
     conda:
         "../envs/campaign.yaml"
-    threads: workflow.cores
+    threads: 1024
     message:
         "Measuring the solver, the workflow and, where they are installed, peers"
     shell:

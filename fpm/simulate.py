@@ -134,7 +134,9 @@ def simulate(
         state, model = pack(batch, width, dtype)
         record = blank_record(model, instants, len(batch))
         kept = blank(*state.shape, dtype)
-        run(state, kept, model, record, step, steps, per_instant, per_check, energy_tolerance)
+        # A whole number would be another type, for which the loop would be compiled again.
+        tolerance = float(energy_tolerance)
+        run(state, kept, model, record, step, steps, per_instant, per_check, tolerance)
         for lane, scene in enumerate(batch):
             limit = None if limits is None else limits[first + lane]
             outcomes.append(

@@ -71,7 +71,7 @@ def to_dataset(outcome, responses=(), attributes=None) -> "xarray.Dataset":
             "point": ("point", np.array(names, dtype=str), {"long_name": "named point"}),
             "axis": ("axis", np.array(list("xyz")), {"long_name": "global axis"}),
             "hinge": ("hinge", np.array(hinges, dtype=str), {"long_name": "hinge"}),
-            "contact": ("contact", np.array(contacts, dtype=str), {"long_name": "hinge of the contact"}),
+            "contact": ("contact", np.array(contacts, dtype=str), {"long_name": "its hinge"}),
         },
         attrs={
             "Conventions": "CF-1.11",

@@ -4,8 +4,8 @@ Half of each element's mass at either end (the trapezium rule) overstates the tr
 a link of n elements by 2/n². Gregory's end corrections -1/8, 1/6, -1/24 of an element's mass on the
 first three particles from either end remove that: the weights 3/8, 7/6, 23/24, 1, ... are a
 quadrature of third order (n = 2: Simpson's rule, n = 3: his 3/8 rule), so mass, centre and inertia
-M L²/12 of the slender bar are exact for every n >= 2, and the first natural frequencies come out ten
-times better than with corrections of lower order. Source: Hildebrand, Introduction to Numerical
+M L²/12 of the slender bar are exact for every n >= 2, and the first natural frequencies come out
+ten times better than with corrections of lower order. Source: Hildebrand, Introduction to Numerical
 Analysis, 2nd ed., § 5.9.
 
 Rotational inertia of the section: each element brings rho Ip l about the bar's axis and

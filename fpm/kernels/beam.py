@@ -8,7 +8,6 @@ from fpm.kernels.vectors import (
     cross,
     dot,
     get3,
-    inlined,
     kernel,
     put3,
     scale,
@@ -19,14 +18,14 @@ from fpm.kernels.vectors import (
 SIXTH = 1.0 / 6.0
 
 
-@inlined
+@kernel
 def angle(s):
     """The angle of which s is the sine, to fifth order, and its derivative."""
     s2 = s * s
     return s * (1.0 + SIXTH * s2), 1.0 + 0.5 * s2
 
 
-@inlined
+@kernel
 def own_axes(state, a, b):
     """Axes 2 and 3 of an element as its ends a and b carry them, where they are the particles'."""
     return (
@@ -37,7 +36,7 @@ def own_axes(state, a, b):
     )
 
 
-@inlined
+@kernel
 def framed_axes(state, axes, e, a, b):
     """Axes 2 and 3 of element e as its ends carry them; axes (m, AXES, lanes) in their frames."""
     return (
@@ -62,7 +61,7 @@ def chords(state, nodes, beams, out):
         store(out, e, 4, load(beams, e, AXIAL) * (length - load(beams, e, LENGTH)))
 
 
-@inlined
+@kernel
 def add_forces(state, beams, chord, e, a, b, a2, a3, b2, b3):
     """Add the end forces and moments of element e, whose axes are given, to particles a and b."""
     n, inverse = get3(chord, e, 0), load(chord, e, 3)
@@ -134,7 +133,7 @@ def note_bends(state, nodes, axes, bend):
     store(bend, 0, 0, worst)
 
 
-@inlined
+@kernel
 def beam_energy(state, nodes, beams, axes, e):
     """Strain energy (J) of element e."""
     a, b = nodes[e, 0], nodes[e, 1]

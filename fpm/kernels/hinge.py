@@ -21,7 +21,6 @@ from fpm.kernels.vectors import (
     cross,
     dot,
     get3,
-    inlined,
     invert,
     kernel,
     put3,
@@ -62,21 +61,21 @@ G = 42  # inverse of the supports' Schur complement (6)
 TURN = 48  # moment impulses about p and q on body 2 in the last step
 
 
-@inlined
+@kernel
 def get6(a, i, k):
     """The six lanes in fields k .. k+5 of row i."""
     x, y = get3(a, i, k), get3(a, i, k + 3)
     return x[0], x[1], x[2], y[0], y[1], y[2]
 
 
-@inlined
+@kernel
 def put6(a, i, k, s):
     """Write six lanes to fields k .. k+5 of row i."""
     put3(a, i, k, (s[0], s[1], s[2]))
     put3(a, i, k + 3, (s[3], s[4], s[5]))
 
 
-@inlined
+@kernel
 def world_inverse(state, i, j):
     """Inverse inertia of particle i in global components (xx, yy, zz, xy, xz, yz)."""
     a, b, c = get3(state, i, D), get3(state, i, D + 3), get3(state, i, D + 6)
@@ -91,7 +90,7 @@ def world_inverse(state, i, j):
     )
 
 
-@inlined
+@kernel
 def point_response(inverse_mass, j, r):
     """Velocity of a point at arm r per unit impulse there: M^-1 - [r] J^-1 [r] (6)."""
     xx, yy, zz, xy, xz, yz = j
@@ -192,7 +191,7 @@ def prepare_matrices(b, w):
         put6(w, h, S, invert(schur))
 
 
-@inlined
+@kernel
 def solve(w, h, g, ep, eq):
     """Impulse (3) and moment impulses about p and q that change the gap rates by g, ep, eq."""
     cpp, cqq, cpq = get3(w, h, C)
@@ -203,7 +202,7 @@ def solve(w, h, g, ep, eq):
     return force, yp - dot(rp, force), yq - dot(rq, force)
 
 
-@inlined
+@kernel
 def column(k1, b1, axis):
     """Effect of a unit impulse along a global axis on body 1's hinge point: point (3), p, q."""
     xx, yy, zz, xy, xz, yz = k1
@@ -258,7 +257,7 @@ def prepare_supports(hinges, held, b, w):
         put6(w, h, G, inverse)
 
 
-@inlined
+@kernel
 def impulses(h, hinges, held, b, w, point, gap, ep, eq, rate):
     """Impulses that close the gaps: force on body 1 and on 2 (3 each), moments on 2 about p, q.
 
@@ -281,7 +280,7 @@ def impulses(h, hinges, held, b, w, point, gap, ep, eq, rate):
     return on_one, scale(-1.0, force), mp, mq
 
 
-@inlined
+@kernel
 def add_impulse(state, i, r, bodies, b, impulse, moment):
     """Change the momenta of particle i, body r, by an impulse at its arm and a moment impulse."""
     put3(state, i, V, add(get3(state, i, V), times(get3(bodies, r, HIM), impulse)))
@@ -290,7 +289,7 @@ def add_impulse(state, i, r, bodies, b, impulse, moment):
     put3(b, r, LAST, add(get3(b, r, LAST), impulse))
 
 
-@inlined
+@kernel
 def push_apart(state, ends, bodies, b, w, h, on_one, on_two, mp, mq):
     """Apply the impulses of hinge h to its bodies."""
     one, two = 2 * h, 2 * h + 1
@@ -316,7 +315,7 @@ def prepare(state, ends, bodies, hinges, held, supported, b, w, kick):
         prepare_supports(hinges, held, b, w)
 
 
-@inlined
+@kernel
 def gaps(state, ends, bodies, h):
     """Hinge point of body 1, its gap (3) to that of 2, and the axis gap about p and q (rad)."""
     one, two = 2 * h, 2 * h + 1
@@ -329,7 +328,7 @@ def gaps(state, ends, bodies, h):
     return point, sub(point, other), -dot(q, axis), dot(p, axis)
 
 
-@inlined
+@kernel
 def move_from_start(state, i, r, bodies, b, step):
     """Move particle i, body r, from the start of the step, with its present momenta."""
     put3(state, i, X, axpy(step, get3(state, i, V), get3(b, r, OLD_X)))

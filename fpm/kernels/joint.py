@@ -4,14 +4,14 @@ import math
 
 from fpm.kernels.lanes import absolute, floor, load, store, where_negative
 from fpm.kernels.layout import AXIS, REF, D, M
-from fpm.kernels.vectors import axpy, cross, dot, get3, inlined, kernel, put3, to_global
+from fpm.kernels.vectors import axpy, cross, dot, get3, kernel, put3, to_global
 
 HALF_PI = math.pi / 2
 QUARTER_PI = math.pi / 4
 TURN = 2 * math.pi
 
 
-@inlined
+@kernel
 def arctan(x):
     """Arc tangent of lanes in [0, 1], to 2e-16; rational form of Cephes (Moshier 1989)."""
     high = where_negative(0.66 - x, 1.0, 0.0 * x)
@@ -29,7 +29,7 @@ def arctan(x):
     return QUARTER_PI * high + (x + x * z * (p / q))
 
 
-@inlined
+@kernel
 def arctan2(s, c):
     """Angle in (-pi, pi] with sine and cosine in the ratio s : c, without a branch."""
     a, b = absolute(s), absolute(c)
@@ -59,7 +59,7 @@ def update_openings(state, ends, bodies, openings):
         store(openings, h, 0, angle + TURN * turns)
 
 
-@inlined
+@kernel
 def turn_hinge(state, ends, bodies, h, moment):
     """Add a moment about the axis of hinge h to its second particle, its opposite to the first."""
     one, two = ends[2 * h], ends[2 * h + 1]
@@ -87,14 +87,14 @@ def contact_forces(state, ends, bodies, openings, on, contacts):
         turn_hinge(state, ends, bodies, h, load(contacts, i, 0) * overlap)
 
 
-@inlined
+@kernel
 def spring_energy(openings, on, springs, i):
     """Energy of torsion spring i (J)."""
     off = load(openings, on[i], 0) - load(springs, i, 1)
     return 0.5 * load(springs, i, 0) * off * off
 
 
-@inlined
+@kernel
 def contact_energy(openings, on, contacts, i):
     """Energy of contact i (J)."""
     psi = load(openings, on[i], 0)

@@ -9,7 +9,6 @@ from fpm.kernels.vectors import (
     cross,
     dot,
     get3,
-    inlined,
     kernel,
     put3,
     scale,
@@ -72,7 +71,7 @@ def add_load_work(work, state, particles, on, loads, curves, starts, times_, val
     store(work, 0, 0, load(work, 0, 0) + step * total)
 
 
-@inlined
+@kernel
 def spin(state, particles, i):
     """Angular velocity of particle i in global axes (rad/s)."""
     local = times(get3(particles, i, IJ), to_local(state, i, D, get3(state, i, P)))

@@ -11,10 +11,10 @@ e.g. Hairer, Lubich, Wanner, Geometric Numerical Integration, VII.5; quaternions
 
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import D, Q
-from fpm.kernels.vectors import add, cross, dot, inlined, kernel, put3, scale, times
+from fpm.kernels.vectors import add, cross, dot, kernel, put3, scale, times
 
 
-@inlined
+@kernel
 def half_turn(body, inverse_inertia, step):
     """Half the rotation vector of a step, in body axes: 0.5 step J^-1 p at the midpoint.
 
@@ -25,7 +25,7 @@ def half_turn(body, inverse_inertia, step):
     return times(rate, add(body, cross(body, turn)))
 
 
-@inlined
+@kernel
 def turned(q, half):
     """Quaternion q (4 lanes) after the body-fixed turn with half the rotation vector `half`."""
     t = dot(half, half)
@@ -51,13 +51,13 @@ def normalise(state):
         put_rotation(state, i, (a * length, b * length, c * length, d * length))
 
 
-@inlined
+@kernel
 def get4(a, i, k):
     """The four lanes in fields k .. k+3 of row i."""
     return load(a, i, k), load(a, i, k + 1), load(a, i, k + 2), load(a, i, k + 3)
 
 
-@inlined
+@kernel
 def put_rotation(state, i, q):
     """Store the quaternion of particle i and the directors that follow from it."""
     w, x, y, z = q

@@ -10,14 +10,13 @@ from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import IJ, IM, D, F, M, P, Q, V, X
 from fpm.kernels.record import find_failures, keep, note_events, record_after, record_before
 from fpm.kernels.rotation import get4, half_turn, normalise, put_rotation, turned
-from fpm.kernels.vectors import axpy, get3, inlined, kernel, put3, scale, sub, to_local
-
+from fpm.kernels.vectors import axpy, get3, kernel, put3, scale, sub, to_local
 
 NORMALISE_EVERY = 64
 """Steps between two corrections of the quaternions' length, which only rounding changes."""
 
 
-@inlined
+@kernel
 def kick_and_move(state, particles, i, kick, step):
     """Kick particle (or pair) i for `kick` s, move it for `step` s, clear its forces."""
     v = axpy(kick * load(particles, i, IM), get3(state, i, F), get3(state, i, V))

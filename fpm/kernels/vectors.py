@@ -7,20 +7,19 @@ from fpm.kernels.lanes import load, store
 OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True}
 """Compiler options of every kernel: no branches for division by zero, no GIL."""
 
-kernel = njit(**OPTIONS)
-"""Compile a kernel that is called as it is."""
+kernel = njit(forceinline=True, **OPTIONS)
+"""Compile a kernel into its callers. A call would spill all vector registers; and a kernel that
+stood alone as well could be rounded otherwise there than in the cached time loop.
+"""
 
-inlined = njit(forceinline=True, **OPTIONS)
-"""Compile a small function into its callers: a call would spill all vector registers."""
 
-
-@inlined
+@kernel
 def get3(a, i, k):
     """The vector in fields k, k+1, k+2 of row i."""
     return load(a, i, k), load(a, i, k + 1), load(a, i, k + 2)
 
 
-@inlined
+@kernel
 def put3(a, i, k, v):
     """Write a vector to fields k, k+1, k+2 of row i."""
     store(a, i, k, v[0])
@@ -28,13 +27,13 @@ def put3(a, i, k, v):
     store(a, i, k + 2, v[2])
 
 
-@inlined
+@kernel
 def dot(a, b):
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@inlined
+@kernel
 def cross(a, b):
     """Vector product."""
     return (
@@ -44,49 +43,49 @@ def cross(a, b):
     )
 
 
-@inlined
+@kernel
 def add(a, b):
     """Sum."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@inlined
+@kernel
 def sub(a, b):
     """Difference."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@inlined
+@kernel
 def scale(c, a):
     """Scalar times vector."""
     return c * a[0], c * a[1], c * a[2]
 
 
-@inlined
+@kernel
 def axpy(c, a, b):
     """c a + b."""
     return c * a[0] + b[0], c * a[1] + b[1], c * a[2] + b[2]
 
 
-@inlined
+@kernel
 def times(a, b):
     """Component by component."""
     return a[0] * b[0], a[1] * b[1], a[2] * b[2]
 
 
-@inlined
+@kernel
 def to_global(a, i, k, v):
     """Global components of the vector v given along the three axes in fields k .. k+8 of row i."""
     return axpy(v[0], get3(a, i, k), axpy(v[1], get3(a, i, k + 3), scale(v[2], get3(a, i, k + 6))))
 
 
-@inlined
+@kernel
 def to_local(a, i, k, v):
     """Components of v along the three axes in fields k .. k+8 of row i."""
     return dot(get3(a, i, k), v), dot(get3(a, i, k + 3), v), dot(get3(a, i, k + 6), v)
 
 
-@inlined
+@kernel
 def symmetric(s, v):
     """Product of a symmetric matrix (xx, yy, zz, xy, xz, yz) and a vector."""
     return (
@@ -96,7 +95,7 @@ def symmetric(s, v):
     )
 
 
-@inlined
+@kernel
 def invert(s):
     """Inverse of a symmetric 3 by 3 matrix (xx, yy, zz, xy, xz, yz), by cofactors."""
     xx = s[1] * s[2] - s[5] * s[5]

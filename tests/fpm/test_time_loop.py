@@ -76,6 +76,16 @@ def test_bad_arguments_are_refused(arguments, text):
         fpm.simulate(linkage(), **arguments)
 
 
+def test_a_whole_number_as_tolerance_compiles_nothing_new():
+    from fpm.kernels.compiled import run
+
+    scene = fpm.scenes.get("bennett").build(elements_per_link=2)
+    fpm.simulate(scene, duration=1e-3, instants=2)
+    compiled = len(run.signatures)
+    fpm.simulate(scene, duration=1e-3, instants=2, energy_tolerance=1)
+    assert len(run.signatures) == compiled
+
+
 def test_step_divides_the_time_between_instants():
     outcome = fpm.simulate(linkage(), duration=0.01, instants=11, step=3e-4)[0]
     assert outcome.step <= 3e-4

@@ -238,6 +238,7 @@ class Scene:
         beam = VirtualBeam(int(particle), self.frame[particle].T @ np.asarray(arm, float))
         load = Load(beam, np.asarray(force, float), np.asarray(moment, float), int(curve))
         self.loads.append(load)
+        self._check_turned()
 
     def drive(self, particle: int, velocity=(0, 0, 0), spin=(0, 0, 0), curve: int = -1) -> None:
         """Prescribe a particle's velocity (3,) m/s and spin (3,) rad/s, scaled by a curve.
@@ -251,6 +252,7 @@ class Scene:
         self.drives.append(
             Drive(int(particle), np.asarray(velocity, float), np.asarray(spin, float), int(curve))
         )
+        self._check_turned()
 
     def add_point(self, name: str, particle: int, position=None) -> None:
         """Name a point fixed to a particle, at `position` (3,) m (default: the particle itself)."""
@@ -259,6 +261,20 @@ class Scene:
         origin, frame = self.position[particle], self.frame[particle]
         point = origin if position is None else position
         self.points[name] = VirtualBeam.to_point(int(particle), origin, frame, point)
+
+    def _check_turned(self) -> None:
+        """Refuse moments on a particle that is turned by a drive, and loads beside it.
+
+        The work of loads is added up without the spin of such a particle.
+        """
+        turned = {drive.particle for drive in self.drives if np.any(drive.spin)}
+        for load in self.loads:
+            if load.beam.particle in turned and (load.beam.arm.any() or load.moment.any()):
+                raise SceneError(
+                    f"load on driven particle {load.beam.particle}",
+                    (load.beam.arm.tolist(), load.moment.tolist()),
+                    "no arm and no moment: drive the particle at the other end of an element",
+                )
 
     def going_on(self, motion, openings: Sequence[float]) -> "Scene":
         """The scene in another state, strained as it is there: a run that goes on from another.

@@ -132,6 +132,16 @@ def test_drive_moves_its_particle_as_told():
     np.testing.assert_allclose(y, 10 * outcome.time**2, atol=1e-9)
 
 
+def test_loads_that_turn_with_a_driven_particle_are_refused():
+    for arm, moment in (((0, 0.1, 0), (0, 0, 0)), ((0, 0, 0), (0, 0, 1.0))):
+        scene, bar = beam()
+        root = int(bar.particles[0])
+        scene.drive(root, spin=(0, 0, 3.0))
+        scene.add_load(root, force=(1.0, 0, 0))
+        with pytest.raises(fpm.SceneError, match="driven particle"):
+            scene.add_load(root, force=(1.0, 0, 0), moment=moment, arm=arm)
+
+
 def test_held_axes_stay_and_free_ones_move():
     scene, bar = beam(gravity=(1.0, 2.0, 3.0))
     scene.fix(bar.particles, translations="z", rotations="")

@@ -8,14 +8,12 @@ that fails does not harm the others: they are written, and the failures are list
 from __future__ import annotations
 
 import json
-import os
 import platform
 import sys
-import tempfile
 import threading
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -166,26 +164,11 @@ def duration_text(seconds: float) -> str:
 
 
 def warm_up(tell: Any) -> None:
-    """Compile the kernels, or load them, one process at a time.
-
-    numba's cache on disk can break when several processes write it at once, so the first job that
-    arrives compiles and the others wait for its lock.
-    """
+    """Compile the kernels, or load them, and tell if that takes a while."""
     import fpm
 
     slow = threading.Timer(5.0, tell, ["compiling the kernels, once; this takes about a minute"])
     slow.daemon = True
     slow.start()
-    with _one_at_a_time(Path(tempfile.gettempdir()) / f"deployable-intervals-{os.getuid()}.lock"):
-        fpm.warm_up()
+    fpm.warm_up()
     slow.cancel()
-
-
-@contextmanager
-def _one_at_a_time(path: Path) -> Iterator[None]:
-    """Hold an exclusive lock on the file at `path`."""
-    import fcntl
-
-    with open(path, "a") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        yield

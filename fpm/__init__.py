@@ -13,6 +13,7 @@ from fpm.errors import InstabilityError, SceneError
 from fpm.scene import Link, Scene
 from fpm.simulate import Outcome, divide_time, simulate
 from fpm.timestep import StableStep, stable_step
+from fpm.warming import warm_up
 
 DATA_VERSION = "1"
 """Changes whenever the same scene gives other numbers; part of a run's identity."""
@@ -35,16 +36,3 @@ __all__ = [
     "trajectory",
     "warm_up",
 ]
-
-
-def warm_up() -> None:
-    """Compile the solver, or load it from the cache on disk, by a run of a few steps.
-
-    Call it once before several processes start: numba's cache does not stand concurrent writers.
-    """
-    scene = Scene("warm-up")
-    bar = scene.add_link(
-        (0, 0, 0), (1, 0, 0), (0, 0, 1), Section.square(0.1), Material(1e9, 0.3, 1e3), 2
-    )
-    scene.add_point("tip", int(bar.particles[-1]))
-    simulate(scene, duration=1e-3, instants=2)

@@ -1,7 +1,6 @@
 """Bounds of one choice, and how far they are from a reference, phase by phase."""
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -139,8 +138,3 @@ def mean_width(time: np.ndarray, band: Band, phases: dict[str, np.ndarray]) -> l
         {name: float((band.upper[i] - band.lower[i])[m].mean()) for name, m in phases.items()}
         for i in range(len(band.lower))
     ]
-
-
-def worst_of(rows: Sequence[dict], phase: str, key: str) -> float:
-    """Largest value of a metric over the responses."""
-    return max(row[phase][key] for row in rows)

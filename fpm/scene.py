@@ -12,14 +12,12 @@ import numpy as np
 
 from fpm.elements.beam import Beams, Material, Section, triad
 from fpm.elements.contact import Contact
-from fpm.elements.hinge import Hinge, opening_angle, unit
+from fpm.elements.hinge import AXES, Hinge, check_held, opening_angle, unit
 from fpm.elements.load import Drive, Load
 from fpm.elements.lumping import lump
 from fpm.elements.torsion_spring import TorsionSpring
 from fpm.elements.virtual_beam import VirtualBeam
 from fpm.errors import SceneError
-
-AXES = "xyz"
 
 
 @dataclass(frozen=True)
@@ -178,18 +176,18 @@ class Scene:
         beams = tuple(
             VirtualBeam.to_point(p, self.position[p], self.frame[p], point) for p in (first, second)
         )
-        self.hinges.append(
-            Hinge(
-                name,
-                beams,
-                axes=np.array([self.frame[p].T @ axis for p in (first, second)]),
-                references=np.array(
-                    [self.frame[p].T @ r for p, r in zip((first, second), references, strict=True)]
-                ),
-                opening=opening_angle(axis, *references, near=opening),
-                support="".join(sorted(support)),
-            )
+        hinge = Hinge(
+            name,
+            beams,
+            axes=np.array([self.frame[p].T @ axis for p in (first, second)]),
+            references=np.array(
+                [self.frame[p].T @ r for p, r in zip((first, second), references, strict=True)]
+            ),
+            opening=opening_angle(axis, *references, near=opening),
+            support="".join(sorted(support)),
         )
+        check_held(hinge, self.fixed)
+        self.hinges.append(hinge)
         return len(self.hinges) - 1
 
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
@@ -214,13 +212,21 @@ class Scene:
         """Hold particles along and about global axes.
 
         Rotations of a particle with three different inertias are held all or none, or about axes
-        that stay principal (planar motion).
+        that stay principal (planar motion). Those of a hinged particle are held all or none.
+        SceneError for what a hinge could not bear (elements/hinge.py).
         """
         if set(translations + rotations) - set(AXES):
             raise SceneError("fixed axes", (translations, rotations), "letters out of 'xyz'")
         columns = [AXES.index(c) for c in translations] + [3 + AXES.index(c) for c in rotations]
+        before = self.fixed.copy()
         for p in np.atleast_1d(particles):
             self.fixed[p, columns] = True
+        try:
+            for hinge in self.hinges:
+                check_held(hinge, self.fixed)
+        except SceneError:
+            self.fixed = before
+            raise
 
     def add_curve(self, times: Sequence[float], values: Sequence[float]) -> int:
         """A piecewise linear curve of time (s), constant outside; returns its index."""
@@ -253,6 +259,19 @@ class Scene:
             Drive(int(particle), np.asarray(velocity, float), np.asarray(spin, float), int(curve))
         )
         self._check_turned()
+
+    def driven(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The driven particles (d,), their velocities (d, 3) m/s and spins (d, 3) rad/s at a time.
+
+        time in s.
+        """
+        particles = np.array(sorted({drive.particle for drive in self.drives}), int)
+        motion = np.zeros((2, len(particles), 3))
+        for drive in self.drives:
+            factor = 1.0 if drive.curve < 0 else np.interp(time, *self.curves[drive.curve])
+            row = np.searchsorted(particles, drive.particle)
+            motion[:, row] += factor * np.array([drive.velocity, drive.spin])
+        return particles, motion[0], motion[1]
 
     def add_point(self, name: str, particle: int, position=None) -> None:
         """Name a point fixed to a particle, at `position` (3,) m (default: the particle itself)."""

@@ -90,7 +90,8 @@ def closed_hinges(scene: Scene, inverse: np.ndarray):
     """Orthonormal sparse columns (dofs, c): motions that the hinges with contacts rule out, shut.
 
     inverse (dofs,): inverse masses; the columns are in coordinates scaled with their roots. The
-    relative position of two links is that of opening zero, whatever it is at the start.
+    relative position of two links is that of opening zero, whatever it is at the start. Hinges
+    share only particles that are held, which have no inverse mass: their columns do not overlap.
     """
     from scipy.sparse import csc_matrix
 

@@ -15,6 +15,8 @@ import numpy as np
 from fpm.elements.virtual_beam import VirtualBeam
 from fpm.errors import SceneError
 
+AXES = "xyz"
+
 
 @dataclass(frozen=True)
 class Hinge:
@@ -37,6 +39,41 @@ class Hinge:
     def particles(self) -> tuple[int, int]:
         """Indices of the two particles."""
         return self.beams[0].particle, self.beams[1].particle
+
+
+def check_held(hinge: Hinge, fixed: np.ndarray) -> None:
+    """SceneError for supports that would leave a hinge impulses which move nothing.
+
+    fixed (n, 6): axes along and about which each particle is held. The matrix of the hinge's
+    impulses is regular, whatever arms and axis are and become, if no axis is held for both
+    particles, nor for a particle and the hinge point, and one of the two may turn.
+    """
+    names = np.array(list(AXES))
+    for p in hinge.particles:
+        held = "".join(names[fixed[p, 3:]])
+        if 0 < len(held) < 3:
+            raise SceneError(
+                f"rotations of particle {p} of hinge {hinge.name} that are held", held,
+                "'' or 'xyz': hold the particle at the other end of its element instead",
+            )  # fmt: skip
+    one, two = fixed[list(hinge.particles)]
+    common = "".join(names[one[:3] & two[:3]])
+    if common:
+        raise SceneError(
+            f"axes along which both particles of hinge {hinge.name} are held", common,
+            "'': hold one of the two, the hinge holds the other",
+        )  # fmt: skip
+    if one[3:].all() and two[3:].all():
+        raise SceneError(
+            f"particles of hinge {hinge.name} whose rotations are held", hinge.particles,
+            "at most one of the two",
+        )  # fmt: skip
+    common = "".join(names[(one[:3] | two[:3]) & np.isin(names, list(hinge.support))])
+    if common:
+        raise SceneError(
+            f"support of hinge {hinge.name}", hinge.support,
+            f"axes along which neither of its particles is held (these are: {common})",
+        )  # fmt: skip
 
 
 def unit(vector, what: str) -> np.ndarray:

@@ -59,3 +59,25 @@ def test_torsion_counts(nu):
     step = fpm.stable_step(disturb(scene, 1e-6)).step
     assert not breaks_down(scene, 0.999 * step)
     assert breaks_down(scene, 1.002 * step)
+
+
+def test_contacts_that_share_a_held_particle():
+    """Two flaps on one ground, with stiff contacts: the limit of either alone."""
+
+    def flaps(angles) -> fpm.Scene:
+        scene = fpm.Scene("flaps")
+        ground = int(scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)[0])
+        scene.fix(ground)
+        section = fpm.Section.square(0.035)
+        for angle in angles:
+            along = np.array([np.cos(angle), np.sin(angle), 0.0])
+            bar = scene.add_link((0, 0, 0), 0.45 * along, (0, 0, 1), section, MATERIAL, 2)
+            pair = (ground, int(bar.particles[0]))
+            scene.add_contact(scene.add_hinge("H", pair, (0, 0, 0.02), (0, 0, 1)), 1e7)
+        return scene
+
+    alone = fpm.stable_step(flaps([0.3])).step
+    assert fpm.stable_step(flaps([0.3, 2.0])).step == pytest.approx(alone, rel=1e-6)
+    open_ = flaps([0.3])
+    open_.contacts.clear()
+    assert alone < 0.9 * fpm.stable_step(open_).step, "the contact does not set the step"

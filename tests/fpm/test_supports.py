@@ -1,0 +1,103 @@
+"""Supports of hinges: what is refused when the scene is built, and that the rest can be solved."""
+
+from itertools import chain, combinations, product
+
+import numpy as np
+import pytest
+
+import fpm
+from fpm.elements.hinge import check_held
+
+AXES = "xyz"
+SETS = ["".join(c) for c in chain.from_iterable(combinations(AXES, k) for k in range(4))]
+
+
+def pair(support="", arm=(0.0, 0.0, 0.0)) -> fpm.Scene:
+    """Two particles hinged about y, 0.2 m apart or, without arm, at one place."""
+    scene = fpm.Scene("pair")
+    scene.add_particles([(0.0, 0, 0), (0.2 * bool(np.any(arm)), 0, 0)], 1.0, (0.01, 0.02, 0.03))
+    scene.add_hinge("H", (0, 1), arm, (0, 1, 0), support=support)
+    return scene
+
+
+@pytest.mark.parametrize("held", ["x", "y", "xz"])
+def test_a_hinged_particle_turns_about_all_axes_or_none(held):
+    """It turned about held axes before; all three at once, or another particle, are allowed."""
+    scene = pair()
+    with pytest.raises(fpm.SceneError, match=rf"rotations of particle 1 .* = '{held}' .*'xyz'"):
+        scene.fix(1, "", held)
+    assert not scene.fixed.any()  # as if it had not been asked for
+    scene.fix(1, "", "xyz")
+    first = fpm.Scene()
+    first.add_particles([(0.0, 0, 0), (0.2, 0, 0)], 1.0, 1.0)
+    first.fix(0, "", held)
+    with pytest.raises(fpm.SceneError, match="rotations of particle 0 of hinge H"):
+        first.add_hinge("H", (0, 1), (0, 0, 0), (0, 1, 0))
+    assert first.hinges == []
+
+
+@pytest.mark.parametrize(
+    ("supports", "support", "words"),
+    [
+        ({0: ("z", ""), 1: ("z", "")}, "", "both particles of hinge H are held = 'z'"),
+        ({0: ("xyz", "xyz"), 1: ("xz", "")}, "", "both particles of hinge H are held = 'xz'"),
+        ({0: ("", "xyz"), 1: ("", "xyz")}, "", "rotations are held"),
+        ({1: ("xy", "")}, "yz", r"support of hinge H = 'yz' .*\(these are: y\)"),
+    ],
+)
+def test_what_would_leave_impulses_that_move_nothing_is_refused(supports, support, words):
+    """Each of these made the hinge's matrix singular, and the run ended in not-a-number."""
+    scene = pair(support)
+    with pytest.raises(fpm.SceneError, match=words):
+        for particle, (translations, rotations) in supports.items():
+            scene.fix(particle, translations, rotations)
+
+
+def response(scene: fpm.Scene) -> np.ndarray:
+    """Matrix G M^-1 G^T of the only hinge and its supports, straight from their definition."""
+    hinge, rows = scene.hinges[0], []
+    axis = hinge.axes[0]
+    normal = np.linalg.svd(axis[None])[2][1:]
+    for p, beam, sign in zip(hinge.particles, hinge.beams, (1, -1), strict=True):
+        x, y, z = beam.arm
+        turn = np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]])
+        point, none = np.hstack([np.eye(3), turn]), np.zeros((2, 3))
+        supports = point[[AXES.index(a) for a in hinge.support]] * (sign > 0)
+        block = np.vstack([sign * point, sign * np.hstack([none, normal]), supports])
+        inverse = np.concatenate([np.full(3, 1 / scene.mass[p]), 1 / scene.inertia[p]])
+        rows.append(block * np.sqrt(inverse * ~scene.fixed[p]))
+    rows = np.hstack(rows)
+    return rows @ rows.T
+
+
+@pytest.mark.parametrize("arm", [(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.1, 0.0, 0.03)])
+def test_all_that_is_allowed_is_regular(arm):
+    """All sets of held axes of both particles and of the hinge point, at once."""
+    allowed = 0
+    for one, two, support in product(SETS, SETS, SETS):
+        scene = pair(support, arm)
+        for p, axes in enumerate((one, two)):
+            scene.fixed[p, [AXES.index(a) for a in axes]] = True
+        for turning in ((0, 0), (0, 1), (1, 0)):
+            scene.fixed[:, 3:] = np.array(turning, bool)[:, None]
+            try:
+                check_held(scene.hinges[0], scene.fixed)
+            except fpm.SceneError:
+                continue
+            allowed += 1
+            size = np.linalg.eigvalsh(response(scene))
+            assert size[0] > 1e-3 * size[-1], (one, two, support, turning)
+    assert allowed == 3 * 4**3  # along each axis: none held, one, the other, or the point
+
+
+def test_held_bodies_that_are_allowed_move_as_they_should():
+    """A body that may only slide along x, carried by one that is pushed: both end at one speed."""
+    scene = pair(arm=(0.1, 0.0, 0.0))
+    scene.fix(0, "yz", "xyz")
+    scene.velocity[1] = 1.0, 0.0, 0.0
+    scene.add_point("slide", 0)
+    (outcome,) = fpm.simulate(scene, duration=0.1, instants=11, step=1e-3)
+    assert outcome.failure is None
+    np.testing.assert_allclose(outcome.points["slide"][0][:, 1:], 0.0, atol=1e-15)
+    assert outcome.gap.max() < 1e-10
+    assert outcome.points["slide"][1][-1, 0] == pytest.approx(0.5, rel=1e-6)

@@ -69,11 +69,63 @@ def test_a_file_comes_back_whole_and_tells_its_units(dataset, tmp_path):
     back = fpm.trajectory.read(path)
     assert back.identical(dataset)
     with netCDF4.Dataset(path) as file:
-        assert file.data_model == "NETCDF4"
+        assert file.data_model == "NETCDF3_64BIT_OFFSET"
         for name, variable in file.variables.items():
             assert variable.long_name, name
             assert variable.dtype.kind == "S" or variable.units, name
     assert [p.name for p in path.parent.iterdir()] == ["run.nc"]
+
+
+def test_an_outcome_and_its_dataset_give_the_same_file(outcome, tmp_path):
+    response = fpm.responses.parse("BD", DEFINITIONS["BD"], BENNETT)
+    fpm.trajectory.write(fpm.trajectory.contents(outcome, [response]), tmp_path / "one.nc")
+    fpm.trajectory.write(outcome.dataset([response]), tmp_path / "other.nc")
+    first, second = (fpm.trajectory.read(tmp_path / f"{n}.nc") for n in ("one", "other"))
+    assert first.identical(second)
+
+
+@pytest.mark.parametrize("name", DEFINITIONS)
+def test_responses_of_a_file_are_those_of_the_run_to_the_last_bit(outcome, tmp_path, name):
+    fpm.trajectory.write(fpm.trajectory.contents(outcome), tmp_path / "run.nc")
+    response = fpm.responses.parse(name, DEFINITIONS[name], BENNETT)
+    found = response.evaluate(fpm.trajectory.read_curves(tmp_path / "run.nc"))
+    assert found.astype(float).tobytes() == response.evaluate(outcome).astype(float).tobytes()
+
+
+def test_curves_of_a_file_have_its_contact_events(tmp_path):
+    scene = BENNETT.build(elements_per_link=2)
+    outcome = fpm.simulate(scene, duration=0.4, instants=3)[0]  # closes after about 0.33 s
+    fpm.trajectory.write(fpm.trajectory.contents(outcome), tmp_path / "run.nc")
+    curves = fpm.trajectory.read_curves(tmp_path / "run.nc")
+    assert len(curves.events) > 0
+    np.testing.assert_array_equal(curves.events, outcome.events)
+    assert curves.contacts == ["A", "B", "C", "D"]
+    np.testing.assert_array_equal(curves.time, outcome.time)
+
+
+def test_a_scene_without_hinges_or_points_has_curves_too(tmp_path):
+    scene = fpm.Scene("bar")
+    section, material = fpm.Section.square(0.1), fpm.Material(1e9, 0.3, 1e3)
+    scene.add_link((0, 0, 0), (1, 0, 0), (0, 0, 1), section, material, 2)
+    outcome = fpm.simulate(scene, duration=1e-3, instants=3)[0]
+    fpm.trajectory.write(fpm.trajectory.contents(outcome), tmp_path / "run.nc")
+    curves = fpm.trajectory.read_curves(tmp_path / "run.nc")
+    assert curves.points == curves.openings == {}
+    assert curves.events.shape == (0, 3)
+    assert len(fpm.trajectory.read(tmp_path / "run.nc")["kinetic_energy"]) == 3
+
+
+def test_curves_are_refused_of_what_is_not_a_whole_trajectory(outcome, tmp_path):
+    path = tmp_path / "run.nc"
+    fpm.trajectory.write(fpm.trajectory.contents(outcome), path)
+    whole = path.read_bytes()
+    for part in (b"", whole[:3], whole[:200], whole[: len(whole) // 2], b"\x89HDF" + whole[4:]):
+        path.write_bytes(part)
+        with pytest.raises(OSError, match="not a whole file"):
+            fpm.trajectory.read_curves(path)
+    fpm.classic.write(path, {}, {}, "event")
+    with pytest.raises(OSError, match="no variable 'time'"):
+        fpm.trajectory.read_curves(path)
 
 
 def test_a_value_that_is_not_finite_is_never_written(dataset, tmp_path):
@@ -84,11 +136,11 @@ def test_a_value_that_is_not_finite_is_never_written(dataset, tmp_path):
 
 
 def test_a_write_that_breaks_off_leaves_nothing(dataset, tmp_path, monkeypatch):
-    def break_off(dataset, path):
+    def break_off(path, *contents, **more):
         path.write_bytes(b"half")
         raise OSError("disk full")
 
-    monkeypatch.setattr(fpm.trajectory, "write_netcdf", break_off)
+    monkeypatch.setattr(fpm.classic, "write", break_off)
     with pytest.raises(OSError, match="disk full"):
         fpm.trajectory.write(dataset, tmp_path / "run.nc")
     assert not list(tmp_path.iterdir())

@@ -23,7 +23,7 @@ import numpy as np
 from campaign.errors import CampaignError
 from campaign.files import whole_file
 from campaign.run import groups_of
-from campaign.store import EVENT_VARIABLES, open_store, write_names
+from campaign.store import EVENT_VARIABLES, Record, open_store, write_names
 
 _CHUNK_RUNS = 64
 
@@ -37,30 +37,28 @@ def gather(
     """
     import netCDF4
 
-    store = open_store(jobs["keep"], folder)
+    store = open_store(jobs["keep"], folder, plan["config"])
     groups = [group for mine in groups_of(plan, batches, jobs["lanes"]) for group in mine]
-    missing = [run["id"] for group in groups for run in store.missing(group)]
-    if missing:
-        raise CampaignError(
-            f"{len(missing)} runs are missing in {folder}, e.g. {missing[0]}; "
-            "simulate them again with: snakemake -c2 --forcerun simulate"
-        )
     rows: dict[str, list[int]] = {}
     for row, run in enumerate(plan["runs"]):
         rows.setdefault(run["id"], []).append(row)
-    names = list(plan["config"]["responses"])
+    missing: list[str] = []
     with whole_file(path) as temporary, netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
         _write_runs(file, plan)
         for group in groups:
-            for id_, run in store.read(group, names).items():
-                if "time" not in file.variables:
-                    _define_responses(file, run, names)
-                for row in rows[id_]:
-                    for name in names:
-                        file[name][row] = run[name]
-                    for name in EVENT_VARIABLES:
-                        events = run.get(name, np.zeros(0))
-                        file[name][row, : len(events)] = events
+            found = store.read(group)
+            missing += [run["id"] for run in group if run["id"] not in found]
+            if missing:
+                continue
+            if "time" not in file.variables:
+                _define_responses(file, next(iter(found.values())), store.responses)
+            placed = sorted((row, id_) for id_ in found for row in rows[id_])
+            _write_rows(file, [row for row, _ in placed], [found[id_] for _, id_ in placed])
+        if missing:
+            raise CampaignError(
+                f"{len(missing)} runs are missing in {folder}, e.g. {missing[0]}; add "
+                "`--forcerun simulate` to the same call of snakemake to simulate them again"
+            )
 
 
 def _write_runs(file: Any, plan: Mapping) -> None:
@@ -111,27 +109,27 @@ def parameter_units(scene: str, names: Sequence[str]) -> list[str]:
     return [known[name].unit for name in names]
 
 
-def _define_responses(file: Any, run: Mapping, names: Sequence[str]) -> None:
+def _define_responses(file: Any, record: Record, responses: Sequence[Any]) -> None:
     """Define time, responses and events as the first run has them."""
-    size = len(run["time"])
+    size = len(record.time)
     file.createDimension("time", size)
     time = file.createVariable("time", "f8", ("time",))
-    time[:] = run["time"]
+    time[:] = record.time
     time.setncatts({"units": "s", "long_name": "time", "axis": "T"})
-    write_names(file, "contact", run["contact"])
+    write_names(file, "contact", record.contacts)
     file["contact"].long_name = "name of the contact"
     chunk = (min(_CHUNK_RUNS, len(file.dimensions["run"])), size)
-    for name in names:
+    for response in responses:
         variable = file.createVariable(
-            name,
-            run[name].dtype,
+            response.name,
+            record.values[response.name].dtype.newbyteorder("="),
             ("run", "time"),
             zlib=True,
             complevel=4,
             shuffle=True,
             chunksizes=chunk,
         )
-        variable.setncatts(run["attributes"][name])
+        variable.setncatts({"units": response.unit, "long_name": response.long_name})
     for name, units, long_name in (
         ("event_time", "s", "time at which a contact closes or opens"),
         ("event_contact", "1", "index of the contact"),
@@ -139,6 +137,15 @@ def _define_responses(file: Any, run: Mapping, names: Sequence[str]) -> None:
     ):
         variable = file.createVariable(name, "f8", ("run", "event"), fill_value=np.nan)
         variable.setncatts({"units": units, "long_name": long_name})
+
+
+def _write_rows(file: Any, rows: list[int], records: Sequence[Record]) -> None:
+    """Write the responses and events of some runs."""
+    for name in records[0].values:
+        file[name][rows] = np.stack([record.values[name] for record in records])
+    for row, record in zip(rows, records, strict=True):
+        for column, name in enumerate(EVENT_VARIABLES):
+            file[name][row, : len(record.events)] = record.events[:, column]
 
 
 def _text(file: Any, name: str, dimension: str, values: Sequence[str], long_name: str) -> None:

@@ -115,7 +115,7 @@ def make_plan(config: Mapping, tested: Sequence[Sequence[float]] = ()) -> dict:
 
 
 def run_id(config: Mapping, parameters: Mapping, step: float, data_version: Any) -> str:
-    """The name of a run: a digest of all that its trajectory depends on."""
+    """The name of a run: a digest of all that its motion depends on."""
     solver = config["solver"]
     return digest(
         {
@@ -128,7 +128,6 @@ def run_id(config: Mapping, parameters: Mapping, step: float, data_version: Any)
             "instants": solver["instants"],
             "step": step,
             "energy_tolerance": float(solver["energy_tolerance"]),
-            "responses": config["responses"],
             "data_version": data_version,
         }
     )

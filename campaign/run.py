@@ -8,6 +8,7 @@ that fails does not harm the others: they are written, and the failures are list
 from __future__ import annotations
 
 import json
+import math
 import platform
 import sys
 import threading
@@ -47,7 +48,7 @@ def run_batch(
     that failed, after all others were written; then there is no manifest.
     """
     started = time.perf_counter()
-    store = open_store(jobs["keep"], folder)
+    store = open_store(jobs["keep"], folder, plan["config"])
     all_groups = groups_of(plan, batches, jobs["lanes"])
     mine = all_groups[batch]
     flat = [group for groups in all_groups for group in groups]
@@ -58,12 +59,12 @@ def run_batch(
     if work:
         warm_up(tell)
         progress = Progress(plan["campaign"], sum(map(len, flat)), lambda: store.count(flat), tell)
-        for group, missing in work:
+        for number, (group, missing) in enumerate(work, start=1):
             results, failed = simulate(plan, missing)
             store.write(group, results)
             failures += failed
             simulated += len(results)
-            progress.report()
+            progress.report(last=number == len(work))
     if failures:
         raise CampaignError(_failure_text(plan, failures))
     ids = [run["id"] for group in mine for run in group]
@@ -78,10 +79,6 @@ def simulate(plan: Mapping, runs: list[dict]) -> tuple[list[Result], list[tuple[
 
     config = plan["config"]
     scene_type = fpm.scenes.get(config["scene"]["name"])
-    responses = [
-        fpm.responses.parse(name, definition, scene_type)
-        for name, definition in config["responses"].items()
-    ]
     parameters = [
         all_parameters(config, scene_type, dict(zip(plan["names"], run["values"], strict=True)))
         for run in runs
@@ -108,7 +105,7 @@ def simulate(plan: Mapping, runs: list[dict]) -> tuple[list[Result], list[tuple[
             "versions": versions(),
             **{f"parameter_{name}": v for name, v in values.items() if v is not None},
         }
-        results.append(Result(run["id"], outcome, responses, attributes))
+        results.append(Result(run["id"], outcome, attributes))
     return results, failed
 
 
@@ -143,8 +140,13 @@ class Progress:
     def __init__(self, campaign: str, total: int, count: Any, tell: Any):
         self.campaign, self.total, self.count, self.tell = campaign, total, count, tell
         self.start_time, self.start_count = time.monotonic(), count()
+        self.told = -math.inf
 
-    def report(self) -> None:
+    def report(self, last: bool = True) -> None:
+        """Tell; not more than once a second unless it is the last time."""
+        if not last and time.monotonic() < self.told + 1.0:
+            return
+        self.told = time.monotonic()
         done = self.count()
         gained = done - self.start_count
         text = f"{self.campaign}: {done} of {self.total} runs done"

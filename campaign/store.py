@@ -11,51 +11,68 @@ killed. Two ways to keep a run, with the same methods:
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from campaign.config import digest
-from campaign.files import whole_file
+from campaign.files import open_netcdf, whole_file
 
-# Contact events as the interval side gets them, however a run is kept: names in the samples and in
-# a trajectory, in the order of the columns of an outcome's `events`.
-EVENT_VARIABLES = {
-    "event_time": "contact_event_time",
-    "event_contact": "contact_event_contact",
-    "event_closing": "contact_event_closing",
-}
+# Contact events as the interval side gets them, in the order of the columns of `Record.events`.
+EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
 
 
 @dataclass(frozen=True)
 class Result:
-    """A run that went well: its `fpm.Outcome`, parsed responses, and attributes for its file."""
+    """A run that went well: its `fpm.Outcome`, and attributes for its file."""
 
     id: str
     outcome: Any
-    responses: Sequence[Any]
     attributes: Mapping[str, Any]
 
 
-def open_store(keep: str, folder: str | Path) -> Trajectories | Responses:
-    """The store for a config's `jobs.keep` in `folder`."""
-    return {"trajectories": Trajectories, "responses": Responses}[keep](Path(folder))
+@dataclass(frozen=True)
+class Record:
+    """What the interval side needs of a run: time (t,) s, the values (t,) of its responses by
+    name, contact events (e, 3): time (s), contact index, 1 if it closes, and names of contacts."""
+
+    time: np.ndarray
+    values: Mapping[str, np.ndarray]
+    events: np.ndarray
+    contacts: Sequence[str]
+
+
+def responses_of(config: Mapping) -> list[Any]:
+    """The parsed responses of a config, `fpm.responses.Response`."""
+    import fpm
+
+    scene_type = fpm.scenes.get(config["scene"]["name"])
+    return [
+        fpm.responses.parse(name, definition, scene_type)
+        for name, definition in config["responses"].items()
+    ]
+
+
+def open_store(keep: str, folder: str | Path, config: Mapping) -> Trajectories | Responses:
+    """The store for a config's `jobs.keep` in `folder`; `config` says the scene and responses."""
+    kind = {"trajectories": Trajectories, "responses": Responses}[keep]
+    return kind(Path(folder), responses_of(config))
 
 
 class Trajectories:
-    """One netCDF file per run."""
+    """One netCDF file per run. It does not depend on the responses: any can be taken from it."""
 
-    def __init__(self, folder: Path):
-        self.folder = Path(folder)
+    def __init__(self, folder: Path, responses: Sequence[Any]):
+        self.folder, self.responses = folder, responses
 
     def path(self, run: Mapping) -> Path:
         return self.folder / f"{run['id']}.nc"
 
     def missing(self, group: Sequence[Mapping]) -> list[Mapping]:
         """The runs of the group that are still to be simulated."""
-        return [run for run in group if not _is_whole(self.path(run))]
+        return [run for run in group if self._curves(run) is None]
 
     def count(self, groups: Sequence[Sequence[Mapping]]) -> int:
         """How many runs of all groups are there, by file name alone."""
@@ -63,49 +80,57 @@ class Trajectories:
         return sum(run["id"] in there for group in groups for run in group)
 
     def write(self, group: Sequence[Mapping], results: Sequence[Result]) -> None:
-        """Write the results that a group has left."""
-        import fpm
+        """Write the results that a group has left; ValueError if a number is not finite."""
+        from fpm import trajectory
 
         for result in results:
-            dataset = result.outcome.dataset(result.responses, result.attributes)
-            fpm.trajectory.write(dataset, self.folder / f"{result.id}.nc")
+            contents = trajectory.contents(result.outcome, self.responses, result.attributes)
+            trajectory.write(contents, self.folder / f"{result.id}.nc")
 
-    def read(self, group: Sequence[Mapping], names: Sequence[str]) -> dict[str, dict]:
-        """Responses (time) and events (event) of each run by its id; see `read_run`."""
-        import netCDF4
-
+    def read(self, group: Sequence[Mapping]) -> dict[str, Record]:
+        """Those runs of a group that are there, by id."""
         found = {}
         for run in group:
-            with netCDF4.Dataset(self.path(run)) as file:
-                found[run["id"]] = read_run(file, names)
+            if (curves := self._curves(run)) is not None:
+                # Not those in the file: they may be of another config that had the same run.
+                values = {r.name: r.evaluate(curves) for r in self.responses}
+                found[run["id"]] = Record(curves.time, values, curves.events, curves.contacts)
         return found
+
+    def _curves(self, run: Mapping) -> Any:
+        """The run's `fpm.trajectory.Curves`; None if its file is not there or not whole."""
+        from fpm import trajectory
+
+        try:
+            return trajectory.read_curves(self.path(run))
+        except OSError:
+            return None
 
 
 class Responses:
     """One netCDF file per group of lanes, with the responses only, in single precision."""
 
-    def __init__(self, folder: Path):
-        self.folder = Path(folder)
+    def __init__(self, folder: Path, responses: Sequence[Any]):
+        self.folder, self.responses = folder, responses
+        self._asked = [asdict(response) for response in responses]
 
     def path(self, group: Sequence[Mapping]) -> Path:
-        return self.folder / f"{digest([run['id'] for run in group])}.nc"
+        """Other runs or responses have another file."""
+        return self.folder / f"{digest([self._asked, *(run['id'] for run in group)])}.nc"
 
     def missing(self, group: Sequence[Mapping]) -> list[Mapping]:
         """The runs of the group that are still to be simulated: all of them, or none.
 
         A group in which a run had failed is simulated again as a whole.
         """
-        path = self.path(group)
-        if _is_whole(path) and self._ids(path) == [run["id"] for run in group]:
-            return []
-        return list(group)
-
-    @staticmethod
-    def _ids(path: Path) -> list[str]:
         import netCDF4
 
-        with netCDF4.Dataset(path) as file:
-            return list(file["run_id"][:])
+        try:
+            with netCDF4.Dataset(self.path(group)) as file:
+                there = list(file["run_id"][:])
+        except OSError:
+            there = []
+        return [] if there == [run["id"] for run in group] else list(group)
 
     def count(self, groups: Sequence[Sequence[Mapping]]) -> int:
         """How many runs of all groups are there."""
@@ -132,7 +157,7 @@ class Responses:
             )
             ids = np.array([result.id for result in results], dtype=object)
             file.createVariable("run_id", str, ("run",))[:] = ids
-            for response in results[0].responses:
+            for response in self.responses:
                 values = np.stack([response.evaluate(result.outcome) for result in results])
                 if not np.isfinite(values).all():
                     raise ValueError(f"{response.name} has values that are not finite")
@@ -146,36 +171,23 @@ class Responses:
                 for row, table in enumerate(events):
                     variable[row, : len(table)] = table[:, column]
 
-    def read(self, group: Sequence[Mapping], names: Sequence[str]) -> dict[str, dict]:
-        """Responses (time) and events (event) of each run by its id; see `read_run`."""
-        import netCDF4
-
-        with netCDF4.Dataset(self.path(group)) as file:
-            whole, ids = read_run(file, names), list(file["run_id"][:])
+    def read(self, group: Sequence[Mapping]) -> dict[str, Record]:
+        """Those runs of a group that are there, by id."""
+        if self.missing(group):
+            return {}
+        with open_netcdf(self.path(group)) as file:
+            time, contacts = file["time"][:], list(file["contact"][:])
+            values = {response.name: file[response.name][:] for response in self.responses}
+            events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
         return {
-            id_: {
-                key: value[row] if key in names or key in EVENT_VARIABLES else value
-                for key, value in whole.items()
-            }
-            for row, id_ in enumerate(ids)
+            run["id"]: Record(
+                time,
+                {name: table[row] for name, table in values.items()},
+                events[row][np.isfinite(events[row, :, 0])],
+                contacts,
+            )
+            for row, run in enumerate(group)
         }
-
-
-def read_run(file: Any, names: Sequence[str]) -> dict[str, Any]:
-    """Time, responses, their `attributes` and contact events of an open netCDF file."""
-    found: dict[str, Any] = {"time": np.asarray(file["time"][:])}
-    for name in names:
-        found[name] = np.asarray(file[name][:])
-    found["contact"] = list(file["contact"][:]) if "contact" in file.variables else []
-    found["attributes"] = {
-        name: {key: getattr(file[name], key, "") for key in ("units", "long_name")}
-        for name in names
-    }
-    for name, source in EVENT_VARIABLES.items():
-        key = source if source in file.variables else name
-        if key in file.variables:
-            found[name] = np.ma.filled(np.ma.asarray(file[key][:], dtype=float), np.nan)
-    return found
 
 
 def write_names(file: Any, dimension: str, names: Sequence[str]) -> None:
@@ -184,16 +196,3 @@ def write_names(file: Any, dimension: str, names: Sequence[str]) -> None:
     variable = file.createVariable(dimension, str, (dimension,))
     if len(names):
         variable[:] = np.array([str(name) for name in names], dtype=object)
-
-
-def _is_whole(path: Path) -> bool:
-    """Whether the file is there and can be opened as netCDF."""
-    if not path.exists():
-        return False
-    import netCDF4
-
-    try:
-        with netCDF4.Dataset(path):
-            return True
-    except OSError:
-        return False

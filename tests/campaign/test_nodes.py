@@ -64,7 +64,6 @@ def test_a_longer_order_reuses_the_runs_that_exist(raw):
         {"solver": {"duration": 0.004, "instants": 9, "step": 1e-5}},
         {"scene": {"name": "bennett", "parameters": {"elements_per_link": 3}}},
         {"scene": {"name": "bennett", "parameters": {"elements_per_link": 2, "K_F": 5.1}}},
-        {"responses": {"BD": {"distance": ["B", "D"]}}},
     ],
 )
 def test_what_changes_a_trajectory_changes_its_name(raw, change):
@@ -82,6 +81,7 @@ def test_another_version_of_the_mechanics_gives_other_names(config, monkeypatch)
 def test_what_changes_no_trajectory_keeps_its_name(raw):
     before = {run["id"] for run in make_plan(check_config(raw))["runs"]}
     raw |= {"campaign": "other", "jobs": {"lanes": 1}, "error": {"shade_above": 0.5}}
+    raw["responses"] = {"psi": {"opening": "A"}}  # a response is a function of the trajectory
     assert {run["id"] for run in make_plan(check_config(raw))["runs"]} == before
 
 

@@ -122,6 +122,31 @@ def test_samples_hold_the_trajectories_responses(config, tmp_path, keep):
         assert samples["BD"].dtype == (np.float64 if keep == "trajectories" else np.float32)
 
 
+@pytest.mark.parametrize(("keep", "again"), [("trajectories", 0), ("responses", 5)])
+def test_a_response_is_added_or_changed_without_simulating_again(raw, tmp_path, keep, again):
+    plan, _ = run_all(check_config(raw), tmp_path, keep)
+    assert len(unique_runs(plan)) == 5
+    raw["responses"] = {
+        "vBz": {"velocity": "D", "component": "z"},  # was B's
+        "psi": {"opening": "A"},
+        "T": {"energy": "kinetic"},
+        "zB": {"position": "B", "component": "z"},
+        "AC": {"distance": ["A", "C"]},
+    }
+    plan, counts = run_all(check_config(raw), tmp_path, keep)
+    assert sum(counts) == again
+    gather(plan, 2, {"lanes": 2, "keep": keep}, tmp_path / keep, tmp_path / "samples.nc")
+    run_all(check_config(raw), tmp_path / "fresh", "trajectories")
+    with xr.open_dataset(tmp_path / "samples.nc") as samples:
+        for row, run in enumerate(plan["runs"]):
+            path = tmp_path / "fresh" / "trajectories" / f"{run['id']}.nc"
+            with xr.open_dataset(path) as data:
+                for name in raw["responses"]:
+                    wanted = data[name].values.astype(samples[name].dtype)
+                    np.testing.assert_array_equal(samples[name].values[row], wanted)
+                    assert samples[name].attrs["long_name"] == data[name].attrs["long_name"]
+
+
 def test_missing_runs_are_told(config, tmp_path):
     plan, _ = run_all(config, tmp_path, "trajectories")
     next((tmp_path / "trajectories").glob("*.nc")).unlink()

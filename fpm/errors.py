@@ -18,17 +18,18 @@ class SceneError(ValueError):
 
 
 class InstabilityError(RuntimeError):
-    """A run whose numbers can not be trusted: its energy balance broke, or its mesh is too coarse.
+    """A run whose numbers can not be trusted: its energy balance broke, or beams are no beams.
 
     Attributes: `time` (s) of the first check that failed, `element` (name of the element with the
     most strain energy, or the first non-finite one), `step` (s) used, `limit` (s) the stable step
     of the scene at its start, `balance` (J) the energy that came from nowhere, `scale` (J), `bend`
-    the largest sine between an element's chord and its ends, where that was too large, else None.
+    the largest sine between an element's chord and its ends, `strain` the largest at the surface of
+    an element: None unless it is the cause.
     """
 
-    def __init__(self, time, element, step, limit, balance, scale, bend=None):
-        self.time, self.element, self.step = time, element, step
-        self.limit, self.balance, self.scale, self.bend = limit, balance, scale, bend
+    def __init__(self, time, element, step, limit, balance, scale, bend=None, strain=None):
+        self.time, self.element, self.step, self.limit = time, element, step, limit
+        self.balance, self.scale, self.bend, self.strain = balance, scale, bend, strain
         found = (
             f"the energy balance is off by {balance:.3g} J of {scale:.3g} J"
             if isfinite(balance)
@@ -37,8 +38,14 @@ class InstabilityError(RuntimeError):
         if step > limit:
             remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
         elif bend is not None:
-            found = f"an element is bent by {bend:.2g} rad, more than linear beam theory bears"
-            remedy = "refine the mesh: the bend of an element falls with its length"
+            found = f"an element is bent or twisted by {bend:.2g} rad, too much for linear theory"
+            remedy = "refine the mesh: the bend and twist of an element fall with its length"
+        elif strain is not None:
+            found = f"the surface of an element is strained by {strain:.2g}, which no beam bears"
+            remedy = (
+                "no mesh or step helps where links are bent to a radius below their own height or "
+                "stretched by half: stiffen their material, or soften what bends them"
+            )
         else:
             remedy = (
                 "the step is below the limit of the undeformed scene, so the motion itself is "
@@ -52,5 +59,5 @@ class InstabilityError(RuntimeError):
     def __reduce__(self):
         return type(self), (
             self.time, self.element, self.step, self.limit, self.balance, self.scale,
-            self.bend,
+            self.bend, self.strain,
         )  # fmt: skip

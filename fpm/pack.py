@@ -1,7 +1,8 @@
 """Scenes to kernel arrays: numbers of several scenes side by side in lanes.
 
-All scenes of a batch must share their topology (particles, connections, held axes, curves); only
-numbers may differ. The last scene fills the lanes that are left over; their results are dropped.
+All scenes of a batch must share their topology (particles, connections, held axes, curves, whether
+beams lie along their particles' axes); only numbers may differ. The last scene fills the lanes that
+are left over; their results are dropped.
 """
 
 import math
@@ -22,6 +23,20 @@ REST_STRAIN = 1e-10
 """Rounding strains a scene at rest by less; the energy of so much is the least energy scale."""
 
 
+ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
+"""Row of `_end_axes` of an element whose axes are those of its particles."""
+
+
+def framed(scene: Scene) -> bool:
+    """Whether some element's axes are not those of its particles (to rounding).
+
+    The kernels take another path then. It must follow from the scene alone: a choice for a whole
+    batch would let a sample's last digits depend on its neighbours.
+    """
+    axes = _end_axes(scene) if scene.beams else ALIGNED
+    return bool(np.abs(axes - ALIGNED).max() >= 1e-12)
+
+
 def topology(scene: Scene) -> tuple:
     """What must be equal in all scenes of a batch, as a hashable tuple."""
     curves = tuple((tuple(t), tuple(v)) for t, v in scene.curves)
@@ -36,6 +51,7 @@ def topology(scene: Scene) -> tuple:
         tuple((name, p.particle) for name, p in scene.points.items()),
         scene.fixed.tobytes(),
         curves,
+        framed(scene),
     )
 
 
@@ -46,7 +62,8 @@ def check_topology(scenes: Sequence[Scene]) -> None:
         if topology(scene) != first:
             raise SceneError(
                 f"topology of scene {i}", scene.name, "the same particles, connections and "
-                "supports as scene 0; scenes of a batch may differ in numbers only"
+                "supports as scene 0, and beams along their particles' axes where its are; "
+                "scenes of a batch may differ in numbers only"
             )  # fmt: skip
 
 
@@ -115,9 +132,6 @@ def _end_axes(scene: Scene) -> np.ndarray:
     return np.concatenate(pairs)
 
 
-ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
-
-
 def _bodies(scene: Scene) -> np.ndarray:
     out = np.zeros((2 * len(scene.hinges), at.BODY))
     for h, hinge in enumerate(scene.hinges):
@@ -128,7 +142,7 @@ def _bodies(scene: Scene) -> np.ndarray:
             row[at.AXIS : at.AXIS + 3] = hinge.axes[k]
             row[at.REF : at.REF + 3] = hinge.references[k]
             row[at.HIM : at.HIM + 3] = free[:3] / scene.mass[p]
-            row[at.HIJ : at.HIJ + 3] = free[3:].any() / scene.inertia[p]
+            row[at.HIJ : at.HIJ + 3] = free[3:].all() / scene.inertia[p]  # all or none
     return out
 
 
@@ -159,9 +173,6 @@ def pack(scenes: Sequence[Scene], width: int, dtype=np.float64) -> tuple[np.ndar
     def stack(rows, columns, function):
         return _stack(scenes, rows, columns, function, width, dtype)
 
-    axes = stack(m, at.AXES, _end_axes)
-    if m and np.abs(axes - ALIGNED[None, :, None]).max() < 1e-12:
-        axes = axes[:0]
     heavy = any(np.any(s.gravity != 0) for s in scenes)
     damped = any(s.damping > 0 for s in scenes)
     partly = [
@@ -177,7 +188,7 @@ def pack(scenes: Sequence[Scene], width: int, dtype=np.float64) -> tuple[np.ndar
         free=_integers(p for p in range(n) if p not in moved),
         nodes=_integers(np.concatenate([b.nodes for b in one.beams]) if m else [], 2),
         beams=stack(m, at.BEAM, lambda s: np.concatenate([b.stiffness() for b in s.beams])),
-        axes=axes,
+        axes=stack(m if framed(one) else 0, at.AXES, _end_axes),
         gravity=stack(int(heavy), 3, lambda s: s.gravity[None]),
         damping=stack(int(damped), 1, lambda s: [[s.damping]]),
         chord=blank(m, at.CHORD, width, dtype),
@@ -226,6 +237,7 @@ def blank_record(model: Model, instants: int, samples: int) -> Record:
         failed_step=failed,
         failed_element=np.zeros(width, np.int64),
         failed_balance=np.zeros(width, dtype),
-        bend=blank(1, 1, width, dtype),
+        failed_cause=np.zeros(width, np.int64),
+        strains=blank(1, 2, width, dtype),
         scale=REST_STRAIN**2 * np.sum(model.beams[:, at.AXIAL] * model.beams[:, at.LENGTH] ** 2, 0),
     )

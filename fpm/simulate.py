@@ -37,9 +37,10 @@ class Outcome:
     time (t,) s; points: name -> (position (t, 3) m, velocity (t, 3) m/s); openings: hinge ->
     (t,) rad; gap (t,) m and axis_gap (t,) rad: largest over the hinges; energies: kind -> (t,) J;
     events (e, 3): time (s), contact index, 1 if it closes; events_dropped: how many more there
-    were; largest_bend: largest sine of the angle between an element's chord and its ends; final:
-    the motion of all particles at the end; failure: None or the InstabilityError of this sample,
-    whose curves and final motion mean nothing then.
+    were; largest_bend: largest sine of the angle between an element's chord and its ends, or of its
+    twist; largest_strain: that at the surface of an element; final: the motion of all particles at
+    the end; failure: None or the InstabilityError of this sample, whose curves and final motion
+    mean nothing then.
     """
 
     scene: Scene
@@ -56,6 +57,7 @@ class Outcome:
     limit: StableStep
     failure: InstabilityError | None
     largest_bend: float
+    largest_strain: float
     final: Motion
 
     def dataset(self, responses=(), attributes=None) -> "xarray.Dataset":
@@ -147,7 +149,7 @@ def simulate(
 
 def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> Outcome:
     from fpm.kernels.layout import ENERGIES
-    from fpm.kernels.record import MOST_BEND
+    from fpm.kernels.record import TOO_COARSE, TOO_STRAINED
 
     instants = len(record.energies) - 1
     points = {}
@@ -156,7 +158,7 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
         points[name] = (track[:, :3], track[:, 3:])
     hinges = record.hinges[:instants, :, lane]
     failure = None
-    bend = float(np.sqrt(record.bend[0, 0, lane]))
+    bend, strain = float(np.sqrt(record.strains[0, 0, lane])), float(record.strains[0, 1, lane])
     if record.failed_step[lane] >= 0:
         limit = limit or stable_step(scene)
         balance = float(record.failed_balance[lane])
@@ -170,7 +172,8 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
             limit=limit.step,
             balance=balance,
             scale=float(record.scale[lane]),
-            bend=bend if math.isfinite(balance) and bend > MOST_BEND else None,
+            bend=bend if record.failed_cause[lane] == TOO_COARSE else None,
+            strain=strain if record.failed_cause[lane] == TOO_STRAINED else None,
         )
     noted = int(record.event_count[lane])
     energies = {name: record.energies[:instants, k, lane] for k, name in enumerate(ENERGIES)}
@@ -190,20 +193,22 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
         limit=limit,
         failure=failure,
         largest_bend=bend,
-        final=_final(scene, state[:, :, lane], kept[:, :, lane]),
+        largest_strain=strain,
+        final=_final(scene, state[:, :, lane], kept[:, :, lane], steps * step),
     )
 
 
-def _final(scene: Scene, state: np.ndarray, kept: np.ndarray) -> Motion:
-    """The motion at the last instant; the momenta stand half a step before (kept) and after it."""
+def _final(scene: Scene, state: np.ndarray, kept: np.ndarray, time: float) -> Motion:
+    """The motion at the last instant; the momenta stand half a step before (kept) and after it.
+
+    That of driven particles is the one prescribed at `time` (s).
+    """
     from fpm.kernels.layout import D, P, V, X
 
     frame = kept[:, D : D + 9].reshape(-1, 3, 3).transpose(0, 2, 1).copy()
     momentum = 0.5 * (kept[:, P : P + 3] + state[:, P : P + 3])
     local = np.einsum("nji,nj->ni", frame, momentum) / scene.inertia
-    return Motion(
-        position=kept[:, X : X + 3].copy(),
-        frame=frame,
-        velocity=0.5 * (kept[:, V : V + 3] + state[:, V : V + 3]),
-        spin=np.einsum("nij,nj->ni", frame, local) * ~scene.fixed[:, 3:],
-    )
+    velocity = 0.5 * (kept[:, V : V + 3] + state[:, V : V + 3])
+    spin = np.einsum("nij,nj->ni", frame, local) * ~scene.fixed[:, 3:]
+    particles, velocity[particles], spin[particles] = scene.driven(time)
+    return Motion(kept[:, X : X + 3].copy(), frame, velocity, spin)

@@ -1,6 +1,6 @@
 """Forces and strain energy of beam elements (theory: elements/beam.py)."""
 
-from fpm.kernels.lanes import load, sqrt, store, where_negative
+from fpm.kernels.lanes import load, sqrt, store
 from fpm.kernels.layout import AXIAL, BEND_Y, BEND_Z, LENGTH, TWIST, D, F, M, X
 from fpm.kernels.vectors import (
     add,
@@ -110,27 +110,6 @@ def framed_beam_forces(state, nodes, beams, axes, chord):
         a, b = nodes[e, 0], nodes[e, 1]
         a2, a3, b2, b3 = framed_axes(state, axes, e, a, b)
         add_forces(state, beams, chord, e, a, b, a2, a3, b2, b3)
-
-
-@kernel
-def note_bends(state, nodes, axes, bend):
-    """Raise bend (1, 1, lanes) to the largest square of the sine between a chord and an end."""
-    worst = load(bend, 0, 0)
-    for e in range(nodes.shape[0]):
-        a, b = nodes[e, 0], nodes[e, 1]
-        chord = sub(get3(state, b, X), get3(state, a, X))
-        if axes.shape[0] > 0:
-            a2, a3, b2, b3 = framed_axes(state, axes, e, a, b)
-        else:
-            a2, a3, b2, b3 = own_axes(state, a, b)
-        square = 1.0 / dot(chord, chord)
-        y, z = dot(chord, a2), dot(chord, a3)
-        first = (y * y + z * z) * square
-        worst = where_negative(worst - first, first, worst)
-        y, z = dot(chord, b2), dot(chord, b3)
-        second = (y * y + z * z) * square
-        worst = where_negative(worst - second, second, worst)
-    store(bend, 0, 0, worst)
 
 
 @kernel

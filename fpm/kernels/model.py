@@ -62,4 +62,5 @@ class Record(NamedTuple):
     failed_element: np.ndarray  # (lanes,)
     failed_balance: np.ndarray  # (lanes,) J
     scale: np.ndarray  # (lanes,) largest energy so far
-    bend: np.ndarray  # (1, 1, lanes) largest square of the sine between a chord and an end so far
+    failed_cause: np.ndarray  # (lanes,) see record.py
+    strains: np.ndarray  # (1, 2, lanes) largest bend and strain so far (strain.py)

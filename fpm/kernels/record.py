@@ -1,7 +1,7 @@
 """Recording, contact events, and the search for lanes whose energy balance broke."""
 
 from fpm.kernels import energy, hinge
-from fpm.kernels.beam import beam_energy, note_bends
+from fpm.kernels.beam import beam_energy
 from fpm.kernels.joint import contact_energy, spring_energy, update_openings
 from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
 from fpm.kernels.layout import (
@@ -19,6 +19,9 @@ from fpm.kernels.layout import (
     V,
     X,
 )
+from fpm.kernels.outside import curve_value
+from fpm.kernels.strain import BEND, MOST_BEND, MOST_STRAIN, note_strains
+from fpm.kernels.strain import STRAIN as SURFACE
 from fpm.kernels.vectors import (
     add,
     cross,
@@ -32,27 +35,32 @@ from fpm.kernels.vectors import (
     to_local,
 )
 
-MOST_BEND = 0.35
-"""Largest sine of the angle between an element's chord and its ends. Elements bent by 0.35 leave
-errors of some percent (docs/extremes.md); beyond that the energy still balances, on a wrong curve.
+UNBALANCED, TOO_COARSE, TOO_STRAINED = 0, 1, 2
+"""Causes of a failure; only what happens while the energy balances is put down to the strains."""
+
+TOUCH = 1e-9
+"""Overlap (rad) from which faces count as shut: what the hinges leave open is below it, so a
+linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it within 1 ns.
 """
 
 
 @kernel
 def note_events(openings, contact_on, events, event_count, t, step):
-    """Note the contacts that closed or opened since the last step, by linear interpolation."""
+    """Note the contacts that shut or opened since the last step, by linear interpolation."""
     for c in range(contact_on.shape[0]):
         h = contact_on[c]
-        if any_negative(load(openings, h, 0) * load(openings, h, 1)):
+        now = where_negative(load(openings, h, 0) + TOUCH, -1.0, 1.0)
+        last = where_negative(load(openings, h, 1) + TOUCH, -1.0, 1.0)
+        if any_negative(now * last):
             for s in range(event_count.shape[0]):
-                now, last = openings[h, 0, s], openings[h, 1, s]
-                if now * last < 0.0:
+                over, before = openings[h, 0, s] + TOUCH, openings[h, 1, s] + TOUCH
+                if (over < 0.0) != (before < 0.0):
                     n = event_count[s]
                     event_count[s] = n + 1
                     if n < events.shape[0]:
-                        events[n, 0, s] = t - step * now / (now - last)
+                        events[n, 0, s] = t - step * over / (over - before)
                         events[n, 1, s] = c
-                        events[n, 2, s] = 1.0 if now < 0.0 else 0.0
+                        events[n, 2, s] = 1.0 if over < 0.0 else 0.0
 
 
 @kernel
@@ -93,10 +101,34 @@ def record_before(state, model, row, record):
 
 
 @kernel
-def record_after(state, kept, model, row, record):
+def record_driven(kept, model, row, record, t):
+    """Record the velocities of points on driven particles: those prescribed at time t (s).
+
+    Such a particle has no momenta of its own.
+    """
+    for n in range(model.point_on.shape[0]):
+        i, first = model.point_on[n], True
+        arm = to_global(kept, i, D, get3(model.point_arm, n, 0))
+        for k in range(model.drive_on.shape[0]):
+            if model.drive_on[k] == i:
+                if first:
+                    v = get3(record.points, row, 6 * n + 3)
+                    put3(record.points, row, 6 * n + 3, scale(0.0, v))
+                    first = False
+                factor = curve_value(
+                    model.drive_curve[k], model.curve_start, model.curve_time, model.curve_value, t
+                )
+                spin = get3(model.drives, k, 3)
+                v = scale(factor, add(get3(model.drives, k, 0), cross(spin, arm)))
+                v = add(v, get3(record.points, row, 6 * n + 3))
+                put3(record.points, row, 6 * n + 3, v)
+
+
+@kernel
+def record_after(state, kept, model, row, record, t):
     """Record what needs the momenta on both sides of an instant: points, kinetic energy, balance.
 
-    kept: the state at the instant, with the momenta half a step before it.
+    kept: the state at the instant, with the momenta half a step before it; t (s): the instant.
     """
     for n in range(model.point_on.shape[0]):
         i = model.point_on[n]
@@ -106,6 +138,8 @@ def record_after(state, kept, model, row, record):
         p = scale(0.5, add(get3(kept, i, P), get3(state, i, P)))
         turn = to_global(kept, i, D, times(get3(model.particles, i, IJ), to_local(kept, i, D, p)))
         put3(record.points, row, 6 * n + 3, add(v, cross(turn, arm)))
+    if model.drive_on.shape[0] > 0:
+        record_driven(kept, model, row, record, t)
     out = record.energies
     kinetic = energy.kinetic_energy(state, kept, model.particles)
     store(out, row, KINETIC, kinetic)
@@ -124,10 +158,10 @@ def find_failures(state, model, record, row, n, tolerance):
     """Mark the lanes whose balance is off at step n; True when no lane is left.
 
     A lane fails when energy came from nowhere (or went there) by more than `tolerance` times the
-    largest energy it has held so far, when a number is not finite, or when an element is bent by
-    more than linear beam theory bears.
+    largest energy it has held so far, when a number is not finite, or when an element is bent or
+    strained by more than linear beam theory bears.
     """
-    note_bends(state, model.nodes, model.axes, record.bend)
+    note_strains(state, model.nodes, model.beams, model.axes, record.strains)
     left = 0
     for s in range(record.scale.shape[0]):
         if record.failed_step[s] >= 0:
@@ -137,8 +171,12 @@ def find_failures(state, model, record, row, n, tolerance):
         if stored > record.scale[s]:
             record.scale[s] = stored
         balanced = abs(record.energies[row, BALANCE, s]) <= tolerance * record.scale[s]
-        if not (balanced and record.bend[0, 0, s] <= MOST_BEND * MOST_BEND):
+        straight = record.strains[0, BEND, s] <= MOST_BEND * MOST_BEND
+        slight = record.strains[0, SURFACE, s] <= MOST_STRAIN
+        if not (balanced and straight and slight):
             record.failed_step[s] = n
+            if balanced:
+                record.failed_cause[s] = TOO_COARSE if slight else TOO_STRAINED
             record.failed_balance[s] = record.energies[row, BALANCE, s]
             record.failed_element[s] = worst_element(state, model, s, balanced)
             left -= 1

@@ -141,7 +141,7 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
                 for i in range(state.shape[0]):
                     for k in (V, P):
                         put3(kept, i, k, sub(scale(2.0, get3(kept, i, k)), get3(state, i, k)))
-            record_after(state, kept, model, row, record)
+            record_after(state, kept, model, row, record, t)
             if find_failures(state, model, record, row, n, tolerance):
                 return n
     return steps

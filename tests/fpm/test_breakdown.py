@@ -97,6 +97,42 @@ def test_a_mesh_too_coarse_for_the_bending_is_refused():
     (fine,) = run(bennett(elements_per_link=64, **soft), factor=0.2, steps=20_000)
     assert fine.failure is None
     assert 0.01 < fine.largest_bend < 0.35
+    assert 0.1 < fine.largest_strain < 0.5
+
+
+def test_links_bent_to_a_radius_below_their_height_are_refused_on_any_mesh():
+    """From the folded bundle such springs bend rubber links to 0.75 of their height."""
+    for elements, factor in ((64, 0.2), (96, 0.4)):
+        (outcome,) = run(bennett(E=1e5, elements_per_link=elements), factor=factor, steps=20_000)
+        failure = outcome.failure
+        assert failure.strain > 0.5
+        assert failure.bend is None
+        assert abs(failure.balance) < 0.005 * failure.scale
+        assert "no mesh or step helps" in str(failure)
+
+
+@pytest.mark.parametrize(
+    ("motion", "cause", "words"),
+    [
+        ({"velocity": (3.0, 0, 0)}, "strain", "no mesh or step helps"),
+        ({"spin": (5.0, 0, 0)}, "bend", "refine the mesh"),
+    ],
+)
+def test_stretch_and_twist_are_watched_as_bending_is(motion, cause, words):
+    """A rubber bar of one element, torn or wrung at its end: its energy balances all the while."""
+    scene = fpm.Scene("bar")
+    rubber = fpm.Material(1e4, 0.3, 1000.0)
+    bar = scene.add_link((0, 0, 0), (1, 0, 0), (0, 0, 1), fpm.Section.square(0.05), rubber, 1)
+    scene.fix(bar.particles[0])
+    for share, failed in ((1.0, True), (0.1, False)):
+        for name, value in motion.items():
+            getattr(scene, name)[bar.particles[1]] = share * np.array(value)
+        (outcome,) = run(scene, factor=0.02)
+        assert (outcome.failure is not None) == failed
+        if failed:
+            assert getattr(outcome.failure, cause) is not None
+            assert words in str(outcome.failure)
+            assert abs(outcome.failure.balance) < 1e-3 * outcome.failure.scale
 
 
 @pytest.mark.parametrize("parameters", [{"K_F": 0.0}, {"start_deg": 120.0}])

@@ -157,3 +157,55 @@ def test_single_precision_runs_sixteen_samples_and_is_less_exact():
     single = fpm.simulate(scene, duration=0.1, instants=11, step=5e-5, dtype=np.float32)[0]
     off = np.abs(double.points["B"][0] - single.points["B"][0]).max()
     assert 1e-9 < off < 5e-3
+
+
+def test_a_point_beside_a_turning_drive_moves_with_it():
+    """A disc that is spun up and pushed: its rim, and its motion at the end, start included."""
+    scene = fpm.Scene("disc")
+    disc = int(scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)[0])
+    scene.add_point("rim", disc, (0.5, 0.0, 0.0))
+    ramp = scene.add_curve([0.0, 1.0], [1.0, 3.0])
+    scene.drive(disc, spin=(0, 0, 2.0), curve=ramp)
+    scene.drive(disc, velocity=(0, 0, 1.0))
+    outcome = fpm.simulate(scene, duration=1.0, instants=41, step=1e-4)[0]
+    t = outcome.time
+    angle, rate = 2 * t + 2 * t**2, 2 + 4 * t
+    zero = np.zeros_like(t)
+    expected = 0.5 * rate[:, None] * np.stack([-np.sin(angle), np.cos(angle), zero], 1) + [0, 0, 1]
+    np.testing.assert_allclose(outcome.points["rim"][1], expected, atol=1e-6)
+    np.testing.assert_allclose(outcome.final.spin[disc], [0, 0, 6.0], rtol=1e-12)
+    np.testing.assert_allclose(outcome.final.velocity[disc], [0, 0, 1.0], rtol=1e-12)
+
+
+def test_a_linkage_at_rest_at_closure_has_no_contact_events():
+    """Its openings are zero to rounding, and cross it many times."""
+    outcome = fpm.simulate(linkage(start_deg=120.0), duration=0.02, instants=5)[0]
+    assert len(outcome.events) == 0
+    assert np.abs(np.array(list(outcome.openings.values()))).max() < 1e-9
+
+
+def test_an_opening_of_exactly_zero_hides_no_event():
+    """A step that ends at the very level of an event, on the way down and on the way up."""
+    from numba import njit
+
+    from fpm.kernels import record
+
+    note = njit(lambda *a: record.note_events(*a))
+    level = -record.TOUCH
+    track = [1.0, level, -1.0, level, 1.0, 1.0]
+    events, count = np.full((8, 3, 8), np.nan), np.zeros(8, np.int64)
+    for n in range(1, len(track)):
+        openings = np.ones((1, 2, 8))
+        openings[0, :, 3] = track[n], track[n - 1]
+        note(openings, np.array([0]), events, count, float(n), 1.0)
+    assert list(count) == [0, 0, 0, 2, 0, 0, 0, 0]
+    np.testing.assert_allclose(events[:2, :, 3], [[1.0, 0, 1], [3.0, 0, 0]], atol=1e-8)
+
+
+def test_no_path_is_chosen_by_a_sample_beside():
+    """Beams along their particles' axes take another path than those across them."""
+    across = linkage()
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    across.frame = across.frame @ turn
+    with pytest.raises(fpm.SceneError, match="along their particles' axes"):
+        fpm.simulate([linkage(), across], duration=1e-3, instants=2)

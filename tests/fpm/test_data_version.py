@@ -1,0 +1,85 @@
+"""Numbers of two small runs, kept: results that are stored are reused as long as these hold.
+
+The bounds are wide enough for other processors and for the hinges' tolerance, and too narrow for a
+changed formula (lumping, element, integration, geometry, order of the responses).
+"""
+
+import numpy as np
+import pytest
+
+import fpm
+
+KNOWN = "2"
+"""The DATA_VERSION that the numbers below belong to."""
+
+LINKAGE = {
+    "B": [0.0, 0.316024595587, 0.000109798235],
+    "D": [0.0, -0.316024595587, 0.000109798235],
+    "velocity of B": [0.0, 0.31365764, 0.0154043963],
+    "openings": [0.165545268003, 0.158432098692, 0.165545268003, 0.158432098692],
+    "energies": [0.056103162874, 0.005014811976, 0.012378984339],
+    "first events": [0.181818568, 0.181818568],
+}
+
+BEAM = {
+    "tip": [0.6750644451735374, 0.27517911499857856, 0.008960383583541082],
+    "velocity": [0.5391949862635472, -1.1554042347522147, -0.39515678490655015],
+    "energies": [0.056531234272840535, 0.029265330966120474, 0.12320530740169072,
+                 0.039461794415338335],
+}  # fmt: skip
+
+
+def linkage() -> dict[str, np.ndarray]:
+    """The paper's linkage through its first closure, at a coarse mesh."""
+    scene = fpm.scenes.get("bennett").build(start_deg=100.0, elements_per_link=3)
+    (outcome,) = fpm.simulate(scene, duration=0.24, instants=4, step=4e-5)
+    return {
+        "B": outcome.points["B"][0][-1],
+        "D": outcome.points["D"][0][-1],
+        "velocity of B": outcome.points["B"][1][-1],
+        "openings": np.array([x[-1] for x in outcome.openings.values()]),
+        "energies": np.array([outcome.energies[k][-1] for k in ("kinetic", "strain", "spring")]),
+        "first events": outcome.events[:2, 0],
+    }
+
+
+def beam() -> dict[str, np.ndarray]:
+    """A bar of unequal sides, driven at its root, under weight, load, damping, in odd frames."""
+    scene = fpm.Scene("bar", gravity=(0.0, 1.0, -9.81), damping=3.0)
+    section, material = fpm.Section.rectangle(0.03, 0.01), fpm.Material(1e9, 0.3, 1000.0)
+    bar = scene.add_link((0, 0, 0), (0.6, 0, 0), (0, 0, 1), section, material, 4, "bar", 2.0)
+    tip = int(bar.particles[-1])
+    extra = scene.add_particles((0.6, 0.2, 0), 0.05, (1e-5, 2e-5, 3e-5), spin=(20.0, 1.0, 0.0))
+    scene.add_beams((tip, int(extra[0])), section, material, (0, 0, 1), "arm")
+    pulse = scene.add_curve([0.0, 0.02, 0.05], [0.0, 1.0, 0.2])
+    scene.drive(int(bar.particles[0]), velocity=(0, 0.2, 0), spin=(0, 0, 2.0), curve=pulse)
+    scene.add_load(tip, force=(1, 2, 3), moment=(0.1, 0, 0), arm=(0, 0.01, 0), curve=pulse)
+    scene.add_point("tip", int(extra[0]), (0.7, 0.2, 0.0))
+    (outcome,) = fpm.simulate(scene, duration=0.1, instants=4, step=2e-5)
+    return {
+        "tip": outcome.points["tip"][0][-1],
+        "velocity": outcome.points["tip"][1][-1],
+        "energies": np.array([outcome.energies[k][-1] for k in
+                              ("kinetic", "strain", "load_work", "damping_work")]),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("run", "known", "tolerance"), [(linkage, LINKAGE, 1e-5), (beam, BEAM, 1e-9)]
+)
+def test_the_same_scene_gives_the_numbers_of_this_data_version(run, known, tolerance):
+    found = run()
+    assert found.keys() == known.keys()
+    off = [
+        f"{name}: {found[name].tolist()}, known {value}"
+        for name, value in known.items()
+        if not np.allclose(found[name], value, rtol=0, atol=tolerance * np.abs(value).max())
+    ]
+    assert not off, (
+        "numbers changed; if that is meant, raise fpm.DATA_VERSION, or stored trajectories of the "
+        "old program are taken for new ones, and keep the new numbers here: " + "; ".join(off)
+    )
+
+
+def test_kept_numbers_belong_to_this_data_version():
+    assert fpm.DATA_VERSION == KNOWN, "compute LINKAGE and BEAM again for the new DATA_VERSION"

@@ -2,14 +2,20 @@
 
 Per hinge the unknowns are an impulse (3) at the hinge point, a moment impulse (2) normal to the
 axis and, where the point is held, a support impulse (up to 3). Their matrix A = G M^-1 G^T is built
-and factorised at the start of the step, and the impulses of the last step are applied (`prepare`).
-Once the particles have moved, quasi-Newton rounds (`close`) bring the point and the axis together.
-The matrix changes by the angle turned in a step only, so each round gains three digits or more. A
-sample whose gaps are small enough is left alone in the rounds that other samples need: its numbers
-do not depend on theirs.
+and factorised at the start of the step (`prepare`). It serves three times:
 
-The two particles of hinge h are its bodies, rows 2h and 2h + 1 of the arrays over bodies. The work
-goes in passes over all bodies or hinges, each with a short chain of operations.
+1. `aim`: impulses that would close the hinge if the rates of its gaps stayed as they are over the
+   step, less what was missing so in the step before. What is left is the change from step to step
+   of a term of second order in the angle turned.
+2. `close`, in rounds, only where that is much: particles move, and their gaps are closed. Each
+   round gains a factor of about the angle turned in a step: three digits.
+3. `close`, at the end, always: the gaps found then are closed by small turns on top, which gains
+   three digits more, down to rounding.
+
+A sample whose gaps are small is left alone in the rounds that other samples need: its numbers do
+not depend on theirs. The two particles of hinge h are its bodies, rows 2h and 2h + 1 of the arrays
+over bodies. The work goes in passes over all bodies or hinges, each with a short chain of
+operations.
 """
 
 from fpm.kernels.lanes import any_negative, load, store, where_negative
@@ -35,20 +41,19 @@ from fpm.kernels.vectors import (
 ROUNDS = 4
 """Most rounds in a step; smooth motion takes one, a fast impact two."""
 
-GAP2 = 5e-11**2
-"""Square of the gap (m) of the hinge point above which a sample gets another round."""
+COARSE_GAP = 5e-9
+"""Gap (m) of the hinge point above which a sample gets another round."""
 
-TILT2 = 5e-10**2
+COARSE_TILT = 5e-8
 """The same for the angle between the axes (rad)."""
 
 # Scratch of a body (rows, BODY_SCRATCH, lanes).
 OLD_X = 0  # position at the start of the step (3)
 OLD_Q = 3  # quaternion (4)
-OLD_D = 7  # directors (9)
-GLOBAL_ARM = 16  # arm in global components (3)
-INVERSE = 19  # inverse inertia in global components (6)
-RESPONSE = 25  # velocity of the hinge point per unit impulse there (6)
-LAST = 31  # the hinge's impulse on it in the last step (3)
+GLOBAL_ARM = 7  # arm in global components (3)
+INVERSE = 10  # inverse inertia in global components (6)
+RESPONSE = 16  # velocity of the hinge point per unit impulse there (6)
+DV, DP = 22, 25  # change of velocity (3) and of angular momentum (3) by the hinge's impulses
 
 # Scratch of a hinge (rows, HINGE_SCRATCH, lanes).
 PA, QA = 0, 3  # the two directions normal to the axis
@@ -58,7 +63,9 @@ S = 15  # inverse of the Schur complement of the translation block (6)
 B1 = 21  # coupling of a force on body 1 to the rotation rows p (3) and q (3)
 Y = 27  # A^-1 times the columns of the supports x, y, z: each 3 + 2
 G = 42  # inverse of the supports' Schur complement (6)
-TURN = 48  # moment impulses about p and q on body 2 in the last step
+MISSED = 48  # rates that `aim` has to add for what it missed before, like OFF
+OFF = 56  # what is to be closed: gap (3), tilts about p and q, distance from where it is held (3)
+ONE, TWO, MP = 64, 67, 70  # impulses: force on body 1, against body 2 (3 each), moments p, q on 2
 
 
 @kernel
@@ -118,19 +125,14 @@ def prepare_directions(state, ends, bodies, w):
 
 
 @kernel
-def prepare_bodies(state, ends, bodies, w, hinge, kick):
-    """Keep each body's state, kick it, and find its response.
-
-    The kick has the hinge's impulses of the last step in it.
-    """
+def prepare_bodies(state, ends, bodies, w, kick):
+    """Keep each body's state, kick it, and find its response."""
     for r in range(ends.shape[0]):
         i = ends[r]
         x = get3(state, i, X)
         put3(w, r, OLD_X, x)
         for m in range(4):
             store(w, r, OLD_Q + m, load(state, i, Q + m))
-        for m in range(9):
-            store(w, r, OLD_D + m, load(state, i, D + m))
         arm = to_global(state, i, D, get3(bodies, r, ARM))
         inverse_mass = get3(bodies, r, HIM)
         j = world_inverse(state, i, get3(bodies, r, HIJ))
@@ -142,18 +144,8 @@ def prepare_bodies(state, ends, bodies, w, hinge, kick):
         put6(w, r, INVERSE, j)
         put6(w, r, RESPONSE, point_response(inverse_mass, j, arm))
         v = add(get3(state, i, V), scale(kick, times(inverse_mass, get3(state, i, F))))
-        p = axpy(kick, get3(state, i, M), get3(state, i, P))
-        last, h = get3(w, r, LAST), r // 2
-        v = add(v, times(inverse_mass, last))
-        # About the present p and q: a moment about the axis would do work.
-        moment = axpy(
-            load(hinge, h, TURN),
-            get3(hinge, h, PA),
-            scale(load(hinge, h, TURN + 1), get3(hinge, h, QA)),
-        )
-        p = add(p, add(cross(lever, last), scale(2.0 * (r % 2) - 1.0, moment)))
         put3(state, i, V, v)
-        put3(state, i, P, p)
+        put3(state, i, P, axpy(kick, get3(state, i, M), get3(state, i, P)))
         for k in range(6):
             store(state, i, F + k, 0.0)
 
@@ -258,61 +250,94 @@ def prepare_supports(hinges, held, b, w):
 
 
 @kernel
-def impulses(h, hinges, held, b, w, point, gap, ep, eq, rate):
-    """Impulses that close the gaps: force on body 1 and on 2 (3 each), moments on 2 about p, q.
-
-    point, gap (3), ep, eq: as from `gaps`; rate: minus one over the time they have to act.
+def find_impulses(hinges, held, supported, bodies, b, w, open_, factor):
+    """Impulses that change what is in OFF of every open hinge, or rates of it, by `factor` times
+    what it is. They go into ONE, TWO and MP, what they do to the bodies into DV and DP.
     """
-    force, mp, mq = solve(w, h, scale(rate, gap), rate * ep, rate * eq)
-    on_one = force
-    if held[h, 0] + held[h, 1] + held[h, 2] > 0:
-        off = scale(rate, sub(point, get3(hinges, h, PLACE)))
-        reached = symmetric(get6(b, 2 * h, RESPONSE), force)
-        turning = axpy(mp, get3(w, h, B1), scale(mq, get3(w, h, B1 + 3)))
-        free = get3(hinges, h, HELD)
-        missing = times(free, sub(off, add(reached, turning)))
-        x, y, z = times(free, symmetric(get6(w, h, G), missing))
-        less = axpy(x, get3(w, h, Y), axpy(y, get3(w, h, Y + 5), scale(z, get3(w, h, Y + 10))))
-        force = sub(force, less)
-        mp = mp - (x * load(w, h, Y + 3) + y * load(w, h, Y + 8) + z * load(w, h, Y + 13))
-        mq = mq - (x * load(w, h, Y + 4) + y * load(w, h, Y + 9) + z * load(w, h, Y + 14))
-        on_one = (force[0] + x, force[1] + y, force[2] + z)
-    return on_one, scale(-1.0, force), mp, mq
+    for h in range(w.shape[0]):
+        if open_[h]:
+            ep, eq = factor * load(w, h, OFF + 3), factor * load(w, h, OFF + 4)
+            force, mp, mq = solve(w, h, scale(factor, get3(w, h, OFF)), ep, eq)
+            put3(w, h, ONE, force)
+            put3(w, h, TWO, force)
+            store(w, h, MP, mp)
+            store(w, h, MP + 1, mq)
+    if supported:
+        for h in range(w.shape[0]):
+            if open_[h] and held[h, 0] + held[h, 1] + held[h, 2] > 0:
+                hold_point(h, hinges, b, w, factor)
+    for h in range(w.shape[0]):
+        if open_[h]:
+            one, two = 2 * h, 2 * h + 1
+            on_one, against_two = get3(w, h, ONE), get3(w, h, TWO)
+            mp, mq = load(w, h, MP), load(w, h, MP + 1)
+            moment = axpy(mp, get3(w, h, PA), scale(mq, get3(w, h, QA)))
+            put3(b, one, DV, times(get3(bodies, one, HIM), on_one))
+            put3(b, one, DP, sub(cross(get3(b, one, GLOBAL_ARM), on_one), moment))
+            put3(b, two, DV, scale(-1.0, times(get3(bodies, two, HIM), against_two)))
+            put3(b, two, DP, sub(moment, cross(get3(b, two, GLOBAL_ARM), against_two)))
 
 
 @kernel
-def add_impulse(state, i, r, bodies, b, impulse, moment):
-    """Change the momenta of particle i, body r, by an impulse at its arm and a moment impulse."""
-    put3(state, i, V, add(get3(state, i, V), times(get3(bodies, r, HIM), impulse)))
-    twist = add(cross(get3(b, r, GLOBAL_ARM), impulse), moment)
-    put3(state, i, P, add(get3(state, i, P), twist))
-    put3(b, r, LAST, add(get3(b, r, LAST), impulse))
+def hold_point(h, hinges, b, w, factor):
+    """Add the support impulses of hinge h to the impulses that close it."""
+    force, mp, mq = get3(w, h, ONE), load(w, h, MP), load(w, h, MP + 1)
+    reached = symmetric(get6(b, 2 * h, RESPONSE), force)
+    turning = axpy(mp, get3(w, h, B1), scale(mq, get3(w, h, B1 + 3)))
+    free = get3(hinges, h, HELD)
+    missing = times(free, sub(scale(factor, get3(w, h, OFF + 5)), add(reached, turning)))
+    x, y, z = times(free, symmetric(get6(w, h, G), missing))
+    less = axpy(x, get3(w, h, Y), axpy(y, get3(w, h, Y + 5), scale(z, get3(w, h, Y + 10))))
+    force = sub(force, less)
+    put3(w, h, TWO, force)
+    put3(w, h, ONE, (force[0] + x, force[1] + y, force[2] + z))
+    store(w, h, MP, mp - (x * load(w, h, Y + 3) + y * load(w, h, Y + 8) + z * load(w, h, Y + 13)))
+    less = x * load(w, h, Y + 4) + y * load(w, h, Y + 9) + z * load(w, h, Y + 14)
+    store(w, h, MP + 1, mq - less)
 
 
 @kernel
-def push_apart(state, ends, bodies, b, w, h, on_one, on_two, mp, mq):
-    """Apply the impulses of hinge h to its bodies."""
-    one, two = 2 * h, 2 * h + 1
-    moment = axpy(mp, get3(w, h, PA), scale(mq, get3(w, h, QA)))
-    store(w, h, TURN, load(w, h, TURN) + mp)
-    store(w, h, TURN + 1, load(w, h, TURN + 1) + mq)
-    add_impulse(state, ends[one], one, bodies, b, on_one, scale(-1.0, moment))
-    add_impulse(state, ends[two], two, bodies, b, on_two, moment)
+def aim(state, ends, bodies, hinges, held, supported, b, w, open_):
+    """Impulses that would keep every hinge closed if its rates did not change over the step."""
+    open_[:] = True
+    for h in range(w.shape[0]):
+        one, two = 2 * h, 2 * h + 1
+        i, k = ends[one], ends[two]
+        spin1 = symmetric(get6(b, one, INVERSE), get3(state, i, P))
+        spin2 = symmetric(get6(b, two, INVERSE), get3(state, k, P))
+        point = add(get3(state, i, V), cross(spin1, get3(b, one, GLOBAL_ARM)))
+        other = add(get3(state, k, V), cross(spin2, get3(b, two, GLOBAL_ARM)))
+        turn = sub(spin2, spin1)
+        put3(w, h, OFF, add(sub(point, other), get3(w, h, MISSED)))
+        store(w, h, OFF + 3, dot(turn, get3(w, h, PA)) + load(w, h, MISSED + 3))
+        store(w, h, OFF + 4, dot(turn, get3(w, h, QA)) + load(w, h, MISSED + 4))
+        put3(w, h, OFF + 5, add(point, get3(w, h, MISSED + 5)))
+    find_impulses(hinges, held, supported, bodies, b, w, open_, -1.0)
+    for h in range(w.shape[0]):
+        push(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, 1.0)
 
 
 @kernel
-def prepare(state, ends, bodies, hinges, held, supported, b, w, kick):
-    """Kick the particles of all hinges for `kick` s, with the hinges' impulses of the last step.
+def push(state, i, r, b, share):
+    """Add `share` (lanes or number) of DV, DP to the momenta of particle i, body r (or pairs)."""
+    put3(state, i, V, axpy(share, get3(b, r, DV), get3(state, i, V)))
+    put3(state, i, P, axpy(share, get3(b, r, DP), get3(state, i, P)))
+
+
+@kernel
+def prepare(state, ends, bodies, hinges, held, supported, b, w, open_, kick):
+    """Kick the particles of all hinges for `kick` s, and aim their impulses.
 
     All forces must be summed; those of hinged particles are used up. ends (2h,) particles; bodies
     (2h, BODY, lanes), hinges (h, HINGE, lanes) constants; held (h, 3) held axes, supported: whether
-    there are any; b (2h, BODY_SCRATCH, lanes), w (h, HINGE_SCRATCH, lanes) scratch.
+    there are any; b (2h, BODY_SCRATCH, lanes), w (h, HINGE_SCRATCH, lanes), open_ (h,) scratch.
     """
     prepare_directions(state, ends, bodies, w)
-    prepare_bodies(state, ends, bodies, b, w, kick)
+    prepare_bodies(state, ends, bodies, b, kick)
     prepare_matrices(b, w)
     if supported:
         prepare_supports(hinges, held, b, w)
+    aim(state, ends, bodies, hinges, held, supported, b, w, open_)
 
 
 @kernel
@@ -329,43 +354,82 @@ def gaps(state, ends, bodies, h):
 
 
 @kernel
-def move_from_start(state, i, r, bodies, b, step):
-    """Move particle i, body r, from the start of the step, with its present momenta."""
-    put3(state, i, X, axpy(step, get3(state, i, V), get3(b, r, OLD_X)))
-    local = to_local(b, r, OLD_D, get3(state, i, P))
-    half = half_turn(local, get3(bodies, r, HIJ), step)
-    put_rotation(state, i, turned(get4(b, r, OLD_Q), half))
+def restore(state, on, rows, b):
+    """Bring the particles `on` of the bodies `rows` (pairs) back to the start of the step."""
+    put3(state, on, X, get3(b, rows, OLD_X))
+    put_rotation(state, on, get4(b, rows, OLD_Q))
 
 
 @kernel
-def close(state, ends, bodies, hinges, held, b, w, open_, step):
-    """Move the particles of all hinges by a step, and close the hinges at its end.
+def move(state, on, rows, bodies, step):
+    """Move the particles `on` of the bodies `rows` (pairs) by a step, with their momenta."""
+    put3(state, on, X, axpy(step, get3(state, on, V), get3(state, on, X)))
+    local = to_local(state, on, D, get3(state, on, P))
+    half = half_turn(local, get3(bodies, rows, HIJ), step)
+    put_rotation(state, on, turned(get4(state, on, Q), half))
 
-    open_ (h,) scratch: whether a hinge needs another round.
-    """
+
+@kernel
+def nudge(state, i, r, b, step):
+    """Change the momenta of particles i, bodies r (pairs), by DV and DP; move them by that."""
+    dv, dp = get3(b, r, DV), get3(b, r, DP)
+    put3(state, i, V, add(get3(state, i, V), dv))
+    put3(state, i, P, add(get3(state, i, P), dp))
+    put3(state, i, X, axpy(step, dv, get3(state, i, X)))
+    # So small a turn that its square does not show: the quaternion (1, half) about global axes.
+    half = scale(0.5 * step, symmetric(get6(b, r, INVERSE), dp))
+    q = get4(state, i, Q)
+    v = (q[1], q[2], q[3])
+    x, y, z = add(v, axpy(q[0], half, cross(half, v)))
+    put_rotation(state, i, (q[0] - dot(half, v), x, y, z))
+
+
+@kernel
+def close(state, ends, bodies, hinges, held, supported, b, w, open_, step):
+    """Move the particles of all hinges by a step, and close the hinges at its end."""
     open_[:] = True
-    for _ in range(ROUNDS):
+    rate = 1.0 / step
+    for n in range(ROUNDS):
         for h in range(w.shape[0]):
             if open_[h]:
-                for r in (2 * h, 2 * h + 1):
-                    move_from_start(state, ends[r], r, bodies, b, step)
+                on, rows = (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1)
+                if n > 0:
+                    restore(state, on, rows, b)
+                move(state, on, rows, bodies, step)
+        for h in range(w.shape[0]):
+            if open_[h]:
+                point, gap, ep, eq = gaps(state, ends, bodies, h)
+                put3(w, h, OFF, gap)
+                store(w, h, OFF + 3, ep)
+                store(w, h, OFF + 4, eq)
+                off = sub(point, get3(hinges, h, PLACE))
+                put3(w, h, OFF + 5, times(get3(hinges, h, HELD), off))
+                if n == 0:
+                    for k in range(8):
+                        missed = rate * load(w, h, OFF + k) + load(w, h, MISSED + k)
+                        store(w, h, MISSED + k, missed)
+        find_impulses(hinges, held, supported, bodies, b, w, open_, -rate)
         left = False
         for h in range(w.shape[0]):
-            if not open_[h]:
-                continue
-            point, gap, ep, eq = gaps(state, ends, bodies, h)
-            good = (GAP2 - dot(gap, gap)) * (1.0 / GAP2)
-            tilt = (TILT2 - (ep * ep + eq * eq)) * (1.0 / TILT2)
-            good = where_negative(tilt, tilt, good)
-            open_[h] = any_negative(good)
             if open_[h]:
-                left = True
-                on_one, on_two, mp, mq = impulses(
-                    h, hinges, held, b, w, point, gap, ep, eq, -1.0 / step
-                )
-                wanted = where_negative(good, 1.0, 0.0 * good)
-                on_one, on_two = scale(wanted, on_one), scale(wanted, on_two)
-                mp, mq = wanted * mp, wanted * mq
-                push_apart(state, ends, bodies, b, w, h, on_one, on_two, mp, mq)
+                far = distance(w, h)
+                open_[h] = n + 1 < ROUNDS and any_negative(far)
+                if open_[h]:
+                    left = True
+                    share = where_negative(far, 1.0, 0.0 * far)
+                    for r in (2 * h, 2 * h + 1):
+                        push(state, ends[r], r, b, share)
         if not left:
             break
+    for h in range(w.shape[0]):
+        nudge(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, step)
+
+
+@kernel
+def distance(w, h):
+    """Negative where what is in OFF of hinge h is too much for `nudge`."""
+    gap, off = get3(w, h, OFF), get3(w, h, OFF + 5)
+    ep, eq = load(w, h, OFF + 3), load(w, h, OFF + 4)
+    far = 1.0 - (dot(gap, gap) + dot(off, off)) * (1.0 / COARSE_GAP**2)
+    tilt = 1.0 - (ep * ep + eq * eq) * (1.0 / COARSE_TILT**2)
+    return where_negative(tilt, tilt, far)

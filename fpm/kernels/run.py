@@ -117,7 +117,7 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
         if hinged:
             hinge.prepare(
                 state, ends, bodies, hinges, held, supported, body_scratch, hinge_scratch,
-                kick,
+                open_hinge, kick,
             )  # fmt: skip
         advance(state, particles, free, kick, step)
         if driven:
@@ -126,8 +126,9 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
             )
         if hinged:
             hinge.close(
-                state, ends, bodies, hinges, held, body_scratch, hinge_scratch, open_hinge, step
-            )
+                state, ends, bodies, hinges, held, supported, body_scratch, hinge_scratch,
+                open_hinge, step,
+            )  # fmt: skip
         # Work of the half step after t.
         if loaded:
             outside.add_load_work(

@@ -201,7 +201,7 @@ def scan(plan: Iterable[tuple[Reading, Sequence[float]]], workers: int = 1) -> l
         from multiprocessing import get_context
 
         # Compiled once before the workers start: they only read the cache.
-        tiny = fpm.scenes.get("bennett").build(elements_per_link=1)
+        tiny = fpm.scenes.get("bennett").build(elements_per_link=2)
         fpm.simulate([tiny], duration=1e-4, instants=2)
         with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
             done = list(pool.map(_task, tasks))

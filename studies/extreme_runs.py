@@ -5,13 +5,18 @@ import time
 import numpy as np
 
 import fpm
-from studies.judge import attempt, compare, judge, refusal
+from studies.judge import attempt, compare, judge, persist, refusal
 from studies.linkage import BALANCE, build, closing_time, curves, distance, first_closing, imbalance
 from studies.linkage import simulate as run
 from studies.rows import Row
 
 CLOSED = 120.0
 """Opening at B (degrees) between the folded bundle and closure."""
+
+WAVES = (0.002, 0.1)
+"""Accuracy of BD and of B's velocity where the linkage moves by micrometres, and waves in its links
+as much.
+"""
 
 
 def rest(name: str, parameters: dict, tolerance: float = 1e-9) -> Row:
@@ -27,27 +32,25 @@ def starts() -> list[Row]:
     rows = []
     for degrees in (0.0, 0.01):
         name = f"start {degrees:g}° from the folded bundle"
-        rows += judge(name, {"start_deg": degrees}, 0.002)
+        rows += judge(name, {"start_deg": degrees})
         stiff = {"start_deg": degrees, "E": 2.1e11}
-        rows += judge(f"{name}, E = 2.1e11 Pa", stiff, 0.002, against="rigid")
-    # So near to closure the linkage moves by micrometres, and the links' own bending as much.
-    stiff = {"start_deg": CLOSED - 0.01, "E": 2.1e11}
-    rows += judge("start 0.01° from closure, E = 2.1e11 Pa", stiff, 0.02, against="rigid",
-                  duration=0.02, past_closure=True)  # fmt: skip
-    rows += judge("start 0.01° from closure", {"start_deg": CLOSED - 0.01}, 0.04,
-                  duration=0.02, past_closure=True)  # fmt: skip
+        rows += judge(f"{name}, E = 2.1e11 Pa", stiff, against="rigid")
+    name, near = "start 0.01° from closure", {"start_deg": CLOSED - 0.01}
+    more = {"duration": 0.02, "past_closure": True}
+    rows += judge(f"{name}, E = 2.1e11 Pa", {**near, "E": 2.1e11}, against="rigid", **more)
+    rows += judge(name, near, WAVES, **more)
     rows.append(rest("start at closure", {"start_deg": CLOSED}))
     rows.append(rest("K_F = 0", {"K_F": 0.0}))
     return rows
 
 
 def meshes() -> list[Row]:
-    """1 to 64 elements a link, against 80; the tolerance is what a mesh promises."""
+    """2 to 64 elements a link, against 80; the tolerance is what a mesh promises."""
     duration = closing_time()
     expected = run(duration, elements_per_link=80)
     rows = []
     for elements, tolerance in (
-        (1, 0.3), (2, 0.005), (4, 0.002), (8, 5e-4), (16, 1e-4), (32, 5e-5), (64, 2e-5),
+        (2, 0.002), (4, 0.002), (8, 5e-4), (16, 1e-4), (32, 5e-5), (64, 2e-5),
     ):  # fmt: skip
         name = f"{elements} elements a link"
         outcome, error = attempt(duration, (elements, 0.9), {})
@@ -56,25 +59,32 @@ def meshes() -> list[Row]:
             continue
         until = 0.98 * min(first_closing(expected), first_closing(outcome))
         source = "80 elements a link"
-        row = compare(name, outcome, curves(expected), until, tolerance, source)
-        rows.append(row)
+        rows += compare(name, outcome, curves(expected), until, (tolerance, 0.02), source)
     return rows
 
 
 def durations() -> list[Row]:
-    rows = []
-    (long,) = fpm.simulate([build()], duration=20.0, instants=4001)
-    off, gap, tilt = imbalance(long), long.gap.max(), long.axis_gap.max()
+    """A hundred closures; and less time than a wave needs from one end of a link to the other."""
+    rows, name, _, long = persist("20 s", 20.0, {}, instants=4001)
+    if long is None:
+        return rows
+    off, gap, tilt = imbalance(long), float(long.gap.max()), float(long.axis_gap.max())
     rows += [
-        Row("20 s: energy from nowhere", off, 0.0, 0.02, off <= 0.02, "energy balance"),
-        Row("20 s: gap of a hinge (m)", float(gap), 0.0, 1e-10, bool(gap <= 1e-10), "hinge"),
-        Row("20 s: tilt of a hinge (rad)", float(tilt), 0.0, 1e-9, bool(tilt <= 1e-9), "hinge"),
+        Row(f"{name}: energy from nowhere", off, 0.0, BALANCE, off <= BALANCE, "energy balance"),
+        Row(f"{name}: gap of a hinge (m)", gap, 0.0, 1e-10, gap <= 1e-10, "hinge"),
+        Row(f"{name}: tilt of a hinge (rad)", tilt, 0.0, 1e-9, tilt <= 1e-9, "hinge"),
     ]
-    # So short a time is less than a wave needs from one end of a link to the other.
-    short, fine = (curves(run(1e-4, instants=11, elements_per_link=n))["BD"] for n in (8, 64))
-    error = float(np.abs(short - fine).max())
-    source = "64 elements a link; BD itself is 0.6 m"
-    rows.append(Row("1e-4 s: error of BD (m)", error, 0.0, 5e-6, error <= 5e-6, source))
+    # Bending has spread by sqrt(c r t) = 34 mm then: less than an element of twelve to a link.
+    fine = curves(run(1e-4, instants=11, elements_per_link=128, safety=0.45))["BD"]
+    way = float(np.ptp(fine))
+    for elements, tolerance in ((12, 0.5), (32, 0.1), (64, 0.02)):
+        found = curves(run(1e-4, instants=11, elements_per_link=elements))["BD"]
+        error = float(np.abs(found - fine).max()) / way
+        name = f"1e-4 s, {elements} elements: BD, as a share of its way"
+        note = f"BD is 54 mm and moves by {way:.2g} m"
+        rows.append(
+            Row(name, error, 0.0, tolerance, error <= tolerance, "128 elements a link", note)
+        )
     return rows
 
 
@@ -130,9 +140,9 @@ def precision() -> list[Row]:
     source = "the same 16 runs in 64 bits"
     saved = 1 - cost[np.float32] / cost[np.float64]
     note = f"velocity of B {velocity:.2g}, energy from nowhere {off:.2g}"
-    good = position <= 0.002 and off <= BALANCE
+    good = position <= 1e-4 and off <= BALANCE
     rows = [
-        Row("32-bit floats: error of BD", position, 0.0, 0.002, bool(good or refused), source, note)
+        Row("32-bit floats: error of BD", position, 0.0, 1e-4, bool(good or refused), source, note)
     ]
     text = "measured, no target"
     rows.append(Row("32-bit floats: share of cpu time saved", saved, 0.5, text, True, source))

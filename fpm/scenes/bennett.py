@@ -44,7 +44,8 @@ PARAMETERS = {
     "start_deg": Parameter(
         3.0, "degree", "opening at B by which the start is short of the folded bundle", 0.0, 180.0
     ),
-    "elements_per_link": Parameter(12, "1", "beam elements of a link", lower=1, kind="integer"),
+    # One element would put half the mass at either end, which triples a link's inertia.
+    "elements_per_link": Parameter(12, "1", "beam elements of a link", lower=2, kind="integer"),
     "inertia_scale": Parameter(1.0, "1", "factor on the section's rotational inertia", lower=1.0),
     "supports": Parameter(
         "plane",

@@ -16,7 +16,7 @@ PARAMETERS = {
     "angle_deg": Parameter(60.0, "degree", "starting angle from the vertical", -180.0, 180.0),
     "K_F": Parameter(0.0, "N m rad-1", "torsion spring towards the vertical", lower=0.0),
     "damping": Parameter(0.0, "s-1", "mass-proportional damping", lower=0.0),
-    "elements": Parameter(8, "1", "beam elements", lower=1, kind="integer"),
+    "elements": Parameter(8, "1", "beam elements", lower=2, kind="integer"),
     "inertia_scale": Parameter(1.0, "1", "factor on the section's rotational inertia", lower=1.0),
 }
 

@@ -109,6 +109,7 @@ def test_the_linkage_may_start_deployed():
         ({"omega_deg": 54.7, "mu_deg": 22.5}, ["omega_deg", "54.7", "30.36", "22.5"]),
         ({"a": -0.035}, ["a", "-0.035"]),
         ({"L": 0.04}, ["L", "0.04", "0.0494975"]),
+        ({"elements_per_link": 1}, ["elements_per_link", "1", ">= 2"]),
     ],
 )
 def test_impossible_parameters_are_refused(parameters, words):

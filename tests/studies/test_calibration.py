@@ -103,9 +103,9 @@ def test_scan_tells_how_sharp_the_fit_is():
 
 def test_half_angle_at_b():
     start = calibration.start_of_half_angle(22.5)
-    scene = fpm.scenes.get("bennett").build(start_deg=start, elements_per_link=1)
-    # Links AB, BC of one element each, both from their A side to their B side.
-    bars = [scene.position[i + 1] - scene.position[i] for i in (0, 2)]
+    scene = fpm.scenes.get("bennett").build(start_deg=start, elements_per_link=2)
+    # Links AB, BC of three particles each, both from their A side to their B side.
+    bars = [scene.position[i + 2] - scene.position[i] for i in (0, 3)]
     cosine = bars[0] @ bars[1] / np.linalg.norm(bars[0]) / np.linalg.norm(bars[1])
     assert math.degrees(math.acos(cosine)) == pytest.approx(45.0, abs=1e-3)
 

@@ -7,30 +7,45 @@ import pytest
 
 from studies import extreme_parameters, extreme_runs
 from studies.extremes import GROUPS
-from studies.judge import compare, judge
+from studies.judge import STRAIGHT, WHIPPING, compare, judge
 from studies.linkage import closing_time, curves, first_closing, simulate
 from studies.rows import Row, write_results
 
 
 def test_a_stiff_linkage_agrees_with_the_rigid_one():
-    (row,) = judge("stiff", {"E": 1e11}, 0.002, against="rigid")
-    assert row.passed
+    rows = judge("stiff", {"E": 1e11}, against="rigid")
+    assert [row.name for row in rows] == ["stiff: BD", "stiff: velocity of B"]
+    assert all(row.passed for row in rows)
 
 
 def test_a_wrong_curve_fails():
-    """The same run against curves of a linkage that is 1 % thicker."""
+    """The same run against curves of linkages that are 1 % and 10 % thicker."""
     duration = closing_time()
-    right, wrong = (simulate(duration, a=a, elements_per_link=4) for a in (0.035, 0.03535))
+    right, wrong, far = (
+        simulate(duration, a=a, elements_per_link=4) for a in (0.035, 0.03535, 0.0385)
+    )
     until = 0.98 * min(first_closing(right), first_closing(wrong), duration)
-    assert compare("same", right, curves(right), until, 0.002, "itself").passed
-    assert not compare("other", right, curves(wrong), until, 0.002, "another").passed
+    same = compare("same", right, curves(right), until, STRAIGHT, "itself")
+    assert all(row.passed for row in same)
+    other = compare("other", right, curves(wrong), until, STRAIGHT, "another")
+    assert not other[0].passed
+    other = compare("far", right, curves(far), until, STRAIGHT, "another")
+    assert not any(row.passed for row in other)
 
 
 def test_a_refused_run_is_a_passed_row_and_its_remedy_is_tried():
-    rows = judge("K_F = 1e5", {"K_F": 1e5}, 0.3, past_closure=True)
+    rows = judge("K_F = 1e4", {"K_F": 1e4}, WHIPPING, past_closure=True)
     assert str(rows[0].value).startswith("refused: unstable")
-    assert len(rows) == 2
-    assert "after the remedy" in rows[1].name
+    assert "refine the mesh" in rows[0].value
+    assert len(rows) == 3
+    assert all("after the remedy" in row.name and row.passed for row in rows[1:])
+
+
+def test_a_refusal_that_no_mesh_helps_is_the_last_word():
+    rows = judge("E = 1e5", {"E": 1e5}, WHIPPING, past_closure=True)
+    assert "refine the mesh" in rows[0].value
+    assert "no mesh or step helps" in rows[-1].value
+    assert all(row.passed and isinstance(row.value, str) for row in rows)
 
 
 def test_values_that_make_no_structure_are_refused():

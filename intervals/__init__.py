@@ -19,7 +19,10 @@ from .partition import SplitDesign, split_design
 from .ranges import Range, surrogate_range
 from .scan_bounds import RunningBounds, scan_bounds_dataset, stream_bounds
 from .scans import held_out_points
+from .seek import seek_points
 from .sensitivity import parameter_sensitivity, sensitivity_dataset
+from .spline_bounds import spline_bounds_dataset
+from .splines import Spline, fit_spline, spline_range
 from .surrogate import Surrogate, fit, fit_points
 
 __all__ = [
@@ -32,6 +35,7 @@ __all__ = [
     "Range",
     "RunningBounds",
     "Specification",
+    "Spline",
     "SplitDesign",
     "Surrogate",
     "bounds_dataset",
@@ -42,6 +46,7 @@ __all__ = [
     "event_bounds_dataset",
     "fit",
     "fit_points",
+    "fit_spline",
     "gather_trajectories",
     "hausdorff",
     "held_out_points",
@@ -49,7 +54,10 @@ __all__ = [
     "match_points",
     "parameter_sensitivity",
     "scan_bounds_dataset",
+    "seek_points",
     "sensitivity_dataset",
+    "spline_bounds_dataset",
+    "spline_range",
     "split_design",
     "stream_bounds",
     "surrogate_range",

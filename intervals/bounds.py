@@ -10,13 +10,17 @@ import numpy as np
 from . import errors
 from .datasets import Bounds, bounds_to_dataset, match_points, other_runs, read_samples
 from .designs import Design
+from .exceptions import check_choice
 from .partition import SplitDesign, parts_of
 from .ranges import surrogate_range
 from .scan_bounds import scan_bounds_dataset
+from .spline_bounds import spline_bounds_dataset
 from .surrogate import fit
 
 if TYPE_CHECKING:
     import xarray as xr
+
+MODELS = ("polynomial", "spline")
 
 
 def bounds_dataset(
@@ -24,6 +28,7 @@ def bounds_dataset(
     design: Design | SplitDesign,
     responses: Sequence[str] | None = None,
     *,
+    model: str = "polynomial",
     tolerance: float = 1e-3,
     window: float | None = None,
 ) -> xr.Dataset:
@@ -40,6 +45,9 @@ def bounds_dataset(
         its bounds are the least and the largest sample over all runs.
     responses
         Names; by default every variable over (run, time).
+    model
+        "polynomial", or "spline": one cubic spline through all runs, those of a scan or held out
+        included (see `spline_bounds_dataset`).
     tolerance
         Gap between outer and inner range at which subdivision stops, as a share of the width.
     window
@@ -52,6 +60,8 @@ def bounds_dataset(
     (parameter values where), ``R_nominal``, ``R_error`` (estimate for the bounds). Attributes of
     ``R_error`` hold the numbers of the summary.
     """
+    if check_choice("model", model, MODELS) == "spline":
+        return spline_bounds_dataset(samples, design, responses, window=window)
     attrs = {"design_method": design.method, "design_order": list(design.order)}
     if isinstance(design, Design) and not len(design.multi_indices):
         return scan_bounds_dataset(samples, responses, attrs)

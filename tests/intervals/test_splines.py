@@ -1,0 +1,194 @@
+"""Splines through scattered runs: what they go through, attain, and say of themselves."""
+
+import numpy as np
+import pytest
+from datasets_for_tests import ball_reference, ball_samples, samples_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from intervals import (
+    Box,
+    IntervalError,
+    bounds_dataset,
+    compare_bounds,
+    fit_spline,
+    hausdorff,
+    make_design,
+    spline_bounds_dataset,
+    spline_range,
+)
+from intervals.splines import choose_scales
+
+
+def points_in(k, count, seed):
+    return np.random.default_rng(seed).uniform(-1, 1, (count, k))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(1, 8), st.integers(10, 40), st.integers(0, 10**6))
+def test_it_goes_through_every_run_and_keeps_linear_functions(k, count, seed):
+    points = points_in(k, count, seed)
+    values = np.random.default_rng(seed).standard_normal((count, 2, 3))
+    spline = fit_spline(points, values)
+    np.testing.assert_allclose(spline.evaluate(points), values, atol=1e-6)
+    slopes = np.arange(1.0, k + 1)
+    line = fit_spline(points, (points @ slopes)[:, None])
+    fresh = points_in(k, 50, seed + 1)
+    np.testing.assert_allclose(line.evaluate(fresh)[:, 0], fresh @ slopes, atol=1e-6 * k * k)
+
+
+def test_in_one_dimension_it_is_the_natural_cubic_spline():
+    from scipy.interpolate import CubicSpline
+
+    points = np.sort(points_in(1, 9, 0), axis=0)
+    values = np.random.default_rng(1).standard_normal((9, 4))
+    expected = CubicSpline(points[:, 0], values, bc_type="natural")
+    x = np.linspace(points[0, 0], points[-1, 0], 100)
+    np.testing.assert_allclose(
+        fit_spline(points, values).evaluate(x[:, None]), expected(x), atol=1e-9
+    )
+
+
+def test_the_left_out_errors_are_those_of_refitted_splines():
+    points = points_in(2, 15, 3)
+    values = np.random.default_rng(3).standard_normal((15, 2))
+    scales = np.array([1.0, 0.5])
+    found = fit_spline(points, values, scales).left_out
+    for i in range(15):
+        rest = np.arange(15) != i
+        without = fit_spline(points[rest], values[rest], scales)
+        expected = values[i] - without.evaluate(points[i : i + 1])[0]
+        np.testing.assert_allclose(found[i], expected, atol=1e-8)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(1, 4), st.integers(0, 10**6))
+def test_its_range_is_attained_and_misses_little(k, seed):
+    points = points_in(k, 40, seed)
+    waves = np.random.default_rng(seed).uniform(-2, 2, (k, 6))
+    spline = fit_spline(points, np.sin(points @ waves).reshape(40, 2, 3))
+    found = spline_range(spline)
+    assert (found.lower <= spline.values.min(axis=0) + 1e-9).all()
+    assert (found.upper >= spline.values.max(axis=0) - 1e-9).all()
+    rows, columns = np.indices((2, 3)).reshape(2, -1)
+    for argument, value in ((found.argmin, found.lower), (found.argmax, found.upper)):
+        assert (np.abs(argument) <= 1).all()
+        at = spline.evaluate(argument.reshape(-1, k)).reshape(-1, 2, 3)
+        attained = at[np.arange(6), rows, columns]
+        np.testing.assert_allclose(attained, value.ravel(), atol=1e-6)
+    dense = spline.evaluate(points_in(k, 20_000, seed + 1))
+    room = 0.01 * (found.upper - found.lower)
+    assert (dense.min(axis=0) >= found.lower - room).all()
+    assert (dense.max(axis=0) <= found.upper + room).all()
+
+
+def test_an_extreme_value_between_the_candidates_is_climbed():
+    points = np.linspace(-1, 1, 81)[:, None]
+    values = -((points - 0.1234567) ** 2)
+    found = spline_range(fit_spline(points, values), candidates=3)
+    assert found.upper[0] == pytest.approx(0.0, abs=1e-8)
+    assert found.argmax[0, 0] == pytest.approx(0.1234567, abs=1e-4)
+
+
+def test_scales_tell_which_direction_varies():
+    points = points_in(3, 60, 5)
+    values = np.sin(4 * points[:, :1] + np.linspace(0, 6, 30)) + 0.1 * points[:, 1:2]
+    scales = choose_scales(points, values)
+    assert scales[0] >= 4 * max(scales[1], scales[2])
+    fresh = points_in(3, 500, 6)
+    truth = np.sin(4 * fresh[:, :1] + np.linspace(0, 6, 30)) + 0.1 * fresh[:, 1:2]
+    off = [
+        np.abs(fit_spline(points, values, s).evaluate(fresh) - truth).mean()
+        for s in (scales, np.ones(3))
+    ]
+    assert off[0] < 0.5 * off[1]
+
+
+def test_runs_that_repeat_or_share_a_value():
+    points = np.array([[0.0, 0.3], [0.5, 0.3], [-1.0, 0.3], [0.5, 0.3]])
+    spline = fit_spline(points, np.array([[1.0], [2.0], [4.0], [2.0]]))
+    assert len(spline.points) == 3
+    assert spline.scales.tolist() == [1.0, 0.0]
+    found = spline_range(spline)
+    assert found.upper[0] == pytest.approx(4.0)
+    assert found.argmax[0].tolist() == [-1.0, 0.3]
+    one = spline_range(fit_spline(np.zeros((1, 2)), np.array([[3.0]])))
+    assert (one.lower[0], one.upper[0]) == (3.0, 3.0)
+    with pytest.raises(IntervalError, match="plane"):
+        fit_spline(np.array([[0.0, 0.0], [0.5, 0.5], [1.0, 1.0]]), np.zeros((3, 1)))
+
+
+def test_a_vibration_out_of_step_is_better_than_with_the_polynomial():
+    """A vibration that an impact excites, whose time and frequency depend on the parameter."""
+    box = Box(["p"], [-1.0], [1.0])
+    time = np.linspace(0.0, 1.0, 1001)
+
+    def ringing(v):
+        since = np.maximum(time - 0.3 - 0.01 * v[0], 0.0)
+        return np.sin(300 * (1 + 0.04 * v[0]) * since)
+
+    scan = np.array([ringing([x]) for x in np.linspace(-1, 1, 801)])
+    low, high = scan.min(axis=0), scan.max(axis=0)
+    for order in (2, 4):
+        design = make_design("tensor_lobatto", box, order)
+        samples = samples_of(ringing, box, design, time)
+        error = {}
+        for model in ("polynomial", "spline"):
+            bounds = bounds_dataset(samples, design, model=model)
+            lower, upper = bounds["response_lower"].values, bounds["response_upper"].values
+            found = compare_bounds(time, lower, upper, low, high)
+            error[model] = found["hausdorff_integrated"]
+        assert error["spline"] < 0.25 * error["polynomial"]
+
+
+def test_a_jump_is_overshot_by_a_tenth_and_a_scan_is_not():
+    points = np.linspace(-1, 1, 16)[:, None]
+    found = spline_range(fit_spline(points, np.sign(points)))
+    assert 1.15 < found.upper[0] < 1.25  # the jump is 2 high
+    _, low, high = ball_reference(runs=1001, instants=501)
+    design = make_design("scan", 1, samples=16)
+    samples = ball_samples(design, held_out=0, instants=501)
+    error = {}
+    for model in ("polynomial", "spline"):  # a scan has no polynomial: the runs themselves
+        bounds = bounds_dataset(samples, design, ["v"], model=model)
+        off = hausdorff(bounds["v_lower"], bounds["v_upper"], low[1], high[1])
+        error[model] = float(off.mean())
+    assert error["polynomial"] < 0.2 * error["spline"]
+
+
+def test_bounds_contain_all_runs_and_the_error_covers():
+    box = Box(["f", "g"], [0.9, 0.0], [1.1, 0.2])
+    time = np.linspace(0.0, 1.0, 101)
+
+    def wave(v):
+        return np.sin(12 * time * v[0]) * np.exp(v[1])
+
+    design = make_design("scan", box, samples=24)
+    samples = samples_of(wave, box, design, time)
+    bounds = bounds_dataset(samples, design, model="spline")
+    values = samples["response"].values
+    assert (bounds["response_lower"].values <= values.min(axis=0) + 1e-9).all()
+    assert (bounds["response_upper"].values >= values.max(axis=0) - 1e-9).all()
+    grid = np.array([(a, b) for a in np.linspace(0.9, 1.1, 41) for b in np.linspace(0, 0.2, 21)])
+    scan = np.array([wave(v) for v in grid])
+    true = hausdorff(
+        bounds["response_lower"], bounds["response_upper"], scan.min(axis=0), scan.max(axis=0)
+    ).values
+    assert (true <= bounds["response_error"].values + 1e-4).mean() > 0.95
+    plain = bounds_dataset(samples, design)
+    missing = np.maximum(
+        plain["response_lower"].values - scan.min(axis=0),
+        scan.max(axis=0) - plain["response_upper"].values,
+    )
+    assert true.mean() < 0.2 * missing.mean()
+    alone = spline_bounds_dataset(samples)
+    assert (alone["response_upper"] == bounds["response_upper"]).all()
+    assert bounds.attrs["design_runs"] == len(np.unique(samples["unit"].values, axis=0))
+
+
+def test_an_unknown_model_is_refused():
+    box = Box(["f"], [0.9], [1.1])
+    design = make_design("tensor_roots", box, 2)
+    samples = samples_of(lambda v: v[0] * np.ones(3), box, design, np.arange(3.0))
+    with pytest.raises(IntervalError, match="polynomial, spline"):
+        bounds_dataset(samples, design, model="kriging")

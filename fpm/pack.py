@@ -67,13 +67,6 @@ def check_topology(scenes: Sequence[Scene]) -> None:
             )  # fmt: skip
 
 
-def quaternion(frames: np.ndarray) -> np.ndarray:
-    """Unit quaternions (n, 4), scalar first, of rotation matrices (n, 3, 3)."""
-    from scipy.spatial.transform import Rotation
-
-    return np.roll(Rotation.from_matrix(frames).as_quat(), 1, axis=-1)
-
-
 def blank(*shape_and_dtype) -> np.ndarray:
     """Zeros of shape (..., width) and the given dtype (last argument), aligned to 64 bytes.
 
@@ -102,12 +95,12 @@ def state_of(scene: Scene) -> np.ndarray:
     """State (n, STATE) of one scene at its start."""
     out = np.zeros((len(scene.position), at.STATE))
     out[:, at.X : at.X + 3] = scene.position
-    out[:, at.D : at.D + 9] = scene.frame.transpose(0, 2, 1).reshape(-1, 9)
+    out[:, at.D2 : at.D2 + 3] = scene.frame[:, :, 1]
+    out[:, at.D3 : at.D3 + 3] = scene.frame[:, :, 2]
     free = ~scene.fixed
     out[:, at.V : at.V + 3] = scene.velocity * free[:, :3]
     local = np.einsum("nji,nj->ni", scene.frame, scene.spin * free[:, 3:])
     out[:, at.P : at.P + 3] = np.einsum("nij,nj->ni", scene.frame, scene.inertia * local)
-    out[:, at.Q : at.Q + 4] = quaternion(scene.frame)
     return out
 
 

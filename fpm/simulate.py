@@ -203,9 +203,10 @@ def _final(scene: Scene, state: np.ndarray, kept: np.ndarray, time: float) -> Mo
 
     That of driven particles is the one prescribed at `time` (s).
     """
-    from fpm.kernels.layout import D, P, V, X
+    from fpm.kernels.layout import D2, D3, P, V, X
 
-    frame = kept[:, D : D + 9].reshape(-1, 3, 3).transpose(0, 2, 1).copy()
+    second, third = kept[:, D2 : D2 + 3], kept[:, D3 : D3 + 3]
+    frame = np.stack([np.cross(second, third), second, third], axis=-1)
     momentum = 0.5 * (kept[:, P : P + 3] + state[:, P : P + 3])
     local = np.einsum("nji,nj->ni", frame, momentum) / scene.inertia
     velocity = 0.5 * (kept[:, V : V + 3] + state[:, V : V + 3])

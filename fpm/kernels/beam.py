@@ -1,7 +1,8 @@
 """Forces and strain energy of beam elements (theory: elements/beam.py)."""
 
 from fpm.kernels.lanes import load, sqrt, store
-from fpm.kernels.layout import AXIAL, BEND_Y, BEND_Z, LENGTH, TWIST, D, F, M, X
+from fpm.kernels.layout import AXIAL, BEND_Y, BEND_Z, D2, D3, LENGTH, TWIST, F, M, X
+from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import (
     add,
     axpy,
@@ -28,22 +29,18 @@ def angle(s):
 @kernel
 def own_axes(state, a, b):
     """Axes 2 and 3 of an element as its ends a and b carry them, where they are the particles'."""
-    return (
-        get3(state, a, D + 3),
-        get3(state, a, D + 6),
-        get3(state, b, D + 3),
-        get3(state, b, D + 6),
-    )
+    return get3(state, a, D2), get3(state, a, D3), get3(state, b, D2), get3(state, b, D3)
 
 
 @kernel
 def framed_axes(state, axes, e, a, b):
     """Axes 2 and 3 of element e as its ends carry them; axes (m, AXES, lanes) in their frames."""
+    one, two = frame(state, a), frame(state, b)
     return (
-        to_global(state, a, D, get3(axes, e, 0)),
-        to_global(state, a, D, get3(axes, e, 3)),
-        to_global(state, b, D, get3(axes, e, 6)),
-        to_global(state, b, D, get3(axes, e, 9)),
+        to_global(one, get3(axes, e, 0)),
+        to_global(one, get3(axes, e, 3)),
+        to_global(two, get3(axes, e, 6)),
+        to_global(two, get3(axes, e, 9)),
     )
 
 

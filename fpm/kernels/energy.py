@@ -3,7 +3,8 @@
 from fpm.kernels.beam import beam_energy
 from fpm.kernels.joint import contact_energy, spring_energy
 from fpm.kernels.lanes import load
-from fpm.kernels.layout import IJ, IM, MASS, D, P, V, X
+from fpm.kernels.layout import IJ, IM, MASS, P, V, X
+from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import dot, get3, kernel, times, to_local
 
 
@@ -19,8 +20,9 @@ def kinetic_energy(state, kept, particles):
         # Held particles have no inverse mass; their given motion carries no energy of the scene.
         moving = load(particles, i, IM) * load(particles, i, MASS)
         linear = dot(get3(kept, i, V), get3(state, i, V))
-        before = to_local(kept, i, D, get3(kept, i, P))
-        after = times(get3(particles, i, IJ), to_local(kept, i, D, get3(state, i, P)))
+        axes = frame(kept, i)
+        before = to_local(axes, get3(kept, i, P))
+        after = times(get3(particles, i, IJ), to_local(axes, get3(state, i, P)))
         total = total + 0.5 * (load(particles, i, MASS) * moving * linear + dot(before, after))
     return total
 

@@ -19,8 +19,8 @@ operations.
 """
 
 from fpm.kernels.lanes import any_negative, load, store, where_negative
-from fpm.kernels.layout import ARM, AXIS, HELD, HIJ, HIM, PLACE, REF, D, F, M, P, Q, V, X
-from fpm.kernels.rotation import get4, half_turn, put_rotation, turned
+from fpm.kernels.layout import ARM, AXIS, D2, D3, HELD, HIJ, HIM, PLACE, REF, F, M, P, V, X
+from fpm.kernels.rotation import frame, half_turn, put_turned
 from fpm.kernels.vectors import (
     add,
     axpy,
@@ -49,11 +49,11 @@ COARSE_TILT = 5e-8
 
 # Scratch of a body (rows, BODY_SCRATCH, lanes).
 OLD_X = 0  # position at the start of the step (3)
-OLD_Q = 3  # quaternion (4)
-GLOBAL_ARM = 7  # arm in global components (3)
-INVERSE = 10  # inverse inertia in global components (6)
-RESPONSE = 16  # velocity of the hinge point per unit impulse there (6)
-DV, DP = 22, 25  # change of velocity (3) and of angular momentum (3) by the hinge's impulses
+OLD_D2, OLD_D3 = 3, 6  # directors (3 each)
+GLOBAL_ARM = 9  # arm in global components (3)
+INVERSE = 12  # inverse inertia in global components (6)
+RESPONSE = 18  # velocity of the hinge point per unit impulse there (6)
+DV, DP = 24, 27  # change of velocity (3) and of angular momentum (3) by the hinge's impulses
 
 # Scratch of a hinge (rows, HINGE_SCRATCH, lanes).
 PA, QA = 0, 3  # the two directions normal to the axis
@@ -83,17 +83,18 @@ def put6(a, i, k, s):
 
 
 @kernel
-def world_inverse(state, i, j):
-    """Inverse inertia of particle i in global components (xx, yy, zz, xy, xz, yz)."""
-    a, b, c = get3(state, i, D), get3(state, i, D + 3), get3(state, i, D + 6)
-    ja, jb, jc = scale(j[0], a), scale(j[1], b), scale(j[2], c)
+def world_inverse(axes, j):
+    """Inverse inertia in global components (xx, yy, zz, xy, xz, yz); j: along the three axes."""
+    a, b, _ = axes
+    # The dyads of the three axes add up to the unit matrix, which spares the third.
+    ja, jb = scale(j[0] - j[2], a), scale(j[1] - j[2], b)
     return (
-        ja[0] * a[0] + jb[0] * b[0] + jc[0] * c[0],
-        ja[1] * a[1] + jb[1] * b[1] + jc[1] * c[1],
-        ja[2] * a[2] + jb[2] * b[2] + jc[2] * c[2],
-        ja[0] * a[1] + jb[0] * b[1] + jc[0] * c[1],
-        ja[0] * a[2] + jb[0] * b[2] + jc[0] * c[2],
-        ja[1] * a[2] + jb[1] * b[2] + jc[1] * c[2],
+        (ja[0] * a[0] + j[2]) + jb[0] * b[0],
+        (ja[1] * a[1] + j[2]) + jb[1] * b[1],
+        (ja[2] * a[2] + j[2]) + jb[2] * b[2],
+        ja[0] * a[1] + jb[0] * b[1],
+        ja[0] * a[2] + jb[0] * b[2],
+        ja[1] * a[2] + jb[1] * b[2],
     )
 
 
@@ -119,9 +120,10 @@ def point_response(inverse_mass, j, r):
 def prepare_directions(state, ends, bodies, w):
     """The two directions normal to every hinge's axis."""
     for h in range(w.shape[0]):
-        p = to_global(state, ends[2 * h], D, get3(bodies, 2 * h, REF))
+        axes = frame(state, ends[2 * h])
+        p = to_global(axes, get3(bodies, 2 * h, REF))
         put3(w, h, PA, p)
-        put3(w, h, QA, cross(to_global(state, ends[2 * h], D, get3(bodies, 2 * h, AXIS)), p))
+        put3(w, h, QA, cross(to_global(axes, get3(bodies, 2 * h, AXIS)), p))
 
 
 @kernel
@@ -131,11 +133,12 @@ def prepare_bodies(state, ends, bodies, w, kick):
         i = ends[r]
         x = get3(state, i, X)
         put3(w, r, OLD_X, x)
-        for m in range(4):
-            store(w, r, OLD_Q + m, load(state, i, Q + m))
-        arm = to_global(state, i, D, get3(bodies, r, ARM))
+        axes = frame(state, i)
+        put3(w, r, OLD_D2, axes[1])
+        put3(w, r, OLD_D3, axes[2])
+        arm = to_global(axes, get3(bodies, r, ARM))
         inverse_mass = get3(bodies, r, HIM)
-        j = world_inverse(state, i, get3(bodies, r, HIJ))
+        j = world_inverse(axes, get3(bodies, r, HIJ))
         lever = arm
         if r % 2 == 1:
             # Both impulses act at the first body's point: they make no moment if the hinge gapes.
@@ -345,11 +348,12 @@ def gaps(state, ends, bodies, h):
     """Hinge point of body 1, its gap (3) to that of 2, and the axis gap about p and q (rad)."""
     one, two = 2 * h, 2 * h + 1
     i, k = ends[one], ends[two]
-    point = add(get3(state, i, X), to_global(state, i, D, get3(bodies, one, ARM)))
-    other = add(get3(state, k, X), to_global(state, k, D, get3(bodies, two, ARM)))
-    p = to_global(state, i, D, get3(bodies, one, REF))
-    q = cross(to_global(state, i, D, get3(bodies, one, AXIS)), p)
-    axis = to_global(state, k, D, get3(bodies, two, AXIS))
+    first, second = frame(state, i), frame(state, k)
+    point = add(get3(state, i, X), to_global(first, get3(bodies, one, ARM)))
+    other = add(get3(state, k, X), to_global(second, get3(bodies, two, ARM)))
+    p = to_global(first, get3(bodies, one, REF))
+    q = cross(to_global(first, get3(bodies, one, AXIS)), p)
+    axis = to_global(second, get3(bodies, two, AXIS))
     return point, sub(point, other), -dot(q, axis), dot(p, axis)
 
 
@@ -357,16 +361,17 @@ def gaps(state, ends, bodies, h):
 def restore(state, on, rows, b):
     """Bring the particles `on` of the bodies `rows` (pairs) back to the start of the step."""
     put3(state, on, X, get3(b, rows, OLD_X))
-    put_rotation(state, on, get4(b, rows, OLD_Q))
+    put3(state, on, D2, get3(b, rows, OLD_D2))
+    put3(state, on, D3, get3(b, rows, OLD_D3))
 
 
 @kernel
 def move(state, on, rows, bodies, step):
     """Move the particles `on` of the bodies `rows` (pairs) by a step, with their momenta."""
     put3(state, on, X, axpy(step, get3(state, on, V), get3(state, on, X)))
-    local = to_local(state, on, D, get3(state, on, P))
-    half = half_turn(local, get3(bodies, rows, HIJ), step)
-    put_rotation(state, on, turned(get4(state, on, Q), half))
+    axes = frame(state, on)
+    half = half_turn(to_local(axes, get3(state, on, P)), get3(bodies, rows, HIJ), step)
+    put_turned(state, on, axes, half)
 
 
 @kernel
@@ -376,12 +381,11 @@ def nudge(state, i, r, b, step):
     put3(state, i, V, add(get3(state, i, V), dv))
     put3(state, i, P, add(get3(state, i, P), dp))
     put3(state, i, X, axpy(step, dv, get3(state, i, X)))
-    # So small a turn that its square does not show: the quaternion (1, half) about global axes.
-    half = scale(0.5 * step, symmetric(get6(b, r, INVERSE), dp))
-    q = get4(state, i, Q)
-    v = (q[1], q[2], q[3])
-    x, y, z = add(v, axpy(q[0], half, cross(half, v)))
-    put_rotation(state, i, (q[0] - dot(half, v), x, y, z))
+    # So small a turn that its square does not show.
+    turn = scale(step, symmetric(get6(b, r, INVERSE), dp))
+    for k in (D2, D3):
+        axis = get3(state, i, k)
+        put3(state, i, k, add(axis, cross(turn, axis)))
 
 
 @kernel

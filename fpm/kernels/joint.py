@@ -3,7 +3,8 @@
 import math
 
 from fpm.kernels.lanes import absolute, floor, load, store, where_negative
-from fpm.kernels.layout import AXIS, REF, D, M
+from fpm.kernels.layout import AXIS, REF, M
+from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import axpy, cross, dot, get3, kernel, put3, to_global
 
 HALF_PI = math.pi / 2
@@ -49,9 +50,10 @@ def update_openings(state, ends, bodies, openings):
     """
     for h in range(openings.shape[0]):
         one, two = ends[2 * h], ends[2 * h + 1]
-        axis = to_global(state, one, D, get3(bodies, 2 * h, AXIS))
-        first = to_global(state, one, D, get3(bodies, 2 * h, REF))
-        second = to_global(state, two, D, get3(bodies, 2 * h + 1, REF))
+        axes = frame(state, one)
+        axis = to_global(axes, get3(bodies, 2 * h, AXIS))
+        first = to_global(axes, get3(bodies, 2 * h, REF))
+        second = to_global(frame(state, two), get3(bodies, 2 * h + 1, REF))
         angle = arctan2(dot(axis, cross(first, second)), dot(first, second))
         last = load(openings, h, 0)
         store(openings, h, 1, last)
@@ -63,7 +65,7 @@ def update_openings(state, ends, bodies, openings):
 def turn_hinge(state, ends, bodies, h, moment):
     """Add a moment about the axis of hinge h to its second particle, its opposite to the first."""
     one, two = ends[2 * h], ends[2 * h + 1]
-    axis = to_global(state, one, D, get3(bodies, 2 * h, AXIS))
+    axis = to_global(frame(state, one), get3(bodies, 2 * h, AXIS))
     put3(state, two, M, axpy(moment, axis, get3(state, two, M)))
     put3(state, one, M, axpy(-1.0 * moment, axis, get3(state, one, M)))
 

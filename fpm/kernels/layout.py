@@ -2,14 +2,14 @@
 
 # State of a particle.
 X = 0  # position (3)
-D = 3  # directors: the particle's axes in global components (9), d1, d2, d3 one after another
-V = 12  # velocity (3), half a step behind the position
-P = 15  # angular momentum in global components (3), half a step behind
-Q = 18  # rotation as a unit quaternion (4)
-F = 22  # force (3)
-M = 25  # moment (3)
-STATE = 28
-KEPT = 18  # fields that recording needs from the start of a step: X, D, V, P
+D2 = 3  # directors: the particle's second and third axis in global components (3 each); the first
+D3 = 6  # is their product
+V = 9  # velocity (3), half a step behind the position
+P = 12  # angular momentum in global components (3), half a step behind
+F = 15  # force (3)
+M = 18  # moment (3)
+STATE = 21
+KEPT = 15  # fields that recording needs from the start of a step: X, D2, D3, V, P
 
 # Constants of a particle. The inverses are zero where a particle is held.
 IM = 0  # inverse mass
@@ -42,7 +42,7 @@ HELD = 0  # 1 where the hinge point is held along a global axis (3)
 PLACE = 3  # where it is held (3)
 HINGE = 6
 
-BODY_SCRATCH, HINGE_SCRATCH = 28, 72  # working fields, named in hinge.py
+BODY_SCRATCH, HINGE_SCRATCH = 30, 72  # working fields, named in hinge.py
 
 # Energies.
 KINETIC, STRAIN, SPRING, CONTACT, LOAD_WORK, DAMPING_WORK, BALANCE = range(7)

@@ -1,8 +1,8 @@
 """Loads, gravity, held axes and driven particles: what acts on the particles from outside."""
 
 from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import IJ, MASS, D, F, M, P, Q, V, X
-from fpm.kernels.rotation import get4, put_rotation, turned
+from fpm.kernels.layout import IJ, MASS, F, M, P, V, X
+from fpm.kernels.rotation import frame, put_turned
 from fpm.kernels.vectors import (
     add,
     axpy,
@@ -52,7 +52,7 @@ def load_forces(state, on, loads, curves, starts, times_, values, t):
         factor = curve_value(curves[n], starts, times_, values, t)
         force = scale(factor, get3(loads, n, 0))
         moment = scale(factor, get3(loads, n, 3))
-        arm = to_global(state, i, D, get3(loads, n, 6))
+        arm = to_global(frame(state, i), get3(loads, n, 6))
         put3(state, i, F, add(get3(state, i, F), force))
         put3(state, i, M, add(get3(state, i, M), add(moment, cross(arm, force))))
 
@@ -65,7 +65,7 @@ def add_load_work(work, state, particles, on, loads, curves, starts, times_, val
         i = on[n]
         factor = curve_value(curves[n], starts, times_, values, t)
         force = scale(factor, get3(loads, n, 0))
-        arm = to_global(state, i, D, get3(loads, n, 6))
+        arm = to_global(frame(state, i), get3(loads, n, 6))
         moment = add(scale(factor, get3(loads, n, 3)), cross(arm, force))
         total = total + dot(force, get3(state, i, V)) + dot(moment, spin(state, particles, i))
     store(work, 0, 0, load(work, 0, 0) + step * total)
@@ -74,8 +74,8 @@ def add_load_work(work, state, particles, on, loads, curves, starts, times_, val
 @kernel
 def spin(state, particles, i):
     """Angular velocity of particle i in global axes (rad/s)."""
-    local = times(get3(particles, i, IJ), to_local(state, i, D, get3(state, i, P)))
-    return to_global(state, i, D, local)
+    axes = frame(state, i)
+    return to_global(axes, times(get3(particles, i, IJ), to_local(axes, get3(state, i, P))))
 
 
 @kernel
@@ -119,7 +119,8 @@ def drive(state, on, drives, curves, starts, times_, values, t, step):
         put3(state, i, V, add(v, get3(state, i, V)))
         put3(state, i, X, axpy(step, v, get3(state, i, X)))
         half = scale(0.5 * step * factor, get3(drives, n, 3))
-        put_rotation(state, i, turned(get4(state, i, Q), to_local(state, i, D, half)))
+        axes = frame(state, i)
+        put_turned(state, i, axes, to_local(axes, half))
 
 
 @kernel
@@ -133,7 +134,8 @@ def add_damping_work(work, state, particles, damping, step):
     for i in range(state.shape[0]):
         v = get3(state, i, V)
         total = total + load(particles, i, MASS) * dot(v, v)
-        total = total + dot(get3(state, i, P), spin(state, particles, i))
+        local = to_local(frame(state, i), get3(state, i, P))
+        total = total + dot(local, times(get3(particles, i, IJ), local))
     store(work, 0, 1, load(work, 0, 1) + step * rate * total)
 
 

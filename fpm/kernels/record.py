@@ -14,12 +14,12 @@ from fpm.kernels.layout import (
     LOAD_WORK,
     SPRING,
     STRAIN,
-    D,
     P,
     V,
     X,
 )
 from fpm.kernels.outside import curve_value
+from fpm.kernels.rotation import frame
 from fpm.kernels.strain import BEND, MOST_BEND, MOST_STRAIN, note_strains
 from fpm.kernels.strain import STRAIN as SURFACE
 from fpm.kernels.vectors import (
@@ -108,7 +108,7 @@ def record_driven(kept, model, row, record, t):
     """
     for n in range(model.point_on.shape[0]):
         i, first = model.point_on[n], True
-        arm = to_global(kept, i, D, get3(model.point_arm, n, 0))
+        arm = to_global(frame(kept, i), get3(model.point_arm, n, 0))
         for k in range(model.drive_on.shape[0]):
             if model.drive_on[k] == i:
                 if first:
@@ -132,11 +132,12 @@ def record_after(state, kept, model, row, record, t):
     """
     for n in range(model.point_on.shape[0]):
         i = model.point_on[n]
-        arm = to_global(kept, i, D, get3(model.point_arm, n, 0))
+        axes = frame(kept, i)
+        arm = to_global(axes, get3(model.point_arm, n, 0))
         put3(record.points, row, 6 * n, add(get3(kept, i, X), arm))
         v = scale(0.5, add(get3(kept, i, V), get3(state, i, V)))
         p = scale(0.5, add(get3(kept, i, P), get3(state, i, P)))
-        turn = to_global(kept, i, D, times(get3(model.particles, i, IJ), to_local(kept, i, D, p)))
+        turn = to_global(axes, times(get3(model.particles, i, IJ), to_local(axes, p)))
         put3(record.points, row, 6 * n + 3, add(v, cross(turn, arm)))
     if model.drive_on.shape[0] > 0:
         record_driven(kept, model, row, record, t)

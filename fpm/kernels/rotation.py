@@ -4,14 +4,22 @@ The spatial angular momentum p is the variable; it changes only through moments,
 rounding. Over a step the particle turns with the body rates of the midpoint, W = J^-1 R_mid^T p,
 found by one fixed-point round from the start of the step (isotropic particles: exact at once; the
 gyroscopic term of the others is the change of R_mid^T p). What the round leaves is of third order
-in the angle turned in a step, like the error of the step itself. The turn is applied as a
-quaternion by its sine and cosine series. Sources: implicit midpoint rule for the free rigid body,
-e.g. Hairer, Lubich, Wanner, Geometric Numerical Integration, VII.5; quaternions: Altmann 1986.
+in the angle turned in a step, like the error of the step itself. Two of the particle's axes are
+kept and turned by Rodrigues' formula with its sine and cosine series; the third is their product.
+Less than that would need roots, more (a quaternion, three axes) is more memory to move in every
+step. Sources: implicit midpoint rule for the free rigid body, e.g. Hairer, Lubich, Wanner,
+Geometric Numerical Integration, VII.5.
 """
 
-from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import D, Q
-from fpm.kernels.vectors import add, cross, dot, kernel, put3, scale, times
+from fpm.kernels.layout import D2, D3
+from fpm.kernels.vectors import add, axpy, cross, dot, get3, kernel, put3, scale, times
+
+
+@kernel
+def frame(state, i):
+    """The three axes of particle (or pair) i in global components."""
+    second, third = get3(state, i, D2), get3(state, i, D3)
+    return cross(second, third), second, third
 
 
 @kernel
@@ -26,48 +34,31 @@ def half_turn(body, inverse_inertia, step):
 
 
 @kernel
-def turned(q, half):
-    """Quaternion q (4 lanes) after the body-fixed turn with half the rotation vector `half`."""
-    t = dot(half, half)
-    cosine = (1.0 - 0.5 * t) + (t * t) * (1.0 / 24.0 - t * (1.0 / 720.0))
-    x, y, z = scale(1.0 + t * (-1.0 / 6.0 + t * (1.0 / 120.0)), half)
-    # Sums of two products each: shorter chains than sums of four.
-    a = (q[0] * cosine - q[1] * x) - (q[2] * y + q[3] * z)
-    b = (q[0] * x + q[1] * cosine) + (q[2] * z - q[3] * y)
-    c = (q[0] * y - q[1] * z) + (q[2] * cosine + q[3] * x)
-    d = (q[0] * z + q[1] * y) - (q[2] * x - q[3] * cosine)
-    return a, b, c, d
+def put_turned(state, i, axes, half):
+    """Store the axes (three vectors) of particle i after the body-fixed turn by twice `half`."""
+    x, y, z = half
+    xx, yy, zz = x * x, y * y, z * z
+    t = (xx + yy) + zz
+    # With a the length of half: sin(2a)/a and (1 - cos(2a))/a², to t³.
+    sine = 2.0 + t * ((-4.0 / 3.0 + t * (4.0 / 15.0)) - (t * t) * (8.0 / 315.0))
+    cosine = 2.0 + t * ((-2.0 / 3.0 + t * (4.0 / 45.0)) - (t * t) * (2.0 / 315.0))
+    xy, xz, yz = cosine * (x * y), cosine * (x * z), cosine * (y * z)
+    sx, sy, sz = sine * x, sine * y, sine * z
+    a, b, c = axes
+    second = axpy(xy - sz, a, axpy(1.0 - cosine * (xx + zz), b, scale(yz + sx, c)))
+    third = axpy(xz + sy, a, axpy(yz - sx, b, scale(1.0 - cosine * (xx + yy), c)))
+    put3(state, i, D2, second)
+    put3(state, i, D3, third)
 
 
 @kernel
 def normalise(state):
-    """Bring all quaternions back to length one by a Newton step.
+    """Bring all directors back to length one and a right angle by a Newton step.
 
     They lose it by rounding only, so the time loop calls this now and then.
     """
     for i in range(state.shape[0]):
-        a, b, c, d = get4(state, i, Q)
-        length = 1.5 - 0.5 * ((a * a + b * b) + (c * c + d * d))
-        put_rotation(state, i, (a * length, b * length, c * length, d * length))
-
-
-@kernel
-def get4(a, i, k):
-    """The four lanes in fields k .. k+3 of row i."""
-    return load(a, i, k), load(a, i, k + 1), load(a, i, k + 2), load(a, i, k + 3)
-
-
-@kernel
-def put_rotation(state, i, q):
-    """Store the quaternion of particle i and the directors that follow from it."""
-    w, x, y, z = q
-    store(state, i, Q, w)
-    store(state, i, Q + 1, x)
-    store(state, i, Q + 2, y)
-    store(state, i, Q + 3, z)
-    x2, y2, z2 = x + x, y + y, z + z
-    xx, xy, xz, yy, yz, zz = x * x2, x * y2, x * z2, y * y2, y * z2, z * z2
-    wx, wy, wz = w * x2, w * y2, w * z2
-    put3(state, i, D, (1.0 - (yy + zz), xy + wz, xz - wy))
-    put3(state, i, D + 3, (xy - wz, 1.0 - (xx + zz), yz + wx))
-    put3(state, i, D + 6, (xz + wy, yz - wx, 1.0 - (xx + yy)))
+        b, c = get3(state, i, D2), get3(state, i, D3)
+        skew = -0.5 * dot(b, c)
+        put3(state, i, D2, axpy(skew, c, scale(1.5 - 0.5 * dot(b, b), b)))
+        put3(state, i, D3, axpy(skew, b, scale(1.5 - 0.5 * dot(c, c), c)))

@@ -7,13 +7,13 @@ kick is half a step long, so that the given velocities are those at t = 0.
 from fpm.kernels import hinge, joint, outside
 from fpm.kernels.beam import beam_forces, framed_beam_forces
 from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import IJ, IM, D, F, M, P, Q, V, X
+from fpm.kernels.layout import IJ, IM, F, M, P, V, X
 from fpm.kernels.record import find_failures, keep, note_events, record_after, record_before
-from fpm.kernels.rotation import get4, half_turn, normalise, put_rotation, turned
+from fpm.kernels.rotation import frame, half_turn, normalise, put_turned
 from fpm.kernels.vectors import axpy, get3, kernel, put3, scale, sub, to_local
 
 NORMALISE_EVERY = 64
-"""Steps between two corrections of the quaternions' length, which only rounding changes."""
+"""Steps between two corrections of the directors, which only rounding changes."""
 
 
 @kernel
@@ -24,8 +24,8 @@ def kick_and_move(state, particles, i, kick, step):
     put3(state, i, X, axpy(step, v, get3(state, i, X)))
     p = axpy(kick, get3(state, i, M), get3(state, i, P))
     put3(state, i, P, p)
-    half = half_turn(to_local(state, i, D, p), get3(particles, i, IJ), step)
-    put_rotation(state, i, turned(get4(state, i, Q), half))
+    axes = frame(state, i)
+    put_turned(state, i, axes, half_turn(to_local(axes, p), get3(particles, i, IJ), step))
     for k in range(6):
         store(state, i, F + k, 0.0)
 
@@ -33,10 +33,7 @@ def kick_and_move(state, particles, i, kick, step):
 @kernel
 def advance(state, particles, on, kick, step):
     """Kick the particles `on` (n,) for `kick` s, move them for `step` s, clear their forces."""
-    even = on.shape[0] - on.shape[0] % 2
-    for n in range(0, even, 2):
-        kick_and_move(state, particles, (on[n], on[n + 1]), kick, step)
-    for n in range(even, on.shape[0]):
+    for n in range(on.shape[0]):
         kick_and_move(state, particles, on[n], kick, step)
 
 

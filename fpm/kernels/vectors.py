@@ -74,15 +74,15 @@ def times(a, b):
 
 
 @kernel
-def to_global(a, i, k, v):
-    """Global components of the vector v given along the three axes in fields k .. k+8 of row i."""
-    return axpy(v[0], get3(a, i, k), axpy(v[1], get3(a, i, k + 3), scale(v[2], get3(a, i, k + 6))))
+def to_global(frame, v):
+    """Global components of the vector v given along the three axes of a frame (three vectors)."""
+    return axpy(v[0], frame[0], axpy(v[1], frame[1], scale(v[2], frame[2])))
 
 
 @kernel
-def to_local(a, i, k, v):
-    """Components of v along the three axes in fields k .. k+8 of row i."""
-    return dot(get3(a, i, k), v), dot(get3(a, i, k + 3), v), dot(get3(a, i, k + 6), v)
+def to_local(frame, v):
+    """Components of v along the three axes of a frame (three vectors)."""
+    return dot(frame[0], v), dot(frame[1], v), dot(frame[2], v)
 
 
 @kernel

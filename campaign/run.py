@@ -55,26 +55,35 @@ def run_batch(
     work = [(group, missing) for group in mine if (missing := store.missing(group))]
 
     failures: list[tuple[dict, str]] = []
-    simulated = 0
+    simulated, integrating = 0, 0.0
     if work:
         warm_up(tell)
         progress = Progress(plan["campaign"], sum(map(len, flat)), lambda: store.count(flat), tell)
         for number, (group, missing) in enumerate(work, start=1):
-            results, failed = simulate(plan, missing)
+            results, failed, taken = simulate(plan, missing)
             store.write(group, results)
             failures += failed
             simulated += len(results)
+            integrating += taken
             progress.report(last=number == len(work))
     if failures:
         raise CampaignError(_failure_text(plan, failures))
     ids = [run["id"] for group in mine for run in group]
-    seconds = time.perf_counter() - started
-    facts = {"batch": batch, "runs": ids, "simulated": simulated, "seconds": round(seconds, 3)}
+    facts = {
+        "batch": batch,
+        "runs": ids,
+        "simulated": simulated,
+        "seconds": round(time.perf_counter() - started, 3),
+        "seconds_integrating": round(integrating, 3),
+    }
     write_text(manifest, json.dumps(facts, indent=1) + "\n")
 
 
-def simulate(plan: Mapping, runs: list[dict]) -> tuple[list[Result], list[tuple[dict, str]]]:
-    """Simulate runs side by side: those that went well, and those that failed with the reason."""
+def simulate(
+    plan: Mapping, runs: list[dict]
+) -> tuple[list[Result], list[tuple[dict, str]], float]:
+    """Simulate runs side by side: those that went well, those that failed with the reason, and the
+    seconds that it took to integrate them."""
     import fpm
 
     config = plan["config"]
@@ -84,13 +93,16 @@ def simulate(plan: Mapping, runs: list[dict]) -> tuple[list[Result], list[tuple[
         for run in runs
     ]
     solver = config["solver"]
+    scenes = [scene_type.build(**values) for values in parameters]
+    started = time.perf_counter()
     outcomes = fpm.simulate(
-        [scene_type.build(**values) for values in parameters],
+        scenes,
         duration=solver["duration"],
         instants=solver["instants"],
         step=plan["step"],
         energy_tolerance=solver["energy_tolerance"],
     )
+    seconds = time.perf_counter() - started
     results, failed = [], []
     for run, values, outcome in zip(runs, parameters, outcomes, strict=True):
         if outcome.failure is not None:
@@ -106,7 +118,7 @@ def simulate(plan: Mapping, runs: list[dict]) -> tuple[list[Result], list[tuple[
             **{f"parameter_{name}": v for name, v in values.items() if v is not None},
         }
         results.append(Result(run["id"], outcome, attributes))
-    return results, failed
+    return results, failed, seconds
 
 
 @cache

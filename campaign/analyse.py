@@ -33,16 +33,12 @@ def analyse(
     """
     import xarray as xr
 
-    import fpm
     import intervals
-    from campaign.nodes import make_design
-    from campaign.parameters import intervals_of
 
     align = config["bounds"]["align"]
     with xr.open_dataset(samples_path) as samples:
         made_for = json.loads(samples.attrs["config"])
-        named, _ = intervals_of(made_for, fpm.scenes.get(made_for["scene"]["name"]))
-        design = make_design(made_for, named)
+        design = _design(samples, made_for)
         names = samples.attrs["responses"].split()
         if align == "none":
             bounds = intervals.bounds_dataset(samples, design, names)
@@ -58,6 +54,22 @@ def analyse(
         else:
             sensitivities = intervals.sensitivity_dataset(samples, design, names)
         write_dataset(sensitivities, sensitivities_path, "Influence of each parameter")
+
+
+def _design(samples: Any, made_for: Mapping) -> Any:
+    """The design of a config whose samples these are."""
+    import fpm
+    import intervals
+    from campaign.nodes import make_design
+    from campaign.parameters import intervals_of
+
+    if made_for["design"]["method"] == "scan" and made_for["design"]["order"] is None:
+        # To make it again would take longer than its bounds: sequences are slow to import.
+        points = samples["unit"].values[samples["role"].values == "node"]
+        none = (0,) * points.shape[1]
+        return intervals.Design(points, np.zeros((0, len(none)), dtype=int), "scan", none)
+    named, _ = intervals_of(made_for, fpm.scenes.get(made_for["scene"]["name"]))
+    return make_design(made_for, named)
 
 
 def surrogate_dataset(samples: Any, design: Any, names: list[str]) -> Any:

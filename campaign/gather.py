@@ -118,17 +118,14 @@ def _define_responses(file: Any, record: Record, responses: Sequence[Any]) -> No
     time.setncatts({"units": "s", "long_name": "time", "axis": "T"})
     write_names(file, "contact", record.contacts)
     file["contact"].long_name = "name of the contact"
-    chunk = (min(_CHUNK_RUNS, len(file.dimensions["run"])), size)
+    # Doubles hardly shrink; whoever keeps them has the trajectories beside, a hundred times larger.
+    compact = {}
+    if next(iter(record.values.values())).dtype.itemsize == 4:
+        chunk = (min(_CHUNK_RUNS, len(file.dimensions["run"])), size)
+        compact = {"zlib": True, "complevel": 4, "shuffle": True, "chunksizes": chunk}
     for response in responses:
-        variable = file.createVariable(
-            response.name,
-            record.values[response.name].dtype.newbyteorder("="),
-            ("run", "time"),
-            zlib=True,
-            complevel=4,
-            shuffle=True,
-            chunksizes=chunk,
-        )
+        kind = record.values[response.name].dtype.newbyteorder("=")
+        variable = file.createVariable(response.name, kind, ("run", "time"), **compact)
         variable.setncatts({"units": response.unit, "long_name": response.long_name})
     for name, units, long_name in (
         ("event_time", "s", "time at which a contact closes or opens"),

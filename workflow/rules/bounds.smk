@@ -12,6 +12,7 @@ rule bounds:
         "{stage}/logs/bounds.log",
     wildcard_constraints:
         stage=CAMPAIGN.run_stage,
+    priority: 1  # most jobs wait for it
     conda:
         "../envs/campaign.yaml"
     params:

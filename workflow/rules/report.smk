@@ -12,6 +12,7 @@ rule envelopes:
         ),
     log:
         "{stage}/logs/envelopes.log",
+    priority: 1  # the longest of the last jobs
     conda:
         "../envs/campaign.yaml"
     params:

@@ -3,7 +3,7 @@
     config = load_config(["config/paper.yaml"])
     config["solver"]["duration"]
 
-A config is a plain nested dict that follows `workflow/schemas/config.schema.yaml`. Everything wrong
+A config is a plain nested dict that follows `config.schema.yaml` beside this file. Everything wrong
 with it is collected into one `ConfigError`: what the schema tells (`campaign.schema_checks`), then
 what needs the scene (`campaign.scene_checks`).
 """
@@ -21,7 +21,7 @@ from typing import Any
 from campaign.errors import ConfigError
 from campaign.loader import load
 
-SCHEMA_PATH = Path(__file__).parents[1] / "workflow" / "schemas" / "config.schema.yaml"
+SCHEMA_PATH = Path(__file__).parent / "config.schema.yaml"
 
 # The sections that decide which runs there are and what they hold.
 RUN_SECTIONS = ("campaign", "scene", "solver", "intervals", "design", "held_out", "responses")

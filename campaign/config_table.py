@@ -13,7 +13,7 @@ _HEAD = """\
 A campaign is one YAML file, checked before any job starts; `python -m campaign FILE` checks it
 without running anything. `<name>` stands for a name of your own or of the scene. Numbers are in SI
 units unless a unit is given. This page is made from
-`workflow/schemas/config.schema.yaml` by `python -m campaign.config_table`.
+`campaign/config.schema.yaml` by `python -m campaign.config_table`.
 
 | key | what it is | allowed | default |
 |---|---|---|---|

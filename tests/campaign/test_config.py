@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -200,3 +201,9 @@ def test_every_key_of_the_schema_says_what_it_is_and_what_is_allowed():
 
     assert SCHEMA_PATH.is_file()
     visit(schema(), "")
+
+
+def test_the_schema_is_part_of_the_package():
+    packages = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    assert SCHEMA_PATH.parent == ROOT / "campaign"
+    assert any(SCHEMA_PATH.match(pattern) for pattern in packages["package-data"]["campaign"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -118,6 +119,39 @@ def test_runs_that_exist_are_used_by_another_design(workplace):
     simulated = sum(json.loads(path.read_text())["simulated"] for path in manifests)
     # A 3 x 3 grid with its middle as the nominal run: the 4 corners and the middle are there.
     assert simulated == 4
+
+
+def test_another_response_simulates_nothing_and_lost_runs_are_told(small, workplace):
+    for name in ("results", ".snakemake"):
+        shutil.copytree(small.folder / name, workplace.folder / name)
+    results = workplace.folder / "results" / "small"
+    call = ("results/small/samples.nc", *SMALL, "--config", "responses={psi: {opening: A}}")
+
+    def simulated() -> int:
+        manifests = (results / "batches").glob("*.json")
+        return sum(json.loads(path.read_text())["simulated"] for path in manifests)
+
+    assert simulated() == 7
+    done = workplace.snakemake(*call)
+    assert done.returncode == 0, done.stdout
+    assert simulated() == 0
+    with xr.open_dataset(results / "samples.nc") as samples:
+        assert {"BD", "vBz", "psi"} <= set(samples.variables)
+        nominal = samples["role"].values.tolist().index("nominal")
+        path = results / "trajectories" / f"{samples['run_id'].values[nominal]}.nc"
+        with xr.open_dataset(path) as trajectory:
+            opening = trajectory["opening"].sel(hinge="A").values
+        np.testing.assert_array_equal(samples["psi"].values[nominal], opening)
+
+    path.unlink()
+    (results / "samples.nc").unlink()
+    failed = workplace.snakemake(*call)
+    assert failed.returncode != 0
+    assert "1 runs are missing" in failed.stdout
+    assert "`--forcerun simulate`" in failed.stdout
+    done = workplace.snakemake(*call, "--forcerun", "simulate")
+    assert done.returncode == 0, done.stdout
+    assert simulated() == 1
 
 
 def test_a_campaign_that_was_stopped_goes_on(workplace):

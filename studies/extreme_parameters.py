@@ -1,8 +1,8 @@
 """Extremes of the linkage's parameters: materials, sections, lengths, stiffnesses."""
 
 import fpm
-from studies.judge import BENT, REFUSED, THIN, WHIPPING, judge, refusal
-from studies.linkage import build
+from studies.judge import BENT, RATTLING, REFUSED, WHIPPING, judge, refusal
+from studies.linkage import build, closing_time
 from studies.rows import Row
 
 
@@ -23,7 +23,11 @@ def materials() -> list[Row]:
 
 
 def sections() -> list[Row]:
-    rows = judge("a = 2 mm", {"a": 0.002}, THIN, past_closure=True)
+    thin, first = {"a": 0.002}, 0.6 * closing_time(a=0.002)
+    rows = judge(
+        "a = 2 mm, first 0.6 closing times", thin, WHIPPING, past_closure=True, duration=first
+    )
+    rows += judge("a = 2 mm, whole run", thin, RATTLING, past_closure=True)
     rows += judge("a = 5 mm", {"a": 0.005}, WHIPPING, past_closure=True)
     rows += judge("a = 10 mm", {"a": 0.01}, BENT)
     for side in (0.02, 0.06, 0.12):

@@ -5,7 +5,7 @@ surfaces tau_j(p) = t. Its extreme values lie inside a region, on the box's surf
 those surfaces, where both one-sided values count. Lines through the box are searched for all three:
 sampled, bisected where the piece changes, and refined around the best sample. In one dimension one
 line is the whole box; in several, lines along the coordinates follow a scan. The result is attained
-(an inner range); there is no outer guarantee for the composed model.
+(an inner range); `event_enclosure` gives an outer one.
 """
 
 from __future__ import annotations

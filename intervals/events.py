@@ -12,6 +12,7 @@ from .datasets import Bounds, bounds_to_dataset, match_points, other_runs, read_
 from .designs import Design
 from .elements import Element, cut_share, split_elements
 from .event_bounds import event_range
+from .event_enclosure import event_enclosure
 from .event_model import EventModel, fit_event_model
 from .exceptions import IntervalError, check_choice
 from .impacts import GAP, add_anchors, anchor_delays, find_impacts
@@ -30,6 +31,7 @@ def event_bounds_dataset(
     alignment: str = "stretch",
     max_impacts: int | None = None,
     window: float | None = None,
+    enclose: bool = False,
 ) -> xr.Dataset:
     """Bounds of the responses from event-aligned surrogates.
 
@@ -44,9 +46,12 @@ def event_bounds_dataset(
     where contact is soft or a vibration is out of step with the next impact, it can be worse than
     the plain surrogate: compare the two error estimates.
 
-    The bounds are attained by the composed model, they are not an enclosure of it. Where the number
-    of impacts differs between runs that no split separates, the bounds also contain the runs
-    themselves, and ``unresolved`` (time) tells the share of the box that this concerns.
+    The bounds are attained by the composed model, they are not an enclosure of it. With `enclose`,
+    ``R_lower`` and ``R_upper`` are guaranteed not to be left by it, and the attained ones are in
+    ``R_inner_lower`` and ``R_inner_upper`` (see `event_enclosure`, for cost and gap
+    docs/intervals.md). Where the number of impacts differs between runs that no split separates,
+    the bounds also contain the runs themselves, and ``unresolved`` (time) tells the share of the
+    box that this concerns.
 
     The error adds two parts: the error of held-out runs and of the coefficients in each run's own
     stretched time, and the change of the bounds within the error of the impact times.
@@ -76,6 +81,7 @@ def event_bounds_dataset(
     names, instants = len(data.names), len(data.time)
     shape = (names, instants)
     lower, upper = np.full(shape, np.inf), np.full(shape, -np.inf)
+    outer_lower, outer_upper = lower.copy(), upper.copy()
     argmin, argmax = np.zeros((*shape, design.dimension)), np.zeros((*shape, design.dimension))
     parts = {"held_out": np.zeros(shape), "decay": np.zeros(shape), "total": np.zeros(shape)}
     for element in elements:
@@ -94,10 +100,13 @@ def event_bounds_dataset(
         for i in range(names):
             model = _fit(design, element, table, data.time, data.values[runs, i])
             low, high, at_low, at_high = event_range(model, data.time)
+            outer = event_enclosure(model, data.time, low, high) if enclose else (low, high)
             late = data.time >= element.unresolved_from
             if late.any():
                 low, at_low = _with_runs(-1, low, at_low, late, data, runs, i)
                 high, at_high = _with_runs(1, high, at_high, late, data, runs, i)
+            outer_lower[i] = np.minimum(outer_lower[i], np.minimum(outer[0], low))
+            outer_upper[i] = np.maximum(outer_upper[i], np.maximum(outer[1], high))
             found = _error(model, data, inside, i, own_tables, low, high, window)
             for name, value in found.items():
                 parts[name][i] = np.maximum(parts[name][i], value)
@@ -106,13 +115,14 @@ def event_bounds_dataset(
             argmin[i] = np.where(less[:, None], at_low, argmin[i])
             argmax[i] = np.where(more[:, None], at_high, argmax[i])
 
-    bounds = Bounds(lower, upper, lower, upper, argmin, argmax)
+    bounds = Bounds(outer_lower, outer_upper, lower, upper, argmin, argmax)
     centre = data.values[data.nominal] if data.nominal is not None else None
     attrs = {
         "design_method": design.method,
         "design_order": list(design.order),
         "design_runs": design.runs,
-        "bounds_kind": "range of the event-aligned surrogate",
+        "bounds_kind": ("enclosed" if enclose else "attained")
+        + " range of the event-aligned surrogate",
         "impacts": [len(x) for x in own],
         "elements": len(elements),
         "unresolved_share_at_end": float(unresolved[-1]),

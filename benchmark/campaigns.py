@@ -7,6 +7,7 @@ runs a campaign twice in a folder of its own, the first time only to compile and
 
 import argparse
 import json
+import resource
 import shutil
 import subprocess
 import sys
@@ -87,17 +88,20 @@ def timed(config_name: str, samples: int | None, cores: int) -> tuple[float, lis
         shutil.rmtree(folder / "results")
         shutil.rmtree(folder / ".snakemake")
         dry = snakemake(folder, config, cores, "--dry-run")
-        started = time.time()
+        started, before = time.time(), cpu_of_children()
         wall = snakemake(folder, config, cores)
+        cpu = cpu_of_children() - before
         done = jobs(folder)
         manifests = [json.loads(p.read_text()) for p in folder.glob("results/*/batches/*.json")]
         runs = sum(len(manifest["runs"]) for manifest in manifests)
     first = done[0][1] - started if done else wall
     during = busy([(start, end) for _, start, end in done])
-    inside = sum(manifest["seconds"] for manifest in manifests) / cores
-    arithmetic = sum(manifest["seconds_integrating"] for manifest in manifests) / cores
+    inside = sum(manifest["seconds"][0] for manifest in manifests) / cores
+    arithmetic = sum(manifest["seconds_integrating"][0] for manifest in manifests) / cores
+    arithmetic_cpu = sum(manifest["seconds_integrating"][1] for manifest in manifests)
     rows = [
         told(group, "all", wall, "s", f"{runs} runs in {len(manifests)} batches"),
+        told(group, "cpu time of all processes", cpu, "s", f"integrating: {arithmetic_cpu:.3g} s"),
         told(group, "a dry run: interpreter, imports, plan of the jobs", dry, "s"),
         told(group, "until the first job starts", first, "s"),
         told(group, "between jobs and at the end", wall - first - during, "s"),
@@ -113,6 +117,12 @@ def timed(config_name: str, samples: int | None, cores: int) -> tuple[float, lis
     note = "the same for a process that has the machine to itself"
     rows.append(told(group, "integrating, undisturbed", alone, "s", note))
     return wall, rows
+
+
+def cpu_of_children() -> float:
+    """Cpu seconds (user and system) of all processes that this one has started and that ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def arithmetic_seconds(runs: int) -> float:

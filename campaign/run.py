@@ -19,6 +19,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from campaign.errors import CampaignError
 from campaign.files import write_text
 from campaign.nodes import share, unique_runs
@@ -47,7 +49,7 @@ def run_batch(
     `jobs` is the config's section (`lanes`, `keep`). Raises `CampaignError` that lists the runs
     that failed, after all others were written; then there is no manifest.
     """
-    started = time.perf_counter()
+    started = clocks()
     store = open_store(jobs["keep"], folder, plan["config"])
     all_groups = groups_of(plan, batches, jobs["lanes"])
     mine = all_groups[batch]
@@ -55,7 +57,7 @@ def run_batch(
     work = [(group, missing) for group in mine if (missing := store.missing(group))]
 
     failures: list[tuple[dict, str]] = []
-    simulated, integrating = 0, 0.0
+    simulated, integrating = 0, np.zeros(2)
     if work:
         warm_up(tell)
         progress = Progress(plan["campaign"], sum(map(len, flat)), lambda: store.count(flat), tell)
@@ -73,17 +75,18 @@ def run_batch(
         "batch": batch,
         "runs": ids,
         "simulated": simulated,
-        "seconds": round(time.perf_counter() - started, 3),
-        "seconds_integrating": round(integrating, 3),
+        # Of the clock and of the processor.
+        "seconds": (clocks() - started).round(3).tolist(),
+        "seconds_integrating": integrating.round(3).tolist(),
     }
     write_text(manifest, json.dumps(facts, indent=1) + "\n")
 
 
 def simulate(
     plan: Mapping, runs: list[dict]
-) -> tuple[list[Result], list[tuple[dict, str]], float]:
+) -> tuple[list[Result], list[tuple[dict, str]], np.ndarray]:
     """Simulate runs side by side: those that went well, those that failed with the reason, and the
-    seconds that it took to integrate them."""
+    seconds (by `clocks`) that it took to integrate them."""
     import fpm
 
     config = plan["config"]
@@ -94,7 +97,7 @@ def simulate(
     ]
     solver = config["solver"]
     scenes = [scene_type.build(**values) for values in parameters]
-    started = time.perf_counter()
+    before = clocks()
     outcomes = fpm.simulate(
         scenes,
         duration=solver["duration"],
@@ -102,7 +105,7 @@ def simulate(
         step=plan["step"],
         energy_tolerance=solver["energy_tolerance"],
     )
-    seconds = time.perf_counter() - started
+    seconds = clocks() - before
     results, failed = [], []
     for run, values, outcome in zip(runs, parameters, outcomes, strict=True):
         if outcome.failure is not None:
@@ -141,6 +144,11 @@ def _failure_text(plan: Mapping, failures: list[tuple[dict, str]]) -> str:
         )
         lines.append(f"  run {run['id']} ({values}): {reason}")
     return "\n".join(lines)
+
+
+def clocks() -> np.ndarray:
+    """Seconds of the clock and of this process's cpu time, since some moment."""
+    return np.array([time.perf_counter(), time.process_time()])
 
 
 class Progress:

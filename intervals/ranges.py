@@ -73,6 +73,10 @@ def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
         lower, low = -lower, -low
         # an enclosure and an attained value can cross by rounding only
         lower, upper = np.minimum(lower, low), np.maximum(upper, high)
+    if len(free):
+        # sums over the coefficients round, those of a large constant and small waves visibly
+        rounding = (len(c) + 8) * np.finfo(float).eps * np.abs(c).sum(axis=0)
+        lower, upper = lower - rounding, upper + rounding
     return Range(
         lower.reshape(shape),
         upper.reshape(shape),

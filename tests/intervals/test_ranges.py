@@ -1,5 +1,7 @@
 """Ranges: exact in one dimension, enclosures with a known gap in several."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -115,6 +117,45 @@ def test_enclosures_hold_on_random_tensors(k, order, kind, decay, seed):
     gap = found.gap
     assert (values.max(axis=0) <= found.inner_upper + gap).all()
     assert (gap <= 0.06 * (found.inner_upper - found.inner_lower)).all()
+
+
+def exact_value(c, indices, x):
+    """The polynomial at x in rational numbers."""
+    total = Fraction(0)
+    powers = []
+    for value, degree in zip(x, indices.max(axis=0), strict=True):
+        value, terms = Fraction(float(value)), [Fraction(1), Fraction(float(value))]
+        for _ in range(2, degree + 1):
+            terms.append(2 * value * terms[-1] - terms[-2])
+        powers.append(terms)
+    for coefficient, row in zip(c, indices, strict=True):
+        product = Fraction(float(coefficient))
+        for terms, i in zip(powers, row, strict=True):
+            product *= terms[int(i)]
+        total += product
+    return total
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.integers(1, 3),
+    st.integers(1, 4),
+    st.sampled_from([0.0, 1e3, -1e6, 1e8]),
+    st.sampled_from([1.0, 1e-8, 1e-12]),
+    st.integers(0, 10**6),
+)
+def test_rounding_is_within_the_outer_range(k, order, constant, size, seed):
+    generator = np.random.default_rng(seed)
+    indices = tensor([order] * k)
+    c = size * generator.standard_normal((len(indices), 1))
+    c[0] += constant
+    found = surrogate_range(Surrogate(c, indices))
+    points = [found.argmin[0], found.argmax[0], *generator.choice([-1.0, 0.3, 1.0], (4, k))]
+    for x in points:
+        value = exact_value(c[:, 0], indices, x)
+        assert Fraction(float(found.lower[0])) <= value <= Fraction(float(found.upper[0]))
+    rounding = 100 * np.finfo(float).eps * np.abs(c).sum() * len(c)
+    assert found.gap[0] <= 0.06 * (found.inner_upper[0] - found.inner_lower[0]) + rounding
 
 
 def test_gap_meets_the_tolerance_where_coefficients_decay():

@@ -33,7 +33,8 @@ from studies.tradeoff_bounds import (
     take_bounds,
 )
 from studies.tradeoff_cases import CASES, Case, Level, find
-from studies.tradeoff_points import design_of, held_out_of, points_of, scan_of
+from studies.tradeoff_points import design_of, held_out_of, points_of
+from studies.tradeoff_reference import missing, seek_runs
 from studies.tradeoff_runs import LANES, Runs, simulate
 
 
@@ -43,15 +44,15 @@ def measure_case(case: Case, tell=print) -> dict:
     for level in case.levels:
         tell(f"{case.name}: {level.label}, {level.scan} runs of the scan and the designs")
         points = points_of(case, level.choices, level.scan)
-        levels.append((level, simulate(case, level.elements, level.safety, points)))
+        runs = simulate(case, level.elements, level.safety, points)
+        runs, rounds = seek_runs(level, runs)
+        levels.append((level, runs))
     finest_level, finest = levels[-1]
     reference, phases = hull(finest), phases_of(finest)
     records = []
     for level, runs in levels:
         tell(f"{case.name}: {level.label}, bounds of {len(level.choices)} choices")
         records += _measure_level(case, level, runs, reference, phases)
-    half = scan_of(case, finest_level.scan)
-    half = half[::2] if len(case.intervals) == 1 else half[: len(half) // 2]
     return {
         "case": case.name,
         "title": case.title,
@@ -63,7 +64,8 @@ def measure_case(case: Case, tell=print) -> dict:
             "elements": finest_level.elements,
             "runs": len(finest.unit),
             "cpu": finest.cost(len(finest.unit)),
-            "growth": distance(finest.time, hull(finest, points=half), reference, phases),
+            "rounds": len(rounds) - 1,
+            "missing": missing(case, finest_level, rounds, phases),
         },
         "records": records,
         "trajectories": _measure_trajectories(case, phases, tell),
@@ -79,6 +81,9 @@ def _measure_level(
     for choice in level.choices:
         band = take_bounds(case, choice, runs)
         design = design_of(case, choice)
+        tested = held_out_of(case, choice, design)
+        # a spline goes through the held-out runs too
+        used = design.runs + (len(tested) if choice.model == "spline" else 0)
         record = {
             "level": level.label,
             "elements": level.elements,
@@ -89,9 +94,10 @@ def _measure_level(
             "order": choice.order,
             "align": choice.align,
             "impacts": choice.impacts,
-            "runs": design.runs,
-            "held_out": len(held_out_of(case, choice, design)),
-            "cpu": runs.cost(design.runs) + band.cpu,
+            "model": choice.model,
+            "runs": used,
+            "held_out": design.runs + len(tested) - used,
+            "cpu": runs.cost(used) + band.cpu,
             "cpu_batch": runs.cpu,
             "cpu_bounds": band.cpu,
             "lanes": LANES,

@@ -29,7 +29,7 @@ def take_bounds(case: Case, choice: Choice, runs: Runs) -> Band:
     samples = runs.samples(np.concatenate([design.points, tested]))
     start = time.process_time()
     if choice.align == "none":
-        found = intervals.bounds_dataset(samples, design)
+        found = intervals.bounds_dataset(samples, design, model=choice.model)
     else:
         found = intervals.event_bounds_dataset(
             samples, design, alignment=choice.align, max_impacts=choice.impacts

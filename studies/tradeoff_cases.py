@@ -4,7 +4,7 @@ A level is one discretisation; all designs of a level share its runs. The refere
 finest level, with a dense scan.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 BENNETT = {"BD": {"distance": ["B", "D"]}, "vBz": {"velocity": "B", "component": "z"}}
 PENDULUM = {
@@ -15,10 +15,11 @@ PENDULUM = {
 
 @dataclass(frozen=True)
 class Choice:
-    """How bounds are taken: the design, and whether impacts are aligned.
+    """How bounds are taken: the design, the model, and whether impacts are aligned.
 
-    `order` is None for a plain scan, which has `samples` runs; `align` is "none", "stretch" or
-    "shift", the last two for the first impact only or for all (`impacts` None).
+    `order` is None for a scan, which has `samples` runs; `align` is "none", "stretch" or
+    "shift", the last two for the first impact only or for all (`impacts` None). `model` is
+    "polynomial" (none for a plain scan) or "spline".
     """
 
     method: str
@@ -26,13 +27,14 @@ class Choice:
     align: str = "none"
     impacts: int | None = None
     samples: int | None = None
+    model: str = "polynomial"
 
     @property
     def label(self) -> str:
         """Short name for tables and plots."""
-        if self.order is None:
-            return f"scan {self.samples}"
-        text = f"{self.method} {self.order}"
+        text = f"{self.method} {self.samples if self.order is None else self.order}"
+        if self.model != "polynomial":
+            return f"{text}, {self.model}"
         if self.align == "none":
             return text
         return f"{text}, {self.align}" + ("" if self.impacts is None else f" {self.impacts}")
@@ -42,13 +44,15 @@ class Choice:
 class Level:
     """A discretisation: elements (per link), share of the stable step, and what is run with it.
 
-    `scan` runs of a dense scan judge the choices of this level; 0: the reference alone does.
+    `scan` runs of a dense scan judge the choices of this level; 0: the reference alone does. In
+    `rounds` more rounds, runs are sought that widen the scan's bounds (tradeoff_reference.py).
     """
 
     elements: int
     safety: float
     scan: int
     choices: tuple[Choice, ...]
+    rounds: int = 0
 
     @property
     def label(self) -> str:
@@ -86,8 +90,12 @@ def _each(method: str, orders, **more) -> tuple[Choice, ...]:
     return tuple(Choice(method, n, **more) for n in orders)
 
 
-def _scans(*samples: int) -> tuple[Choice, ...]:
-    return tuple(Choice("scan", samples=n) for n in samples)
+def _scans(*samples: int, **more) -> tuple[Choice, ...]:
+    return tuple(Choice("scan", samples=n, **more) for n in samples)
+
+
+def _splines(*choices: Choice) -> tuple[Choice, ...]:
+    return tuple(replace(choice, model="spline") for choice in choices)
 
 
 def _aligned(method: str, orders) -> tuple[Choice, ...]:
@@ -102,20 +110,30 @@ _LINE = (
     *_each("tensor_roots", (3, 5, 9, 17, 33)),
     *_each("tensor_lobatto", (2, 4, 8, 16, 32)),
     *_scans(4, 8, 16, 32, 64),
+    *_splines(*_each("tensor_roots", (3,)), *_each("tensor_lobatto", (2, 4, 8))),
+    *_scans(4, 8, 16, 32, 64, model="spline"),
 )
-_FEW = (*_each("tensor_roots", (3,)), *_each("tensor_lobatto", (4, 8, 16)), *_scans(8, 16, 32))
+_FEW = (
+    *_each("tensor_roots", (3,)),
+    *_each("tensor_lobatto", (4, 8, 16)),
+    *_scans(8, 16, 32),
+    *_splines(*_each("tensor_lobatto", (4, 8)), *_scans(8, 16, 32)),
+)
 _SPACE = (
     *_each("tensor_roots", (3,)),
     *_each("tensor_lobatto", (2, 4)),
     *_each("total_degree", (2, 3, 5)),
     *_each("smolyak", (2, 4)),
     *_scans(16, 32, 64, 128, 256),
+    *_splines(*_each("total_degree", (3,)), *_each("smolyak", (2, 4))),
+    *_scans(16, 32, 64, 128, 256, model="spline"),
 )
 _SPACE_FEW = (
     *_each("total_degree", (2, 3, 5)),
     *_each("smolyak", (2, 4)),
     *_each("tensor_lobatto", (2,)),
     *_scans(16, 32, 64),
+    *_splines(*_each("total_degree", (5,)), *_each("smolyak", (2, 4)), *_scans(16, 32, 64)),
 )
 _BENNETT = {"scene": "bennett", "mesh": "elements_per_link", "responses": BENNETT}
 
@@ -151,9 +169,9 @@ CASES = (
         instants=2001,
         held_out=8,
         levels=(
-            Level(4, 0.9, 512, _SPACE_FEW),
-            Level(8, 0.9, 3072, _SPACE + _aligned("total_degree", (3,))),
-            Level(16, 0.9, 1536, _SPACE_FEW),
+            Level(4, 0.9, 512, _SPACE_FEW, rounds=2),
+            Level(8, 0.9, 768, _SPACE + _aligned("total_degree", (3,)), rounds=4),
+            Level(16, 0.9, 768, _SPACE_FEW + _each("smolyak", (8,)), rounds=5),
         ),
     ),
     Case(

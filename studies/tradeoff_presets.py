@@ -14,7 +14,8 @@ def record_of(name: str, case: dict) -> dict | None:
     methods = ("smolyak", "tensor_lobatto") if case["dimension"] == 1 else ("smolyak",)
     for record in case["records"]:
         same = all(record[key] == preset[key] for key in ("elements", "safety", "order"))
-        if same and record["method"] in methods and record["align"] == "none":
+        plain = (record["align"], record["model"]) == ("none", "polynomial")
+        if same and plain and record["method"] in methods:
             return record
     return None
 

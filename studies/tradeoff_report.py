@@ -13,6 +13,7 @@ _MARKS = {
     "smolyak": ("D", "smolyak"),
     "scan": ("x", "plain scan"),
     "aligned": ("*", "event-aligned"),
+    "spline": ("P", "spline through all runs"),
 }
 # Okabe and Ito's colours, which colour-blind people can tell apart
 _COLOURS = ("#E69F00", "#0072B2", "#009E73", "#CC79A7", "#56B4E9", "#D55E00")
@@ -79,6 +80,13 @@ def pareto(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
     return front
 
 
+def _mark(record: dict) -> str:
+    """What a record is drawn as."""
+    if record["align"] != "none":
+        return "aligned"
+    return "spline" if record["model"] == "spline" else record["method"]
+
+
 def draw_pareto(case: dict, path: Path) -> None:
     """Error against cpu time: a row for each response, the surrogate's error beside the total."""
     import matplotlib
@@ -99,8 +107,7 @@ def draw_pareto(case: dict, path: Path) -> None:
                 if kind not in record:
                     continue
                 error = record[kind][i]["all"]["hausdorff_integrated"]
-                mark = "aligned" if record["align"] != "none" else record["method"]
-                shape, colour = _MARKS[mark][0], colours[record["level"]]
+                shape, colour = _MARKS[_mark(record)][0], colours[record["level"]]
                 axis.plot(record["cpu"], error, shape, color=colour, markersize=6)
                 # levels are rivals only where all are judged by the same reference
                 group = record["level"] if kind == "surrogate" else "all"
@@ -113,7 +120,7 @@ def draw_pareto(case: dict, path: Path) -> None:
             axis.set_title(f"{name}: bounds against {against}", fontsize=10)
             axis.grid(alpha=0.3, which="both", linewidth=0.5)
         axes[i][0].set_ylabel("error, share of the width")
-    used = {"aligned" if r["align"] != "none" else r["method"] for r in case["records"]}
+    used = {_mark(record) for record in case["records"]}
     handles = [
         pyplot.Line2D([], [], color="k", marker=_MARKS[m][0], linestyle="", label=_MARKS[m][1])
         for m in _MARKS

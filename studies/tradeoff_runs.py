@@ -2,7 +2,7 @@
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -55,6 +55,21 @@ class Runs:
     def cost(self, runs: int) -> float:
         """Cpu time (s) of so many runs, in whole batches."""
         return math.ceil(runs / LANES) * self.cpu
+
+    def with_runs(self, more: "Runs") -> "Runs":
+        """These runs and more of the same level; the cost of a batch stays that of these."""
+        events = np.full(
+            (len(self.unit) + len(more.unit), max(self.events.shape[1], more.events.shape[1]), 3),
+            np.nan,
+        )
+        events[: len(self.unit), : self.events.shape[1]] = self.events
+        events[len(self.unit) :, : more.events.shape[1]] = more.events
+        return replace(
+            self,
+            unit=np.concatenate([self.unit, more.unit]),
+            values=np.concatenate([self.values, more.values]),
+            events=events,
+        )
 
     def samples(self, points: np.ndarray):
         """Samples dataset of the runs at `points` (N, k), the first ones nodes or not."""

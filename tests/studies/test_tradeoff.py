@@ -3,19 +3,23 @@
 import copy
 import json
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from studies import tradeoff, tradeoff_peers, tradeoff_report, tradeoff_rows
-from studies.tradeoff_bounds import Band, distance, judge_estimate, phases_of
+from studies import tradeoff, tradeoff_peers, tradeoff_reference, tradeoff_report, tradeoff_rows
+from studies.tradeoff_bounds import Band, distance, hull, judge_estimate, phases_of
 from studies.tradeoff_cases import CASES, Case, Choice, Level
 from studies.tradeoff_points import design_of, held_out_of, points_of
+from studies.tradeoff_runs import simulate
 
 CHOICES = (
     Choice("tensor_lobatto", 2),
     Choice("tensor_lobatto", 8),
     Choice("scan", samples=8),
+    Choice("tensor_lobatto", 2, model="spline"),
+    Choice("scan", samples=8, model="spline"),
 )
 SMALL = Case(
     "small",
@@ -59,10 +63,54 @@ def test_single_runs_come_closer_on_finer_meshes(measured):
 
 def test_the_reference_contains_the_runs_of_all_designs(measured):
     for record in measured["records"]:
-        if record["method"] == "scan":
+        if record["choice"] == "scan 8":
             # a scan looks from the inside: it is nowhere wider than the hull of all runs
             assert record["surrogate"][0]["all"]["width_ratio"] <= 1
             assert record["scan"][0]["coverage"] < 1
+
+
+def test_a_spline_counts_the_held_out_runs_that_it_goes_through(measured):
+    plain, spline = (
+        tradeoff_rows.pick(measured, 4, f"tensor_lobatto 2{more}") for more in ("", ", spline")
+    )
+    assert (plain["runs"], plain["held_out"]) == (3, 4)
+    assert (spline["runs"], spline["held_out"]) == (7, 0)
+    assert tradeoff_rows.worst(spline, "surrogate") < tradeoff_rows.worst(plain, "surrogate")
+    names = [row.name for row in tradeoff_rows.all_rows({"small": measured}, None)]
+    kinds = [name.rsplit(" ", 1)[1] for name in names if "covers the error" in name]
+    assert kinds == ["surrogates", "splines", "scans"]
+
+
+def test_rounds_widen_the_reference_more_than_a_longer_scan(monkeypatch):
+    monkeypatch.setattr(tradeoff_reference, "SEEK", 12)
+    case = replace(SMALL, intervals={"L": 0.1, "g": 0.1})
+    level = Level(2, 0.9, 24, (), rounds=3)
+    runs, many = (
+        simulate(case, 2, 0.9, points_of(case, (), samples)) for samples in (level.scan, 300)
+    )
+    phases = phases_of(runs)
+    last, rounds = tradeoff_reference.seek_runs(level, runs)
+    assert len(rounds) == 4
+    assert len(last.unit) == len(last.values) == len(last.events) <= 60
+    assert len(np.unique(np.round(last.unit, 12), axis=0)) == len(last.unit)
+    both = hull(last.with_runs(many))
+
+    def short(found):
+        return distance(runs.time, hull(found), both, phases)[0]["all"]["hausdorff_integrated"]
+
+    longer = simulate(case, 2, 0.9, points_of(case, (), len(last.unit)))
+    assert short(last) < 0.2 * short(longer)
+    told = tradeoff_reference.missing(case, level, rounds, phases)[0]["all"]
+    # with three rounds the rest is told to a power of ten, and not as nothing
+    assert told["hausdorff_integrated"] > 0.1 * short(last)
+
+
+def test_the_rest_of_a_geometric_growth():
+    found = tradeoff_reference._rest({"hausdorff_integrated": 0.4}, {"hausdorff_integrated": 0.3})
+    assert found["hausdorff_integrated"] == pytest.approx(0.9)
+    assert found["last_round"] == 0.3
+    found = tradeoff_reference._rest({"hausdorff_integrated": 0.1}, {"hausdorff_integrated": 0.2})
+    assert found["hausdorff_integrated"] == pytest.approx(0.2 * 0.95 / 0.05)
 
 
 def test_a_broken_result_is_a_failing_row(measured):

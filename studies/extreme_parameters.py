@@ -2,14 +2,14 @@
 
 import fpm
 from studies.judge import BENT, RATTLING, REFUSED, WHIPPING, judge, refusal
-from studies.linkage import build, closing_time
+from studies.linkage import build
 from studies.rows import Row
 
 
 def materials() -> list[Row]:
     rows = []
     # Springs that bend a link double shut it long before the linkage closes.
-    for modulus in (1e5, 2e5, 5e5, 1e6):
+    for modulus in (1e5, 3e5, 1e6):
         rows += judge(f"E = {modulus:g} Pa", {"E": modulus}, WHIPPING, past_closure=True)
     rows += judge("E = 1e+07 Pa", {"E": 1e7}, BENT)
     for modulus in (1e8, 1e9, 1e10):
@@ -23,11 +23,7 @@ def materials() -> list[Row]:
 
 
 def sections() -> list[Row]:
-    thin, first = {"a": 0.002}, 0.6 * closing_time(a=0.002)
-    rows = judge(
-        "a = 2 mm, first 0.6 closing times", thin, WHIPPING, past_closure=True, duration=first
-    )
-    rows += judge("a = 2 mm, whole run", thin, RATTLING, past_closure=True)
+    rows = judge("a = 2 mm", {"a": 0.002}, RATTLING, past_closure=True)
     rows += judge("a = 5 mm", {"a": 0.005}, WHIPPING, past_closure=True)
     rows += judge("a = 10 mm", {"a": 0.01}, BENT)
     for side in (0.02, 0.06, 0.12):

@@ -38,7 +38,7 @@ BENT = (0.005, 0.05)
 WHIPPING = (0.05, 0.2)
 """The same where they bend them into hooks that whip through the whole run, closure and all."""
 
-RATTLING = (0.2, 0.2)
+RATTLING = (0.15, 0.2)
 """The same after thin links have shut and sprung open several times: every impact multiplies what
 the runs differ by, and finer meshes only put that off (docs/extremes.md).
 """

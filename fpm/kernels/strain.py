@@ -5,10 +5,10 @@ from fpm.kernels.lanes import absolute, load, sqrt, store, where_negative
 from fpm.kernels.layout import AXIAL, BEND_Y, BEND_Z, LENGTH, X
 from fpm.kernels.vectors import dot, get3, kernel, scale, sub
 
-MOST_BEND = 0.35
-"""Largest sine of the angle between an element's chord and its ends, and of its twist. Elements
-bent by so much leave errors of some percent, more where thin links rattle (docs/extremes.md);
-beyond that the energy still balances, on a wrong curve. A finer mesh bends less.
+MOST_BEND = 0.25
+"""Largest sine of the angle between an element's chord and its ends, and of its twist. Whipping
+links whose elements bend by so much are wrong by some percent (docs/extremes.md); beyond that the
+energy still balances, on a wrong curve. A finer mesh bends less.
 """
 
 MOST_STRAIN = 0.5

@@ -90,13 +90,13 @@ def test_a_mesh_too_coarse_for_the_bending_is_refused():
     """Links that springs bend double: the energy balances at a small step, on a wrong curve."""
     soft = {"E": 1e5, "start_deg": 60.0}
     (coarse,) = run(bennett(elements_per_link=8, **soft), factor=0.1, steps=20_000)
-    assert coarse.failure.bend > 0.35
+    assert coarse.failure.bend > 0.25
     assert coarse.failure.element.startswith("link ")
     assert abs(coarse.failure.balance) < 0.02 * coarse.failure.scale
     assert "refine the mesh" in str(coarse.failure)
     (fine,) = run(bennett(elements_per_link=64, **soft), factor=0.2, steps=20_000)
     assert fine.failure is None
-    assert 0.01 < fine.largest_bend < 0.35
+    assert 0.01 < fine.largest_bend < 0.25
     assert 0.1 < fine.largest_strain < 0.5
 
 

@@ -15,7 +15,7 @@ def all_rows(cases: dict[str, dict], peers: dict | None) -> list[Row]:
         rows += _reference_rows(case) + _estimate_rows(case) + _lane_rows(case)
     if "one" in cases:
         rows += _prototype_rows(cases["one"]) + _mesh_rows(cases["one"])
-    rows += _alignment_rows(cases) + _preset_rows(cases)
+    rows += _spline_rows(cases) + _alignment_rows(cases) + _preset_rows(cases)
     if peers:
         rows += _fit_rows(peers) + _bound_rows(peers)
     return rows
@@ -157,6 +157,29 @@ def _mesh_rows(case: dict) -> list[Row]:
                 "spend on the mesh before the order",
             )
         )
+    return rows
+
+
+def _spline_rows(cases: dict[str, dict]) -> list[Row]:
+    """What a spline through all runs does, as docs/tradeoff.md states it."""
+    told = (
+        ("one", "tensor_lobatto 4, spline", "tensor_lobatto 4", _at_most, 0.6, "the same runs"),
+        ("spring", "tensor_lobatto 4, spline", "tensor_lobatto 4", _at_most, 0.6, "the same runs"),
+        ("three", "scan 64, spline", "smolyak 4", _at_most, 0.8, "64 runs against 57 + 8"),
+        ("three", "scan 64, spline", "scan 64", _at_most, 0.8, "the same runs"),
+        ("smooth", "smolyak 4, spline", "smolyak 4", _at_least, 1.0, "the same runs"),
+    )
+    rows = []
+    for name, spline, rival, limit, value, note in told:
+        if name not in cases:
+            continue
+        case = cases[name]
+        ours, theirs = (pick(case, 8, label)["surrogate"] for label in (spline, rival))
+        for i, response in enumerate(case["responses"]):
+            a, b = (row[i]["all"]["hausdorff_integrated"] for row in (ours, theirs))
+            text = f"{name}: {response}, error of {spline} over {rival}"
+            told_errors = f"{note}: {a:.3g} and {b:.3g} of the width"
+            rows.append(limit(text, a / b, value, _HERE, told_errors))
     return rows
 
 

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import fpm
+from fpm.elements.lumping import end_weights
 from studies.linkage import build, curves
 from studies.rows import Row, table, write_results, write_text
 
@@ -57,12 +58,11 @@ class Result:
 
 
 def weights(kind: str, elements: int) -> np.ndarray:
-    """Shares (n+1,) of an element's mass: trapezium rule, or Gregory's of second order.
+    """Shares (n+1,) of an element's mass: trapezium rule, or Gregory's of second or third order.
 
     Second order with the end shift n / (12 (n - 1)), which keeps the link's inertia exact.
     """
-    out = np.ones(elements + 1)
-    out[[0, -1]] = 0.5
+    out = end_weights(elements, 2 if kind == "gregory-3" else 0)
     if kind == "gregory-2":
         moved = elements / (12 * (elements - 1))
         out[[0, -1]] -= moved
@@ -117,11 +117,12 @@ def errors(outcome: fpm.Outcome, reference: fpm.Outcome) -> tuple[Phase, ...]:
     return tuple(rows)
 
 
+MESHES = (4, 8, 12, 16, 24)
 CHOICES = (
     [Choice(n) for n in (2, 4, 6, 8, 10, 12, 16, 24, 32)]
     + [Choice(n, safety=s) for n in (8, 12) for s in (0.95, 0.45, 0.2, 0.1)]
     + [Choice(n, scale=f) for n in (8, 12, 16) for f in (1.5, 2.0, 3.0)]
-    + [Choice(n, lumping=k) for k in ("trapezium", "gregory-2") for n in (4, 8, 12, 16, 24)]
+    + [Choice(n, lumping=k) for k in ("trapezium", "gregory-2", "gregory-3") for n in MESHES]
 )
 
 
@@ -157,11 +158,13 @@ def rows_of(results: list[Result], reference: fpm.Outcome, apart: Phase) -> list
         )
         for p, limit in zip(default.phases, (1e-4, 5e-4, 5e-3), strict=True)
     ]
-    old, better = by[Choice(16, lumping="gregory-2")], by[Choice(12)]
-    rows.append(
-        compare("12 elements over 16 with second-order end weights: BD between",
-                better.phases[1].bd / old.phases[1].bd, 1.0)
-    )  # fmt: skip
+    for n in (8, 12):
+        for kind in ("trapezium", "gregory-2"):
+            old, better = by[Choice(16, lumping=kind)], by[Choice(n)]
+            rows.append(
+                compare(f"{n} elements over 16 with {kind} masses: BD between",
+                        better.phases[1].bd / old.phases[1].bd, 1.0)
+            )  # fmt: skip
     full, tenth = by[Choice(12)], by[Choice(12, safety=0.1)]
     rows.append(
         compare("step at 0.9 of the limit over 0.1: BD between",
@@ -200,6 +203,7 @@ def plot(results: list[Result], path: Path) -> None:
         "mesh": (lambda c: c == Choice(c.elements), "o-", "#0072b2"),
         "step": (lambda c: c.safety != 0.9, "s", "#e69f00"),
         "inertia scale f": (lambda c: c.scale != 1, "^", "#d55e00"),
+        "mesh, 3rd order ends": (lambda c: c.lumping == "gregory-3", "1--", "#cc79a7"),
         "mesh, 2nd order ends": (lambda c: c.lumping == "gregory-2", "v--", "#009e73"),
         "mesh, trapezium": (lambda c: c.lumping == "trapezium", "x--", "#888888"),
     }

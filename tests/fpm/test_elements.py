@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fpm
-from fpm.elements.lumping import lump
+from fpm.elements.lumping import end_weights, lump
 
 SQUARE, WOOD = fpm.Section.square(0.035), fpm.Material(1e9, 0.3, 800.0)
 
@@ -39,6 +39,16 @@ def test_lumped_link_has_the_bar_s_mass_centre_and_inertia(elements, scale):
     section = WOOD.rho * length * np.array([SQUARE.Iy + SQUARE.Iz, SQUARE.Iy, SQUARE.Iz])
     exact = section + total * length**2 / 12 * np.array([0, 1, 1])
     np.testing.assert_allclose(about, exact, rtol=1e-12)
+
+
+def test_masses_of_a_link_are_gregory_s_weights():
+    # Hildebrand § 5.9: end corrections with differences up to the fourth; Simpson's rule.
+    ends = np.array([95 / 288, 317 / 240, 23 / 30, 793 / 720, 157 / 160, 1.0])
+    np.testing.assert_allclose(end_weights(12)[:6], ends, rtol=1e-14)
+    np.testing.assert_allclose(end_weights(2), np.array([1, 4, 1]) / 3, rtol=1e-14)
+    x = np.linspace(0, 1, 9)
+    for power in range(6):
+        assert end_weights(8) @ x**power / 8 == pytest.approx(1 / (power + 1), rel=1e-14)
 
 
 def test_too_much_inertia_is_refused_with_the_largest_that_goes():

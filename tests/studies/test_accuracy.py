@@ -7,12 +7,12 @@ from studies import accuracy
 from studies.accuracy import Choice
 
 
-@pytest.mark.parametrize("kind", ["trapezium", "gregory-2"])
+@pytest.mark.parametrize("kind", ["trapezium", "gregory-2", "gregory-3"])
 @pytest.mark.parametrize("elements", [2, 5, 8])
 def test_lumpings_keep_the_mass_and_the_second_the_inertia(kind, elements):
     weights = accuracy.weights(kind, elements)
     x = np.linspace(-0.5, 0.5, elements + 1)
-    inertia = {"trapezium": 1 + 2 / elements**2, "gregory-2": 1.0}[kind]
+    inertia = {"trapezium": 1 + 2 / elements**2, "gregory-2": 1.0, "gregory-3": 1.0}[kind]
     assert weights.sum() == pytest.approx(elements)
     assert weights @ x**2 / elements == pytest.approx(inertia / 12)
 

@@ -35,7 +35,7 @@ mesh; BD is their integral over time.
 BENT = (0.005, 0.05)
 """The same where the springs bend the links by some degrees."""
 
-WHIPPING = (0.05, 0.2)
+WHIPPING = (0.05, 0.15)
 """The same where they bend them into hooks that whip through the whole run, closure and all."""
 
 RATTLING = (0.15, 0.2)

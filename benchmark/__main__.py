@@ -11,7 +11,7 @@ from benchmark.rows import Row, table, write_results
 PARTS = {
     "cost": lambda n: kernel.cost(20_000 // n, 5),
     "cores": lambda n: kernel.cores(20_000 // n, 8),
-    "recording": lambda n: kernel.recording(40_000 // n, 8),
+    "recording": lambda n: kernel.recording(60_000 // n, 8),
     "memory": lambda n: kernel.memory(10_000 // n),
     "kinds": lambda n: kinds.kinds(20_000 // n, 8),
     "machine": lambda n: machine.peak(20_000 // n, 8),

@@ -40,7 +40,7 @@ def stable(scenes: list[fpm.Scene]) -> float:
     return 0.85 * fpm.stable_step(scenes[0]).step
 
 
-def cost(steps: int, repeats: int, samples: int = 32, meshes=(8, 16, 32)) -> list[Row]:
+def cost(steps: int, repeats: int, samples: int = 32, meshes=(8, 12, 16, 32)) -> list[Row]:
     """A batch and a single sample on several meshes, and their ratio."""
     runs, units = {}, {}
     for elements in meshes:
@@ -56,7 +56,7 @@ def cost(steps: int, repeats: int, samples: int = 32, meshes=(8, 16, 32)) -> lis
     rows = [told(GROUP, "setting up a run and handing it back", setup, "ms per sample")]
     for elements in meshes:
         batch, single = each[f"batch {elements}"], each[f"single {elements}"]
-        where = f"{elements} elements a link" + (" (default)" if elements == 8 else "")
+        where = f"{elements} elements a link" + (" (default)" if elements == 12 else "")
         all_elements = batch * elements / (elements + 2)
         note = f"{all_elements:.3g} with the virtual beams counted as elements"
         rows.append(at_most(GROUP, f"batch of {samples}, {where}", batch, 6.0, UNIT, note))

@@ -21,7 +21,7 @@ CASES = {
 }
 
 
-def kinds(steps: int, repeats: int, elements: int = 8) -> list[Row]:
+def kinds(steps: int, repeats: int, elements: int = 12) -> list[Row]:
     """Nanoseconds per step of the same beams with one thing more each, and of the linkage."""
     runs, counts = {}, {}
     for name, what in CASES.items():

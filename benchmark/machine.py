@@ -34,13 +34,13 @@ def describe() -> dict:
     }
 
 
-def counts(elements: int = 8, steps: int = 50) -> dict:
+def counts(elements: int = 12, steps: int = 50) -> dict:
     """Vector operations of a step of the linkage (operations.py), counted in another process."""
     argument = (str(elements), str(steps))
     return json.loads(python("-m", "benchmark.operations", *argument, NUMBA_DISABLE_JIT="1"))
 
 
-def peak(steps: int, repeats: int, elements: int = 8) -> list[Row]:
+def peak(steps: int, repeats: int, elements: int = 12) -> list[Row]:
     """Peak rate, operations of a step, and the share of the peak that the loop reaches."""
     scenes = linkages(8, elements)
     throughput, latency = unit_times()

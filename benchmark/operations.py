@@ -159,7 +159,7 @@ def install() -> None:
 NAMES = ("fma", "multiply", "add", "divide", "root", "select", "load", "store")
 
 
-def per_step(elements: int = 8, steps: int = 50) -> dict:
+def per_step(elements: int = 12, steps: int = 50) -> dict:
     """Operations per step of the linkage, and of its parts; the energy checks are included."""
     from benchmark.kernel import stable
     from benchmark.scenes import linkages, runner

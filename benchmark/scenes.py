@@ -7,7 +7,7 @@ import numpy as np
 import fpm
 
 
-def linkages(count: int, elements: int = 8) -> list[fpm.Scene]:
+def linkages(count: int, elements: int = 12) -> list[fpm.Scene]:
     """`count` samples of the paper's Bennett linkage, its section's side spread over ± 1 %."""
     build = fpm.scenes.get("bennett").build
     sides = 0.035 * (1 + 0.01 * np.linspace(-1, 1, count)) if count > 1 else [0.035]

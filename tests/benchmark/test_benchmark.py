@@ -74,7 +74,7 @@ def test_counting_numbers_count_as_the_compiler_fuses():
 
 
 def test_operations_of_the_loop_grow_with_the_elements():
-    one, two = (machine.counts(n, steps=5)["operations"] for n in (1, 2))
+    one, two = (machine.counts(n, steps=5)["operations"] for n in (2, 3))
     # 4 elements and 4 particles more: at least the square root and the division of each element.
     assert two["root"] - one["root"] == pytest.approx(4, abs=0.5)
     assert two["divide"] - one["divide"] == pytest.approx(4, abs=0.5)

@@ -56,6 +56,8 @@ def event_bounds_dataset(
     The error adds two parts: the error of held-out runs and of the coefficients in each run's own
     stretched time, and the change of the bounds within the error of the impact times.
     """
+    if not isinstance(design, Design) or not len(design.multi_indices):
+        raise IntervalError("design", design.method, "a design with an order, of the whole box")
     data = read_samples(samples, responses)
     if "event_time" not in samples:
         raise IntervalError("samples", list(samples.data_vars), "a dataset with event_time")

@@ -12,8 +12,8 @@ from .datasets import match_points, read_samples
 from .designs import Design
 from .line_range import line_range
 from .metrics import integral
-from .partition import SplitDesign, parts_of
-from .surrogate import Surrogate, fit
+from .partition import SplitDesign
+from .surrogate import Surrogate, fit, fit_points
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,19 +75,19 @@ def sensitivity_dataset(
     Variables over (parameter, time): ``R_width`` in the response's units, ``R_first``, ``R_total``
     (shares). Over (parameter): ``R_width_overall``, the width integrated over time as a share of
     the sum over all parameters, and ``R_total_overall``, the variance-weighted mean of the shares.
-    For a split design the widths are the largest, the shares the mean, over its parts.
+    A split design is judged by one polynomial through all its runs (least squares): its parts by
+    themselves would hide what a parameter does from one part to the next.
     """
     import xarray as xr
 
     data = read_samples(samples, responses)
-    found = []
-    for part in parts_of(design):
-        surrogate = fit(part.design, data.values[match_points(part.points, data.unit)])
-        found.append(parameter_sensitivity(surrogate))
-    width = np.max([f.width for f in found], axis=0)
-    first = np.mean([f.first for f in found], axis=0)
-    total = np.mean([f.total for f in found], axis=0)
-    variance = np.mean([f.variance for f in found], axis=0)
+    values = data.values[match_points(design.points, data.unit)]
+    if isinstance(design, SplitDesign):
+        surrogate = fit_points(design.points, design.parts[0].design.multi_indices, values)
+    else:
+        surrogate = fit(design, values)
+    found = parameter_sensitivity(surrogate)
+    width, first, total, variance = found.width, found.first, found.total, found.variance
     variables = {}
     for i, name in enumerate(data.names):
         own = samples[name].attrs

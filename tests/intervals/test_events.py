@@ -11,6 +11,7 @@ from intervals import (
     compare_bounds,
     event_bounds_dataset,
     make_design,
+    split_design,
 )
 from intervals.elements import split_elements
 from intervals.event_model import fit_event_model
@@ -174,6 +175,13 @@ def test_common_prefix_and_elements_in_two_directions():
     assert len(elements) == 2
     assert sum(e.volume for e in elements) == pytest.approx(1.0)
     assert all(np.isinf(e.unresolved_from) for e in elements)
+
+
+def test_designs_without_order_or_split_are_refused():
+    halves = split_design(make_design("tensor_lobatto", 1, 2), [([-1.0], [0.0]), ([0.0], [1.0])])
+    for design in (make_design("scan", 1, samples=8), halves):
+        with pytest.raises(IntervalError, match="order, of the whole box"):
+            event_bounds_dataset(ball_samples(design, instants=201), design)
 
 
 def test_samples_without_events_are_refused():

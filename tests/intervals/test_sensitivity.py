@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 from datasets_for_tests import samples_of
 
-from intervals import Box, fit, make_design, parameter_sensitivity, sensitivity_dataset
+from intervals import (
+    Box,
+    fit,
+    make_design,
+    parameter_sensitivity,
+    sensitivity_dataset,
+    split_design,
+)
 
 
 def test_shares_of_a_known_polynomial():
@@ -30,6 +37,19 @@ def test_dataset_per_instant_and_overall():
     assert found["response_width_overall"].values == pytest.approx([0.5, 0.5])
     assert found["response_total_overall"].values == pytest.approx([0.5, 0.5])
     assert not np.isnan(found["response_first"]).any()
+
+
+def test_a_split_design_has_the_shares_of_the_whole_box():
+    time = np.linspace(0, 1, 5)
+    box = Box(["a", "b"], [-1.0, -1.0], [1.0, 1.0])
+    whole = make_design("tensor_lobatto", box, 2)
+    ends = ([-1.0, -1.0], [0.0, 1.0]), ([0.0, -1.0], [1.0, 1.0])
+    halves = split_design(whole, ends)
+    found = sensitivity_dataset(
+        samples_of(lambda v: v[0] + v[1] + 0 * time, box, halves, time), halves
+    )
+    np.testing.assert_allclose(found["response_width"].values, 2.0, atol=1e-12)
+    np.testing.assert_allclose(found["response_total"].values, 0.5, atol=1e-12)
 
 
 def test_a_constant_response_has_no_shares():

@@ -42,7 +42,7 @@ HELD = 0  # 1 where the hinge point is held along a global axis (3)
 PLACE = 3  # where it is held (3)
 HINGE = 6
 
-BODY_SCRATCH, HINGE_SCRATCH = 30, 72  # working fields, named in hinge.py
+BODY_SCRATCH, HINGE_SCRATCH = 30, 72  # working fields, named in hinge_matrix.py
 
 # Energies.
 KINETIC, STRAIN, SPRING, CONTACT, LOAD_WORK, DAMPING_WORK, BALANCE = range(7)

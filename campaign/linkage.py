@@ -49,7 +49,9 @@ def draw(trajectory_path: str | Path, count: int) -> Any:
     with open_netcdf(trajectory_path) as trajectory:
         hinge = list(trajectory["hinge"][:]).index("B")
         opening = trajectory["opening"][:, hinge]
-        closures = trajectory["contact_event_time"][trajectory["contact_event_closing"][:] == 1]
+        closures = []
+        if "contact_event_time" in trajectory.variables:  # left out of a file without events
+            closures = trajectory["contact_event_time"][trajectory["contact_event_closing"][:] == 1]
         indices = moments(
             trajectory["time"][:], opening, count, closures.min() if len(closures) else None
         )

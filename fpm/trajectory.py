@@ -1,7 +1,8 @@
 """Trajectory files: one netCDF file per run, complete or absent.
 
 Written in the classic format, which is quick for files of this kind (`fpm.classic`); to be read by
-any netCDF library, and by `read_curves`.
+any netCDF library, and by `read_curves`. The format has no empty arrays: a run without contact
+events has no variables of events, a scene without hinges none of hinges.
 """
 
 import os
@@ -158,7 +159,7 @@ def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> N
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        classic.write(temporary, *trajectory, unlimited="event")
+        classic.write(temporary, *trajectory)
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
@@ -187,6 +188,12 @@ def read_curves(path: str | os.PathLike) -> Curves:
     def values(name: str) -> np.ndarray:
         return variables[name].values
 
+    def events() -> np.ndarray:
+        names = [f"contact_event_{column}" for column in _EVENT_COLUMNS]
+        if names[0] not in variables:
+            return np.zeros((0, len(names)))
+        return np.stack([values(name) for name in names], axis=1)
+
     try:
         return Curves(
             time=values("time"),
@@ -196,7 +203,7 @@ def read_curves(path: str | os.PathLike) -> Curves:
             },
             openings={name: values("opening")[:, i] for i, name in enumerate(names("hinge"))},
             energies={kind: values(name) for kind, (name, _) in _ENERGY_NAMES.items()},
-            events=np.stack([values(f"contact_event_{c}") for c in _EVENT_COLUMNS], axis=1),
+            events=events(),
             contacts=names("contact"),
         )
     except KeyError as missing:

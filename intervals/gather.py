@@ -80,8 +80,10 @@ def gather_trajectories(
     for i, name in enumerate(responses):
         data[name] = (("run", "time"), stacked[:, i], attrs[name])
     for key in _EVENTS:
-        if all(key in e for e in events):
-            data[key] = (("run", "event"), _padded([e[key] for e in events]))
+        if any(key in e for e in events):
+            # A file of a run without events may lack their variables.
+            none = np.zeros(0)
+            data[key] = (("run", "event"), _padded([e.get(key, none) for e in events]))
     return xr.Dataset(
         data,
         coords={"time": time, "parameter": list(box.names)},

@@ -16,7 +16,6 @@ VARIABLES = {
     "single": Variable(("y",), np.arange(4, dtype=np.float32), {}),
     "odd": Variable(("z",), np.arange(5, dtype=np.int8), {}),
     "name": Variable(("y",), np.array(["a", "bc", "", "ü"]), {}),
-    "scalar": Variable((), np.float64(3.5), {}),
     "when": Variable(("event",), np.array([0.25, 0.5]), {"units": "s"}),
     "what": Variable(("event",), np.array([3, -1], dtype=np.int32), {}),
     "opens": Variable(("event",), np.array([1, 0], dtype=np.int8), {}),
@@ -25,7 +24,7 @@ VARIABLES = {
 
 @pytest.fixture
 def path(tmp_path):
-    write(tmp_path / "file.nc", ATTRIBUTES, VARIABLES, "event")
+    write(tmp_path / "file.nc", ATTRIBUTES, VARIABLES)
     return tmp_path / "file.nc"
 
 
@@ -40,7 +39,6 @@ def test_other_libraries_read_it(path, engine):
                 assert file[name].dtype == values.dtype
         for name, value in ATTRIBUTES.items():
             assert file.attrs[name] == value
-        assert file.encoding["unlimited_dims"] == {"event"}
 
 
 def test_it_reads_its_own_files(path):
@@ -71,18 +69,17 @@ def test_it_reads_what_the_c_library_writes(tmp_path):
     assert variables["two"].values.tolist() == [4, 5]
 
 
-def test_an_unlimited_dimension_may_be_empty_and_others_are_left_out(tmp_path):
+def test_variables_without_values_are_left_out(tmp_path):
     variables = {
         "when": Variable(("event",), np.zeros(0), {}),
-        "what": Variable(("event",), np.zeros(0, dtype=np.int8), {}),
         "hinge": Variable(("hinge",), np.array([], dtype=str), {}),
         "opening": Variable(("x", "hinge"), np.zeros((3, 0)), {}),
         "x": VARIABLES["x"],
     }
-    write(tmp_path / "file.nc", {}, variables, "event")
+    write(tmp_path / "file.nc", {}, variables)
     with xr.open_dataset(tmp_path / "file.nc") as file:
-        assert dict(file.sizes) == {"event": 0, "x": 3}
-    assert set(read(tmp_path / "file.nc")[1]) == {"when", "what", "x"}
+        assert dict(file.sizes) == {"x": 3}
+    assert set(read(tmp_path / "file.nc")[1]) == {"x"}
 
 
 def test_a_file_that_was_cut_off_is_refused(path):

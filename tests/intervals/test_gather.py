@@ -11,13 +11,12 @@ TIME = np.linspace(0, 1, 21)
 
 def write(folder, name, value, time=TIME, **attrs):
     file = xr.Dataset(
-        {
-            "BD": ("time", value * time, {"units": "m", "long_name": "distance B to D"}),
-            "contact_event_time": ("event", np.arange(int(10 * value) % 3, dtype=float)),
-        },
+        {"BD": ("time", value * time, {"units": "m", "long_name": "distance B to D"})},
         coords={"time": time},
         attrs={"parameter_a": value, "parameter_supports": "fixed", "responses": "BD", **attrs},
     )
+    if value > 1:  # a run without events may have no variables of them
+        file["contact_event_time"] = ("event", [0.25, value])
     file.to_netcdf(folder / f"{name}.nc")
 
 
@@ -31,6 +30,8 @@ def test_folder_to_bounds(tmp_path):
     assert samples.sizes["run"] == 4
     assert samples["BD"].attrs["units"] == "m"
     assert samples["event_time"].dims == ("run", "event")
+    happened = np.isfinite(samples["event_time"]).sum("event")
+    np.testing.assert_array_equal(happened, 2 * (samples["value"][:, 0] > 1))
     bounds = bounds_dataset(samples, design)
     np.testing.assert_allclose(bounds["BD_upper"], 1.5 * TIME, atol=1e-14)
 

@@ -24,12 +24,20 @@ class InstabilityError(RuntimeError):
     most strain energy, or the first non-finite one), `step` (s) used, `limit` (s) the stable step
     of the scene at its start, `balance` (J) the energy that came from nowhere, `scale` (J), `bend`
     the largest sine between an element's chord and its ends, `strain` the largest at the surface of
-    an element: None unless it is the cause.
+    an element, `gap` (m) the largest of a hinge: None unless it is the cause.
     """
 
-    def __init__(self, time, element, step, limit, balance, scale, bend=None, strain=None):
+    def __init__(
+        self, time, element, step, limit, balance, scale, bend=None, strain=None, gap=None
+    ):
         self.time, self.element, self.step, self.limit = time, element, step, limit
-        self.balance, self.scale, self.bend, self.strain = balance, scale, bend, strain
+        self.balance, self.scale, self.bend, self.strain, self.gap = (
+            balance,
+            scale,
+            bend,
+            strain,
+            gap,
+        )
         found = (
             f"the energy balance is off by {balance:.3g} J of {scale:.3g} J"
             if isfinite(balance)
@@ -37,6 +45,9 @@ class InstabilityError(RuntimeError):
         )
         if step > limit:
             remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
+        elif gap is not None and isfinite(balance):
+            found = f"a hinge gapes by {gap:.2g} m, since its particles turn too far in a step"
+            remedy = "halve solver.step"
         elif bend is not None:
             found = f"an element is bent or twisted by {bend:.2g} rad, too much for linear theory"
             remedy = "refine the mesh: the bend and twist of an element fall with its length"
@@ -59,5 +70,5 @@ class InstabilityError(RuntimeError):
     def __reduce__(self):
         return type(self), (
             self.time, self.element, self.step, self.limit, self.balance, self.scale,
-            self.bend, self.strain,
+            self.bend, self.strain, self.gap,
         )  # fmt: skip

@@ -231,6 +231,6 @@ def blank_record(model: Model, instants: int, samples: int) -> Record:
         failed_element=np.zeros(width, np.int64),
         failed_balance=np.zeros(width, dtype),
         failed_cause=np.zeros(width, np.int64),
-        strains=blank(1, 2, width, dtype),
+        largest=blank(1, 3, width, dtype),
         scale=REST_STRAIN**2 * np.sum(model.beams[:, at.AXIAL] * model.beams[:, at.LENGTH] ** 2, 0),
     )

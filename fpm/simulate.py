@@ -149,7 +149,7 @@ def simulate(
 
 def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> Outcome:
     from fpm.kernels.layout import ENERGIES
-    from fpm.kernels.record import TOO_COARSE, TOO_STRAINED
+    from fpm.kernels.record import GAPING, TOO_COARSE, TOO_STRAINED
 
     instants = len(record.energies) - 1
     points = {}
@@ -158,7 +158,8 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
         points[name] = (track[:, :3], track[:, 3:])
     hinges = record.hinges[:instants, :, lane]
     failure = None
-    bend, strain = float(np.sqrt(record.strains[0, 0, lane])), float(record.strains[0, 1, lane])
+    bend, strain, gap = map(float, record.largest[0, :, lane])
+    bend = math.sqrt(bend)
     if record.failed_step[lane] >= 0:
         limit = limit or stable_step(scene)
         balance = float(record.failed_balance[lane])
@@ -174,6 +175,7 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
             scale=float(record.scale[lane]),
             bend=bend if record.failed_cause[lane] == TOO_COARSE else None,
             strain=strain if record.failed_cause[lane] == TOO_STRAINED else None,
+            gap=gap if record.failed_cause[lane] == GAPING else None,
         )
     noted = int(record.event_count[lane])
     energies = {name: record.energies[:instants, k, lane] for k, name in enumerate(ENERGIES)}

@@ -110,8 +110,10 @@ def framed_beam_forces(state, nodes, beams, axes, chord):
 
 
 @kernel
-def beam_energy(state, nodes, beams, axes, e):
-    """Strain energy (J) of element e."""
+def shape_of(state, nodes, axes, e):
+    """Length of element e (m), the sines between its chord and axes 2 and 3 of its ends (a2, a3,
+    b2, b3), and the sine of its twist.
+    """
     a, b = nodes[e, 0], nodes[e, 1]
     chord = sub(get3(state, b, X), get3(state, a, X))
     length = sqrt(dot(chord, chord))
@@ -120,9 +122,15 @@ def beam_energy(state, nodes, beams, axes, e):
         a2, a3, b2, b3 = framed_axes(state, axes, e, a, b)
     else:
         a2, a3, b2, b3 = own_axes(state, a, b)
-    ta2, ta3 = angle(dot(n, a2))[0], angle(dot(n, a3))[0]
-    tb2, tb3 = angle(dot(n, b2))[0], angle(dot(n, b3))[0]
-    twist = 0.5 * (dot(b2, a3) - dot(b3, a2))
+    sines = (dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3))
+    return length, sines, 0.5 * (dot(b2, a3) - dot(b3, a2))
+
+
+@kernel
+def beam_energy(beams, e, length, sines, twist):
+    """Strain energy (J) of element e, from its shape."""
+    ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
+    tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
     stretch = length - load(beams, e, LENGTH)
     return (
         0.5 * load(beams, e, AXIAL) * stretch * stretch

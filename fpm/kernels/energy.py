@@ -1,10 +1,11 @@
 """Energies of a scene at a recorded instant, sample by sample."""
 
-from fpm.kernels.beam import beam_energy
+from fpm.kernels.beam import beam_energy, shape_of
 from fpm.kernels.joint import contact_energy, spring_energy
-from fpm.kernels.lanes import load
-from fpm.kernels.layout import IJ, IM, MASS, P, V, X
+from fpm.kernels.lanes import load, store
+from fpm.kernels.layout import IJ, IM, LARGEST_BEND, LARGEST_STRAIN, MASS, P, V, X
 from fpm.kernels.rotation import frame
+from fpm.kernels.strain import larger_strains
 from fpm.kernels.vectors import dot, get3, kernel, times, to_local
 
 
@@ -28,11 +29,16 @@ def kinetic_energy(state, kept, particles):
 
 
 @kernel
-def strain_energy(state, nodes, beams, axes):
-    """Sum over the beam elements (J)."""
+def strain_energy(state, nodes, beams, axes, largest):
+    """Sum over the beam elements (J); raises largest (1, 3, lanes), fields as in layout.py."""
     total = 0.0 * load(state, 0, X)
+    bend, surface = load(largest, 0, LARGEST_BEND), load(largest, 0, LARGEST_STRAIN)
     for e in range(nodes.shape[0]):
-        total = total + beam_energy(state, nodes, beams, axes, e)
+        length, sines, twist = shape_of(state, nodes, axes, e)
+        total = total + beam_energy(beams, e, length, sines, twist)
+        bend, surface = larger_strains(beams, e, length, sines, twist, bend, surface)
+    store(largest, 0, LARGEST_BEND, bend)
+    store(largest, 0, LARGEST_STRAIN, surface)
     return total
 
 

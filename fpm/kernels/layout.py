@@ -44,6 +44,10 @@ HINGE = 6
 
 BODY_SCRATCH, HINGE_SCRATCH = 30, 72  # working fields, named in hinge_matrix.py
 
+# Largest values so far: square of the sine of an element's bend, strain at an element's surface,
+# gap of a hinge (m).
+LARGEST_BEND, LARGEST_STRAIN, LARGEST_GAP = range(3)
+
 # Energies.
 KINETIC, STRAIN, SPRING, CONTACT, LOAD_WORK, DAMPING_WORK, BALANCE = range(7)
 ENERGIES = ("kinetic", "strain", "spring", "contact", "load_work", "damping_work", "balance")

@@ -63,4 +63,4 @@ class Record(NamedTuple):
     failed_balance: np.ndarray  # (lanes,) J
     scale: np.ndarray  # (lanes,) largest energy so far
     failed_cause: np.ndarray  # (lanes,) see record.py
-    strains: np.ndarray  # (1, 2, lanes) largest bend and strain so far (strain.py)
+    largest: np.ndarray  # (1, 3, lanes) largest bend, strain and gap so far (layout.py)

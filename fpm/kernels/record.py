@@ -1,7 +1,7 @@
 """Recording, contact events, and the search for lanes whose energy balance broke."""
 
 from fpm.kernels import energy, hinge
-from fpm.kernels.beam import beam_energy
+from fpm.kernels.beam import beam_energy, shape_of
 from fpm.kernels.joint import contact_energy, spring_energy, update_openings
 from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
 from fpm.kernels.layout import (
@@ -11,6 +11,9 @@ from fpm.kernels.layout import (
     IJ,
     KEPT,
     KINETIC,
+    LARGEST_BEND,
+    LARGEST_GAP,
+    LARGEST_STRAIN,
     LOAD_WORK,
     SPRING,
     STRAIN,
@@ -20,8 +23,7 @@ from fpm.kernels.layout import (
 )
 from fpm.kernels.outside import curve_value
 from fpm.kernels.rotation import frame
-from fpm.kernels.strain import BEND, MOST_BEND, MOST_STRAIN, note_strains
-from fpm.kernels.strain import STRAIN as SURFACE
+from fpm.kernels.strain import MOST_BEND, MOST_STRAIN, larger
 from fpm.kernels.vectors import (
     add,
     cross,
@@ -35,8 +37,13 @@ from fpm.kernels.vectors import (
     to_local,
 )
 
-UNBALANCED, TOO_COARSE, TOO_STRAINED = 0, 1, 2
+UNBALANCED, TOO_COARSE, TOO_STRAINED, GAPING = range(4)
 """Causes of a failure; only what happens while the energy balances is put down to the strains."""
+
+MOST_GAP = 1e-6
+"""Gap (m) of a hinge point from which a hinge counts as open; it is below 1e-12 m as a rule, and
+1e-7 m in single precision. It gapes when its particles turn too far in a step for its rounds.
+"""
 
 TOUCH = 1e-9
 """Overlap (rad) from which faces count as shut: what the hinges leave open is below it, so a
@@ -75,7 +82,9 @@ def keep(state, kept):
 def record_before(state, model, row, record):
     """Record what belongs to the positions at an instant: energies, openings, gaps."""
     out = record.energies
-    store(out, row, STRAIN, energy.strain_energy(state, model.nodes, model.beams, model.axes))
+    largest = record.largest
+    strain = energy.strain_energy(state, model.nodes, model.beams, model.axes, largest)
+    store(out, row, STRAIN, strain)
     if model.spring_on.shape[0] + model.contact_on.shape[0] == 0:
         update_openings(state, model.ends, model.bodies, model.openings)
     springs = energy.spring_energies(state, model.openings, model.spring_on, model.springs)
@@ -94,9 +103,10 @@ def record_before(state, model, row, record):
         store(record.hinges, row, h, load(model.openings, h, 0))
         _, gap, ep, eq = hinge.gaps(state, model.ends, model.bodies, h)
         size, tilt = dot(gap, gap), ep * ep + eq * eq
-        worst = where_negative(worst - size, size, worst)
-        worst_axis = where_negative(worst_axis - tilt, tilt, worst_axis)
-    store(record.hinges, row, count, sqrt(worst))
+        worst, worst_axis = larger(worst, size), larger(worst_axis, tilt)
+    worst = sqrt(worst)
+    store(largest, 0, LARGEST_GAP, larger(load(largest, 0, LARGEST_GAP), worst))
+    store(record.hinges, row, count, worst)
     store(record.hinges, row, count + 1, sqrt(worst_axis))
 
 
@@ -159,10 +169,9 @@ def find_failures(state, model, record, row, n, tolerance):
     """Mark the lanes whose balance is off at step n; True when no lane is left.
 
     A lane fails when energy came from nowhere (or went there) by more than `tolerance` times the
-    largest energy it has held so far, when a number is not finite, or when an element is bent or
-    strained by more than linear beam theory bears.
+    largest energy it has held so far, when a number is not finite, when an element is bent or
+    strained by more than linear beam theory bears, or when a hinge is open.
     """
-    note_strains(state, model.nodes, model.beams, model.axes, record.strains)
     left = 0
     for s in range(record.scale.shape[0]):
         if record.failed_step[s] >= 0:
@@ -172,11 +181,14 @@ def find_failures(state, model, record, row, n, tolerance):
         if stored > record.scale[s]:
             record.scale[s] = stored
         balanced = abs(record.energies[row, BALANCE, s]) <= tolerance * record.scale[s]
-        straight = record.strains[0, BEND, s] <= MOST_BEND * MOST_BEND
-        slight = record.strains[0, SURFACE, s] <= MOST_STRAIN
-        if not (balanced and straight and slight):
+        straight = record.largest[0, LARGEST_BEND, s] <= MOST_BEND * MOST_BEND
+        slight = record.largest[0, LARGEST_STRAIN, s] <= MOST_STRAIN
+        closed = record.largest[0, LARGEST_GAP, s] <= MOST_GAP
+        if not (balanced and straight and slight and closed):
             record.failed_step[s] = n
-            if balanced:
+            if not closed:
+                record.failed_cause[s] = GAPING
+            elif balanced:
                 record.failed_cause[s] = TOO_COARSE if slight else TOO_STRAINED
             record.failed_balance[s] = record.energies[row, BALANCE, s]
             record.failed_element[s] = worst_element(state, model, s, balanced)
@@ -192,7 +204,8 @@ def worst_element(state, model, s, beams_only):
     """
     out, m = model.element_energy, model.nodes.shape[0]
     for e in range(m):
-        store(out, e, 0, beam_energy(state, model.nodes, model.beams, model.axes, e))
+        length, sines, twist = shape_of(state, model.nodes, model.axes, e)
+        store(out, e, 0, beam_energy(model.beams, e, length, sines, twist))
     for i in range(model.spring_on.shape[0]):
         value = spring_energy(model.openings, model.spring_on, model.springs, i)
         store(out, m + i, 0, value)

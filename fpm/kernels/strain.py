@@ -1,9 +1,9 @@
 """How far the elements are from small strains: what linear beam theory can bear."""
 
-from fpm.kernels.beam import angle, framed_axes, own_axes
-from fpm.kernels.lanes import absolute, load, sqrt, store, where_negative
-from fpm.kernels.layout import AXIAL, BEND_Y, BEND_Z, LENGTH, X
-from fpm.kernels.vectors import dot, get3, kernel, scale, sub
+from fpm.kernels.beam import angle
+from fpm.kernels.lanes import absolute, load, sqrt, where_negative
+from fpm.kernels.layout import AXIAL, BEND_Y, BEND_Z, LENGTH
+from fpm.kernels.vectors import kernel
 
 MOST_BEND = 0.25
 """Largest sine of the angle between an element's chord and its ends, and of its twist. Whipping
@@ -17,8 +17,6 @@ which it is bent. At 0.5 that radius is the height: no beam, whatever the mesh. 
 such a radius is 8 % stiffer than a straight one: Winkler's theory of curved bars.)
 """
 
-BEND, STRAIN = 0, 1  # fields of `largest`
-
 
 @kernel
 def larger(x, y):
@@ -27,31 +25,18 @@ def larger(x, y):
 
 
 @kernel
-def note_strains(state, nodes, beams, axes, largest):
-    """Raise largest (1, 2, lanes): square of the bend's sine, surface strain of any element so far.
+def larger_strains(beams, e, length, sines, twist, bend, strain):
+    """The larger of bend (square of a sine) and strain, and those of element e by its shape.
 
     The height is that of a rectangle with the element's radius of gyration, sqrt(12 I/A).
     """
-    bend, strain = load(largest, 0, BEND), load(largest, 0, STRAIN)
-    for e in range(nodes.shape[0]):
-        a, b = nodes[e, 0], nodes[e, 1]
-        chord = sub(get3(state, b, X), get3(state, a, X))
-        length = sqrt(dot(chord, chord))
-        n = scale(1.0 / length, chord)
-        if axes.shape[0] > 0:
-            a2, a3, b2, b3 = framed_axes(state, axes, e, a, b)
-        else:
-            a2, a3, b2, b3 = own_axes(state, a, b)
-        sa2, sa3, sb2, sb3 = dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)
-        twist = 0.5 * (dot(b2, a3) - dot(b3, a2))
-        bend = larger(bend, sa2 * sa2 + sa3 * sa3)
-        bend = larger(bend, sb2 * sb2 + sb3 * sb3)
-        bend = larger(bend, twist * twist)
-        # Angles between the ends, times the radii of gyration I/A = (2 EI/l0) / (2 EA/l0).
-        turn2, turn3 = angle(sb2)[0] - angle(sa2)[0], angle(sb3)[0] - angle(sa3)[0]
-        square = load(beams, e, BEND_Z) * turn2 * turn2 + load(beams, e, BEND_Y) * turn3 * turn3
-        rest = load(beams, e, LENGTH)
-        surface = sqrt(1.5 * square / load(beams, e, AXIAL)) + absolute(length - rest)
-        strain = larger(strain, surface / rest)
-    store(largest, 0, BEND, bend)
-    store(largest, 0, STRAIN, strain)
+    sa2, sa3, sb2, sb3 = sines
+    bend = larger(bend, sa2 * sa2 + sa3 * sa3)
+    bend = larger(bend, sb2 * sb2 + sb3 * sb3)
+    bend = larger(bend, twist * twist)
+    # Angles between the ends, times the radii of gyration I/A = (2 EI/l0) / (2 EA/l0).
+    turn2, turn3 = angle(sb2)[0] - angle(sa2)[0], angle(sb3)[0] - angle(sa3)[0]
+    square = load(beams, e, BEND_Z) * turn2 * turn2 + load(beams, e, BEND_Y) * turn3 * turn3
+    rest = load(beams, e, LENGTH)
+    surface = sqrt(1.5 * square / load(beams, e, AXIAL)) + absolute(length - rest)
+    return bend, larger(strain, surface / rest)

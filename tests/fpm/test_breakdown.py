@@ -171,3 +171,19 @@ def test_no_trajectory_file_appears(tmp_path):
     assert list(tmp_path.iterdir()) == []
     fpm.trajectory.write(stable.dataset([Z]), path)
     assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_a_hinge_whose_particles_turn_too_far_in_a_step_is_refused():
+    """No element limits the step of two rigid bodies; their hinge does."""
+    scene = fpm.Scene("wheel")
+    hub = scene.add_particles((0, 0, 0), 1.0, (1.0, 1.0, 1.0))
+    wheel = scene.add_particles((0.3, 0, 0), 1.0, (0.1, 0.2, 0.25), spin=(0.0, 0.0, 40.0))
+    scene.fix(int(hub[0]))
+    scene.add_hinge("axle", (int(hub[0]), int(wheel[0])), (0, 0, 0), (0.0, 0.6, 0.8))
+    fine = fpm.simulate(scene, duration=0.1, instants=5, step=1e-4)[0]
+    assert fine.failure is None
+    assert fine.gap.max() < 1e-11
+    coarse = fpm.simulate(scene, duration=1.0, instants=5, step=0.05)[0]
+    with pytest.raises(fpm.InstabilityError, match=r"hinge gapes by .* halve solver\.step"):
+        coarse.dataset()
+    assert coarse.failure.gap > 1e-6

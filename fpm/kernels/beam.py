@@ -110,30 +110,23 @@ def framed_beam_forces(state, nodes, beams, axes, chord):
 
 
 @kernel
-def shape_of(state, nodes, axes, e):
-    """Length of element e (m), the sines between its chord and axes 2 and 3 of its ends (a2, a3,
-    b2, b3), and the sine of its twist.
+def shape_of(chord, e, a2, a3, b2, b3):
+    """The sines between the chord of element e and axes 2 and 3 of its ends (a2, a3, b2, b3), and
+    the sine of its twist; chord (m, CHORD, lanes) as `chords` leaves it.
     """
-    a, b = nodes[e, 0], nodes[e, 1]
-    chord = sub(get3(state, b, X), get3(state, a, X))
-    length = sqrt(dot(chord, chord))
-    n = scale(1.0 / length, chord)
-    if axes.shape[0] > 0:
-        a2, a3, b2, b3 = framed_axes(state, axes, e, a, b)
-    else:
-        a2, a3, b2, b3 = own_axes(state, a, b)
+    n = get3(chord, e, 0)
     sines = (dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3))
-    return length, sines, 0.5 * (dot(b2, a3) - dot(b3, a2))
+    return sines, 0.5 * (dot(b2, a3) - dot(b3, a2))
 
 
 @kernel
-def beam_energy(beams, e, length, sines, twist):
-    """Strain energy (J) of element e, from its shape."""
+def beam_energy(beams, chord, e, sines, twist):
+    """Strain energy (J) of element e, from its axial force and its shape."""
     ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
     tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
-    stretch = length - load(beams, e, LENGTH)
+    force = load(chord, e, 4)
     return (
-        0.5 * load(beams, e, AXIAL) * stretch * stretch
+        0.5 * force * force / load(beams, e, AXIAL)
         + 0.5 * load(beams, e, TWIST) * twist * twist
         + load(beams, e, BEND_Z) * (ta2 * ta2 + ta2 * tb2 + tb2 * tb2)
         + load(beams, e, BEND_Y) * (ta3 * ta3 + ta3 * tb3 + tb3 * tb3)

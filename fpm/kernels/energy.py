@@ -1,6 +1,6 @@
 """Energies of a scene at a recorded instant, sample by sample."""
 
-from fpm.kernels.beam import beam_energy, shape_of
+from fpm.kernels.beam import beam_energy, framed_axes, own_axes, shape_of
 from fpm.kernels.joint import contact_energy, spring_energy
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import IJ, IM, LARGEST_BEND, LARGEST_STRAIN, MASS, P, V, X
@@ -29,17 +29,32 @@ def kinetic_energy(state, kept, particles):
 
 
 @kernel
-def strain_energy(state, nodes, beams, axes, largest):
-    """Sum over the beam elements (J); raises largest (1, 3, lanes), fields as in layout.py."""
-    total = 0.0 * load(state, 0, X)
-    bend, surface = load(largest, 0, LARGEST_BEND), load(largest, 0, LARGEST_STRAIN)
-    for e in range(nodes.shape[0]):
-        length, sines, twist = shape_of(state, nodes, axes, e)
-        total = total + beam_energy(beams, e, length, sines, twist)
-        bend, surface = larger_strains(beams, e, length, sines, twist, bend, surface)
-    store(largest, 0, LARGEST_BEND, bend)
-    store(largest, 0, LARGEST_STRAIN, surface)
-    return total
+def strain_energy(state, nodes, beams, axes, chord, largest):
+    """Sum over the beam elements (J); raises largest (1, 3, lanes), fields as in layout.py.
+
+    chord (m, CHORD, lanes): as the forces at this instant left it.
+    """
+    sums = 0.0 * load(state, 0, X), load(largest, 0, LARGEST_BEND), load(largest, 0, LARGEST_STRAIN)
+    # The choice inside the loop would cost more than the loop.
+    if axes.shape[0] > 0:
+        for e in range(nodes.shape[0]):
+            ends = framed_axes(state, axes, e, nodes[e, 0], nodes[e, 1])
+            sums = add_element(sums, beams, chord, e, ends)
+    else:
+        for e in range(nodes.shape[0]):
+            ends = own_axes(state, nodes[e, 0], nodes[e, 1])
+            sums = add_element(sums, beams, chord, e, ends)
+    store(largest, 0, LARGEST_BEND, sums[1])
+    store(largest, 0, LARGEST_STRAIN, sums[2])
+    return sums[0]
+
+
+@kernel
+def add_element(sums, beams, chord, e, ends):
+    """Energy, bend and strain of the elements so far with those of element e."""
+    sines, twist = shape_of(chord, e, ends[0], ends[1], ends[2], ends[3])
+    bend, strain = larger_strains(beams, chord, e, sines, twist, sums[1], sums[2])
+    return sums[0] + beam_energy(beams, chord, e, sines, twist), bend, strain
 
 
 @kernel

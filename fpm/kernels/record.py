@@ -1,7 +1,7 @@
 """Recording, contact events, and the search for lanes whose energy balance broke."""
 
 from fpm.kernels import energy, hinge
-from fpm.kernels.beam import beam_energy, shape_of
+from fpm.kernels.beam import beam_energy, chords, framed_axes, own_axes, shape_of
 from fpm.kernels.joint import contact_energy, spring_energy, update_openings
 from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
 from fpm.kernels.layout import (
@@ -83,7 +83,7 @@ def record_before(state, model, row, record):
     """Record what belongs to the positions at an instant: energies, openings, gaps."""
     out = record.energies
     largest = record.largest
-    strain = energy.strain_energy(state, model.nodes, model.beams, model.axes, largest)
+    strain = energy.strain_energy(state, model.nodes, model.beams, model.axes, model.chord, largest)
     store(out, row, STRAIN, strain)
     if model.spring_on.shape[0] + model.contact_on.shape[0] == 0:
         update_openings(state, model.ends, model.bodies, model.openings)
@@ -203,9 +203,14 @@ def worst_element(state, model, s, beams_only):
     Order: beams, springs, contacts. beams_only: the balance holds, and what is wrong is a bend.
     """
     out, m = model.element_energy, model.nodes.shape[0]
+    chords(state, model.nodes, model.beams, model.chord)
     for e in range(m):
-        length, sines, twist = shape_of(state, model.nodes, model.axes, e)
-        store(out, e, 0, beam_energy(model.beams, e, length, sines, twist))
+        if model.axes.shape[0] > 0:
+            ends = framed_axes(state, model.axes, e, model.nodes[e, 0], model.nodes[e, 1])
+        else:
+            ends = own_axes(state, model.nodes[e, 0], model.nodes[e, 1])
+        sines, twist = shape_of(model.chord, e, ends[0], ends[1], ends[2], ends[3])
+        store(out, e, 0, beam_energy(model.beams, model.chord, e, sines, twist))
     for i in range(model.spring_on.shape[0]):
         value = spring_energy(model.openings, model.spring_on, model.springs, i)
         store(out, m + i, 0, value)

@@ -25,8 +25,9 @@ def larger(x, y):
 
 
 @kernel
-def larger_strains(beams, e, length, sines, twist, bend, strain):
-    """The larger of bend (square of a sine) and strain, and those of element e by its shape.
+def larger_strains(beams, chord, e, sines, twist, bend, strain):
+    """The larger of bend (square of a sine) and strain, and those of element e by its
+    axial force and its shape.
 
     The height is that of a rectangle with the element's radius of gyration, sqrt(12 I/A).
     """
@@ -37,6 +38,7 @@ def larger_strains(beams, e, length, sines, twist, bend, strain):
     # Angles between the ends, times the radii of gyration I/A = (2 EI/l0) / (2 EA/l0).
     turn2, turn3 = angle(sb2)[0] - angle(sa2)[0], angle(sb3)[0] - angle(sa3)[0]
     square = load(beams, e, BEND_Z) * turn2 * turn2 + load(beams, e, BEND_Y) * turn3 * turn3
-    rest = load(beams, e, LENGTH)
-    surface = sqrt(1.5 * square / load(beams, e, AXIAL)) + absolute(length - rest)
-    return bend, larger(strain, surface / rest)
+    axial, rest = load(beams, e, AXIAL), load(beams, e, LENGTH)
+    inverse = 1.0 / (axial * rest)
+    stretch = absolute(load(chord, e, 4)) * inverse
+    return bend, larger(strain, sqrt(1.5 * axial * square) * inverse + stretch)

@@ -4,7 +4,8 @@
 `intervals.sensitivity_dataset`. `surrogate.nc` has the Chebyshev coefficients of every response at
 every instant, for each part of the box (one, unless it was split): `part_lower`, `part_upper`
 (part, parameter) in unit coordinates, `multi_index(term, parameter)` and
-`<response>_coefficient(part, term, time)`. A scan without order has no terms.
+`<response>_coefficient(part, term, time)`. A scan without order has no terms. Surrogate and
+sensitivities are the polynomial's, also where the bounds are a spline's.
 """
 
 from __future__ import annotations
@@ -35,15 +36,17 @@ def analyse(
 
     import intervals
 
-    align = config["bounds"]["align"]
+    how = config["bounds"]
     with xr.open_dataset(samples_path) as samples:
         made_for = json.loads(samples.attrs["config"])
         design = _design(samples, made_for)
         names = samples.attrs["responses"].split()
-        if align == "none":
-            bounds = intervals.bounds_dataset(samples, design, names)
+        if how["align"] == "none":
+            bounds = intervals.bounds_dataset(samples, design, names, model=how["model"])
         else:
-            bounds = intervals.event_bounds_dataset(samples, design, names, alignment=align)
+            bounds = intervals.event_bounds_dataset(
+                samples, design, names, alignment=how["align"], enclose=how["enclose"]
+            )
         for key in ("unit", "lower", "upper", "nominal"):
             bounds[f"parameter_{key}"] = samples[f"parameter_{key}"]
         write_dataset(bounds, bounds_path, "Bounds of the responses")

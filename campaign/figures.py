@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from campaign.files import open_netcdf, whole_file
+from campaign.summary import bounds_text
 from campaign.units import pretty
 
 LOWER = {"color": "#0072B2", "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
@@ -63,7 +64,14 @@ def envelope(bounds: Any, name: str, shade_above: float) -> Any:
     ax.margins(y=0.08)
     ax.grid(color="0.9", linewidth=0.5)
     ax.set_axisbelow(True)
-    figure.legend(loc="outside upper center", ncols=4, fontsize=7, frameon=False)
+    figure.legend(
+        loc="outside upper center",
+        ncols=4,
+        fontsize=7,
+        frameon=False,
+        title=f"bounds: {bounds_text(bounds)}",
+        title_fontsize=7,
+    )
     return figure
 
 

@@ -137,20 +137,18 @@ def _design_problems(config: Mapping, intervals: Mapping) -> list[str]:
     from intervals import IntervalError
 
     problems = []
-    design, align = config["design"], config["bounds"]["align"]
+    design = config["design"]
     automatic = design["order"] == "auto"
     if automatic and design["method"] == "scan":
         problems.append("design.order: 'auto' is not allowed with scan; allowed: a whole number")
     elif automatic:
         config = start_config(config)
-    if align != "none" and (automatic or design["order"] is None):
-        problems.append(
-            f"bounds.align: {show(align)} is not allowed with order auto or without order; "
-            "allowed: none"
-        )
+    problems += _bounds_problems(config["bounds"], design["order"], automatic)
     try:
         if not problems:
-            make_design(config, intervals)
+            made = make_design(config, intervals)
+            if config["bounds"]["model"] == "spline":
+                problems += _spline_problems(config, intervals, made)
     except IntervalError as error:
         problems.append(_sentence(f"design.{error.key}", error))
     solver = config["solver"]
@@ -160,6 +158,54 @@ def _design_problems(config: Mapping, intervals: Mapping) -> list[str]:
             f"allowed: auto, or at most {solver['duration']:.6g}"
         )
     return problems
+
+
+def _bounds_problems(bounds: Mapping, order: Any, automatic: bool) -> list[str]:
+    """What of the section `bounds` does not go together, with itself and with the order."""
+    align, problems = bounds["align"], []
+    if align != "none" and (automatic or order is None):
+        problems.append(
+            f"bounds.align: {show(align)} is not allowed with order auto or without order; "
+            "allowed: none"
+        )
+    if bounds["model"] == "spline" and align != "none":
+        problems.append(
+            f"bounds.model: 'spline' is not allowed with align {align}; "
+            "allowed: polynomial, or align none"
+        )
+    elif bounds["model"] == "spline" and automatic:
+        problems.append(
+            "bounds.model: 'spline' is not allowed with order auto, whose rounds need polynomials; "
+            "allowed: polynomial, or a whole number as order"
+        )
+    if bounds["enclose"] and align == "none":
+        problems.append(
+            "bounds.enclose: true is not allowed with align none; "
+            "allowed: false, or align stretch or shift"
+        )
+    return problems
+
+
+def _spline_problems(config: Mapping, intervals: Mapping, design: Any) -> list[str]:
+    """Whether the runs of a plan are enough, and not too many, for a spline."""
+    import numpy as np
+
+    from campaign.nodes import box_of
+    from intervals import IntervalError, check_spline_runs, held_out_points
+
+    box = box_of(intervals)
+    points = [box.to_unit([interval.nominal for interval in intervals.values()])[None]]
+    points.append(design.points)
+    if config["design"]["method"] != "scan":
+        points.append(held_out_points(box.free, config["held_out"], design.points))
+    try:
+        check_spline_runs(np.concatenate(points))
+    except IntervalError as error:
+        return [
+            f"bounds.model: 'spline' is not allowed with {error.value} runs; "
+            f"allowed: polynomial, or {error.allowed}"
+        ]
+    return []
 
 
 def _sentence(key: str, error: Any) -> str:

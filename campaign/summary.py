@@ -65,10 +65,17 @@ def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
             "held_out": roles.count("held_out"),
             "runs": len(set(samples["run_id"][:])),
         },
+        "bounds": bounds_text(bounds),
         "time_step": float(bounds.time_step),
         "closures": closures(samples, roles.index("nominal")),
         "responses": [_response(bounds, name, published.get(name)) for name in names],
     }
+
+
+def bounds_text(bounds: Any) -> str:
+    """What the bounds in the open `bounds.nc` are, and whether they enclose it."""
+    kind = bounds.bounds_kind
+    return f"{kind}, not enclosed" if kind.startswith("attained") else kind
 
 
 def _response(bounds: Any, name: str, published: float | None) -> dict:
@@ -117,6 +124,8 @@ def as_text(summary: Mapping) -> str:
         f"Scene {summary['scene']}; {design['method']}{order}: {design['runs']} runs "
         f"({design['nodes']} nodes, {design['held_out']} held out); "
         f"time step {summary['time_step']:.4g} s.",
+        "",
+        f"Bounds: {summary['bounds']}.",
         "",
         "| parameter | lower | nominal | upper |",
         "|---|---|---|---|",

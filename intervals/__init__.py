@@ -21,11 +21,12 @@ from .scan_bounds import RunningBounds, scan_bounds_dataset, stream_bounds
 from .scans import held_out_points
 from .seek import seek_points
 from .sensitivity import parameter_sensitivity, sensitivity_dataset
-from .spline_bounds import spline_bounds_dataset
+from .spline_bounds import MAX_RUNS, check_spline_runs, spline_bounds_dataset
 from .splines import Spline, fit_spline, spline_range
 from .surrogate import Surrogate, fit, fit_points
 
 __all__ = [
+    "MAX_RUNS",
     "METHODS",
     "Box",
     "Decision",
@@ -39,6 +40,7 @@ __all__ = [
     "SplitDesign",
     "Surrogate",
     "bounds_dataset",
+    "check_spline_runs",
     "compare_bounds",
     "compare_runs",
     "decide",

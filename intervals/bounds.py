@@ -87,7 +87,7 @@ def bounds_dataset(
         centre = data.values[data.nominal]
     total = errors.widen(data.time, np.maximum(held_out, decay), window)
     error = errors.ErrorEstimate(total, held_out, decay)
-    attrs |= {"design_runs": design.runs, "bounds_kind": "range of the surrogate"}
+    attrs |= {"design_runs": design.runs, "bounds_kind": "enclosed range of the polynomial"}
     return bounds_to_dataset(data, _union(ranges), centre, error, tested, attrs)
 
 

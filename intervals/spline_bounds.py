@@ -20,6 +20,29 @@ if TYPE_CHECKING:
 MAX_RUNS = 4000  # the spline's matrix is full
 
 
+def check_spline_runs(points: np.ndarray) -> None:
+    """Raise `IntervalError` unless runs at unit points (N, k) give a spline's bounds and error.
+
+    There must be at most `MAX_RUNS`, and there must be a spline through all of them but any one,
+    which takes runs that are not in one plane. One run will do for a box without width.
+    """
+    points = np.asarray(points, dtype=float)
+    if len(points) > MAX_RUNS:
+        raise IntervalError("runs", len(points), f"at most {MAX_RUNS} runs for a spline")
+    points = np.unique(np.round(points, 9) + 0.0, axis=0)
+    if len(points) == 1:
+        return
+    free = np.ptp(points, axis=0) > 0
+    linear = np.concatenate([np.ones((len(points), 1)), points[:, free]], axis=1)
+    u, singular, _ = np.linalg.svd(linear, full_matrices=False)
+    least = linear.shape[1] + 1
+    # a run of leverage 1 is the only one outside a plane that holds all the others
+    leverage = (u**2).sum(axis=1)
+    if len(points) < least or singular[-1] < 1e-9 * singular[0] or leverage.max() > 1 - 1e-9:
+        allowed = f"at least {least} runs for a spline, and no plane that holds all but one"
+        raise IntervalError("runs", len(points), allowed)
+
+
 def spline_bounds_dataset(
     samples: xr.Dataset,
     design: Design | SplitDesign | None = None,
@@ -35,8 +58,7 @@ def spline_bounds_dataset(
     extrapolate), widened in time like that of the polynomials (`errors.widen`).
     """
     data = read_samples(samples, responses)
-    if len(data.unit) > MAX_RUNS:
-        raise IntervalError("runs", len(data.unit), f"at most {MAX_RUNS} for a spline")
+    check_spline_runs(data.unit)
     spline = fit_spline(data.unit, data.values)
     found = spline_range(spline)
     judged = (np.abs(spline.points) < 1).all(axis=1)

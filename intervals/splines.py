@@ -19,7 +19,7 @@ from .ranges import Range
 from .scans import corner_points, scan_points
 
 _CANDIDATES = 4096
-_CHUNK = 1 << 23
+_CHUNK = 1 << 20  # numbers at a time: memory that is used again is faster than fresh memory
 _TRIED = 400  # runs that choose the scales
 
 

@@ -66,6 +66,10 @@ REFUSED = [
     ("solver.step", -1e-5, ["solver.step", "-1e-05"]),
     ("solver.step", 1.0, ["solver.step", "longer than the duration"]),
     ("solver.safety", 1.1, ["solver.safety", "1.1"]),
+    ("bounds.model", "cubic", ["bounds.model", "'cubic'", "`polynomial`, `spline`"]),
+    ("bounds.enclose", "yes", ["bounds.enclose", "'yes'", "`true` or `false`"]),
+    ("bounds.enclose", True, ["bounds.enclose: true", "align none", "align stretch or shift"]),
+    ("bounds", {"model": "spline", "align": "shift"}, ["bounds.model: 'spline'", "align shift"]),
     ("held_out", -1, ["held_out", "-1"]),
     ("held_out", True, ["held_out", "true"]),
     ("jobs.keep", "all", ["jobs.keep", "'all'", "trajectories"]),
@@ -110,6 +114,48 @@ def test_too_many_runs_are_refused_before_they_are_made(raw):
         change(raw, f"intervals.{name}", {"relative": 0.01})
     with pytest.raises(ConfigError, match=r"design\.order: 64 .*runs"):
         check_config(change(raw, "design.order", 64))
+
+
+THREE = {name: {"relative": 0.01} for name in ("a", "E", "K_C")}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"design": {"order": "auto"}}, ["order auto", "a whole number as order"]),
+        (
+            {"intervals": THREE, "design": {"method": "scan", "samples": 3}},
+            ["with 4 runs", "polynomial, or at least 5 runs"],
+        ),
+        (
+            {"design": {"method": "scan", "samples": 4000}},
+            ["with 4001 runs", "polynomial, or at most 4000 runs"],
+        ),
+    ],
+)
+def test_a_spline_that_cannot_be_is_refused(raw, change, words):
+    raw |= {**change, "bounds": {"model": "spline"}}
+    with pytest.raises(ConfigError) as error:
+        check_config(raw)
+    assert len(error.value.problems) == 1, error.value.problems
+    for word in ["bounds.model: 'spline' is not allowed", *words]:
+        assert word in error.value.problems[0]
+    assert check_config({**raw, "bounds": {}})["bounds"]["model"] == "polynomial"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        {"intervals": THREE, "design": {"method": "scan", "samples": 8}},
+        {"design": {"method": "scan", "samples": 3999}},
+        {"intervals": {"a": {"absolute": 0}}},
+        {"intervals": {"a": {"lower": 0.03, "upper": 0.04, "nominal": 0.031}}, "held_out": 0},
+    ],
+)
+def test_a_spline_takes_any_design_and_scans(raw, change):
+    config = check_config({**raw, **change, "bounds": {"model": "spline"}})
+    assert config["bounds"] == {"model": "spline", "align": "none", "enclose": False}
 
 
 def test_defaults_come_from_the_schema(raw):

@@ -9,7 +9,9 @@ import pytest
 import xarray as xr
 from numpy.polynomial import chebyshev
 
-from campaign.figures import draw_envelopes
+from campaign.analyse import analyse
+from campaign.figures import draw_envelopes, envelope
+from campaign.files import open_netcdf
 from campaign.linkage import draw_nominal, moments
 from campaign.scene_checks import TAKEN
 from campaign.summary import as_text, summarise
@@ -71,8 +73,70 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
     assert summary["responses"][1]["published"] is None
     assert summary["design"]["runs"] == 5
     assert text == (tmp_path / "s.md").read_text() == as_text(summary)
-    for words in ("0.063 m", "m/s", "Error estimate", "tensor_roots of order 2"):
+    for words in (
+        "0.063 m",
+        "m/s",
+        "Error estimate",
+        "tensor_roots of order 2",
+        "Bounds: enclosed range of the polynomial.",
+    ):
         assert words in text
+
+
+def analysed(finished, folder, **bounds) -> dict:
+    """Paths of the finished campaign's samples and of what other bounds of them leave."""
+    paths = {"samples": finished["samples"], "plan": finished["plan"]}
+    paths |= {name: folder / f"{name}.nc" for name in ("surrogate", "bounds", "sensitivities")}
+    how = {"model": "polynomial", "align": "none", "enclose": False, **bounds}
+    analyse(paths["samples"], {"bounds": how}, *(paths[n] for n in list(paths)[2:]))
+    return paths
+
+
+def test_a_spline_bounds_all_runs_and_says_that_it_encloses_nothing(finished, tmp_path):
+    paths = analysed(finished, tmp_path, model="spline")
+    with (
+        xr.open_dataset(paths["samples"]) as samples,
+        xr.open_dataset(paths["bounds"]) as bounds,
+        xr.open_dataset(finished["bounds"]) as polynomial,
+        xr.open_dataset(paths["surrogate"]) as surrogate,
+    ):
+        for name in ("BD", "vBz"):
+            lower, upper = bounds[f"{name}_lower"], bounds[f"{name}_upper"]
+            # held-out runs too; rounding aside
+            slack = 1e-12 * float(abs(samples[name]).max())
+            assert (lower <= samples[name].min("run") + slack).all()
+            assert (upper >= samples[name].max("run") - slack).all()
+            assert float(abs(upper - polynomial[f"{name}_upper"]).max()) > 0
+            np.testing.assert_array_equal(bounds[f"{name}_inner_upper"], upper)
+            assert f"{name}_coefficient" in surrogate
+    text = summarise(
+        paths["bounds"], paths["samples"], paths["plan"], {"published": {}},
+        tmp_path / "s.json", tmp_path / "s.md",
+    )  # fmt: skip
+    told = "attained range of a spline through all runs, not enclosed"
+    assert f"Bounds: {told}." in text
+    assert json.loads((tmp_path / "s.json").read_text())["bounds"] == told
+    for name, words in ((finished["bounds"], "enclosed range of the polynomial"),
+                        (paths["bounds"], told)):  # fmt: skip
+        with open_netcdf(name) as bounds:
+            (legend,) = envelope(bounds, "BD", 0.1).legends
+            assert legend.get_title().get_text() == f"bounds: {words}"
+
+
+def test_aligned_models_are_enclosed_on_demand(finished, tmp_path):
+    kinds, gaps = [], []
+    for enclose in (False, True):
+        folder = tmp_path / str(enclose)
+        folder.mkdir()
+        with xr.open_dataset(
+            analysed(finished, folder, align="shift", enclose=enclose)["bounds"]
+        ) as b:
+            kinds.append(b.attrs["bounds_kind"].split()[0])
+            outer, inner = b["vBz_upper"], b["vBz_inner_upper"]
+            gaps.append(float((outer - inner).max()))
+            assert (outer >= inner).all()
+    assert kinds == ["attained", "enclosed"]
+    assert gaps[0] == 0 < gaps[1]
 
 
 def test_figures_are_drawn_as_png_and_pdf_and_are_the_same_again(finished, tmp_path):

@@ -10,6 +10,7 @@ from intervals import (
     Box,
     IntervalError,
     bounds_dataset,
+    check_spline_runs,
     compare_bounds,
     fit_spline,
     hausdorff,
@@ -116,6 +117,30 @@ def test_runs_that_repeat_or_share_a_value():
     assert (one.lower[0], one.upper[0]) == (3.0, 3.0)
     with pytest.raises(IntervalError, match="plane"):
         fit_spline(np.array([[0.0, 0.0], [0.5, 0.5], [1.0, 1.0]]), np.zeros((3, 1)))
+
+
+@pytest.mark.parametrize(
+    ("points", "allowed"),
+    [
+        ([[-1.0], [1.0]], "at least 3 runs"),
+        ([[-1.0], [1.0], [1.0]], "at least 3 runs"),
+        ([[0, 0], [1, 0], [0, 1]], "at least 4 runs"),
+        # without the last run, the others lie on one line
+        ([[0, 0], [0.5, 0], [1, 0], [-1, 0], [0, 1]], "no plane that holds all but one"),
+        (np.linspace(-1, 1, 4001)[:, None], "at most 4000 runs"),
+    ],
+)
+def test_runs_that_give_no_bounds_are_told(points, allowed):
+    with pytest.raises(IntervalError, match=allowed):
+        check_spline_runs(np.array(points, dtype=float))
+
+
+def test_the_fewest_runs_give_bounds_with_an_error():
+    for points in ([[-1.0], [0.0], [1.0]], [[0, 0], [1, 0], [0, 1], [1, 1]], [[0.0, 0.0]]):
+        points = np.array(points, dtype=float)
+        check_spline_runs(points)
+        spline = fit_spline(points, np.exp(points.sum(axis=1, keepdims=True)))
+        assert np.isfinite(spline.left_out).all()
 
 
 def test_a_vibration_out_of_step_is_better_than_with_the_polynomial():

@@ -91,6 +91,7 @@ def test_the_same_campaign_gives_the_same_numbers(small, workplace):
         ("figures={moments: 4}", {"linkage"}),
         ("published={BD: 0.1}", {"summary"}),
         ("bounds={align: stretch}", ALL_RULES - {"nodes", "simulate", "gather", "linkage"}),
+        ("bounds={model: spline}", ALL_RULES - {"nodes", "simulate", "gather", "linkage"}),
         (
             "intervals={a: {nominal: 0.035, relative: 0.02}}",
             ALL_RULES,
@@ -218,6 +219,34 @@ def test_a_scan_keeps_responses_only(workplace):
         assert samples.sizes["run"] == 21
         np.testing.assert_array_equal(bounds["BD_lower"].values, samples["BD"].min("run").values)
         np.testing.assert_array_equal(bounds["BD_upper"].values, samples["BD"].max("run").values)
+
+
+def test_a_spline_goes_through_the_runs_of_a_scan(workplace):
+    path = workplace.config(
+        "scan", (workplace.folder / "config" / "scan.yaml").read_text().replace("10000", "4")
+    )
+    override = [
+        "--config",
+        "scene={parameters: {elements_per_link: 2}}",
+        "solver={duration: 0.01, instants: 21}",
+        "bounds={model: spline}",
+    ]
+    done = workplace.snakemake("--configfile", path, *override)
+    assert done.returncode == 0, done.stdout
+    results = workplace.folder / "results" / "scan"
+    assert (
+        "attained range of a spline through all runs, not enclosed"
+        in (results / "summary.md").read_text()
+    )
+    with (
+        xr.open_dataset(results / "samples.nc") as samples,
+        xr.open_dataset(results / "bounds.nc") as bounds,
+    ):
+        assert bounds.attrs["design_runs"] == samples.sizes["run"] == 5
+        least, most = samples["vBz"].min("run").values, samples["vBz"].max("run").values
+        slack = 1e-6 * np.abs(least).max()  # the samples have single precision
+        assert (bounds["vBz_lower"].values <= least + slack).all()
+        assert (bounds["vBz_upper"].values >= most - slack).all()
 
 
 def test_a_failing_batch_ends_with_a_message_and_keeps_the_others(workplace):

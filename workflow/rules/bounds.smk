@@ -1,4 +1,4 @@
-# From samples to a surrogate, to bounds, and to what each parameter contributes.
+# From samples to a surrogate, to bounds (which may be a spline's), and to what each parameter contributes.
 
 
 rule bounds:

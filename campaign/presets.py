@@ -1,4 +1,4 @@
-"""Presets of a config: mesh, step, design and held-out runs that belong together.
+"""Presets of a config: mesh, step, design, held-out runs and model that belong together.
 
 They come from the study `snakemake -c2 tradeoff`, which measures what each costs and how wrong it
 is (docs/tradeoff.md). A preset fills in what the config itself does not say.
@@ -18,6 +18,9 @@ PRESETS: dict[str, dict[str, Any]] = {
     "reference": {"elements": 32, "safety": 0.9, "order": 8, "held_out": 7},
 }
 
+# A design that polynomials can be taken from too; at the same runs a spline is less wrong.
+METHOD, MODEL = "smolyak", "spline"
+
 # What the scenes call their number of elements.
 _MESH = ("elements_per_link", "elements")
 
@@ -25,16 +28,21 @@ _MESH = ("elements_per_link", "elements")
 def with_preset(raw: Mapping) -> dict:
     """A copy of `raw` with what its `preset`, if it names one, says of absent keys.
 
-    A config's own `design` counts as a whole: orders of one method mean nothing to another.
+    A config's own `design` counts as a whole: orders of one method mean nothing to another. The
+    model belongs to the preset's design; it is left alone beside an alignment, which needs
+    polynomials, and where there are more runs than a spline can take.
     """
     config = copy.deepcopy(dict(raw))
     if "preset" not in config:
         return config
     preset = PRESETS[config["preset"]]
-    design = {"method": "smolyak", "order": preset["order"]}
-    config.setdefault("design", design)
+    own = "design" in config
+    config.setdefault("design", {"method": METHOD, "order": preset["order"]})
     if config["design"].get("method") != "scan":
         config.setdefault("held_out", preset["held_out"])
+    bounds = config.setdefault("bounds", {})
+    if not own and bounds.get("align", "none") == "none" and _spline_takes(config):
+        bounds.setdefault("model", MODEL)
     solver = config.setdefault("solver", {})
     if "step" not in solver:
         solver.setdefault("safety", preset["safety"])
@@ -43,6 +51,17 @@ def with_preset(raw: Mapping) -> dict:
         parameters = config["scene"].setdefault("parameters", {})
         parameters.setdefault(mesh, preset["elements"])
     return config
+
+
+def _spline_takes(config: Mapping) -> bool:
+    """Whether a spline can take the runs of the preset's design, held-out and nominal ones too."""
+    from intervals import MAX_RUNS, IntervalError, make_design
+
+    try:
+        nodes = make_design(METHOD, len(config["intervals"]), config["design"]["order"]).runs
+    except IntervalError:
+        return False
+    return nodes + config["held_out"] + 1 <= MAX_RUNS
 
 
 def _mesh_of(scene: str) -> str | None:

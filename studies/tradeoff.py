@@ -14,6 +14,7 @@ import json
 import math
 import sys
 import time
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -32,8 +33,9 @@ from studies.tradeoff_bounds import (
     runs_in_band,
     take_bounds,
 )
-from studies.tradeoff_cases import CASES, Case, Level, find
+from studies.tradeoff_cases import CASES, Case, Choice, Level, find
 from studies.tradeoff_points import design_of, held_out_of, points_of
+from studies.tradeoff_presets import preset_choices
 from studies.tradeoff_reference import missing, seek_runs
 from studies.tradeoff_runs import LANES, Runs, simulate
 
@@ -43,16 +45,17 @@ def measure_case(case: Case, tell=print) -> dict:
     levels = []
     for level in case.levels:
         tell(f"{case.name}: {level.label}, {level.scan} runs of the scan and the designs")
-        points = points_of(case, level.choices, level.scan)
+        points = points_of(case, (*level.choices, *preset_choices(level)), level.scan)
         runs = simulate(case, level.elements, level.safety, points)
         runs, rounds = seek_runs(level, runs)
         levels.append((level, runs))
     finest_level, finest = levels[-1]
     reference, phases = hull(finest), phases_of(finest)
-    records = []
+    records, presets = [], []
     for level, runs in levels:
         tell(f"{case.name}: {level.label}, bounds of {len(level.choices)} choices")
-        records += _measure_level(case, level, runs, reference, phases)
+        records += _measure_level(case, level, level.choices, runs, reference, phases)
+        presets += _measure_level(case, level, preset_choices(level), runs, reference, phases)
     return {
         "case": case.name,
         "title": case.title,
@@ -68,17 +71,23 @@ def measure_case(case: Case, tell=print) -> dict:
             "missing": missing(case, finest_level, rounds, phases),
         },
         "records": records,
+        "presets": presets,
         "trajectories": _measure_trajectories(case, phases, tell),
         "lanes": _measure_lanes(case, case.levels[0]),
     }
 
 
 def _measure_level(
-    case: Case, level: Level, runs: Runs, reference: Band, phases: dict[str, np.ndarray]
+    case: Case,
+    level: Level,
+    choices: Sequence[Choice],
+    runs: Runs,
+    reference: Band,
+    phases: dict[str, np.ndarray],
 ) -> list[dict]:
     own = hull(runs) if level.scan else None
     records = []
-    for choice in level.choices:
+    for choice in choices:
         band = take_bounds(case, choice, runs)
         design = design_of(case, choice)
         tested = held_out_of(case, choice, design)
@@ -95,6 +104,7 @@ def _measure_level(
             "align": choice.align,
             "impacts": choice.impacts,
             "model": choice.model,
+            "preset": choice.preset,
             "runs": used,
             "held_out": design.runs + len(tested) - used,
             "cpu": runs.cost(used) + band.cpu,

@@ -19,7 +19,8 @@ class Choice:
 
     `order` is None for a scan, which has `samples` runs; `align` is "none", "stretch" or
     "shift", the last two for the first impact only or for all (`impacts` None). `model` is
-    "polynomial" (none for a plain scan) or "spline".
+    "polynomial" (none for a plain scan) or "spline". `preset` names the preset that takes them so,
+    with held-out runs of its own.
     """
 
     method: str
@@ -28,10 +29,13 @@ class Choice:
     impacts: int | None = None
     samples: int | None = None
     model: str = "polynomial"
+    preset: str | None = None
 
     @property
     def label(self) -> str:
         """Short name for tables and plots."""
+        if self.preset is not None:
+            return f"{self.preset}, {self.model}"
         text = f"{self.method} {self.samples if self.order is None else self.order}"
         if self.model != "polynomial":
             return f"{text}, {self.model}"

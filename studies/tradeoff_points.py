@@ -4,6 +4,7 @@ import numpy as np
 
 import fpm
 import intervals
+from campaign.presets import PRESETS
 from studies.tradeoff_cases import Case, Choice
 
 
@@ -24,6 +25,8 @@ def design_of(case: Case, choice: Choice) -> intervals.Design:
 def held_out_of(case: Case, choice: Choice, design: intervals.Design) -> np.ndarray:
     """Points (H, k) of the runs that test the surrogate; none for a plain scan."""
     count = 0 if choice.order is None else case.held_out
+    if choice.preset is not None:
+        count = PRESETS[choice.preset]["held_out"]
     return intervals.held_out_points(box_of(case).free, count, design.points)
 
 

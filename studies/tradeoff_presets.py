@@ -1,27 +1,27 @@
-"""The presets of a config among the study's records: what each costs and how wrong it is."""
+"""The presets of a config in the study: their designs, and what each costs and how wrong it is."""
 
-from campaign.presets import PRESETS
+import math
 
-__all__ = ["PRESETS", "cost_of", "record_of"]
+from campaign.presets import METHOD, PRESETS
+from studies.tradeoff_cases import Choice, Level
+
+MODELS = ("polynomial", "spline")
 
 
-def record_of(name: str, case: dict) -> dict | None:
-    """The record of the study that has the preset's mesh, step and design; None where none has.
+def preset_choices(level: Level) -> tuple[Choice, ...]:
+    """What the presets that have the level's mesh and step do, and the same with the other model.
 
-    On a line Smolyak's points are the Lobatto points of the same order.
+    The nominal run, at the centre of the box, is a point of all their designs.
     """
-    preset = PRESETS[name]
-    methods = ("smolyak", "tensor_lobatto") if case["dimension"] == 1 else ("smolyak",)
-    for record in case["records"]:
-        same = all(record[key] == preset[key] for key in ("elements", "safety", "order"))
-        plain = (record["align"], record["model"]) == ("none", "polynomial")
-        if same and plain and record["method"] in methods:
-            return record
-    return None
+    return tuple(
+        Choice(METHOD, preset["order"], model=model, preset=name)
+        for name, preset in PRESETS.items()
+        if (preset["elements"], preset["safety"]) == (level.elements, level.safety)
+        for model in MODELS
+    )
 
 
-def cost_of(name: str, record: dict) -> tuple[int, float]:
+def cost_of(record: dict) -> tuple[int, float]:
     """Runs with the held-out ones, and their cpu time (s) in whole batches, bounds included."""
-    runs = record["runs"] + PRESETS[name]["held_out"]
-    batches = -(-runs // record["lanes"])
-    return runs, batches * record["cpu_batch"] + record["cpu_bounds"]
+    runs = record["runs"] + record["held_out"]
+    return runs, math.ceil(runs / record["lanes"]) * record["cpu_batch"] + record["cpu_bounds"]

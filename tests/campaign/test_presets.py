@@ -27,6 +27,7 @@ def test_a_preset_fills_in_what_is_absent(bare, name):
     assert config["held_out"] == preset["held_out"]
     assert config["solver"]["safety"] == preset["safety"]
     assert config["solver"]["duration"] == 0.004
+    assert config["bounds"]["model"] == "spline"
 
 
 def test_presets_cost_more_and_more(bare):
@@ -41,6 +42,25 @@ def test_what_the_config_says_wins(raw):
     assert with_preset["scene"]["parameters"]["elements_per_link"] == 2
     assert with_preset["design"] == check_config(raw)["design"]
     assert with_preset["held_out"] == 2
+
+
+@pytest.mark.parametrize(
+    "bounds", [{"model": "polynomial"}, {"align": "shift"}, {"align": "stretch", "enclose": True}]
+)
+def test_a_presets_spline_makes_way(bare, bounds):
+    config = check_config({**bare, "preset": "draft", "bounds": bounds})
+    assert config["bounds"]["model"] == "polynomial"
+
+
+def test_a_preset_takes_no_spline_with_another_design_or_too_many_runs(bare):
+    own = check_config({**bare, "preset": "draft", "design": {"method": "scan", "samples": 50}})
+    assert own["bounds"]["model"] == "polynomial"
+    names = ("L", "a", "E", "rho", "K_C", "K_F")
+    models = {}
+    for count in (5, 6):
+        bare["intervals"] = {name: {"relative": 0.001} for name in names[:count]}
+        models[count] = check_config({**bare, "preset": "reference"})["bounds"]["model"]
+    assert models == {5: "spline", 6: "polynomial"}  # 3,281 and 9,017 runs
 
 
 def test_another_scene_gets_its_own_mesh(bare):

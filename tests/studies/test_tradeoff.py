@@ -8,10 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from campaign.config import check_config
+from campaign.nodes import make_plan
+from campaign.presets import MODEL
 from studies import tradeoff, tradeoff_peers, tradeoff_reference, tradeoff_report, tradeoff_rows
 from studies.tradeoff_bounds import Band, distance, hull, judge_estimate, phases_of
 from studies.tradeoff_cases import CASES, Case, Choice, Level
 from studies.tradeoff_points import design_of, held_out_of, points_of
+from studies.tradeoff_presets import cost_of, preset_choices
 from studies.tradeoff_runs import simulate
 
 CHOICES = (
@@ -191,3 +195,33 @@ def test_a_peer_that_fails_says_so(monkeypatch):
     monkeypatch.setenv("PYTHONPATH", "")
     found = tradeoff_peers.run_peer("chaospy", {"points": np.zeros((2, 1))})
     assert "failed" in found["skipped"]
+
+
+def test_presets_are_measured_as_a_campaign_takes_them():
+    level = Level(8, 0.9, 24, CHOICES[:1])
+    case = replace(SMALL, levels=(level,), trajectories=())
+    choices = preset_choices(level)
+    assert [(c.preset, c.model) for c in choices] == [("draft", "polynomial"), ("draft", "spline")]
+    config = check_config(
+        {
+            "campaign": "x",
+            "preset": "draft",
+            "scene": {"name": "pendulum"},
+            "intervals": {"L": {"relative": 0.1}},
+            "responses": case.responses,
+        }
+    )
+    assert config["bounds"]["model"] == MODEL
+    assert config["scene"]["parameters"]["elements"] == level.elements
+    planned = {tuple(np.round(run["unit"], 12) + 0.0) for run in make_plan(config)["runs"]}
+    for choice in choices:
+        design = design_of(case, choice)
+        points = np.concatenate([design.points, held_out_of(case, choice, design)])
+        np.testing.assert_allclose(sorted(map(tuple, points)), sorted(planned), atol=1e-12)
+    found = tradeoff.measure_case(case, lambda text: None)
+    assert [r["choice"] for r in found["records"]] == ["tensor_lobatto 2"]
+    assert [(r["runs"], r["held_out"]) for r in found["presets"]] == [(3, 4), (7, 0)]
+    assert all(cost_of(r)[0] == 7 and cost_of(r)[1] > r["cpu_batch"] for r in found["presets"])
+    rows = [r for r in tradeoff_rows.all_rows({"small": found}, None) if "preset draft" in r.name]
+    errors = [r["total"][0]["all"]["hausdorff_integrated"] for r in found["presets"]]
+    assert [row.value for row in rows] == [errors[1], errors[1] / errors[0]]

@@ -84,7 +84,16 @@ TRADEOFF = ["three", "one", "spring", "smooth"]
 
 rule tradeoff:
     input:
-        collect("results/tradeoff/cases/{case}.json", case=[*TRADEOFF, "peers"]),
+        cases=collect("results/tradeoff/cases/{case}.json", case=[*TRADEOFF, "peers"]),
+        code=[
+            str(Path(workflow.basedir, "studies", f"{name}.py"))
+            for name in [
+                "rows",
+                "tradeoff_presets",
+                "tradeoff_report",
+                "tradeoff_rows",
+            ]
+        ],
     output:
         "results/tradeoff/summary.json",
         "results/tradeoff/table.md",
@@ -96,7 +105,7 @@ rule tradeoff:
     message:
         "Putting error against cost"
     shell:
-        "python -m studies.tradeoff report {input} --output results/tradeoff > {log} 2>&1"
+        "python -m studies.tradeoff report {input.cases} --output results/tradeoff > {log} 2>&1"
 
 
 rule tradeoff_case:
@@ -108,8 +117,17 @@ rule tradeoff_case:
         ),
         [
             str(Path(workflow.basedir, "studies", f"tradeoff{part}.py"))
-            for part in ["", "_bounds", "_cases", "_points", "_runs"]
+            for part in [
+                "",
+                "_bounds",
+                "_cases",
+                "_points",
+                "_presets",
+                "_reference",
+                "_runs",
+            ]
         ],
+        str(Path(workflow.basedir, "campaign", "presets.py")),
     output:
         "results/tradeoff/cases/{case}.json",
     log:

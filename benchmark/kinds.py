@@ -5,7 +5,7 @@ from benchmark.kernel import LANES, stable
 from benchmark.rows import Row, told
 from benchmark.scenes import bars, beam_count, linkages, runner
 
-GROUP = "Model only what a scene requires: four bars of 8 elements, 8 samples"
+GROUP = "Model only what a scene requires: four bars of 12 elements, 8 samples"
 
 CASES = {
     "beams alone": (),

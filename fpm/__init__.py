@@ -15,7 +15,7 @@ from fpm.simulate import Outcome, divide_time, simulate
 from fpm.timestep import StableStep, stable_step
 from fpm.warming import warm_up
 
-DATA_VERSION = "2"
+DATA_VERSION = "3"
 """Changes whenever the same scene gives other numbers; part of a run's identity."""
 
 __all__ = [

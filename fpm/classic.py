@@ -71,6 +71,12 @@ def read(path: str | os.PathLike) -> tuple[dict[str, Any], dict[str, Variable]]:
 def _column(name: str, dims: tuple[str, ...], values: np.ndarray, attributes: Mapping) -> Variable:
     """The variable as the file keeps it."""
     values = np.asarray(values)
+    if values.dtype.kind == "O":  # text, as xarray reads it
+        values = values.astype(str)
+    if values.dtype.kind in "iu" and values.dtype.itemsize == 8:
+        if np.any(values != values.astype(np.int32)):
+            raise ValueError(f"{name} has integers of more than 32 bits, which the format lacks")
+        values = values.astype(np.int32)
     if values.dtype.kind != "U":
         return Variable(tuple(dims), values, attributes)
     encoded = np.char.encode(values, "utf-8")
@@ -85,7 +91,8 @@ def _set_attributes(holder, attributes: Mapping[str, Any]) -> None:
             # Plain numbers would be kept in single precision; the format has no long integers.
             whole = isinstance(value, (int, np.integer)) and -(2**31) <= value < 2**31
             value = np.int32(value) if whole else np.float64(value)
-        setattr(holder, name, value.encode() if isinstance(value, str) else value)
+        # Not by setattr: a name like "mode" would be taken for the file's own.
+        holder._attributes[name] = value.encode() if isinstance(value, str) else value
 
 
 def _attributes(holder) -> dict[str, Any]:

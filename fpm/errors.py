@@ -24,7 +24,7 @@ class InstabilityError(RuntimeError):
     most strain energy, or the first non-finite one), `step` (s) used, `limit` (s) the stable step
     of the scene at its start, `balance` (J) the energy that came from nowhere, `scale` (J), `bend`
     the largest sine between an element's chord and its ends, `strain` the largest at the surface of
-    an element, `gap` (m) the largest of a hinge: None unless it is the cause.
+    an element, `gap` the largest of a hinge (m) and of its axes (rad): None unless it is the cause.
     """
 
     def __init__(
@@ -46,8 +46,8 @@ class InstabilityError(RuntimeError):
         if step > limit:
             remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
         elif gap is not None and isfinite(balance):
-            found = f"a hinge gapes by {gap:.2g} m, since its particles turn too far in a step"
-            remedy = "halve solver.step"
+            found = f"a hinge gapes by {gap[0]:.2g} m and {gap[1]:.2g} rad"
+            remedy = "halve solver.step: the particles of the hinge turn too far in a step"
         elif bend is not None:
             found = f"an element is bent or twisted by {bend:.2g} rad, too much for linear theory"
             remedy = "refine the mesh: the bend and twist of an element fall with its length"

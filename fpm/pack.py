@@ -231,6 +231,7 @@ def blank_record(model: Model, instants: int, samples: int) -> Record:
         failed_element=np.zeros(width, np.int64),
         failed_balance=np.zeros(width, dtype),
         failed_cause=np.zeros(width, np.int64),
-        largest=blank(1, 3, width, dtype),
+        largest=blank(1, 4, width, dtype),
+        failed_largest=np.zeros((4, width), dtype),
         scale=REST_STRAIN**2 * np.sum(model.beams[:, at.AXIAL] * model.beams[:, at.LENGTH] ** 2, 0),
     )

@@ -158,12 +158,18 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
         points[name] = (track[:, :3], track[:, 3:])
     hinges = record.hinges[:instants, :, lane]
     failure = None
-    bend, strain, gap = map(float, record.largest[0, :, lane])
+    failed = record.failed_step[lane] >= 0
+    largest = record.failed_largest if failed else record.largest[0]
+    bend, strain, gap, tilt = map(float, largest[:, lane])
     bend = math.sqrt(bend)
-    if record.failed_step[lane] >= 0:
+    if failed:
         limit = limit or stable_step(scene)
         balance = float(record.failed_balance[lane])
-        element = scene.elements[record.failed_element[lane]] if scene.elements else "none"
+        gaping = record.failed_cause[lane] == GAPING
+        if gaping:
+            element = f"hinge {scene.hinges[record.failed_element[lane]].name}"
+        else:
+            element = scene.elements[record.failed_element[lane]] if scene.elements else "none"
         if step > limit.step and not math.isfinite(balance):
             element = limit.element  # all elements broke down since the last check; this began it
         failure = InstabilityError(
@@ -175,7 +181,7 @@ def _outcome(scene, lane, state, kept, record, interval, step, steps, limit) -> 
             scale=float(record.scale[lane]),
             bend=bend if record.failed_cause[lane] == TOO_COARSE else None,
             strain=strain if record.failed_cause[lane] == TOO_STRAINED else None,
-            gap=gap if record.failed_cause[lane] == GAPING else None,
+            gap=(gap, tilt) if gaping else None,
         )
     noted = int(record.event_count[lane])
     energies = {name: record.energies[:instants, k, lane] for k, name in enumerate(ENERGIES)}

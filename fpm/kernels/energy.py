@@ -30,7 +30,7 @@ def kinetic_energy(state, kept, particles):
 
 @kernel
 def strain_energy(state, nodes, beams, axes, chord, largest):
-    """Sum over the beam elements (J); raises largest (1, 3, lanes), fields as in layout.py.
+    """Sum over the beam elements (J); raises largest (1, 4, lanes), fields as in layout.py.
 
     chord (m, CHORD, lanes): as the forces at this instant left it.
     """

@@ -34,9 +34,24 @@ from fpm.kernels.hinge_matrix import (
     prepare_matrices,
     prepare_supports,
 )
-from fpm.kernels.lanes import any_negative, load, store, where_negative
-from fpm.kernels.layout import ARM, AXIS, D2, D3, HELD, HIJ, PLACE, REF, P, V, X
+from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
+from fpm.kernels.layout import (
+    ARM,
+    AXIS,
+    D2,
+    D3,
+    HELD,
+    HIJ,
+    LARGEST_GAP,
+    LARGEST_TILT,
+    PLACE,
+    REF,
+    P,
+    V,
+    X,
+)
 from fpm.kernels.rotation import frame, half_turn, put_turned
+from fpm.kernels.strain import larger
 from fpm.kernels.vectors import (
     add,
     axpy,
@@ -81,14 +96,33 @@ def aim(state, ends, bodies, hinges, held, supported, b, w, open_):
         put3(w, h, OFF + 5, add(point, get3(w, h, MISSED + 5)))
     find_impulses(hinges, held, supported, bodies, b, w, open_, -1.0)
     for h in range(w.shape[0]):
-        push(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, 1.0)
+        push(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b)
 
 
 @kernel
-def push(state, i, r, b, share):
-    """Add `share` (lanes or number) of DV, DP to the momenta of particle i, body r (or pairs)."""
-    put3(state, i, V, axpy(share, get3(b, r, DV), get3(state, i, V)))
-    put3(state, i, P, axpy(share, get3(b, r, DP), get3(state, i, P)))
+def push(state, i, r, b):
+    """Add DV and DP to the momenta of particles i, bodies r (pairs)."""
+    put3(state, i, V, add(get3(state, i, V), get3(b, r, DV)))
+    put3(state, i, P, add(get3(state, i, P), get3(b, r, DP)))
+
+
+@kernel
+def push_where_far(state, i, r, b, far):
+    """The same in the lanes where `far` is negative; the others are not touched."""
+    for k, change in ((V, DV), (P, DP)):
+        for m in range(3):
+            before = load(state, i, k + m)
+            after = where_negative(far, before + load(b, r, change + m), before)
+            store(state, i, k + m, after)
+
+
+@kernel
+def note_open(w, h, largest):
+    """Raise largest by what is in OFF of hinge h."""
+    gap, ep, eq = get3(w, h, OFF), load(w, h, OFF + 3), load(w, h, OFF + 4)
+    gap, tilt = sqrt(dot(gap, gap)), sqrt(ep * ep + eq * eq)
+    store(largest, 0, LARGEST_GAP, larger(load(largest, 0, LARGEST_GAP), gap))
+    store(largest, 0, LARGEST_TILT, larger(load(largest, 0, LARGEST_TILT), tilt))
 
 
 @kernel
@@ -153,8 +187,11 @@ def nudge(state, i, r, b, step):
 
 
 @kernel
-def close(state, ends, bodies, hinges, held, supported, b, w, open_, step):
-    """Move the particles of all hinges by a step, and close the hinges at its end."""
+def close(state, ends, bodies, hinges, held, supported, b, w, open_, largest, step):
+    """Move the particles of all hinges by a step, and close the hinges at its end.
+
+    Raises largest (1, 4, lanes), fields as in layout.py, by what the last round leaves open.
+    """
     open_[:] = True
     rate = 1.0 / step
     for n in range(ROUNDS):
@@ -181,12 +218,14 @@ def close(state, ends, bodies, hinges, held, supported, b, w, open_, step):
         for h in range(w.shape[0]):
             if open_[h]:
                 far = distance(w, h)
-                open_[h] = n + 1 < ROUNDS and any_negative(far)
+                open_[h] = any_negative(far)
+                if open_[h] and n + 1 == ROUNDS:
+                    open_[h] = False
+                    note_open(w, h, largest)
                 if open_[h]:
                     left = True
-                    share = where_negative(far, 1.0, 0.0 * far)
                     for r in (2 * h, 2 * h + 1):
-                        push(state, ends[r], r, b, share)
+                        push_where_far(state, ends[r], r, b, far)
         if not left:
             break
     for h in range(w.shape[0]):

@@ -45,8 +45,8 @@ HINGE = 6
 BODY_SCRATCH, HINGE_SCRATCH = 30, 72  # working fields, named in hinge_matrix.py
 
 # Largest values so far: square of the sine of an element's bend, strain at an element's surface,
-# gap of a hinge (m).
-LARGEST_BEND, LARGEST_STRAIN, LARGEST_GAP = range(3)
+# gap of a hinge's point (m) and of its axes (rad).
+LARGEST_BEND, LARGEST_STRAIN, LARGEST_GAP, LARGEST_TILT = range(4)
 
 # Energies.
 KINETIC, STRAIN, SPRING, CONTACT, LOAD_WORK, DAMPING_WORK, BALANCE = range(7)

@@ -63,4 +63,5 @@ class Record(NamedTuple):
     failed_balance: np.ndarray  # (lanes,) J
     scale: np.ndarray  # (lanes,) largest energy so far
     failed_cause: np.ndarray  # (lanes,) see record.py
-    largest: np.ndarray  # (1, 3, lanes) largest bend, strain and gap so far (layout.py)
+    largest: np.ndarray  # (1, 4, lanes) largest bend, strain and gaps so far (layout.py)
+    failed_largest: np.ndarray  # (4, lanes) the same when the lane failed

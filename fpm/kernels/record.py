@@ -2,6 +2,7 @@
 
 from fpm.kernels import energy, hinge
 from fpm.kernels.beam import beam_energy, chords, framed_axes, own_axes, shape_of
+from fpm.kernels.hinge_matrix import OFF
 from fpm.kernels.joint import contact_energy, spring_energy, update_openings
 from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
 from fpm.kernels.layout import (
@@ -14,6 +15,7 @@ from fpm.kernels.layout import (
     LARGEST_BEND,
     LARGEST_GAP,
     LARGEST_STRAIN,
+    LARGEST_TILT,
     LOAD_WORK,
     SPRING,
     STRAIN,
@@ -41,9 +43,12 @@ UNBALANCED, TOO_COARSE, TOO_STRAINED, GAPING = range(4)
 """Causes of a failure; only what happens while the energy balances is put down to the strains."""
 
 MOST_GAP = 1e-6
-"""Gap (m) of a hinge point from which a hinge counts as open; it is below 1e-12 m as a rule, and
+"""Gap (m) of a hinge point from which a hinge counts as open; it is below 1e-11 m as a rule, and
 1e-7 m in single precision. It gapes when its particles turn too far in a step for its rounds.
 """
+
+MOST_TILT = 1e-5
+"""The same for the angle between its axes (rad)."""
 
 TOUCH = 1e-9
 """Overlap (rad) from which faces count as shut: what the hinges leave open is below it, so a
@@ -104,10 +109,11 @@ def record_before(state, model, row, record):
         _, gap, ep, eq = hinge.gaps(state, model.ends, model.bodies, h)
         size, tilt = dot(gap, gap), ep * ep + eq * eq
         worst, worst_axis = larger(worst, size), larger(worst_axis, tilt)
-    worst = sqrt(worst)
+    worst, worst_axis = sqrt(worst), sqrt(worst_axis)
     store(largest, 0, LARGEST_GAP, larger(load(largest, 0, LARGEST_GAP), worst))
+    store(largest, 0, LARGEST_TILT, larger(load(largest, 0, LARGEST_TILT), worst_axis))
     store(record.hinges, row, count, worst)
-    store(record.hinges, row, count + 1, sqrt(worst_axis))
+    store(record.hinges, row, count + 1, worst_axis)
 
 
 @kernel
@@ -184,16 +190,35 @@ def find_failures(state, model, record, row, n, tolerance):
         straight = record.largest[0, LARGEST_BEND, s] <= MOST_BEND * MOST_BEND
         slight = record.largest[0, LARGEST_STRAIN, s] <= MOST_STRAIN
         closed = record.largest[0, LARGEST_GAP, s] <= MOST_GAP
+        closed = closed and record.largest[0, LARGEST_TILT, s] <= MOST_TILT
         if not (balanced and straight and slight and closed):
             record.failed_step[s] = n
+            record.failed_balance[s] = record.energies[row, BALANCE, s]
+            # They grow on while other lanes run.
+            record.failed_largest[:, s] = record.largest[0, :, s]
             if not closed:
                 record.failed_cause[s] = GAPING
-            elif balanced:
-                record.failed_cause[s] = TOO_COARSE if slight else TOO_STRAINED
-            record.failed_balance[s] = record.energies[row, BALANCE, s]
-            record.failed_element[s] = worst_element(state, model, s, balanced)
+                record.failed_element[s] = worst_hinge(state, model, s)
+            else:
+                if balanced:
+                    record.failed_cause[s] = TOO_COARSE if slight else TOO_STRAINED
+                record.failed_element[s] = worst_element(state, model, s, balanced)
             left -= 1
     return left == 0
+
+
+@kernel
+def worst_hinge(state, model, s):
+    """Index of the hinge of lane s that is open the furthest."""
+    out, worst = model.hinge_scratch, 0
+    for h in range(model.hinges.shape[0]):
+        _, gap, ep, eq = hinge.gaps(state, model.ends, model.bodies, h)
+        gap2, tilt2 = dot(gap, gap), ep * ep + eq * eq
+        # Either gap as a share of what is allowed; the field is scratch of the next step.
+        store(out, h, OFF, gap2 * (1.0 / MOST_GAP**2) + tilt2 * (1.0 / MOST_TILT**2))
+        if out[h, OFF, s] > out[worst, OFF, s]:
+            worst = h
+    return worst
 
 
 @kernel

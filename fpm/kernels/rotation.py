@@ -55,7 +55,8 @@ def put_turned(state, i, axes, half):
 def normalise(state):
     """Bring all directors back to length one and a right angle by a Newton step.
 
-    They lose it by rounding only, so the time loop calls this now and then.
+    They lose it by rounding, and in turns by tenths of a radian by the ends of the series; the time
+    loop calls this now and then.
     """
     for i in range(state.shape[0]):
         b, c = get3(state, i, D2), get3(state, i, D3)

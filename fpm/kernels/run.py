@@ -12,8 +12,10 @@ from fpm.kernels.record import find_failures, keep, note_events, record_after, r
 from fpm.kernels.rotation import frame, half_turn, normalise, put_turned
 from fpm.kernels.vectors import axpy, get3, kernel, put3, scale, sub, to_local
 
-NORMALISE_EVERY = 64
-"""Steps between two corrections of the directors, which only rounding changes."""
+NORMALISE_EVERY = 16
+"""Steps between two corrections of the directors. Rounding changes them, and, where they turn by
+tenths of a radian in a step, the ends of the series; the third as a product adds to that.
+"""
 
 
 @kernel
@@ -124,7 +126,7 @@ def run(state, kept, model, record, step, steps, per_instant, per_check, toleran
         if hinged:
             hinge.close(
                 state, ends, bodies, hinges, held, supported, body_scratch, hinge_scratch,
-                open_hinge, step,
+                open_hinge, record.largest, step,
             )  # fmt: skip
         # Work of the half step after t.
         if loaded:

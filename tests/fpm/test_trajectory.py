@@ -128,6 +128,22 @@ def test_curves_are_refused_of_what_is_not_a_whole_trajectory(outcome, tmp_path)
         fpm.trajectory.read_curves(path)
 
 
+def test_what_was_read_can_be_written_again(outcome, tmp_path):
+    attributes = {"mode": "w", "many": 2**40}
+    fpm.trajectory.write(fpm.trajectory.contents(outcome, (), attributes), tmp_path / "one.nc")
+    data = fpm.trajectory.read(tmp_path / "one.nc")
+    fpm.trajectory.write(
+        data.assign(count=("time", np.arange(data.sizes["time"]))), tmp_path / "two.nc"
+    )
+    again = fpm.trajectory.read(tmp_path / "two.nc")
+    assert again.drop_vars("count").identical(data)
+    assert again["count"].dtype == np.int32
+    assert again.attrs["mode"] == "w"
+    with pytest.raises(ValueError, match="count has integers of more than 32 bits"):
+        large = np.full(data.sizes["time"], 2**40)
+        fpm.trajectory.write(data.assign(count=("time", large)), tmp_path / "three.nc")
+
+
 def test_a_value_that_is_not_finite_is_never_written(dataset, tmp_path):
     dataset["BD"][3] = np.nan
     with pytest.raises(ValueError, match="BD has values that are not finite"):

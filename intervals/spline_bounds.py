@@ -12,6 +12,7 @@ from .datasets import Bounds, bounds_to_dataset, other_runs, read_samples
 from .designs import Design
 from .exceptions import IntervalError
 from .partition import SplitDesign
+from .spline_solve import distinct
 from .splines import fit_spline, spline_range
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ def check_spline_runs(points: np.ndarray) -> None:
     points = np.asarray(points, dtype=float)
     if len(points) > MAX_RUNS:
         raise IntervalError("runs", len(points), f"at most {MAX_RUNS} runs for a spline")
-    points = np.unique(np.round(points, 9) + 0.0, axis=0)
+    points = points[distinct(points)]
     if len(points) == 1:
         return
     free = np.ptp(points, axis=0) > 0
@@ -52,10 +53,11 @@ def spline_bounds_dataset(
 ) -> xr.Dataset:
     """Bounds of the responses, from one spline through all runs, whatever their design and role.
 
-    They contain every run, and are attained by the spline; they are no enclosure of it. The error
-    is the largest difference between a run and the spline through all the others, over the runs
-    inside the box and those that `design`, if given, does not contain (there the spline need not
-    extrapolate), widened in time like that of the polynomials (`errors.widen`).
+    They contain every run, and are attained by the spline or a run; they are no enclosure of it.
+    The error is the largest difference between a run and the spline through all the others, over
+    the runs inside the box and those that `design`, if given, does not contain (there the spline
+    need not extrapolate), plus the largest difference between a run and the spline through all,
+    widened in time like that of the polynomials (`errors.widen`).
     """
     data = read_samples(samples, responses)
     check_spline_runs(data.unit)
@@ -67,7 +69,7 @@ def spline_bounds_dataset(
         judged[other_runs(spline.points, design.points)] = True
         attrs = {"design_method": design.method, "design_order": list(design.order)}
     judged = judged if judged.any() else ~judged
-    left_out = np.abs(spline.left_out[judged]).max(axis=0)
+    left_out = np.abs(spline.left_out[judged]).max(axis=0) + spline.misfit
     total = errors.widen(data.time, left_out, window)
     error = errors.ErrorEstimate(total, left_out, np.zeros_like(left_out))
     centre = spline.evaluate(np.zeros((1, spline.points.shape[1])))[0]

@@ -5,22 +5,24 @@ polyharmonic spline sum_i w_i |x - x_i|^3 + a + b x, in one dimension the natura
 takes its course from the runs nearby; it goes through any set of runs, held-out ones and scans
 included. Where the response is smooth, its error falls slower than a polynomial's; next to a jump
 it overshoots by a tenth of it. Source: Wendland, Scattered Data Approximation (Cambridge 2005),
-chapter 8; left-out errors without refitting: Rippa 1999.
+chapter 8; left-out errors without refitting: Rippa 1999. How it is solved: spline_solve.py.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .exceptions import IntervalError
 from .ranges import Range
 from .scans import corner_points, scan_points
+from .spline_solve import Polyharmonic, distinct, line_rows, solve_line
 
 _CANDIDATES = 4096
 _CHUNK = 1 << 20  # numbers at a time: memory that is used again is faster than fresh memory
 _TRIED = 400  # runs that choose the scales
+_MISFIT = 1e-6  # of the width of the runs' values at an instant: above it no spline is given
 
 
 @dataclass(frozen=True)
@@ -30,15 +32,22 @@ class Spline:
     Attributes
     ----------
     points
-        (N, k), each once.
+        (N, k), no two nearly the same.
     scales
         (k): distances are measured in scales * x; 0 where all the runs agree.
     weights
         (N + 1 + f, ...): of the runs, then the constant and the slopes of the f other directions.
+        On a line (2 N, ...): values and second derivatives at the runs.
     left_out
-        (N, ...): value of each run less that of the spline through all the others.
+        (N, ...): value of each run less that of the spline through all the others; infinite where
+        the others give no spline.
     values
         (N, ...): the runs.
+    lowest, highest, argmin, argmax
+        (...) and (..., k): extreme values of all runs given, repeated ones too, and where they are.
+    misfit
+        (...): largest difference of the spline and a run, of all runs given: rounding, and what
+        runs differ by that are nearly the same.
     """
 
     points: np.ndarray
@@ -46,9 +55,31 @@ class Spline:
     weights: np.ndarray
     left_out: np.ndarray
     values: np.ndarray
+    lowest: np.ndarray
+    highest: np.ndarray
+    argmin: np.ndarray
+    argmax: np.ndarray
+    misfit: np.ndarray
 
-    def basis(self, unit: np.ndarray) -> np.ndarray:
-        """Rows (P, N + 1 + f) at unit coordinates (P, k)."""
+    @property
+    def on_line(self) -> bool:
+        """Whether the runs differ in one direction only."""
+        return len(self.points) > 1 and int((self.scales > 0).sum()) == 1
+
+    def line_rows(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Indices and factors (P, 4) of the weights, on a line, at unit coordinates (P, k)."""
+        j = int(np.argmax(self.scales > 0))
+        return line_rows(np.asarray(unit, dtype=float)[:, j], self.points[:, j])
+
+    def basis(self, unit: np.ndarray):
+        """Rows (P, len(weights)) at unit coordinates (P, k): an array, on a line a sparse one."""
+        if self.on_line:
+            from scipy.sparse import csr_array
+
+            index, factor = self.line_rows(unit)
+            ends = np.arange(0, 4 * len(index) + 1, 4)
+            shape = (len(index), len(self.weights))
+            return csr_array((factor.ravel(), index.ravel(), ends), shape=shape)
         return _rows(np.asarray(unit, dtype=float), self.points, self.scales)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
@@ -58,24 +89,52 @@ class Spline:
 
 
 def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None = None) -> Spline:
-    """Spline through the values (N, ...) of runs at unit points (N, k); repeated points count once.
+    """Spline through the values (N, ...) of runs at unit points (N, k).
 
-    `scales` (k) default to those that `choose_scales` finds. Needs one run more than there are
-    directions in which the runs differ, not all in one plane.
+    Runs that are nearly the same (`spline_solve.distinct`) count once, the first of them. `scales`
+    (k) default to those that `choose_scales` finds. Needs one run more than there are directions in
+    which the runs differ, not all in one plane. Raises `IntervalError` where runs with different
+    values are so close to each other that rounding keeps the spline from going through them.
     """
-    points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
-    _, first = np.unique(np.round(points, 9) + 0.0, axis=0, return_index=True)
-    points, values = points[np.sort(first)], values[np.sort(first)]
-    flat = values.reshape(len(values), -1)
+    runs, shape = np.asarray(points, dtype=float), np.shape(values)[1:]
+    given = np.asarray(values, dtype=float).reshape(len(runs), -1)
+    kept = distinct(runs)
+    points, flat = runs[kept], given[kept]
     scales = choose_scales(points, flat) if scales is None else np.where(_spread(points), scales, 0)
+    weights, left_out = _solve(points, scales, flat)
+    fields = [points, scales, weights.reshape(-1, *shape), left_out.reshape(-1, *shape)]
+    columns = np.arange(flat.shape[1])
+    where = given.argmin(axis=0), given.argmax(axis=0)
+    fields += [flat.reshape(-1, *shape), *(given[at, columns].reshape(shape) for at in where)]
+    fields += [runs[at].reshape(*shape, -1) for at in where]
+    spline = Spline(*fields, misfit=np.zeros(shape))
+    others = np.setdiff1d(np.arange(len(runs)), kept)
+    misfit = np.abs(_rest(spline, points, flat)).max(axis=0)
+    # at an instant at which all runs agree, rounding of their values is all there is
+    allowed = _MISFIT * np.ptp(flat, axis=0) + 1e-12 * np.abs(flat).max(axis=0)
+    if (misfit > allowed).any():
+        told = "runs that are farther apart: rounding keeps the spline from going through these"
+        raise IntervalError("runs", len(runs), told)
+    if len(others):
+        misfit = np.maximum(misfit, np.abs(_rest(spline, runs[others], given[others])).max(axis=0))
+    return replace(spline, misfit=misfit.reshape(shape))
+
+
+def _rest(spline: Spline, points: np.ndarray, flat: np.ndarray) -> np.ndarray:
+    return flat - spline.evaluate(points).reshape(flat.shape)
+
+
+def _solve(points, scales, flat) -> tuple[np.ndarray, np.ndarray]:
+    """Weights and left-out errors (N, T)."""
+    free = scales > 0
     if len(points) == 1:
-        return Spline(points, scales, values, np.zeros_like(values), values)
-    inverse = _inverse(points, scales)
-    weights = inverse[:, : len(points)] @ flat
-    left_out = weights[: len(points)] / np.diag(inverse)[: len(points), None]
-    shape = values.shape[1:]
-    weights = weights.reshape(-1, *shape)
-    return Spline(points, scales, weights, left_out.reshape(-1, *shape), values)
+        return flat, np.zeros_like(flat)
+    if free.sum() == 1:
+        second, left_out = solve_line(points[:, free][:, 0], flat)
+        return np.concatenate([flat, second]), left_out
+    system = _system(points, scales)
+    weights = system.weights(flat)
+    return weights, system.left_out(weights)
 
 
 def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -95,8 +154,8 @@ def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
     values = values / (np.ptp(values, axis=0) if values.size else 1.0)
 
     def loss(trial):
-        inverse = _inverse(points, trial)[: len(points), : len(points)]
-        return np.abs(inverse @ values / np.diag(inverse)[:, None]).sum()
+        system = _system(points, trial)
+        return np.abs(system.left_out(system.weights(values))).sum()
 
     best = loss(scales)
     for _ in range(3):
@@ -116,32 +175,30 @@ def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
 def spline_range(spline: Spline, candidates: int = _CANDIDATES) -> Range:
     """Range that the spline attains over [-1, 1]^k, at every instant.
 
-    The best of the runs and of `candidates` points spread over the box, its faces, edges and
+    The best of all the runs and of `candidates` points spread over the box, its faces, edges and
     corners, then improved along each direction by parabolas. No enclosure: `lower` and `upper` are
-    the attained values themselves.
+    the attained values themselves, and contain every run, those that count as repeats too.
     """
     shape = spline.weights.shape[1:]
     flat = spline.weights.reshape(len(spline.weights), -1)
     free = spline.scales > 0
     trial = spread_points(free, candidates)
     trial[:, ~free] = spline.points[0, ~free]
-    trial = np.concatenate([spline.points, trial])
-    columns = np.arange(flat.shape[1])
-    low, high = np.full(len(columns), np.inf), np.full(len(columns), -np.inf)
-    at_low, at_high = (np.zeros(len(columns), dtype=int) for _ in range(2))
+    columns, k = np.arange(flat.shape[1]), len(free)
+    low, high = spline.lowest.ravel().copy(), spline.highest.ravel().copy()
+    x_low, x_high = spline.argmin.reshape(-1, k).copy(), spline.argmax.reshape(-1, k).copy()
     step = max(_CHUNK // max(flat.shape), 1)
     for start in range(0, len(trial), step):
         values = spline.basis(trial[start : start + step]) @ flat
-        for sign, best, at in ((-1, low, at_low), (1, high, at_high)):
+        for sign, best, at in ((-1, low, x_low), (1, high, x_high)):
             where = (sign * values).argmax(axis=0)
             found = values[where, columns]
             better = sign * (found - best) > 0
-            best[better], at[better] = found[better], start + where[better]
+            best[better], at[better] = found[better], trial[start + where[better]]
     spacing = 2.0 * max(candidates, 1) ** (-1.0 / max(int(free.sum()), 1))
-    low, x_low = _climb(spline, flat, -1.0, low, trial[at_low], spacing)
-    high, x_high = _climb(spline, flat, 1.0, high, trial[at_high], spacing)
+    low, x_low = _climb(spline, flat, -1.0, low, x_low, spacing)
+    high, x_high = _climb(spline, flat, 1.0, high, x_high, spacing)
     low, high = low.reshape(shape), high.reshape(shape)
-    k = len(free)
     return Range(low, high, low, high, x_low.reshape(*shape, k), x_high.reshape(*shape, k))
 
 
@@ -189,6 +246,9 @@ def _climb(spline, flat, sign, best, x, step) -> tuple[np.ndarray, np.ndarray]:
 
 def _pairs(spline, flat, x) -> np.ndarray:
     """Values (T) of column t at the point x[t]."""
+    if spline.on_line:
+        index, factor = spline.line_rows(x)
+        return (factor * flat[index, np.arange(len(x))[:, None]]).sum(axis=1)
     out = np.empty(len(x))
     step = max(_CHUNK // len(flat), 1)
     for start in range(0, len(x), step):
@@ -211,15 +271,9 @@ def _rows(x, points, scales) -> np.ndarray:
     return np.concatenate([square * np.sqrt(square), np.ones((len(x), 1)), x], axis=1)
 
 
-def _inverse(points, scales) -> np.ndarray:
-    """Inverse of the matrix that turns weights into values at the runs."""
-    count = len(points)
+def _system(points, scales) -> Polyharmonic:
+    """Equations of the weights that give values at the runs."""
     rows = _rows(points, points, scales)
-    extra = rows.shape[1] - count
-    matrix = np.zeros((count + extra, count + extra))
-    matrix[:count], matrix[count:, :count] = rows, rows[:, count:].T
-    matrix[np.arange(count), np.arange(count)] = 0.0
-    linear = rows[:, count:]
-    if count < extra or np.linalg.matrix_rank(linear) < extra:
-        raise IntervalError("runs", count, f"at least {extra} runs that are not in one plane")
-    return np.linalg.inv(matrix)
+    cubes = rows[:, : len(points)]
+    cubes[np.arange(len(points)), np.arange(len(points))] = 0.0
+    return Polyharmonic((cubes + cubes.T) / 2, rows[:, len(points) :])

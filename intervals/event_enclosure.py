@@ -95,10 +95,10 @@ def _bound_some(model, time, centre, half):
         s_high = _ratio(t - first[rows, j], np.maximum(first[rows, j + 1], t) - first[rows, j], 1)
         begin = np.minimum(last[rows, j], t)
         s_low = _ratio(t - begin, last[rows, j + 1] - begin, 0)
-        row, cubic = _window(spline, s_low, s_high)
+        row, cubic, size = _window(spline, s_low, s_high)
         value = _expand(cubic, indices, [shift[rows[row]] for shift in shifts])
         mean, total = _mean(value), _total(value)
-        rest = total - np.abs(mean) + 64 * _EPS * total
+        rest = total - np.abs(mean) + (_rounding(indices) * size)[:, None]
         np.minimum.at(below, rows[row], (mean - rest).min(axis=1))
         np.maximum.at(above, rows[row], (mean + rest).max(axis=1))
         change = np.zeros((2, len(rows)))
@@ -121,7 +121,11 @@ def _edges(model, shifts):
     stacked = np.broadcast_to(coefficients.T, (count, *coefficients.T.shape))
     value = _expand(stacked, model.impacts.multi_indices, shifts)
     mean, total = _mean(value), _total(value)
-    rest = total - np.abs(mean) + 64 * _EPS * total
+    rest = (
+        total
+        - np.abs(mean)
+        + _rounding(model.impacts.multi_indices) * np.abs(coefficients).sum(axis=0)
+    )
     ends = []
     for times in (mean - rest, mean + rest):
         times = np.maximum.accumulate(np.clip(times, model.start, model.end), axis=1)
@@ -141,7 +145,8 @@ def _ratio(top, bottom, otherwise):
 def _window(spline, low, high):
     """Cubics on the cells that windows [low, high] (W) touch, in Bernstein form.
 
-    Returns the window (Q) of each cell and coefficients (Q, 4, M), on the part within the window.
+    Returns the window (Q) of each cell, coefficients (Q, 4, M) on the part within the window, and
+    the sum (Q) of the magnitudes of all terms that these and the spline's value are made of.
     """
     knots, cells = spline.x, len(spline.x) - 1
     first = np.clip(np.searchsorted(knots, low, side="right") - 1, 0, cells - 1)
@@ -153,12 +158,22 @@ def _window(spline, low, high):
     a = np.maximum(low[row], knots[cell]) - knots[cell]
     b = np.maximum(np.minimum(high[row], knots[cell + 1]) - knots[cell], a)
     c3, c2, c1, c0 = (spline.c[q][cell] for q in range(4))  # (Q, M) each
+    size = sum((np.abs(c) * b[:, None] ** q).sum(axis=1) for q, c in enumerate((c0, c1, c2, c3)))
     a, w = a[:, None], (b - a)[:, None]
     p0 = c0 + a * (c1 + a * (c2 + a * c3))
     p1 = w * (c1 + a * (2 * c2 + 3 * a * c3))
     p2 = w**2 * (c2 + 3 * a * c3)
     p3 = w**3 * c3
-    return row, np.stack([p0, p0 + p1 / 3, p0 + 2 * p1 / 3 + p2 / 3, p0 + p1 + p2 + p3], axis=1)
+    value = np.stack([p0, p0 + p1 / 3, p0 + 2 * p1 / 3 + p2 / 3, p0 + p1 + p2 + p3], axis=1)
+    return row, value, size
+
+
+def _rounding(indices):
+    """Share of the terms' summed magnitudes that rounding may come to: terms cancel, it does not.
+
+    The recurrence of the Chebyshev polynomials loses up to the square of the degree.
+    """
+    return (64 + 4 * int(indices.sum(axis=1).max()) ** 2 + len(indices)) * _EPS
 
 
 def _expansions(centre, half, degree):

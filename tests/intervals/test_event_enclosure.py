@@ -100,7 +100,8 @@ def test_windows_bound_the_spline_and_are_sharp():
     knots = np.linspace(0, 1, 21)
     spline = CubicSpline(knots, np.random.default_rng(0).standard_normal((21, 1)))
     low, high = np.array([0.0, 0.31, 0.5, 0.999]), np.array([0.02, 0.78, 0.5, 1.0])
-    row, cubic = _window(spline, low, high)
+    row, cubic, size = _window(spline, low, high)
+    assert (size[:, None] >= np.abs(cubic[..., 0]) * (1 - 1e-12)).all()
     for i in range(4):
         dense = spline(np.linspace(low[i], high[i], 400))[:, 0]
         mine = cubic[row == i, :, 0]
@@ -108,6 +109,24 @@ def test_windows_bound_the_spline_and_are_sharp():
         assert mine.max() >= dense.max() - 1e-12
         # Bernstein coefficients of a cell are no farther off than a fraction of its spread
         assert mine.max() - mine.min() <= 1.5 * np.ptp(dense) + 1e-12
+
+
+def test_large_terms_that_cancel_round_within_the_enclosure():
+    """1e8 times a square, made of Chebyshev polynomials: next to its least value they cancel."""
+    design = make_design("total_degree", 1, 4)
+    time = np.linspace(0.0, 1.0, 61)
+    points = design.points
+    values = 1e8 * (points - 0.1234) ** 4 + np.zeros(61)
+    impacts = 0.5 + 0.1 * points
+    one = np.ones(1)
+    model = fit_event_model(points, design.multi_indices, time, values, impacts, -one, one)
+    unit = 0.1234 + np.linspace(-1e-3, 1e-3, 4001)[:, None]
+    found = model.evaluate(unit, time)
+    assert found.min() < -1e-9  # rounding, as the square is not negative
+    low, high, _, _ = event_range(model, time)
+    lower, upper = event_enclosure(model, time, low + 1e-6, high, tolerance=0.0)
+    assert (found >= lower).all()
+    assert (found <= upper).all()
 
 
 def test_bounds_that_enclose_contain_those_that_are_attained():

@@ -87,6 +87,7 @@ def _estimate_rows(case: dict) -> list[Row]:
         "aligned": [r for r in case["records"] if r["align"] != "none"],
         "splines": [r for r in case["records"] if r["model"] == "spline"],
         "scans": [r for r in case["records"] if _kind(r) == "scans"],
+        "presets": [r for r in case["presets"] if r["model"] == MODEL],
     }
     rows = []
     for kind, records in kinds.items():

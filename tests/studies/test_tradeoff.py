@@ -225,3 +225,9 @@ def test_presets_are_measured_as_a_campaign_takes_them():
     rows = [r for r in tradeoff_rows.all_rows({"small": found}, None) if "preset draft" in r.name]
     errors = [r["total"][0]["all"]["hausdorff_integrated"] for r in found["presets"]]
     assert [row.value for row in rows] == [errors[1], errors[1] / errors[0]]
+    for record in found["presets"]:
+        for row in record["estimate"]:
+            row["all"]["covered"] = 0.5 if record["model"] == MODEL else 1.0
+    rows = tradeoff_rows.all_rows({"small": found}, None)
+    estimate = next(r for r in rows if "covers the error, presets" in r.name)
+    assert (estimate.value, estimate.passed) == (0.5, False)

@@ -1,11 +1,13 @@
 """Where the results of runs are kept, under names that follow from their content.
 
-A finished run is found again by any later design that asks for it, and by a campaign that was
-killed. Two ways to keep a run, with the same methods:
+A finished run is found again by a campaign that was killed, and where its trajectory is kept by any
+later design that asks for it. Files that the power failed for may be broken. Two ways to keep a run,
+with the same methods:
 
 `Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded;
 `Responses`     one netCDF file per group of lanes, `<digest of the group's run ids>.nc`, with the
-                responses and contact events only.
+                responses and contact events only. Other groups have other files: another
+                design, number of lanes or response simulates its runs again.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Where the results of runs are kept, under names that follow from their content.
 
-A finished run is found again by a campaign that was killed, and where its trajectory is kept by any
-later design that asks for it. Files that the power failed for may be broken. Two ways to keep a run,
-with the same methods:
+A finished run is found again by a campaign that was killed, and by any later design that asks for
+it if its trajectory was kept. Files that the power failed for may be broken. Two ways to keep a
+run, with the same methods:
 
 `Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded;
 `Responses`     one netCDF file per group of lanes, `<digest of the group's run ids>.nc`, with the

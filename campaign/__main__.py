@@ -11,9 +11,9 @@ def main(paths: list[str]) -> int:
     from campaign.errors import ConfigError
     from campaign.nodes import count_runs
 
-    if not paths:
-        print(__doc__, file=sys.stderr)
-        return 2
+    if not paths or {"-h", "--help"} & set(paths):
+        print(__doc__, file=sys.stdout if paths else sys.stderr)
+        return 0 if paths else 2
     status = 0
     for path in paths:
         try:

@@ -98,6 +98,9 @@ def _response(bounds: Any, name: str, published: float | None) -> dict:
         row["largest_error"] = float(error[worst])
         row["time_of_largest_error"] = float(time[worst])
         row["error_at_largest_difference"] = float(error[at])
+    outside = getattr(bounds[f"{name}_lower"], "worst_violation", None)
+    if outside is not None:
+        row["runs_outside_by"] = float(outside)
     return row
 
 
@@ -122,7 +125,7 @@ def as_text(summary: Mapping) -> str:
         f"# {summary['campaign']}",
         "",
         f"Scene {summary['scene']}; {design['method']}{order}: {design['runs']} runs "
-        f"({design['nodes']} nodes, {design['held_out']} held out); "
+        f"({design['nodes']} nodes, {design['held_out']} held out, the nominal run); "
         f"time step {summary['time_step']:.4g} s.",
         "",
         f"Bounds: {summary['bounds']}.",
@@ -136,18 +139,24 @@ def as_text(summary: Mapping) -> str:
     ]
     lines += [
         "",
-        "| response | largest difference of the bounds | at (s) | published | ours / published |",
-        "|---|---|---|---|---|",
+        "| response | largest difference of the bounds | at (s) | error estimate there | published "
+        "| ours / published |",
+        "|---|---|---|---|---|---|",
     ]
     for row in summary["responses"]:
         published, ratio = row["published"], row["ratio_to_published"]
         lines.append(
             f"| {row['name']} | {row['largest_difference']:.4g} {pretty(row['units'])} "
             f"| {row['time_of_largest_difference']:.4f} "
+            f"| {_quantity(row, 'error_at_largest_difference')} "
             f"| {'' if published is None else f'{published:.4g} ' + pretty(row['units'])} "
             f"| {'' if ratio is None else f'{ratio:.2f}'} |"
         )
     lines += ["", _error_line(summary)]
+    outside = [row for row in summary["responses"] if row.get("runs_outside_by", 0.0) > 0.0]
+    if outside:
+        parts = [f"{row['name']} {_quantity(row, 'runs_outside_by')}" for row in outside]
+        lines += ["", f"Runs that were not fitted leave the bounds by at most: {', '.join(parts)}."]
     if "adaptive" in summary:
         rounds = summary["adaptive"]["rounds"]
         lines += ["", f"Order found in {len(rounds)} rounds: {rounds[-1]['reason']}."]
@@ -164,6 +173,11 @@ def _closure_text(summary: Mapping, most: int = 8) -> str:
     texts = [f"{' and '.join(names)} at {time}" for time, names in moments.items()]
     more = [f"and {len(texts) - most} later moments"] if len(texts) > most else []
     return ", ".join(texts[:most] + more)
+
+
+def _quantity(row: Mapping, key: str) -> str:
+    """The number of a row with two digits and its unit; nothing if there is none."""
+    return "" if row.get(key) is None else f"{row[key]:.2g} {pretty(row['units'])}"
 
 
 def _error_line(summary: Mapping) -> str:

@@ -73,6 +73,12 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
     assert summary["responses"][1]["published"] is None
     assert summary["design"]["runs"] == 5
     assert text == (tmp_path / "s.md").read_text() == as_text(summary)
+    outside = {r["name"]: r["runs_outside_by"] for r in summary["responses"]}
+    with xr.open_dataset(finished["bounds"]) as bounds:
+        for name, most in outside.items():
+            assert most == bounds[f"{name}_lower"].attrs["worst_violation"]
+    assert ("leave the bounds by at most" in text) == any(outside.values())
+    assert "error estimate there" in text
     for words in (
         "0.063 m",
         "m/s",

@@ -117,12 +117,12 @@ def push_where_far(state, i, r, b, far):
 
 
 @kernel
-def note_open(w, h, largest):
-    """Raise largest by what is in OFF of hinge h."""
-    gap, ep, eq = get3(w, h, OFF), load(w, h, OFF + 3), load(w, h, OFF + 4)
-    gap, tilt = sqrt(dot(gap, gap)), sqrt(ep * ep + eq * eq)
+def note_open(gap2, tilt2, largest):
+    """Raise largest by the squares of a hinge's gaps; returns the gaps (m, rad)."""
+    gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(largest, 0, LARGEST_GAP, larger(load(largest, 0, LARGEST_GAP), gap))
     store(largest, 0, LARGEST_TILT, larger(load(largest, 0, LARGEST_TILT), tilt))
+    return gap, tilt
 
 
 @kernel
@@ -175,12 +175,10 @@ def move(state, on, rows, bodies, step):
 @kernel
 def nudge(state, i, r, b, step):
     """Change the momenta of particles i, bodies r (pairs), by DV and DP; move them by that."""
-    dv, dp = get3(b, r, DV), get3(b, r, DP)
-    put3(state, i, V, add(get3(state, i, V), dv))
-    put3(state, i, P, add(get3(state, i, P), dp))
-    put3(state, i, X, axpy(step, dv, get3(state, i, X)))
+    push(state, i, r, b)
+    put3(state, i, X, axpy(step, get3(b, r, DV), get3(state, i, X)))
     # So small a turn that its square does not show.
-    turn = scale(step, symmetric(get6(b, r, INVERSE), dp))
+    turn = scale(step, symmetric(get6(b, r, INVERSE), get3(b, r, DP)))
     for k in (D2, D3):
         axis = get3(state, i, k)
         put3(state, i, k, add(axis, cross(turn, axis)))
@@ -221,7 +219,8 @@ def close(state, ends, bodies, hinges, held, supported, b, w, open_, largest, st
                 open_[h] = any_negative(far)
                 if open_[h] and n + 1 == ROUNDS:
                     open_[h] = False
-                    note_open(w, h, largest)
+                    gap, ep, eq = get3(w, h, OFF), load(w, h, OFF + 3), load(w, h, OFF + 4)
+                    note_open(dot(gap, gap), ep * ep + eq * eq, largest)
                 if open_[h]:
                     left = True
                     for r in (2 * h, 2 * h + 1):

@@ -4,7 +4,7 @@ from fpm.kernels import energy, hinge
 from fpm.kernels.beam import beam_energy, chords, framed_axes, own_axes, shape_of
 from fpm.kernels.hinge_matrix import OFF
 from fpm.kernels.joint import contact_energy, spring_energy, update_openings
-from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
+from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.layout import (
     BALANCE,
     CONTACT,
@@ -109,9 +109,7 @@ def record_before(state, model, row, record):
         _, gap, ep, eq = hinge.gaps(state, model.ends, model.bodies, h)
         size, tilt = dot(gap, gap), ep * ep + eq * eq
         worst, worst_axis = larger(worst, size), larger(worst_axis, tilt)
-    worst, worst_axis = sqrt(worst), sqrt(worst_axis)
-    store(largest, 0, LARGEST_GAP, larger(load(largest, 0, LARGEST_GAP), worst))
-    store(largest, 0, LARGEST_TILT, larger(load(largest, 0, LARGEST_TILT), worst_axis))
+    worst, worst_axis = hinge.note_open(worst, worst_axis, largest)
     store(record.hinges, row, count, worst)
     store(record.hinges, row, count + 1, worst_axis)
 

@@ -16,9 +16,10 @@ from pathlib import Path
 import numpy as np
 
 import fpm
+from campaign.files import write_text
 from fpm.elements.lumping import end_weights
 from studies.linkage import build, curves
-from studies.rows import Row, table, write_results, write_text
+from studies.rows import Row, save, table, write_results
 
 DURATION = 1.2
 INSTANTS = 2401
@@ -219,9 +220,7 @@ def plot(results: list[Result], path: Path) -> None:
     panels[0].set(title="before the first closure", ylabel="largest error of BD (m)")
     panels[2].set(title="after the second")
     panels[2].legend(fontsize=7)
-    for kind in ("png", "pdf"):
-        figure.savefig(path.with_suffix(f".{kind}"), dpi=150)
-    plt.close(figure)
+    save(figure, path)
 
 
 def main(arguments: list[str] | None = None) -> int:

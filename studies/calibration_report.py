@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from campaign.files import write_text
 from studies.calibration import (
     CLOSE,
     DURATION,
@@ -21,7 +22,7 @@ from studies.calibration import (
     grid,
     start_of_half_angle,
 )
-from studies.rows import Row, table, write_text
+from studies.rows import Row, save, table
 
 STARTS = (1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0)
 MESHES = (8, 16, 32)
@@ -263,9 +264,7 @@ def write(scans: list[Scan], folder: Path) -> None:
         "closures": calibration_figures.closures,
     }
     for name, function in draw.items():
-        figure = function(scans)
-        for kind in ("png", "pdf"):
-            figure.savefig(folder / f"{name}.{kind}", dpi=150)
+        save(function(scans), folder / name)
     write_text(folder / "table.md", tables(rows, facts, scans))
     summary = {
         "study": "calibration",

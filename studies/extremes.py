@@ -13,7 +13,7 @@ from pathlib import Path
 from studies import extreme_parameters as parameters
 from studies import extreme_runs as runs
 from studies import stable_step
-from studies.rows import Row, write_results
+from studies.rows import Row, save, write_results
 
 GROUPS: dict[str, Callable[[], list[Row]]] = {
     "stable step": stable_step.study,
@@ -74,16 +74,6 @@ def plot_errors(rows: list[Row], path: Path) -> None:
     axes.invert_yaxis()
     axes.legend(loc="lower left")
     save(figure, path)
-
-
-def save(figure, path: Path) -> None:
-    """Write a figure as PNG and PDF."""
-    from matplotlib import pyplot as plt
-
-    path.parent.mkdir(parents=True, exist_ok=True)
-    for kind in ("png", "pdf"):
-        figure.savefig(path.with_suffix(f".{kind}"), dpi=150)
-    plt.close(figure)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -1,10 +1,16 @@
-"""Rows of a study's results and their files: summary.json and table.md."""
+"""Rows of a study's results and their files: summary.json, table.md and figures."""
 
 import json
 import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from campaign.files import write_text
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -37,14 +43,6 @@ def table(header: Sequence[str], rows: Sequence[Sequence]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a whole file or none."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    temporary.write_text(text)
-    os.replace(temporary, path)
-
-
 def write_results(folder: str | os.PathLike, rows: Sequence[Row], more: dict | None = None) -> None:
     """summary.json ({"rows": [...], **more}) and table.md in a folder."""
     folder = Path(folder)
@@ -53,3 +51,13 @@ def write_results(folder: str | os.PathLike, rows: Sequence[Row], more: dict | N
     header = ("name", "value", "reference", "tolerance", "passed", "source", "note")
     body = [[getattr(row, name) for name in header] for row in rows]
     write_text(folder / "table.md", table(header, body))
+
+
+def save(figure: "Figure", path: Path) -> None:
+    """Write a figure as `path`.png and .pdf, and close it."""
+    from matplotlib import pyplot as plt
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    for kind in ("png", "pdf"):
+        figure.savefig(path.with_suffix(f".{kind}"), dpi=150)
+    plt.close(figure)

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 import fpm
-from studies.rows import write_text
+from campaign.files import write_text
 from studies.tradeoff_bounds import (
     Band,
     distance,

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from studies.rows import table, write_results, write_text
+from campaign.files import write_text
+from studies.rows import table, write_results
 from studies.tradeoff_rows import all_rows
 
 _MARKS = {

@@ -197,19 +197,26 @@ def test_an_automatic_order_is_found_in_rounds(workplace):
     assert "Nothing to be done" in workplace.snakemake(*SMALL, *override).stdout
 
 
-def test_a_scan_keeps_responses_only(workplace):
+def run_scan(workplace, samples, override):
+    """Run config/scan.yaml with a few samples of a coarse, short run; the folder of its results."""
     path = workplace.config(
-        "scan", (workplace.folder / "config" / "scan.yaml").read_text().replace("10000", "20")
+        "scan",
+        (workplace.folder / "config" / "scan.yaml").read_text().replace("10000", str(samples)),
     )
-    override = [
+    done = workplace.snakemake(
+        "--configfile",
+        path,
         "--config",
         "scene={parameters: {elements_per_link: 2}}",
         "solver={duration: 0.01, instants: 21}",
-        "jobs={lanes: 8}",
-    ]
-    done = workplace.snakemake("--configfile", path, *override)
+        override,
+    )
     assert done.returncode == 0, done.stdout
-    results = workplace.folder / "results" / "scan"
+    return workplace.folder / "results" / "scan"
+
+
+def test_a_scan_keeps_responses_only(workplace):
+    results = run_scan(workplace, 20, "jobs={lanes: 8}")
     assert not (results / "trajectories").exists()
     assert not (results / "figures" / "linkage.png").exists()
     with (
@@ -222,18 +229,7 @@ def test_a_scan_keeps_responses_only(workplace):
 
 
 def test_a_spline_goes_through_the_runs_of_a_scan(workplace):
-    path = workplace.config(
-        "scan", (workplace.folder / "config" / "scan.yaml").read_text().replace("10000", "4")
-    )
-    override = [
-        "--config",
-        "scene={parameters: {elements_per_link: 2}}",
-        "solver={duration: 0.01, instants: 21}",
-        "bounds={model: spline}",
-    ]
-    done = workplace.snakemake("--configfile", path, *override)
-    assert done.returncode == 0, done.stdout
-    results = workplace.folder / "results" / "scan"
+    results = run_scan(workplace, 4, "bounds={model: spline}")
     assert (
         "attained range of a spline through all runs, not enclosed"
         in (results / "summary.md").read_text()

@@ -8,11 +8,12 @@ Importing is cheap: numba and xarray are loaded when first needed.
 """
 
 from fpm import responses, scenes, trajectory
-from fpm.elements.beam import Material, Section
+from fpm.kinds.beam import Material, Section
 from fpm.errors import InstabilityError, SceneError
 from fpm.scene import Link, Scene
-from fpm.simulate import Outcome, divide_time, simulate
-from fpm.timestep import StableStep, stable_step
+from fpm.outcome import Outcome
+from fpm.simulate import divide_time, simulate
+from fpm.timestep import SAFETY, StableStep, stable_step
 from fpm.warming import warm_up
 
 DATA_VERSION = "3"
@@ -23,6 +24,7 @@ __all__ = [
     "InstabilityError",
     "Link",
     "Material",
+    "SAFETY",
     "Outcome",
     "Scene",
     "SceneError",

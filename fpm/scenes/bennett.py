@@ -2,7 +2,7 @@
 
 import math
 
-from fpm.elements.beam import Material, Section
+from fpm.kinds.beam import Material, Section
 from fpm.errors import SceneError
 from fpm.scene import Scene
 from fpm.scenes import Parameter, SceneType

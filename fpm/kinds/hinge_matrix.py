@@ -5,27 +5,38 @@ axis and, where the point is held, a support impulse (up to 3). Their matrix A =
 and factorised by blocks at the start of a step: first the moments, then the impulse (its Schur
 complement), then the supports. hinge.py uses it. The two particles of hinge h are its bodies, rows
 2h and 2h + 1 of the arrays over bodies. The work goes in passes over all bodies or hinges, each
-with a short chain of operations, so that the processor works on several at once.
+with a short chain of operations, so that the processor works on several at once. Kernels take a
+named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it.
 """
 
 from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import ARM, AXIS, HELD, HIJ, HIM, REF, F, M, P, V, X
+from fpm.kernels.layout import F, M, P, V, X
 from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import (
-    add,
-    axpy,
     cross,
     dot,
     get3,
     invert,
     kernel,
     put3,
-    scale,
-    sub,
     symmetric,
     times,
     to_global,
+    vector,
 )
+
+# Constants of a body of a hinge; vectors in the particle's frame.
+ARM = 0  # virtual beam (3)
+AXIS = 3  # axis (3)
+REF = 6  # reference direction (3)
+HIM = 9  # inverse masses along the global axes (3)
+HIJ = 12  # inverse principal inertias (3)
+BODY = 15
+
+# Constants of a hinge.
+HELD = 0  # 1 where the hinge point is held along a global axis (3)
+PLACE = 3  # where it is held (3)
+HINGE = 6
 
 # Scratch of a body (rows, BODY_SCRATCH, lanes).
 OLD_X = 0  # position at the start of the step (3)
@@ -34,6 +45,7 @@ GLOBAL_ARM = 9  # arm in global components (3)
 INVERSE = 12  # inverse inertia in global components (6)
 RESPONSE = 18  # velocity of the hinge point per unit impulse there (6)
 DV, DP = 24, 27  # change of velocity (3) and of angular momentum (3) by the hinge's impulses
+BODY_SCRATCH = 30
 
 # Scratch of a hinge (rows, HINGE_SCRATCH, lanes).
 PA, QA = 0, 3  # the two directions normal to the axis
@@ -46,20 +58,27 @@ G = 42  # inverse of the supports' Schur complement (6)
 MISSED = 48  # rates that `aim` has to add for what it missed before, like OFF
 OFF = 56  # what is to be closed: gap (3), tilts about p and q, distance from where it is held (3)
 ONE, TWO, MP = 64, 67, 70  # impulses: force on body 1, against body 2 (3 each), moments p, q on 2
+HINGE_SCRATCH = 72
 
 
 @kernel
 def get6(a, i, k):
     """The six lanes in fields k .. k+5 of row i."""
-    x, y = get3(a, i, k), get3(a, i, k + 3)
-    return x[0], x[1], x[2], y[0], y[1], y[2]
+    return (
+        load(a, i, k),
+        load(a, i, k + 1),
+        load(a, i, k + 2),
+        load(a, i, k + 3),
+        load(a, i, k + 4),
+        load(a, i, k + 5),
+    )
 
 
 @kernel
 def put6(a, i, k, s):
     """Write six lanes to fields k .. k+5 of row i."""
-    put3(a, i, k, (s[0], s[1], s[2]))
-    put3(a, i, k + 3, (s[3], s[4], s[5]))
+    put3(a, i, k, vector(s[0], s[1], s[2]))
+    put3(a, i, k + 3, vector(s[3], s[4], s[5]))
 
 
 @kernel
@@ -67,14 +86,14 @@ def world_inverse(axes, j):
     """Inverse inertia in global components (xx, yy, zz, xy, xz, yz); j: along the three axes."""
     a, b, _ = axes
     # The dyads of the three axes add up to the unit matrix, which spares the third.
-    ja, jb = scale(j[0] - j[2], a), scale(j[1] - j[2], b)
+    ja, jb = (j.x - j.z) * a, (j.y - j.z) * b
     return (
-        (ja[0] * a[0] + j[2]) + jb[0] * b[0],
-        (ja[1] * a[1] + j[2]) + jb[1] * b[1],
-        (ja[2] * a[2] + j[2]) + jb[2] * b[2],
-        ja[0] * a[1] + jb[0] * b[1],
-        ja[0] * a[2] + jb[0] * b[2],
-        ja[1] * a[2] + jb[1] * b[2],
+        (ja.x * a.x + j.z) + jb.x * b.x,
+        (ja.y * a.y + j.z) + jb.y * b.y,
+        (ja.z * a.z + j.z) + jb.z * b.z,
+        ja.x * a.y + jb.x * b.y,
+        ja.x * a.z + jb.x * b.z,
+        ja.y * a.z + jb.y * b.z,
     )
 
 
@@ -83,34 +102,36 @@ def point_response(inverse_mass, j, r):
     """Velocity of a point at arm r per unit impulse there: M^-1 - [r] J^-1 [r] (6)."""
     xx, yy, zz, xy, xz, yz = j
     # Columns of J^-1 [r]^T, i.e. J^-1 (r x e).
-    ux = (xy * r[2] - xz * r[1], yy * r[2] - yz * r[1], yz * r[2] - zz * r[1])
-    uy = (xz * r[0] - xx * r[2], yz * r[0] - xy * r[2], zz * r[0] - xz * r[2])
-    uz = (xx * r[1] - xy * r[0], xy * r[1] - yy * r[0], xz * r[1] - yz * r[0])
+    ux = vector(xy * r.z - xz * r.y, yy * r.z - yz * r.y, yz * r.z - zz * r.y)
+    uy = vector(xz * r.x - xx * r.z, yz * r.x - xy * r.z, zz * r.x - xz * r.z)
+    uz = vector(xx * r.y - xy * r.x, xy * r.y - yy * r.x, xz * r.y - yz * r.x)
     return (
-        inverse_mass[0] + (r[2] * ux[1] - r[1] * ux[2]),
-        inverse_mass[1] + (r[0] * uy[2] - r[2] * uy[0]),
-        inverse_mass[2] + (r[1] * uz[0] - r[0] * uz[1]),
-        r[2] * uy[1] - r[1] * uy[2],
-        r[2] * uz[1] - r[1] * uz[2],
-        r[0] * uz[2] - r[2] * uz[0],
+        inverse_mass.x + (r.z * ux.y - r.y * ux.z),
+        inverse_mass.y + (r.x * uy.z - r.z * uy.x),
+        inverse_mass.z + (r.y * uz.x - r.x * uz.y),
+        r.z * uy.y - r.y * uy.z,
+        r.z * uz.y - r.y * uz.z,
+        r.x * uz.z - r.z * uz.x,
     )
 
 
 @kernel
-def prepare_directions(state, ends, bodies, w):
+def prepare_directions(state, part):
     """The two directions normal to every hinge's axis."""
+    bodies, w = part.bodies, part.hinge_scratch
     for h in range(w.shape[0]):
-        axes = frame(state, ends[2 * h])
+        axes = frame(state, part.ends[2 * h])
         p = to_global(axes, get3(bodies, 2 * h, REF))
         put3(w, h, PA, p)
         put3(w, h, QA, cross(to_global(axes, get3(bodies, 2 * h, AXIS)), p))
 
 
 @kernel
-def prepare_bodies(state, ends, bodies, w, kick):
+def prepare_bodies(state, part, kick):
     """Keep each body's state, kick it, and find its response."""
-    for r in range(ends.shape[0]):
-        i = ends[r]
+    bodies, w = part.bodies, part.body_scratch
+    for r in range(part.ends.shape[0]):
+        i = part.ends[r]
         x = get3(state, i, X)
         put3(w, r, OLD_X, x)
         axes = frame(state, i)
@@ -122,46 +143,47 @@ def prepare_bodies(state, ends, bodies, w, kick):
         lever = arm
         if r % 2 == 1:
             # Both impulses act at the first body's point: they make no moment if the hinge gapes.
-            lever = sub(add(get3(w, r - 1, OLD_X), get3(w, r - 1, GLOBAL_ARM)), x)
+            lever = get3(w, r - 1, OLD_X) + get3(w, r - 1, GLOBAL_ARM) - x
         put3(w, r, GLOBAL_ARM, lever)
         put6(w, r, INVERSE, j)
         put6(w, r, RESPONSE, point_response(inverse_mass, j, arm))
-        v = add(get3(state, i, V), scale(kick, times(inverse_mass, get3(state, i, F))))
+        v = get3(state, i, V) + kick * times(inverse_mass, get3(state, i, F))
         put3(state, i, V, v)
-        put3(state, i, P, axpy(kick, get3(state, i, M), get3(state, i, P)))
+        put3(state, i, P, kick * get3(state, i, M) + get3(state, i, P))
         for k in range(6):
             store(state, i, F + k, 0.0)
 
 
 @kernel
-def prepare_matrices(b, w):
-    """Build and factorise the matrix of every hinge; b, w: scratch of bodies and hinges."""
+def prepare_matrices(part):
+    """Build and factorise the matrix of every hinge."""
+    b, w = part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         one, two = 2 * h, 2 * h + 1
         p, q = get3(w, h, PA), get3(w, h, QA)
         j1, j2 = get6(b, one, INVERSE), get6(b, two, INVERSE)
         r1, r2 = get3(b, one, GLOBAL_ARM), get3(b, two, GLOBAL_ARM)
         p1, q1, p2, q2 = symmetric(j1, p), symmetric(j1, q), symmetric(j2, p), symmetric(j2, q)
-        pp, qq, pq = dot(p, add(p1, p2)), dot(q, add(q1, q2)), dot(p, add(q1, q2))
+        pp, qq, pq = dot(p, p1 + p2), dot(q, q1 + q2), dot(p, q1 + q2)
         det = 1.0 / (pp * qq - pq * pq)
         cpp, cqq, cpq = det * qq, det * pp, -det * pq
         b1p, b1q = cross(r1, p1), cross(r1, q1)
-        bp, bq = add(b1p, cross(r2, p2)), add(b1q, cross(r2, q2))
-        ep = axpy(cpp, bp, scale(cpq, bq))
-        eq = axpy(cpq, bp, scale(cqq, bq))
-        put3(w, h, C, (cpp, cqq, cpq))
+        bp, bq = b1p + cross(r2, p2), b1q + cross(r2, q2)
+        ep = cpp * bp + cpq * bq
+        eq = cpq * bp + cqq * bq
+        put3(w, h, C, vector(cpp, cqq, cpq))
         put3(w, h, E, ep)
         put3(w, h, E + 3, eq)
         put3(w, h, B1, b1p)
         put3(w, h, B1 + 3, b1q)
         k1, k2 = get6(b, one, RESPONSE), get6(b, two, RESPONSE)
         schur = (
-            (k1[0] + k2[0]) - (bp[0] * ep[0] + bq[0] * eq[0]),
-            (k1[1] + k2[1]) - (bp[1] * ep[1] + bq[1] * eq[1]),
-            (k1[2] + k2[2]) - (bp[2] * ep[2] + bq[2] * eq[2]),
-            (k1[3] + k2[3]) - (bp[0] * ep[1] + bq[0] * eq[1]),
-            (k1[4] + k2[4]) - (bp[0] * ep[2] + bq[0] * eq[2]),
-            (k1[5] + k2[5]) - (bp[1] * ep[2] + bq[1] * eq[2]),
+            (k1[0] + k2[0]) - (bp.x * ep.x + bq.x * eq.x),
+            (k1[1] + k2[1]) - (bp.y * ep.y + bq.y * eq.y),
+            (k1[2] + k2[2]) - (bp.z * ep.z + bq.z * eq.z),
+            (k1[3] + k2[3]) - (bp.x * ep.y + bq.x * eq.y),
+            (k1[4] + k2[4]) - (bp.x * ep.z + bq.x * eq.z),
+            (k1[5] + k2[5]) - (bp.y * ep.z + bq.y * eq.z),
         )
         put6(w, h, S, invert(schur))
 
@@ -169,10 +191,10 @@ def prepare_matrices(b, w):
 @kernel
 def solve(w, h, g, ep, eq):
     """Impulse (3) and moment impulses about p and q that change the gap rates by g, ep, eq."""
-    cpp, cqq, cpq = get3(w, h, C)
+    cpp, cqq, cpq = load(w, h, C), load(w, h, C + 1), load(w, h, C + 2)
     rp, rq = get3(w, h, E), get3(w, h, E + 3)
     yp, yq = cpp * ep + cpq * eq, cpq * ep + cqq * eq
-    rhs = sub(g, axpy(ep, rp, scale(eq, rq)))
+    rhs = g - (ep * rp + eq * rq)
     force = symmetric(get6(w, h, S), rhs)
     return force, yp - dot(rp, force), yq - dot(rq, force)
 
@@ -182,17 +204,18 @@ def column(k1, b1, axis):
     """Effect of a unit impulse along a global axis on body 1's hinge point: point (3), p, q."""
     xx, yy, zz, xy, xz, yz = k1
     if axis == 0:
-        point = (xx, xy, xz)
+        point = vector(xx, xy, xz)
     elif axis == 1:
-        point = (xy, yy, yz)
+        point = vector(xy, yy, yz)
     else:
-        point = (xz, yz, zz)
+        point = vector(xz, yz, zz)
     return point, b1[axis], b1[axis + 3]
 
 
 @kernel
-def prepare_supports(hinges, held, b, w):
-    """Schur complement of the support impulses; held (h, 3): whether an axis is held."""
+def prepare_supports(part):
+    """Schur complement of the support impulses."""
+    held, b, w = part.held, part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         if held[h, 0] + held[h, 1] + held[h, 2] == 0:
             continue
@@ -205,7 +228,8 @@ def prepare_supports(hinges, held, b, w):
                 store(w, h, Y + 5 * axis + 3, mp)
                 store(w, h, Y + 5 * axis + 4, mq)
         # Directions that are free get a unit diagonal and no coupling (their Y is zero).
-        x, y, z = get3(hinges, h, HELD)
+        free = get3(part.hinges, h, HELD)
+        x, y, z = free.x, free.y, free.z
         c0, p0, q0 = column(k1, b1, 0)
         c1, p1, q1 = column(k1, b1, 1)
         c2, p2, q2 = column(k1, b1, 2)
@@ -213,12 +237,12 @@ def prepare_supports(hinges, held, b, w):
         m0, n0 = load(w, h, Y + 3), load(w, h, Y + 4)
         m1, n1 = load(w, h, Y + 8), load(w, h, Y + 9)
         m2, n2 = load(w, h, Y + 13), load(w, h, Y + 14)
-        s00 = c0[0] - dot(c0, y0) - (p0 * m0 + q0 * n0)
-        s11 = c1[1] - dot(c1, y1) - (p1 * m1 + q1 * n1)
-        s22 = c2[2] - dot(c2, y2) - (p2 * m2 + q2 * n2)
-        s01 = c0[1] - dot(c0, y1) - (p0 * m1 + q0 * n1)
-        s02 = c0[2] - dot(c0, y2) - (p0 * m2 + q0 * n2)
-        s12 = c1[2] - dot(c1, y2) - (p1 * m2 + q1 * n2)
+        s00 = c0.x - dot(c0, y0) - (p0 * m0 + q0 * n0)
+        s11 = c1.y - dot(c1, y1) - (p1 * m1 + q1 * n1)
+        s22 = c2.z - dot(c2, y2) - (p2 * m2 + q2 * n2)
+        s01 = c0.y - dot(c0, y1) - (p0 * m1 + q0 * n1)
+        s02 = c0.z - dot(c0, y2) - (p0 * m2 + q0 * n2)
+        s12 = c1.z - dot(c1, y2) - (p1 * m2 + q1 * n2)
         inverse = invert(
             (
                 x * s00 + (1.0 - x),
@@ -233,47 +257,51 @@ def prepare_supports(hinges, held, b, w):
 
 
 @kernel
-def find_impulses(hinges, held, supported, bodies, b, w, open_, factor):
+def find_impulses(part, factor):
     """Impulses that change what is in OFF of every open hinge, or rates of it, by `factor` times
     what it is. They go into ONE, TWO and MP, what they do to the bodies into DV and DP.
     """
+    bodies, b, w, open_ = part.bodies, part.body_scratch, part.hinge_scratch, part.open
     for h in range(w.shape[0]):
         if open_[h]:
             ep, eq = factor * load(w, h, OFF + 3), factor * load(w, h, OFF + 4)
-            force, mp, mq = solve(w, h, scale(factor, get3(w, h, OFF)), ep, eq)
+            force, mp, mq = solve(w, h, factor * get3(w, h, OFF), ep, eq)
             put3(w, h, ONE, force)
             put3(w, h, TWO, force)
             store(w, h, MP, mp)
             store(w, h, MP + 1, mq)
-    if supported:
+    if part.supported:
+        held = part.held
         for h in range(w.shape[0]):
             if open_[h] and held[h, 0] + held[h, 1] + held[h, 2] > 0:
-                hold_point(h, hinges, b, w, factor)
+                hold_point(part, h, factor)
     for h in range(w.shape[0]):
         if open_[h]:
             one, two = 2 * h, 2 * h + 1
             on_one, against_two = get3(w, h, ONE), get3(w, h, TWO)
             mp, mq = load(w, h, MP), load(w, h, MP + 1)
-            moment = axpy(mp, get3(w, h, PA), scale(mq, get3(w, h, QA)))
+            moment = mp * get3(w, h, PA) + mq * get3(w, h, QA)
             put3(b, one, DV, times(get3(bodies, one, HIM), on_one))
-            put3(b, one, DP, sub(cross(get3(b, one, GLOBAL_ARM), on_one), moment))
-            put3(b, two, DV, scale(-1.0, times(get3(bodies, two, HIM), against_two)))
-            put3(b, two, DP, sub(moment, cross(get3(b, two, GLOBAL_ARM), against_two)))
+            put3(b, one, DP, cross(get3(b, one, GLOBAL_ARM), on_one) - moment)
+            put3(b, two, DV, -1.0 * times(get3(bodies, two, HIM), against_two))
+            put3(b, two, DP, moment - cross(get3(b, two, GLOBAL_ARM), against_two))
 
 
 @kernel
-def hold_point(h, hinges, b, w, factor):
+def hold_point(part, h, factor):
     """Add the support impulses of hinge h to the impulses that close it."""
+    b, w = part.body_scratch, part.hinge_scratch
     force, mp, mq = get3(w, h, ONE), load(w, h, MP), load(w, h, MP + 1)
     reached = symmetric(get6(b, 2 * h, RESPONSE), force)
-    turning = axpy(mp, get3(w, h, B1), scale(mq, get3(w, h, B1 + 3)))
-    free = get3(hinges, h, HELD)
-    missing = times(free, sub(scale(factor, get3(w, h, OFF + 5)), add(reached, turning)))
-    x, y, z = times(free, symmetric(get6(w, h, G), missing))
-    less = axpy(x, get3(w, h, Y), axpy(y, get3(w, h, Y + 5), scale(z, get3(w, h, Y + 10))))
-    force = sub(force, less)
+    turning = mp * get3(w, h, B1) + mq * get3(w, h, B1 + 3)
+    free = get3(part.hinges, h, HELD)
+    missing = times(free, factor * get3(w, h, OFF + 5) - (reached + turning))
+    held = times(free, symmetric(get6(w, h, G), missing))
+    x, y, z = held.x, held.y, held.z
+    less = x * get3(w, h, Y) + (y * get3(w, h, Y + 5) + z * get3(w, h, Y + 10))
+    force = force - less
     put3(w, h, TWO, force)
-    put3(w, h, ONE, (force[0] + x, force[1] + y, force[2] + z))
+    put3(w, h, ONE, force + held)
     store(w, h, MP, mp - (x * load(w, h, Y + 3) + y * load(w, h, Y + 8) + z * load(w, h, Y + 13)))
     less = x * load(w, h, Y + 4) + y * load(w, h, Y + 9) + z * load(w, h, Y + 14)
     store(w, h, MP + 1, mq - less)

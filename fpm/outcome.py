@@ -97,16 +97,14 @@ class Outcome:
     def _recorded_or_zero(self, name: str) -> np.ndarray:
         return self.recorded[name].values if name in self.recorded else np.zeros(len(self.time))
 
-    def dataset(self, responses=(), attributes=None) -> "xarray.Dataset":
-        """The trajectory as an xarray Dataset (trajectory.py); raises the failure if there is one.
+    def dataset(self, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
+        """The trajectory as an xarray Dataset; raises the failure if there is one.
 
-        responses: sequence of fpm.responses.Response; attributes: extra global attributes.
+        responses: sequence of fpm.responses.Response; the others as in fpm.trajectory.contents.
         """
         from fpm.trajectory import to_dataset
 
-        if self.failure is not None:
-            raise self.failure
-        return to_dataset(self, responses, attributes or {})
+        return to_dataset(self, responses, attributes, parameters)
 
 
 def outcome_of(run, lane: int, times: np.ndarray, division, limit: StableStep | None) -> Outcome:
@@ -114,7 +112,7 @@ def outcome_of(run, lane: int, times: np.ndarray, division, limit: StableStep | 
     batch, parts, world, record = run
     scene, instants = batch.scenes[lane], len(times)
     steps = division.per_instant * (instants - 1)
-    tracks = record.points[:, :, lane].reshape(instants + 1, len(scene.points), -1)[:instants]
+    tracks = record.points[:, :, lane].reshape(instants + 1, len(scene.points), 6)[:instants]
     points = {name: (tracks[:, n, :3], tracks[:, n, 3:]) for n, name in enumerate(scene.points)}
     kinds = (KINETIC, *energies_of(batch.kinds), BALANCE)
     recorded = {}

@@ -6,7 +6,6 @@ elsewhere: an edited kernel never meets old code, and no kind is needed to load 
 """
 
 import fcntl
-import functools
 import hashlib
 import os
 import tempfile
@@ -70,20 +69,21 @@ def cache_folder(parts: tuple[type, ...] = ()) -> Path:
     return (beside if writable else user) / name
 
 
-@functools.cache
-def _dispatcher(folder: Path) -> Dispatcher:
-    """The loop, which keeps what is compiled in a folder, without changing numba's own setting."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(folder)
-    try:
-        return numba.njit(cache=True, **OPTIONS)(loop.run.py_func)
-    finally:
-        numba.config.CACHE_DIR = before
+LOOPS: dict[tuple[type, ...], Dispatcher] = {}
+"""The loop for every set of kinds met so far, by the named tuples of the kinds."""
 
 
-@functools.cache
 def _loop(parts: tuple[type, ...]) -> Dispatcher:
-    return _dispatcher(cache_folder(parts))
+    """The loop for a set of kinds, cached in its folder without changing numba's own setting."""
+    if parts not in LOOPS:
+        before = numba.config.CACHE_DIR
+        folder = cache_folder(parts)
+        numba.config.CACHE_DIR = str(folder)
+        try:
+            LOOPS[parts] = numba.njit(cache=True, **OPTIONS)(loop.run.py_func)
+        finally:
+            numba.config.CACHE_DIR = before
+    return LOOPS[parts]
 
 
 def loop_for(arguments: tuple) -> Callable:

@@ -14,7 +14,7 @@ from numba.extending import overload
 
 from fpm.kernels.lanes import store
 from fpm.kernels.layout import ACCOUNTS
-from fpm.kernels.vectors import OPTIONS, kernel
+from fpm.kernels.vectors import INLINED, kernel
 
 KERNELS: dict[tuple[type, str], Callable] = {}
 """The kernel for a named tuple and the name of a hook."""
@@ -61,7 +61,7 @@ def _unrolled(line: str = "{call}") -> Callable:
         # Numba wants to see the same arguments in both functions.
         namespace = {"implement": implement}
         exec(f"def choose(parts, {', '.join(arguments)}): return implement(parts)", namespace)
-        overload(stub, jit_options={"forceinline": True, **OPTIONS})(namespace["choose"])
+        overload(stub, jit_options=INLINED)(namespace["choose"])
         return stub
 
     return declare

@@ -25,7 +25,10 @@ OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True, "_nrt": 
 Without allocation nothing counts references: a look into a tuple of arrays costs nothing.
 """
 
-kernel = njit(forceinline=True, **OPTIONS)
+INLINED = {**OPTIONS, "forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""Options of what is compiled into its callers only, and never called from Python."""
+
+kernel = njit(**INLINED)
 """Compile a kernel into its callers. A call would spill all vector registers; and a kernel that
 stood alone as well could be rounded otherwise there than in the cached time loop.
 """

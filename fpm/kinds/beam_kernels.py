@@ -13,7 +13,7 @@ from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, sqrt, store
 from fpm.kernels.layout import D2, D3, F, M, X
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import OPTIONS, add3, cross, dot, get3, kernel, larger, put3, to_global
+from fpm.kernels.vectors import INLINED, add3, cross, dot, get3, kernel, larger, put3, to_global
 
 # Constants of an element.
 LENGTH = 0  # undeformed length
@@ -87,7 +87,7 @@ def end_axes(part, state, e):
     """Axes 2 and 3 of element e as its ends a and b carry them: a2, a3, b2, b3."""
 
 
-@overload(end_axes, jit_options={"forceinline": True, **OPTIONS})
+@overload(end_axes, jit_options=INLINED)
 def _end_axes(part, state, e):
     chosen = _framed_axes if part.instance_class is FramedElements else _own_axes
     return lambda part, state, e: chosen(part, state, e)

@@ -40,7 +40,7 @@ class Drive(Kind):
 
     @classmethod
     def motion(cls, scene, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The driven particles (d,), their velocities (d, 3) m/s, spins (d, 3) rad/s at a time (s)."""
+        """The driven particles (d,), velocities (d, 3) m/s and spins (d, 3) rad/s at a time (s)."""
         particles = np.array(sorted(set(cls.moved(scene))), int)
         motion = np.zeros((2, len(particles), 3))
         for drive in cls.of(scene):

@@ -85,7 +85,9 @@ class Hinge(Kind):
 
     def check(self, scene):
         """Its particles must be free for it, or held entirely."""
-        taken = {p for hinge in Hinge.of(scene) for p in hinge.particles if not scene.fixed[p].all()}
+        taken = {
+            p for hinge in Hinge.of(scene) for p in hinge.particles if not scene.fixed[p].all()
+        }
         taken |= {p for kind in scene.kinds if kind is not Hinge for p in kind.moved(scene)}
         if taken & set(self.particles):
             raise SceneError(

@@ -37,6 +37,7 @@ from fpm.kernels.vectors import (
     to_global,
     to_local,
 )
+from fpm.kinds.hinge import MOST_GAP, MOST_TILT
 from fpm.kinds.hinge_matrix import (
     ARM,
     AXIS,
@@ -62,7 +63,6 @@ from fpm.kinds.hinge_matrix import (
     prepare_matrices,
     prepare_supports,
 )
-from fpm.kinds.hinge import MOST_GAP, MOST_TILT
 
 ROUNDS = 4
 """Most rounds in a step; smooth motion takes one, a fast impact two."""

@@ -40,7 +40,7 @@ class Watch(NamedTuple):
 
 
 class Recorded(NamedTuple):
-    """Something recorded: values (t,), or (t, k) along a dimension with k labels; unit (UDUNITS)."""
+    """Something recorded: values (t,), or (t, k) along a dimension with k labels, in a unit."""
 
     values: np.ndarray
     unit: str

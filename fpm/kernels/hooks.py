@@ -12,8 +12,8 @@ from collections.abc import Callable
 
 from numba.extending import overload
 
-from fpm.kernels.lanes import store
-from fpm.kernels.layout import ACCOUNTS
+from fpm.kernels.lanes import load, store
+from fpm.kernels.layout import ACCOUNTS, X
 from fpm.kernels.vectors import INLINED, kernel
 
 KERNELS: dict[tuple[type, str], Callable] = {}
@@ -32,19 +32,44 @@ def hook(arrays: type, name: str | None = None) -> Callable:
             raise ValueError(f"{what} is no hook; expected one of {', '.join(NAMES)}")
         compiled = function if hasattr(function, "py_func") else kernel(function)
         KERNELS[arrays, what] = compiled
+        if what == "energy_of":
+            KERNELS[arrays, "stored"] = _sum(compiled)
+            KERNELS[arrays, "list_energies"] = _list(compiled)
         return compiled
 
     return register
 
 
-def _unrolled(line: str = "{call}") -> Callable:
-    """Make a hook of an empty function of (parts, ...); `line` says what is done with each call.
+def _sum(energy_of: Callable) -> Callable:
+    @kernel
+    def stored(part, world):
+        total = 0.0 * load(world.state, 0, X)
+        for e in range(part.rows.shape[0]):
+            total = total + energy_of(part, world, e)
+        return total
 
-    {call} is the kernel's call with parts[i] in place of all parts, {j} counts the calls.
+    return stored
+
+
+def _list(energy_of: Callable) -> Callable:
+    @kernel
+    def list_energies(part, world):
+        for e in range(part.rows.shape[0]):
+            store(part.rows, e, 0, energy_of(part, world, e))
+
+    return list_energies
+
+
+def _unrolled(line: str | None = None) -> Callable:
+    """Make a hook of an empty function of (parts, ...).
+
+    line: what is done for each kind, if not just the call of its `kernel` with its `part` in place
+    of the parts; {j} counts the kinds that have a kernel.
     """
 
     def declare(stub):
         name, (_, *arguments) = stub.__name__, inspect.signature(stub).parameters
+        template = line or f"{{kernel}}({', '.join(['{part}', *arguments])})"
         NAMES.append(name)
 
         def implement(parts):
@@ -52,8 +77,8 @@ def _unrolled(line: str = "{call}") -> Callable:
             for i, part in enumerate(parts.types):
                 if found := KERNELS.get((part.instance_class, name)):
                     namespace[f"kernel_{i}"] = found
-                    call = f"kernel_{i}({', '.join([f'parts[{i}]', *arguments])})"
-                    lines.append(line.format(call=call, j=len(lines)))
+                    names = {"kernel": f"kernel_{i}", "part": f"parts[{i}]", "j": len(lines)}
+                    lines.append(template.format(**names))
             body = "\n    ".join(lines or ["pass"])
             exec(f"def unrolled(parts, {', '.join(arguments)}):\n    {body}", namespace)
             return namespace["unrolled"]
@@ -108,9 +133,14 @@ def work_after(parts, world, now):
 # At checks and instants, with the positions of now.time.
 
 
-@_unrolled("store(energies, row, ACCOUNTS + world.accounts.shape[1] + {j}, {call})")
+@_unrolled(
+    "store(energies, row, ACCOUNTS + world.accounts.shape[1] + {j}, {kernel}({part}, world))"
+)
 def stored(parts, world, energies, row):
-    """Return the energy (lanes, J) that all elements of the kind store, and watch them."""
+    """A kernel of (part, world) returns the energy (lanes, J) that all elements of the kind store.
+
+    `energy_of` is simpler.
+    """
 
 
 @_unrolled()
@@ -127,6 +157,12 @@ def record(parts, world, row):
 def record_points(parts, world, points, row, now):
     """Correct the recorded velocities of points on particles that the kind moves itself."""
 
+
+def energy_of(part, world, e):
+    """Return the energy (lanes, J) of element e; it stands for `stored` and `list_energies`."""
+
+
+NAMES.append("energy_of")
 
 # When a lane fails.
 

@@ -156,7 +156,7 @@ def shape_of(part, state, e):
 
 
 @kernel
-def energy_of(part, e, sines, twist):
+def strain_energy(part, e, sines, twist):
     """Strain energy (J) of element e, from its axial force and its shape."""
     ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
     tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
@@ -191,14 +191,14 @@ def larger_strains(part, e, sines, twist, bend, strain):
 
 
 @kernel
-def stored(part, world, energies, row):
+def stored(part, world):
     """Strain energy of all elements (J); their bend and strain are watched."""
     total = 0.0 * load(world.state, 0, X)
     bend, strain = 0.0 * load(part.watched, 0, BEND), load(part.watched, 0, STRAIN)
     for e in range(part.nodes.shape[0]):
         sines, twist = shape_of(part, world.state, e)
         bend, strain = larger_strains(part, e, sines, twist, bend, strain)
-        total = total + energy_of(part, e, sines, twist)
+        total = total + strain_energy(part, e, sines, twist)
     store(part.watched, 0, BEND, larger(load(part.watched, 0, BEND), sqrt(bend)))
     store(part.watched, 0, STRAIN, strain)
     return total
@@ -210,7 +210,7 @@ def list_energies(part, world):
     find_chords(part, world.state)
     for e in range(part.nodes.shape[0]):
         sines, twist = shape_of(part, world.state, e)
-        store(part.rows, e, 0, energy_of(part, e, sines, twist))
+        store(part.rows, e, 0, strain_energy(part, e, sines, twist))
 
 
 for _arrays in (StraightElements, FramedElements):

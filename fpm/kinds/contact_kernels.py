@@ -6,11 +6,10 @@ import numpy as np
 
 from fpm.kernels.events import note_crossing
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, load, store, where_negative
-from fpm.kernels.layout import X
-from fpm.kernels.vectors import kernel
+from fpm.kernels.lanes import any_negative, load, where_negative
 from fpm.kernels.world import Log
-from fpm.kinds.hinge_kernels import BEFORE, NOW, Hinges, turn_hinge
+from fpm.kinds.hinge_arrays import BEFORE, NOW, Hinges
+from fpm.kinds.hinge_openings import turn_hinge
 
 STIFFNESS = 0
 
@@ -54,25 +53,9 @@ def note_events(part, world, now):
                 note_crossing(part.log, s, c, last, this, now)
 
 
-@kernel
-def energy_of(part, i):
+@hook(Contacts)
+def energy_of(part, world, i):
     """Energy of contact i (J)."""
     psi = load(part.hinges.openings, part.on[i], NOW)
     overlap = where_negative(psi, psi, 0.0 * psi)
     return 0.5 * load(part.contact, i, STIFFNESS) * overlap * overlap
-
-
-@hook(Contacts)
-def stored(part, world, energies, row):
-    """Energy of all contacts (J)."""
-    total = 0.0 * load(world.state, 0, X)
-    for i in range(part.on.shape[0]):
-        total = total + energy_of(part, i)
-    return total
-
-
-@hook(Contacts)
-def list_energies(part, world):
-    """Energy of each contact (J)."""
-    for i in range(part.on.shape[0]):
-        store(part.rows, i, 0, energy_of(part, i))

@@ -117,8 +117,8 @@ class Hinge(Kind):
 
     @classmethod
     def pack(cls, batch):
-        from fpm.kinds.hinge_kernels import Hinges
-        from fpm.kinds.hinge_matrix import BODY, BODY_SCRATCH, HINGE, HINGE_SCRATCH
+        from fpm.kinds import hinge_kernels  # noqa: F401, its hooks
+        from fpm.kinds.hinge_arrays import BODY, BODY_SCRATCH, HINGE, HINGE_SCRATCH, Hinges
 
         hinges = cls.of(batch.one)
         h, rows = len(hinges), batch.instants + 1
@@ -154,7 +154,7 @@ class Hinge(Kind):
 
 
 def _bodies(scene) -> np.ndarray:
-    from fpm.kinds import hinge_matrix as at
+    from fpm.kinds import hinge_arrays as at
 
     hinges = Hinge.of(scene)
     out = np.zeros((2 * len(hinges), at.BODY))
@@ -171,7 +171,7 @@ def _bodies(scene) -> np.ndarray:
 
 
 def _places(scene) -> np.ndarray:
-    from fpm.kinds import hinge_matrix as at
+    from fpm.kinds import hinge_arrays as at
 
     out = np.zeros((len(Hinge.of(scene)), at.HINGE))
     for row, hinge in zip(out, Hinge.of(scene), strict=True):

@@ -15,14 +15,9 @@ A sample whose gaps are small is left alone in the rounds that other samples nee
 not depend on theirs.
 """
 
-from typing import NamedTuple
-
-import numpy as np
-
-from fpm.kernels.angles import arctan2
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, floor, load, sqrt, store, where_negative
-from fpm.kernels.layout import D2, D3, M, P, V, X
+from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
+from fpm.kernels.layout import D2, D3, P, V, X
 from fpm.kernels.rotation import frame, half_turn, put_turned
 from fpm.kernels.vectors import (
     add3,
@@ -38,16 +33,18 @@ from fpm.kernels.vectors import (
     to_local,
 )
 from fpm.kinds.hinge import MOST_GAP, MOST_TILT
-from fpm.kinds.hinge_matrix import (
+from fpm.kinds.hinge_arrays import (
     ARM,
     AXIS,
     DP,
     DV,
+    GAP,
     GLOBAL_ARM,
     HELD,
     HIJ,
     INVERSE,
     MISSED,
+    NOW,
     OFF,
     OLD_D2,
     OLD_D3,
@@ -56,13 +53,18 @@ from fpm.kinds.hinge_matrix import (
     PLACE,
     QA,
     REF,
-    find_impulses,
+    TILT,
+    Hinges,
     get6,
+)
+from fpm.kinds.hinge_matrix import (
+    find_impulses,
     prepare_bodies,
     prepare_directions,
     prepare_matrices,
-    prepare_supports,
 )
+from fpm.kinds.hinge_openings import update_openings
+from fpm.kinds.hinge_supports import prepare_supports
 
 ROUNDS = 4
 """Most rounds in a step; smooth motion takes one, a fast impact two."""
@@ -72,58 +74,6 @@ COARSE_GAP = 5e-9
 
 COARSE_TILT = 5e-8
 """The same for the angle between the axes (rad)."""
-
-TURN = 2 * np.pi
-
-GAP, TILT = 0, 1  # watched, and recorded
-
-
-class Hinges(NamedTuple):
-    """Hinge h has the bodies 2h and 2h + 1."""
-
-    ends: np.ndarray  # (2h,) particles of the bodies
-    bodies: np.ndarray  # (2h, BODY, lanes)
-    hinges: np.ndarray  # (h, HINGE, lanes)
-    held: np.ndarray  # (h, 3) 1 where the hinge point is held along a global axis
-    supported: bool  # whether any is
-    openings: np.ndarray  # (h, 2, lanes) now and one step ago (rad)
-    followed: bool  # whether the openings are needed in every step
-    body_scratch: np.ndarray  # (2h, BODY_SCRATCH, lanes)
-    hinge_scratch: np.ndarray  # (h, HINGE_SCRATCH, lanes)
-    open: np.ndarray  # (h,) scratch
-    watched: np.ndarray  # (1, 2, lanes)
-    rows: np.ndarray  # (h, 1, lanes)
-    track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded openings
-    gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)
-
-
-NOW, BEFORE = 0, 1  # fields of the openings
-
-
-@kernel
-def update_openings(part, state):
-    """New openings, which are functions of the configuration; the last only picks the turn."""
-    bodies, openings = part.bodies, part.openings
-    for h in range(openings.shape[0]):
-        one, two = part.ends[2 * h], part.ends[2 * h + 1]
-        axes = frame(state, one)
-        axis = to_global(axes, get3(bodies, 2 * h, AXIS))
-        first = to_global(axes, get3(bodies, 2 * h, REF))
-        second = to_global(frame(state, two), get3(bodies, 2 * h + 1, REF))
-        angle = arctan2(dot(axis, cross(first, second)), dot(first, second))
-        last = load(openings, h, NOW)
-        store(openings, h, BEFORE, last)
-        turns = floor((last - angle) * (1.0 / TURN) + 0.5)
-        store(openings, h, NOW, angle + TURN * turns)
-
-
-@kernel
-def turn_hinge(hinges, state, h, moment):
-    """Add a moment about the axis of hinge h to its second particle, its opposite to the first."""
-    one, two = hinges.ends[2 * h], hinges.ends[2 * h + 1]
-    axis = to_global(frame(state, one), get3(hinges.bodies, 2 * h, AXIS))
-    put3(state, two, M, moment * axis + get3(state, two, M))
-    put3(state, one, M, (-1.0 * moment) * axis + get3(state, one, M))
 
 
 @hook(Hinges)

@@ -5,10 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import X
-from fpm.kernels.vectors import kernel
-from fpm.kinds.hinge_kernels import NOW, Hinges, turn_hinge
+from fpm.kernels.lanes import load
+from fpm.kinds.hinge_arrays import NOW, Hinges
+from fpm.kinds.hinge_openings import turn_hinge
 
 STIFFNESS, REST = 0, 1
 
@@ -31,24 +30,8 @@ def forces(part, world, now):
         turn_hinge(part.hinges, world.state, h, load(part.spring, i, STIFFNESS) * off)
 
 
-@kernel
-def energy_of(part, i):
+@hook(Springs)
+def energy_of(part, world, i):
     """Energy of spring i (J)."""
     off = load(part.hinges.openings, part.on[i], NOW) - load(part.spring, i, REST)
     return 0.5 * load(part.spring, i, STIFFNESS) * off * off
-
-
-@hook(Springs)
-def stored(part, world, energies, row):
-    """Energy of all springs (J)."""
-    total = 0.0 * load(world.state, 0, X)
-    for i in range(part.on.shape[0]):
-        total = total + energy_of(part, i)
-    return total
-
-
-@hook(Springs)
-def list_energies(part, world):
-    """Energy of each spring (J)."""
-    for i in range(part.on.shape[0]):
-        store(part.rows, i, 0, energy_of(part, i))

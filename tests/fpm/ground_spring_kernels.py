@@ -8,7 +8,7 @@ from fpm.kernels.events import note_crossing
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, sqrt, store
 from fpm.kernels.layout import F, X
-from fpm.kernels.vectors import add3, dot, get3, kernel
+from fpm.kernels.vectors import add3, dot, get3
 from fpm.kernels.world import Log
 
 ANCHOR, STIFFNESS, REST = 0, 3, 4
@@ -45,18 +45,10 @@ def note_events(part, world, now):
                 note_crossing(part.log, s, i, before, after, now)
 
 
-@kernel
-def energy_of(part, i):
+@hook(GroundSprings)
+def energy_of(part, world, i):
     stretch = load(part.stretch, i, NOW)
     return 0.5 * load(part.spring, i, STIFFNESS) * stretch * stretch
-
-
-@hook(GroundSprings)
-def stored(part, world, energies, row):
-    total = 0.0 * load(world.state, 0, X)
-    for i in range(part.on.shape[0]):
-        total = total + energy_of(part, i)
-    return total
 
 
 @hook(GroundSprings)
@@ -65,9 +57,3 @@ def record(part, world, row):
     for i in range(count):
         length = load(part.stretch, i, NOW) + load(part.spring, i, REST)
         store(part.track, row * count + i, 0, length)
-
-
-@hook(GroundSprings)
-def list_energies(part, world):
-    for i in range(part.on.shape[0]):
-        store(part.rows, i, 0, energy_of(part, i))

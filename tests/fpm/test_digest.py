@@ -9,13 +9,18 @@ import fpm
 from fpm import sources
 
 
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    return tmp_path_factory.mktemp("cache")
+
+
 @pytest.fixture
-def copied(tmp_path, monkeypatch):
+def copied(tmp_path, monkeypatch, cache):
     """A copy of the mechanics, whose files are digested; returns its folder."""
     folder = tmp_path / "fpm"
     shutil.copytree(sources.HERE, folder, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(sources, "HERE", folder)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(cache))
     return folder
 
 

@@ -8,11 +8,12 @@ Importing is cheap: numba and xarray are loaded when first needed.
 """
 
 from fpm import responses, scenes, trajectory
-from fpm.elements.beam import Material, Section
 from fpm.errors import InstabilityError, SceneError
+from fpm.kinds.beam import Material, Section
+from fpm.outcome import Outcome
 from fpm.scene import Link, Scene
-from fpm.simulate import Outcome, divide_time, simulate
-from fpm.timestep import StableStep, stable_step
+from fpm.simulate import divide_time, simulate
+from fpm.timestep import SAFETY, StableStep, stable_step
 from fpm.warming import warm_up
 
 DATA_VERSION = "3"
@@ -20,6 +21,7 @@ DATA_VERSION = "3"
 
 __all__ = [
     "DATA_VERSION",
+    "SAFETY",
     "InstabilityError",
     "Link",
     "Material",

@@ -44,7 +44,7 @@ def write(
                 if dim not in file.dimensions:
                     file.createDimension(dim, size)
             column = file.createVariable(name, values.dtype, dims)
-            column[:] = values
+            column[...] = values
             _set_attributes(column, own)
 
 
@@ -73,13 +73,15 @@ def _column(name: str, dims: tuple[str, ...], values: np.ndarray, attributes: Ma
     values = np.asarray(values)
     if values.dtype.kind == "O":  # text, as xarray reads it
         values = values.astype(str)
+    if values.dtype.kind == "b":
+        values = values.astype(np.int8)
     if values.dtype.kind in "iu" and values.dtype.itemsize == 8:
         if np.any(values != values.astype(np.int32)):
             raise ValueError(f"{name} has integers of more than 32 bits, which the format lacks")
         values = values.astype(np.int32)
     if values.dtype.kind != "U":
         return Variable(tuple(dims), values, attributes)
-    encoded = np.char.encode(values, "utf-8")
+    encoded = np.char.encode(values.ravel(), "utf-8")
     width = max(1, encoded.dtype.itemsize)
     characters = encoded.astype(f"S{width}").view("S1").reshape(*values.shape, width)
     return Variable((*dims, f"{name}_width"), characters, {**attributes, "_Encoding": "utf-8"})

@@ -1,57 +1,39 @@
 """Scenes to kernel arrays: numbers of several scenes side by side in lanes.
 
-All scenes of a batch must share their topology (particles, connections, held axes, curves, whether
-beams lie along their particles' axes); only numbers may differ. The last scene fills the lanes that
-are left over; their results are dropped.
+All scenes of a batch must share their topology (particles, connections, held axes, curves, ...);
+only numbers may differ. The last scene fills the lanes that are left over; their results are
+dropped.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from fpm.errors import SceneError
 from fpm.kernels import layout as at
-from fpm.kernels.model import Model, Record
-from fpm.scene import AXES, Scene
+from fpm.kernels.world import Log, Record, World
+from fpm.kinds import kinds_of
+from fpm.kinds.kind import Kind
+from fpm.scene import Scene
 
 MOST_EVENTS = 512
-"""Contact events kept per sample; more are counted but not kept."""
-
+"""Events kept per sample; more are counted but not kept."""
 
 REST_STRAIN = 1e-10
 """Rounding strains a scene at rest by less; the energy of so much is the least energy scale."""
 
 
-ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
-"""Row of `_end_axes` of an element whose axes are those of its particles."""
-
-
-def framed(scene: Scene) -> bool:
-    """Whether some element's axes are not those of its particles (to rounding).
-
-    The kernels take another path then. It must follow from the scene alone: a choice for a whole
-    batch would let a sample's last digits depend on its neighbours.
-    """
-    axes = _end_axes(scene) if scene.beams else ALIGNED
-    return bool(np.abs(axes - ALIGNED).max() >= 1e-12)
-
-
 def topology(scene: Scene) -> tuple:
     """What must be equal in all scenes of a batch, as a hashable tuple."""
-    curves = tuple((tuple(t), tuple(v)) for t, v in scene.curves)
+    of_kinds = {kind: kind.topology_of(scene) for kind in kinds_of([scene])}
     return (
         len(scene.position),
-        tuple(tuple(b.nodes.ravel()) for b in scene.beams),
-        tuple((h.name, h.particles, h.support) for h in scene.hinges),
-        tuple(s.hinge for s in scene.springs),
-        tuple(c.hinge for c in scene.contacts),
-        tuple((load.beam.particle, load.curve) for load in scene.loads),
-        tuple((d.particle, d.curve) for d in scene.drives),
+        tuple((kind, found) for kind, found in of_kinds.items() if found is not None),
         tuple((name, p.particle) for name, p in scene.points.items()),
         scene.fixed.tobytes(),
-        curves,
-        framed(scene),
+        tuple((tuple(t), tuple(v)) for t, v in scene.curves),
     )
 
 
@@ -79,19 +61,164 @@ def blank(*shape_and_dtype) -> np.ndarray:
     return buffer[offset : offset + size].view(dtype).reshape(shape)
 
 
-def _stack(scenes, rows, columns, function, width, dtype):
-    """Array (rows, columns, width) from function(scene) -> (rows, columns), scene by scene."""
-    out = blank(rows, columns, width, dtype)
-    if rows:
-        for s in range(width):
-            if s < len(scenes):
-                out[:, :, s] = function(scenes[s])
-            else:
-                out[:, :, s] = out[:, :, len(scenes) - 1]
-    return out
+class Places:
+    """Consecutive places in a shared array: which of them are whose."""
+
+    def __init__(self, sizes: dict):
+        ends = np.cumsum([0, *sizes.values()])
+        self.count = int(ends[-1])
+        self.of = {key: slice(int(a), int(b)) for key, a, b in zip(sizes, ends, ends[1:])}  # noqa: B905
 
 
-def state_of(scene: Scene) -> np.ndarray:
+class Batch:
+    """Scenes of one topology in the making: what kinds need to pack their arrays.
+
+    scenes, of which `one` stands for all where they agree; kinds in them; width: number of lanes;
+    instants that are recorded.
+    """
+
+    def __init__(self, scenes: Sequence[Scene], width: int, dtype, instants: int):
+        self.scenes, self.width, self.dtype, self.instants = scenes, width, dtype, instants
+        self.one = scenes[0]
+        self.kinds = kinds_of(scenes)
+        self._parts: dict[type[Kind], NamedTuple] = {}
+        self.accounts = self._accounts()
+        self.watches = Places({kind: len(kind.watches) for kind in self.kinds})
+        self.rows = Places({k: len(k.names(self.one)) for k in self.kinds if k.stores or k.watches})
+        eventful = {k: len(k.names(self.one)) for k in self.kinds if k.events}
+        self.eventful = Places(eventful)
+        self._watched = self.blank(1, self.watches.count)
+        self._rows = self.blank(self.rows.count, 1)
+        self.events = np.full((MOST_EVENTS, 3, width), np.nan, dtype)
+        self.event_count = np.zeros(width, np.int64)
+
+    def _accounts(self) -> list:
+        """Energies given, then taken: one account for all kinds with the same."""
+        given = dict.fromkeys(kind.gives for kind in self.kinds if kind.gives)
+        taken = dict.fromkeys(kind.takes for kind in self.kinds if kind.takes)
+        self.givers = len(given)
+        return [*given, *taken]
+
+    # -- arrays of numbers that differ from scene to scene ----------------------------------------
+
+    def blank(self, rows: int, columns: int) -> np.ndarray:
+        """Zeros (rows, columns, lanes)."""
+        return blank(rows, columns, self.width, self.dtype)
+
+    def stack(self, rows: int, columns: int, function: Callable[[Scene], object]) -> np.ndarray:
+        """Array (rows, columns, lanes) from function(scene) -> (rows, columns), scene by scene."""
+        out = self.blank(rows, columns)
+        if rows:
+            for s in range(self.width):
+                if s < len(self.scenes):
+                    out[:, :, s] = function(self.scenes[s])
+                else:
+                    out[:, :, s] = out[:, :, len(self.scenes) - 1]
+        return out
+
+    def table(self, kind: type[Kind], columns: int, row: Callable) -> np.ndarray:
+        """Array (elements, columns, lanes) from row(element) of every element of a kind."""
+        count = len(kind.of(self.one))
+        return self.stack(count, columns, lambda scene: [row(e) for e in kind.of(scene)])
+
+    # -- arrays that are the same for all lanes ---------------------------------------------------
+
+    @staticmethod
+    def integers(values: Iterable, columns: int | None = None) -> np.ndarray:
+        """Whole numbers (n,), or (n, columns)."""
+        shape = (-1,) if columns is None else (-1, columns)
+        return np.array(list(values), np.int64).reshape(shape)
+
+    # -- what kinds share -------------------------------------------------------------------------
+
+    def part(self, kind: type[Kind]) -> NamedTuple:
+        """The arrays of a kind, packed at the first call."""
+        if kind not in self._parts:
+            self._parts[kind] = kind.pack(self)
+        return self._parts[kind]
+
+    def is_read(self, kind: type[Kind]) -> bool:
+        """Whether another kind needs the arrays of this one in every step (Kind.reads)."""
+        return any(kind in other.reads for other in self.kinds)
+
+    def given_by(self, kind: type[Kind]) -> int:
+        """Number of the account of the work that a kind gives."""
+        return self.accounts.index(kind.gives)
+
+    def taken_by(self, kind: type[Kind]) -> int:
+        """Number of the account of the energy that a kind takes."""
+        return self.accounts.index(kind.takes)
+
+    def watched_by(self, kind: type[Kind]) -> np.ndarray:
+        """Its own part (1, watches, lanes) of what is watched."""
+        return self._watched[:, self.watches.of[kind]]
+
+    def rows_of(self, kind: type[Kind]) -> np.ndarray:
+        """Its own part (elements, 1, lanes) of the rows that say how bad an element is."""
+        return self._rows[self.rows.of[kind]]
+
+    def log_of(self, kind: type[Kind]) -> Log:
+        """Where it notes its events."""
+        return Log(self.events, self.event_count, self.eventful.of[kind].start)
+
+    # -- the whole --------------------------------------------------------------------------------
+
+    def parts(self) -> tuple:
+        """The arrays of all kinds, in order."""
+        return tuple(self.part(kind) for kind in self.kinds)
+
+    def world(self) -> World:
+        """Particles at their start, curves, and what the kinds share."""
+        one, n, points = self.one, len(self.one.position), self.one.points
+        moved = {p for kind in self.kinds for p in kind.moved(one)}
+        lengths = [len(times) for times, _ in one.curves]
+        watching = [(kind, watch) for kind in self.kinds for watch in kind.watches]
+        rows = [self.rows.of[kind] for kind, _ in watching]
+        return World(
+            state=self.stack(n, at.STATE, _state),
+            kept=self.blank(n, at.STATE),
+            particles=self.stack(n, at.PARTICLE, _particles),
+            free=self.integers(p for p in range(n) if p not in moved),
+            curve_start=self.integers(np.cumsum([0, *lengths])),
+            curve_time=np.concatenate([np.zeros(0), *(times for times, _ in one.curves)]),
+            curve_value=np.concatenate([np.zeros(0), *(values for _, values in one.curves)]),
+            point_on=self.integers(p.particle for p in points.values()),
+            point_arm=self.stack(len(points), 3, lambda s: [p.arm for p in s.points.values()]),
+            accounts=self.blank(1, len(self.accounts)),
+            givers=self.givers,
+            sums=self.blank(1, at.SUMS),
+            watched=self._watched,
+            most=np.array([watch.most for _, watch in watching]),
+            always=np.array([watch.always for _, watch in watching], bool),
+            watch_rows=self.integers(((r.start, r.stop) for r in rows), 2),
+            rows=self._rows,
+        )
+
+    def record(self) -> Record:
+        """An empty record."""
+        rows, width, dtype = self.instants + 1, self.width, self.dtype
+        energies = at.ACCOUNTS + len(self.accounts) + sum(bool(k.stores) for k in self.kinds)
+        failed = np.full(width, -1, np.int64)
+        failed[len(self.scenes) :] = 0  # the lanes that only fill up are never looked at
+        return Record(
+            points=self.blank(rows * len(self.one.points), at.POINT),
+            energies=self.blank(rows, energies),
+            failed_step=failed,
+            failed_cause=np.zeros(width, np.int64),
+            failed_row=np.zeros(width, np.int64),
+            failed_balance=np.zeros(width, dtype),
+            failed_watched=np.zeros((self.watches.count, width), dtype),
+            scale=self._least_scale(),
+        )
+
+    def _least_scale(self) -> np.ndarray:
+        """Energy (lanes,) that rounding may hold in a scene at rest."""
+        scales = [kind.rounding(self.part(kind)) for kind in self.kinds]
+        least = sum((s for s in scales if s is not None), np.zeros(self.width, self.dtype))
+        return REST_STRAIN**2 * least
+
+
+def _state(scene: Scene) -> np.ndarray:
     """State (n, STATE) of one scene at its start."""
     out = np.zeros((len(scene.position), at.STATE))
     out[:, at.X : at.X + 3] = scene.position
@@ -111,127 +238,3 @@ def _particles(scene: Scene) -> np.ndarray:
     held = scene.fixed[:, 3:].all(axis=1)[:, None]
     out[:, at.IJ : at.IJ + 3] = np.where(held, 0.0, 1.0 / scene.inertia)
     return out
-
-
-def _end_axes(scene: Scene) -> np.ndarray:
-    """Axes 2 and 3 of every element in the frames of its ends (m, 12)."""
-    frame = scene.frame if scene.unstrained is None else scene.unstrained
-    rows = []
-    for beams in scene.beams:
-        for end in (0, 1):
-            local = np.einsum("mji,mjk->mik", frame[beams.nodes[:, end]], beams.triad[:, :, 1:])
-            rows.append(local.transpose(0, 2, 1).reshape(-1, 6))
-    pairs = [np.hstack(rows[i : i + 2]) for i in range(0, len(rows), 2)]
-    return np.concatenate(pairs)
-
-
-def _bodies(scene: Scene) -> np.ndarray:
-    out = np.zeros((2 * len(scene.hinges), at.BODY))
-    for h, hinge in enumerate(scene.hinges):
-        for k, beam in enumerate(hinge.beams):
-            row, p = out[2 * h + k], beam.particle
-            free = ~scene.fixed[p]
-            row[at.ARM : at.ARM + 3] = beam.arm
-            row[at.AXIS : at.AXIS + 3] = hinge.axes[k]
-            row[at.REF : at.REF + 3] = hinge.references[k]
-            row[at.HIM : at.HIM + 3] = free[:3] / scene.mass[p]
-            row[at.HIJ : at.HIJ + 3] = free[3:].all() / scene.inertia[p]  # all or none
-    return out
-
-
-def _hinges(scene: Scene) -> np.ndarray:
-    out = np.zeros((len(scene.hinges), at.HINGE))
-    for row, hinge in zip(out, scene.hinges, strict=True):
-        row[at.HELD : at.HELD + 3] = [axis in hinge.support for axis in AXES]
-        first = hinge.beams[0]
-        place = scene.position[first.particle] + scene.frame[first.particle] @ first.arm
-        row[at.PLACE : at.PLACE + 3] = place
-    return out
-
-
-def _loads(scene: Scene) -> np.ndarray:
-    return np.array([[*load.force, *load.moment, *load.beam.arm] for load in scene.loads])
-
-
-def _integers(values, columns=None) -> np.ndarray:
-    shape = (-1,) if columns is None else (-1, columns)
-    return np.array(list(values), np.int64).reshape(shape)
-
-
-def pack(scenes: Sequence[Scene], width: int, dtype=np.float64) -> tuple[np.ndarray, Model]:
-    """State (n, STATE, width) and Model of up to `width` scenes of one topology."""
-    one = scenes[0]
-    n, m, h = len(one.position), sum(len(b.length) for b in one.beams), len(one.hinges)
-
-    def stack(rows, columns, function):
-        return _stack(scenes, rows, columns, function, width, dtype)
-
-    heavy = any(np.any(s.gravity != 0) for s in scenes)
-    damped = any(s.damping > 0 for s in scenes)
-    partly = [
-        p for p in range(n)
-        if 0 < one.fixed[p, :3].sum() < 3 or 0 < one.fixed[p, 3:].sum() < 3
-    ]  # fmt: skip
-    curve_points = [len(t) for t, _ in one.curves]
-    springs, contacts = one.springs, one.contacts
-    moved = {p for hinge in one.hinges for p in hinge.particles}
-    moved |= {d.particle for d in one.drives}
-    model = Model(
-        particles=stack(n, at.PARTICLE, _particles),
-        free=_integers(p for p in range(n) if p not in moved),
-        nodes=_integers(np.concatenate([b.nodes for b in one.beams]) if m else [], 2),
-        beams=stack(m, at.BEAM, lambda s: np.concatenate([b.stiffness() for b in s.beams])),
-        axes=stack(m if framed(one) else 0, at.AXES, _end_axes),
-        gravity=stack(int(heavy), 3, lambda s: s.gravity[None]),
-        damping=stack(int(damped), 1, lambda s: [[s.damping]]),
-        chord=blank(m, at.CHORD, width, dtype),
-        ends=_integers(p for hinge in one.hinges for p in hinge.particles),
-        bodies=stack(2 * h, at.BODY, _bodies),
-        hinges=stack(h, at.HINGE, _hinges),
-        held=_integers(([axis in hinge.support for axis in AXES] for hinge in one.hinges), 3),
-        body_scratch=blank(2 * h, at.BODY_SCRATCH, width, dtype),
-        hinge_scratch=blank(h, at.HINGE_SCRATCH, width, dtype),
-        open_hinge=np.zeros(h, bool),
-        openings=stack(h, 2, lambda s: [[hinge.opening] * 2 for hinge in s.hinges]),
-        spring_on=_integers(s.hinge for s in springs),
-        springs=stack(len(springs), 2, lambda s: [[x.stiffness, x.rest] for x in s.springs]),
-        contact_on=_integers(c.hinge for c in contacts),
-        contacts=stack(len(contacts), 1, lambda s: [[x.stiffness] for x in s.contacts]),
-        load_on=_integers(x.beam.particle for x in one.loads),
-        load_curve=_integers(x.curve for x in one.loads),
-        loads=stack(len(one.loads), 9, _loads),
-        drive_on=_integers(d.particle for d in one.drives),
-        drive_curve=_integers(d.curve for d in one.drives),
-        drives=stack(len(one.drives), 6, lambda s: [[*d.velocity, *d.spin] for d in s.drives]),
-        hold_on=_integers(partly),
-        hold_free=stack(len(partly), 6, lambda s: ~s.fixed[partly]),
-        curve_start=np.concatenate([[0], np.cumsum(curve_points)]).astype(np.int64),
-        curve_time=np.concatenate([t for t, _ in one.curves] or [np.zeros(0)]),
-        curve_value=np.concatenate([v for _, v in one.curves] or [np.zeros(0)]),
-        point_on=_integers(p.particle for p in one.points.values()),
-        point_arm=stack(len(one.points), 3, lambda s: np.array([p.arm for p in s.points.values()])),
-        work=blank(2, 2, width, dtype),
-        element_energy=blank(len(one.elements), 1, width, dtype),
-    )
-    return stack(n, at.STATE, state_of), model
-
-
-def blank_record(model: Model, instants: int, samples: int) -> Record:
-    """An empty Record for a model; `samples` is the number of lanes that hold a sample."""
-    width, dtype = model.particles.shape[2], model.particles.dtype
-    failed = np.full(width, -1, np.int64)
-    failed[samples:] = 0  # the lanes that only fill up are never looked at
-    return Record(
-        points=blank(instants + 1, 6 * len(model.point_on), width, dtype),
-        hinges=blank(instants + 1, len(model.hinges) + 2, width, dtype),
-        energies=blank(instants + 1, len(at.ENERGIES), width, dtype),
-        events=np.full((MOST_EVENTS, 3, width), np.nan, dtype),
-        event_count=np.zeros(width, np.int64),
-        failed_step=failed,
-        failed_element=np.zeros(width, np.int64),
-        failed_balance=np.zeros(width, dtype),
-        failed_cause=np.zeros(width, np.int64),
-        largest=blank(1, 4, width, dtype),
-        failed_largest=np.zeros((4, width), dtype),
-        scale=REST_STRAIN**2 * np.sum(model.beams[:, at.AXIAL] * model.beams[:, at.LENGTH] ** 2, 0),
-    )

@@ -10,14 +10,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fpm.elements.beam import Beams, Material, Section, triad
-from fpm.elements.contact import Contact
-from fpm.elements.hinge import AXES, Hinge, check_held, opening_angle, unit
-from fpm.elements.load import Drive, Load
-from fpm.elements.lumping import lump
-from fpm.elements.torsion_spring import TorsionSpring
-from fpm.elements.virtual_beam import VirtualBeam
 from fpm.errors import SceneError
+from fpm.kinds import (
+    Beams,
+    Contact,
+    Damping,
+    Drive,
+    Gravity,
+    Hinge,
+    Kind,
+    Load,
+    Support,
+    TorsionSpring,
+    kinds_of,
+)
+from fpm.kinds.beam import Material, Section, triad
+from fpm.kinds.lumping import lump
+from fpm.kinds.virtual_beam import VirtualBeam
 
 
 @dataclass(frozen=True)
@@ -28,19 +37,28 @@ class Link:
     triad: np.ndarray
 
 
+def _elements(kind: type[Kind]) -> property:
+    """The scene's list of elements of a kind."""
+
+    def get(scene: "Scene") -> list:
+        return scene.kinds.setdefault(kind, [])
+
+    def put(scene: "Scene", elements: Sequence) -> None:
+        scene.kinds = {**scene.kinds, kind: list(elements)}  # not in a copy of the scene
+
+    return property(get, put, doc=f"The elements of kind {kind.__name__}.")
+
+
 class Scene:
-    """Particles, elements, supports and loads of one sample.
+    """Particles, and the elements between and on them, of one sample.
 
     name: for messages; gravity (3,) m/s²; damping: mass-proportional rate (1/s), the force on a
-    particle is -damping * mass * velocity (and its like for rotation).
+    particle is -damping * mass * velocity (and its like for rotation). `kinds` has the list of
+    elements for every kind that was added (fpm/kinds/).
     """
 
     def __init__(self, name: str = "scene", gravity=(0.0, 0.0, 0.0), damping: float = 0.0):
-        if not (np.isfinite(damping) and damping >= 0):
-            raise SceneError("damping", damping, "a finite number >= 0 (1/s)")
         self.name = name
-        self.gravity = np.asarray(gravity, float)
-        self.damping = float(damping)
         self.position = np.zeros((0, 3))
         self.frame = np.zeros((0, 3, 3))
         self.unstrained: np.ndarray | None = None  # frames (n, 3, 3) without strain; None: `frame`
@@ -49,14 +67,50 @@ class Scene:
         self.mass = np.zeros(0)
         self.inertia = np.zeros((0, 3))
         self.fixed = np.zeros((0, 6), bool)
-        self.beams: list[Beams] = []
-        self.hinges: list[Hinge] = []
-        self.springs: list[TorsionSpring] = []
-        self.contacts: list[Contact] = []
-        self.loads: list[Load] = []
-        self.drives: list[Drive] = []
+        self.kinds: dict[type[Kind], list] = {}
         self.curves: list[tuple[np.ndarray, np.ndarray]] = []
         self.points: dict[str, VirtualBeam] = {}
+        self.gravity, self.damping = gravity, damping
+
+    beams = _elements(Beams)
+    hinges = _elements(Hinge)
+    springs = _elements(TorsionSpring)
+    contacts = _elements(Contact)
+    loads = _elements(Load)
+    drives = _elements(Drive)
+
+    @property
+    def gravity(self) -> np.ndarray:
+        """Sum (3,) of all accelerations by gravity (m/s²); may be set."""
+        return sum((g.acceleration for g in self.kinds.get(Gravity, [])), np.zeros(3))
+
+    @gravity.setter
+    def gravity(self, acceleration) -> None:
+        self.kinds = {**self.kinds, Gravity: [Gravity(np.asarray(acceleration, float))]}
+
+    @property
+    def damping(self) -> float:
+        """Sum of all damping rates (1/s); may be set."""
+        return float(sum(d.rate for d in self.kinds.get(Damping, [])))
+
+    @damping.setter
+    def damping(self, rate: float) -> None:
+        damping = Damping(float(rate))
+        damping.check(self)
+        self.kinds = {**self.kinds, Damping: [damping]}
+
+    def add(self, element: Kind) -> int:
+        """Add an element of any kind; returns its index among those of its kind.
+
+        SceneError if it does not fit into the scene as it is.
+        """
+        element.add_to(self)
+        return len(self.kinds.get(type(element), [])) - 1
+
+    def check(self) -> None:
+        """SceneError if particles are held or driven in a way that an element can not bear."""
+        for kind in self.kinds:
+            kind.check_all(self)
 
     # -- particles and beams ------------------------------------------------------------------
 
@@ -96,16 +150,7 @@ class Scene:
         nodes (m, 2) particle indices; normal (3,) or (m, 3): a vector in the plane of the chord
         and the section's local z axis.
         """
-        nodes = np.atleast_2d(np.asarray(nodes, int))
-        if nodes.shape[1] != 2 or nodes.min() < 0 or nodes.max() >= len(self.position):
-            raise SceneError(f"nodes of {name}", nodes.tolist(), "(m, 2) indices of particles")
-        chord = self.position[nodes[:, 1]] - self.position[nodes[:, 0]]
-        length = np.linalg.norm(chord, axis=1)
-        if not np.all(length > 0):
-            raise SceneError(f"length of {name}", length.min(), "two particles apart")
-        normals = np.broadcast_to(np.asarray(normal, float), (len(nodes), 3))
-        axes = np.array([triad(c, z) for c, z in zip(chord, normals, strict=True)])
-        self.beams.append(Beams(nodes, length, axes, section, material, name))
+        self.add(Beams.between(self, nodes, section, material, normal, name))
 
     def add_link(
         self,
@@ -133,12 +178,8 @@ class Scene:
         particles = self.add_particles(start + steps * (end - start), mass, inertia, axes)
         nodes = np.column_stack([particles[:-1], particles[1:]])
         m = len(nodes)
-        self.beams.append(
-            Beams(
-                nodes, np.full(m, length / elements), np.tile(axes, (m, 1, 1)),
-                section, material, name,
-            )
-        )  # fmt: skip
+        lengths, triads = np.full(m, length / elements), np.tile(axes, (m, 1, 1))
+        self.add(Beams(nodes, lengths, triads, section, material, name))
         return Link(particles, axes)
 
     # -- hinges, springs, contact -------------------------------------------------------------
@@ -151,60 +192,17 @@ class Scene:
         the starting value is the one closest to it. Without references the hinge starts at
         `opening`. support: global axes ("", "z", "xyz") along which the hinge point is held.
         """
-        first, second = (int(p) for p in particles)
-        count = len(self.position)
-        if first == second or not (0 <= first < count and 0 <= second < count):
-            raise SceneError(f"particles of hinge {name}", particles, "two different particles")
-        taken = {p for hinge in self.hinges for p in hinge.particles if not self.fixed[p].all()}
-        taken |= {drive.particle for drive in self.drives}
-        if taken & {first, second}:
-            raise SceneError(
-                f"particles of hinge {name}",
-                particles,
-                "particles that no other hinge or drive uses",
-            )
-        if set(support) - set(AXES):
-            raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
-        axis = unit(axis, f"axis of hinge {name}")
-        if references is None:
-            normal = unit(np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), "reference")
-            turned = np.cos(opening) * normal + np.sin(opening) * np.cross(axis, normal)
-            references = (normal, turned)
-        references = [unit(r, f"reference of hinge {name}") for r in references]
-        if max(abs(np.dot(r, axis)) for r in references) > 1e-9:
-            raise SceneError(f"references of hinge {name}", references, "normal to the axis")
-        beams = tuple(
-            VirtualBeam.to_point(p, self.position[p], self.frame[p], point) for p in (first, second)
+        return self.add(
+            Hinge.between(self, name, particles, point, axis, references, opening, support)
         )
-        hinge = Hinge(
-            name,
-            beams,
-            axes=np.array([self.frame[p].T @ axis for p in (first, second)]),
-            references=np.array(
-                [self.frame[p].T @ r for p, r in zip((first, second), references, strict=True)]
-            ),
-            opening=opening_angle(axis, *references, near=opening),
-            support="".join(sorted(support)),
-        )
-        check_held(hinge, self.fixed)
-        self.hinges.append(hinge)
-        return len(self.hinges) - 1
 
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
         """Torsion spring of `stiffness` (N m/rad) that turns a hinge towards `rest` (rad)."""
-        self._check_stiffness("torsion spring", hinge, stiffness)
-        self.springs.append(TorsionSpring(int(hinge), float(stiffness), float(rest)))
+        self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_contact(self, hinge: int, stiffness: float) -> None:
         """Face-to-face contact of `stiffness` (N m/rad) where a hinge's opening is negative."""
-        self._check_stiffness("contact", hinge, stiffness)
-        self.contacts.append(Contact(int(hinge), float(stiffness)))
-
-    def _check_stiffness(self, what: str, hinge: int, stiffness: float) -> None:
-        if not 0 <= hinge < len(self.hinges):
-            raise SceneError(f"hinge of {what}", hinge, f"0 to {len(self.hinges) - 1}")
-        if not (np.isfinite(stiffness) and stiffness >= 0):
-            raise SceneError(f"{what} stiffness", stiffness, "a finite number >= 0 (N m/rad)")
+        self.add(Contact(int(hinge), float(stiffness)))
 
     # -- supports, loads, drives, points ------------------------------------------------------
 
@@ -213,20 +211,9 @@ class Scene:
 
         Rotations of a particle with three different inertias are held all or none, or about axes
         that stay principal (planar motion). Those of a hinged particle are held all or none.
-        SceneError for what a hinge could not bear (elements/hinge.py).
+        SceneError for what a hinge could not bear (kinds/hinge.py).
         """
-        if set(translations + rotations) - set(AXES):
-            raise SceneError("fixed axes", (translations, rotations), "letters out of 'xyz'")
-        columns = [AXES.index(c) for c in translations] + [3 + AXES.index(c) for c in rotations]
-        before = self.fixed.copy()
-        for p in np.atleast_1d(particles):
-            self.fixed[p, columns] = True
-        try:
-            for hinge in self.hinges:
-                check_held(hinge, self.fixed)
-        except SceneError:
-            self.fixed = before
-            raise
+        self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
     def add_curve(self, times: Sequence[float], values: Sequence[float]) -> int:
         """A piecewise linear curve of time (s), constant outside; returns its index."""
@@ -242,9 +229,7 @@ class Scene:
         All in global axes; the arm, as it lies at the start, is fixed to the particle.
         """
         beam = VirtualBeam(int(particle), self.frame[particle].T @ np.asarray(arm, float))
-        load = Load(beam, np.asarray(force, float), np.asarray(moment, float), int(curve))
-        self.loads.append(load)
-        self._check_turned()
+        self.add(Load(beam, np.asarray(force, float), np.asarray(moment, float), int(curve)))
 
     def drive(self, particle: int, velocity=(0, 0, 0), spin=(0, 0, 0), curve: int = -1) -> None:
         """Prescribe a particle's velocity (3,) m/s and spin (3,) rad/s, scaled by a curve.
@@ -252,48 +237,19 @@ class Scene:
         Several drives of one particle add up (spins: one turn after another in each step). A
         driven particle cannot carry a hinge: drive the particle at the other end of its element.
         """
-        if any(particle in hinge.particles for hinge in self.hinges):
-            raise SceneError("driven particle", int(particle), "one that no hinge uses")
-        self.fix(particle)
-        self.drives.append(
-            Drive(int(particle), np.asarray(velocity, float), np.asarray(spin, float), int(curve))
-        )
-        self._check_turned()
-
-    def driven(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The driven particles (d,), their velocities (d, 3) m/s and spins (d, 3) rad/s at a time.
-
-        time in s.
-        """
-        particles = np.array(sorted({drive.particle for drive in self.drives}), int)
-        motion = np.zeros((2, len(particles), 3))
-        for drive in self.drives:
-            factor = 1.0 if drive.curve < 0 else np.interp(time, *self.curves[drive.curve])
-            row = np.searchsorted(particles, drive.particle)
-            motion[:, row] += factor * np.array([drive.velocity, drive.spin])
-        return particles, motion[0], motion[1]
+        velocity, spin = np.asarray(velocity, float), np.asarray(spin, float)
+        self.add(Drive(int(particle), velocity, spin, int(curve)))
 
     def add_point(self, name: str, particle: int, position=None) -> None:
         """Name a point fixed to a particle, at `position` (3,) m (default: the particle itself)."""
         if name in self.points:
             raise SceneError("point", name, f"a name not yet used ({', '.join(self.points)})")
-        origin, frame = self.position[particle], self.frame[particle]
-        point = origin if position is None else position
-        self.points[name] = VirtualBeam.to_point(int(particle), origin, frame, point)
+        point = self.position[particle] if position is None else position
+        self.points[name] = self.arm_to(int(particle), point)
 
-    def _check_turned(self) -> None:
-        """Refuse moments on a particle that is turned by a drive, and loads beside it.
-
-        The work of loads is added up without the spin of such a particle.
-        """
-        turned = {drive.particle for drive in self.drives if np.any(drive.spin)}
-        for load in self.loads:
-            if load.beam.particle in turned and (load.beam.arm.any() or load.moment.any()):
-                raise SceneError(
-                    f"load on driven particle {load.beam.particle}",
-                    (load.beam.arm.tolist(), load.moment.tolist()),
-                    "no arm and no moment: drive the particle at the other end of an element",
-                )
+    def arm_to(self, particle: int, point) -> VirtualBeam:
+        """The virtual beam from a particle to a point (3,) m."""
+        return VirtualBeam.to_point(particle, self.position[particle], self.frame[particle], point)
 
     def going_on(self, motion, openings: Sequence[float]) -> "Scene":
         """The scene in another state, strained as it is there: a run that goes on from another.
@@ -308,12 +264,9 @@ class Scene:
         ]
         return out
 
-    # -- names and sums -----------------------------------------------------------------------
+    # -- names -----------------------------------------------------------------------
 
     @property
     def elements(self) -> list[str]:
-        """Names of all elements: beams, then springs, then contacts."""
-        names = [f"{b.name}[{i}]" for b in self.beams for i in range(len(b.length))]
-        names += [f"torsion spring {self.hinges[s.hinge].name}" for s in self.springs]
-        names += [f"contact {self.hinges[c.hinge].name}" for c in self.contacts]
-        return names
+        """Names of all elements that store energy, in the order of the kinds."""
+        return [name for kind in kinds_of([self]) if kind.stores for name in kind.names(self)]

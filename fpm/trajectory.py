@@ -1,8 +1,9 @@
 """Trajectory files: one netCDF file per run, complete or absent.
 
 Written in the classic format, which is quick for files of this kind (`fpm.classic`); to be read by
-any netCDF library, and by `read_curves`. The format has no empty arrays: a run without contact
-events has no variables of events, a scene without hinges none of hinges.
+any netCDF library, and by `read_curves`. The format has no empty arrays: a run without events has
+no variables of events. Energies and what else the kinds in a scene record have the names that the
+kinds give them; all others are fixed.
 """
 
 import os
@@ -17,17 +18,7 @@ from fpm import classic
 if TYPE_CHECKING:
     import xarray
 
-_ENERGY_NAMES = {
-    "kinetic": ("kinetic_energy", "kinetic energy"),
-    "strain": ("strain_energy", "strain energy of the beam elements"),
-    "spring": ("spring_energy", "energy of the torsion springs"),
-    "contact": ("contact_energy", "energy of the face-to-face contacts"),
-    "load_work": ("load_work", "work of loads, weight and drives"),
-    "damping_work": ("damping_work", "energy taken out by damping"),
-    "balance": ("energy_balance", "energy that came from nowhere since the start"),
-}
-_EVENT_COLUMNS = ("time", "contact", "closing")
-_COORDINATES = ("time", "point", "axis", "hinge", "contact")
+_PARAMETER = "parameter_"
 
 
 class Contents(NamedTuple):
@@ -41,7 +32,8 @@ class Curves(NamedTuple):
     """What responses are functions of, as an `fpm.Outcome` has it: time (t,) s; points: name ->
     (position (t, 3) m, velocity (t, 3) m/s); openings: hinge -> (t,) rad; energies: kind -> (t,) J.
 
-    Also events (e, 3): time (s), contact index, 1 if it closes; contacts: names of their hinges.
+    Also events (e, 3): time (s), index of the element, number of its event (a contact's: 1 if it
+    closes); contacts: names of these elements, of contacts that of their hinges.
     """
 
     time: np.ndarray
@@ -52,88 +44,130 @@ class Curves(NamedTuple):
     contacts: list[str]
 
 
-def contents(outcome, responses=(), attributes=None) -> Contents:
+def contents(outcome, responses=(), attributes=None, parameters=None) -> Contents:
     """The trajectory of one outcome (fpm.Outcome) with its responses, CF-style names and units.
 
-    Raises the outcome's failure if there is one.
+    attributes: of the file; parameters: name -> (value, unit), each a scalar coordinate named
+    `parameter_<name>`. Raises the outcome's failure if there is one.
     """
-    import fpm
-
     if outcome.failure is not None:
         raise outcome.failure
-    names = list(outcome.points)
-    hinges = list(outcome.openings)
-    scene = outcome.scene
-    contacts = [scene.hinges[c.hinge].name for c in scene.contacts]
-    empty = np.zeros((len(outcome.time), 0, 3))
-
-    def tracks(which: int) -> np.ndarray:
-        return np.stack([outcome.points[n][which] for n in names], axis=1) if names else empty
-
-    def variable(dims, values, unit, long_name):
-        dims = (dims,) if isinstance(dims, str) else dims
-        return classic.Variable(dims, values, {"units": unit, "long_name": long_name})
-
-    def coordinate(name, values, long_name):
-        return classic.Variable((name,), np.array(values, dtype=str), {"long_name": long_name})
-
-    vectors = ("time", "point", "axis")
-    openings = np.stack([outcome.openings[h] for h in hinges], axis=1) if hinges else empty[..., 0]
-    time = {"units": "s", "long_name": "time", "axis": "T"}
     variables = {
-        "time": classic.Variable(("time",), outcome.time, time),
-        "point": coordinate("point", names, "named point"),
-        "axis": coordinate("axis", list("xyz"), "global axis"),
-        "hinge": coordinate("hinge", hinges, "hinge"),
-        "contact": coordinate("contact", contacts, "its hinge"),
-        "position": variable(vectors, tracks(0), "m", "position of the named points"),
-        "velocity": variable(vectors, tracks(1), "m s-1", "velocity of the named points"),
-        "opening": variable(("time", "hinge"), openings, "rad", "opening of the hinges"),
-        "hinge_gap": variable("time", outcome.gap, "m", "largest gap between hinge points"),
-        "hinge_axis_gap": variable(
-            "time", outcome.axis_gap, "rad", "largest angle between hinge axes"
-        ),
-        "contact_event_time": variable(
-            "event", outcome.events[:, 0], "s", "time at which a contact closes or opens"
-        ),
-        "contact_event_contact": variable(
-            "event", outcome.events[:, 1].astype(np.int32), "1", "index of the contact"
-        ),
-        "contact_event_closing": variable(
-            "event", outcome.events[:, 2].astype(np.int8), "1", "1: closes, 0: opens"
-        ),
+        "time": _variable("time", outcome.time, "s", "time", axis="T"),
+        **_points(outcome),
+        **_energies(outcome),
+        **_recorded(outcome),
+        **_events(outcome),
+        **_responses(outcome, responses),
+        **{
+            f"{_PARAMETER}{name}": _variable((), np.array(value), unit, name)
+            for name, (value, unit) in (parameters or {}).items()
+        },
     }
-    for kind, (name, long_name) in _ENERGY_NAMES.items():
-        variables[name] = variable("time", outcome.energies[kind], "J", long_name)
-    for response in responses:
-        values = response.evaluate(outcome)
-        variables[response.name] = variable("time", values, response.unit, response.long_name)
     limit = outcome.limit
     known = {
         "Conventions": "CF-1.11",
-        "title": f"trajectory of scene {scene.name}",
-        "source": f"finite particle method, data version {fpm.DATA_VERSION}",
-        "scene": scene.name,
+        "title": f"trajectory of scene {outcome.scene.name}",
+        "source": "finite particle method",
+        "scene": outcome.scene.name,
         "responses": " ".join(response.name for response in responses),
         "time_step": outcome.step,
         "steps": outcome.steps,
-        "contact_events_dropped": outcome.events_dropped,
+        "events_dropped": outcome.events_dropped,
     }
     if limit is not None:
         known |= {"time_step_limit": limit.step, "limiting_element": limit.element}
     return Contents({**known, **(attributes or {})}, variables)
 
 
-def to_dataset(outcome, responses=(), attributes=None) -> "xarray.Dataset":
+def _variable(dims, values, unit, long_name, **more) -> classic.Variable:
+    dims = (dims,) if isinstance(dims, str) else dims
+    return classic.Variable(dims, values, {"units": unit, "long_name": long_name, **more})
+
+
+def _names(dimension: str, values, long_name: str, name: str | None = None) -> dict:
+    """Text along a dimension: its coordinate, or a variable of another name."""
+    text = np.array(list(values), dtype=str)
+    return {name or dimension: classic.Variable((dimension,), text, {"long_name": long_name})}
+
+
+def _points(outcome) -> dict[str, classic.Variable]:
+    names, dims = list(outcome.points), ("time", "point", "axis")
+    tracks = np.zeros((2, len(outcome.time), len(names), 3))
+    for i, name in enumerate(names):
+        tracks[:, :, i] = outcome.points[name]
+    return {
+        **_names("point", names, "named point"),
+        **_names("axis", "xyz", "global axis"),
+        "position": _variable(dims, tracks[0], "m", "position of the named points"),
+        "velocity": _variable(dims, tracks[1], "m s-1", "velocity of the named points"),
+    }
+
+
+def _energies(outcome) -> dict[str, classic.Variable]:
+    return {
+        variable: _variable("time", outcome.energies[name], "J", long_name, energy=name)
+        for name, variable, long_name in outcome.energy_kinds
+    }
+
+
+def _recorded(outcome) -> dict[str, classic.Variable]:
+    """What the kinds in the scene have recorded, and the coordinates of it."""
+    variables = {}
+    for name, (values, unit, long_name, dimension, labels) in outcome.recorded.items():
+        dims = ("time",) if dimension is None else ("time", dimension)
+        variables[name] = _variable(dims, values, unit, long_name)
+        if dimension is not None:
+            variables |= _names(dimension, labels, dimension)
+    return variables
+
+
+def _events(outcome) -> dict[str, classic.Variable]:
+    time, element, which = outcome.events.T
+    eventful = outcome.eventful
+    return {
+        **_names("event_element", (e.name for e in eventful), "element that has events"),
+        **_names(
+            "event_element", (" ".join(e.events) for e in eventful), "its events by number",
+            "event_names",
+        ),
+        "event_time": _variable("event", time, "s", "time of an event"),
+        "event_of": _variable(
+            "event", element.astype(np.int32), "1", "index of the event's element"
+        ),
+        "event_number": _variable("event", which.astype(np.int8), "1", "number of the event"),
+    }  # fmt: skip
+
+
+def _responses(outcome, responses) -> dict[str, classic.Variable]:
+    """All responses in one variable: no name that a response may have meets another's."""
+    values = np.array([response.evaluate(outcome) for response in responses])
+    return {
+        **_names("response", (r.name for r in responses), "response"),
+        **_names("response", (r.unit for r in responses), "its unit", "response_units"),
+        **_names("response", (r.long_name for r in responses), "in words", "response_long_name"),
+        "response_values": _variable(
+            ("response", "time"), values.reshape(-1, len(outcome.time)), "1",
+            "responses, in their units",
+        ),
+    }  # fmt: skip
+
+
+def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
     """The `contents` of an outcome as an xarray Dataset."""
     import xarray
 
-    attributes, variables = contents(outcome, responses, attributes)
+    attributes, variables = contents(outcome, responses, attributes, parameters)
     return xarray.Dataset(
-        {name: variable for name, variable in variables.items() if name not in _COORDINATES},
-        coords={name: variables[name] for name in _COORDINATES},
+        {name: v for name, v in variables.items() if not _is_coordinate(name, v)},
+        coords={name: v for name, v in variables.items() if _is_coordinate(name, v)},
         attrs=attributes,
     )
+
+
+def _is_coordinate(name: str, variable: classic.Variable) -> bool:
+    text = variable.values.dtype.kind == "U"
+    return variable.dims == (name,) or text or name.startswith(_PARAMETER)
 
 
 def check_finite(variables: Mapping[str, classic.Variable]) -> None:
@@ -189,10 +223,10 @@ def read_curves(path: str | os.PathLike) -> Curves:
         return variables[name].values
 
     def events() -> np.ndarray:
-        names = [f"contact_event_{column}" for column in _EVENT_COLUMNS]
-        if names[0] not in variables:
-            return np.zeros((0, len(names)))
-        return np.stack([values(name) for name in names], axis=1)
+        columns = ("event_time", "event_of", "event_number")
+        if columns[0] not in variables:
+            return np.zeros((0, len(columns)))
+        return np.stack([values(name) for name in columns], axis=1)
 
     try:
         return Curves(
@@ -202,9 +236,13 @@ def read_curves(path: str | os.PathLike) -> Curves:
                 for i, name in enumerate(names("point"))
             },
             openings={name: values("opening")[:, i] for i, name in enumerate(names("hinge"))},
-            energies={kind: values(name) for kind, (name, _) in _ENERGY_NAMES.items()},
+            energies={
+                v.attributes["energy"]: v.values
+                for v in variables.values()
+                if "energy" in v.attributes
+            },
             events=events(),
-            contacts=names("contact"),
+            contacts=[name.removeprefix("contact ") for name in names("event_element")],
         )
     except KeyError as missing:
         raise OSError(f"{os.fspath(path)} has no variable {missing}") from None

@@ -1,40 +1,17 @@
-"""Compiling the solver once, before several processes need it."""
+"""Compiling the solver once, before it is needed."""
 
-import os
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
-from pathlib import Path
-
-from fpm.elements.beam import Material, Section
+from fpm.kinds.beam import Material, Section
 from fpm.scene import Scene
 from fpm.simulate import simulate
 
 
-def warm_up() -> None:
-    """Compile the solver, or load it from the cache on disk, by a run of a few steps.
+def warm_up(scene: Scene | None = None) -> None:
+    """Compile the solver for the kinds in a scene, or load it from the cache on disk.
 
-    numba's cache can break when several processes write it at once, so the first that arrives
-    compiles and the others wait for its lock. Compiled code is loaded without waiting.
+    Without a scene for the least that most have: for a single bar.
     """
-    from fpm.kernels.compiled import cache_folder
-
-    scene = Scene("warm-up")
-    bar = scene.add_link(
-        (0, 0, 0), (1, 0, 0), (0, 0, 1), Section.square(0.1), Material(1e9, 0.3, 1e3), 2
-    )
-    scene.add_point("tip", int(bar.particles[-1]))
-    lock = Path(tempfile.gettempdir()) / f"deployable-intervals-{os.getuid()}.lock"
-    compiled = any(cache_folder().rglob("*.nbc"))  # numba writes them last
-    with nullcontext() if compiled else _one_at_a_time(lock):
-        simulate(scene, duration=1e-3, instants=2)
-
-
-@contextmanager
-def _one_at_a_time(path: Path) -> Iterator[None]:
-    """Hold an exclusive lock on the file at `path`."""
-    import fcntl
-
-    with open(path, "a") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        yield
+    if scene is None:
+        scene = Scene("warm-up")
+        section, material = Section.square(0.1), Material(1e9, 0.3, 1e3)
+        scene.add_link((0, 0, 0), (1, 0, 0), (0, 0, 1), section, material, 2)
+    simulate(scene, duration=1e-3, instants=2)

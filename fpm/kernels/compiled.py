@@ -1,30 +1,62 @@
-"""The compiled time loop, cached on disk.
+"""The compiled time loop: one for every set of kinds, cached on disk.
 
 Numba's cache looks at the file of the cached function only; the loop is made of many files. So the
-cache folder is named after a digest of all kernel sources: an edited kernel never meets old code.
+cache folder is named after a digest of all kernel sources, and of the files of kinds from
+elsewhere: an edited kernel never meets old code, and no kind is needed to load a loop without it.
 """
 
+import fcntl
 import hashlib
 import os
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numba
+from numba.core.dispatcher import Dispatcher
 
 from fpm.kernels import run as loop
+from fpm.kernels.hooks import KERNELS
 from fpm.kernels.vectors import OPTIONS
 
+PACKAGE = Path(__file__).parents[1]
 
-def source_digest() -> str:
-    """Hexadecimal digest of the kernel sources and of numba's version."""
+
+def kernel_sources() -> list[Path]:
+    """All files of the mechanics that hold kernels."""
+    return sorted([*(PACKAGE / "kernels").glob("*.py"), *(PACKAGE / "kinds").glob("*.py")])
+
+
+def own_sources(parts: tuple[type, ...]) -> set[Path]:
+    """The files outside of the mechanics that hold the kernels of kinds with these tuples."""
+    found, left = set(), [k for (arrays, _), k in KERNELS.items() if arrays in parts]
+    seen = set()
+    while left:
+        function = left.pop().py_func
+        if function in seen:
+            continue
+        seen.add(function)
+        found.add(Path(function.__code__.co_filename).resolve())
+        names = (function.__globals__.get(name) for name in function.__code__.co_names)
+        left += [value for value in names if isinstance(value, Dispatcher)]
+    return {path for path in found if PACKAGE.resolve() not in path.parents}
+
+
+def source_digest(parts: tuple[type, ...] = ()) -> str:
+    """Hexadecimal digest of numba's version, the kernel sources, and those of kinds elsewhere."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    for path in [*kernel_sources(), *sorted(own_sources(parts))]:
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
 
-def cache_folder() -> Path:
-    """Where compiled code is kept: where NUMBA_CACHE_DIR says, beside the sources, or at home."""
-    name = f"numba-{source_digest()}"
+def cache_folder(parts: tuple[type, ...] = ()) -> Path:
+    """Where compiled code is kept: where NUMBA_CACHE_DIR says, beside the sources, or at home.
+
+    parts: the named tuples of the kinds in the loop.
+    """
+    name = f"numba-{source_digest(parts)}"
     if numba.config.CACHE_DIR:
         return Path(numba.config.CACHE_DIR) / name
     beside = Path(__file__).parent / "__pycache__"
@@ -37,14 +69,40 @@ def cache_folder() -> Path:
     return (beside if writable else user) / name
 
 
-def _cached(function):
-    """Compile with numba, caching in `cache_folder` without changing numba's own setting."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(cache_folder())
-    try:
-        return numba.njit(cache=True, **OPTIONS)(function)
-    finally:
-        numba.config.CACHE_DIR = before
+LOOPS: dict[tuple[type, ...], Dispatcher] = {}
+"""The loop for every set of kinds met so far, by the named tuples of the kinds."""
 
 
-run = _cached(loop.run.py_func)
+def _loop(parts: tuple[type, ...]) -> Dispatcher:
+    """The loop for a set of kinds, cached in its folder without changing numba's own setting."""
+    if parts not in LOOPS:
+        before = numba.config.CACHE_DIR
+        folder = cache_folder(parts)
+        numba.config.CACHE_DIR = str(folder)
+        try:
+            LOOPS[parts] = numba.njit(cache=True, **OPTIONS)(loop.run.py_func)
+        finally:
+            numba.config.CACHE_DIR = before
+    return LOOPS[parts]
+
+
+def loop_for(arguments: tuple) -> Callable:
+    """The time loop, compiled or loaded from the cache for these arguments.
+
+    numba's cache can break when several processes write it at once, so the first that arrives
+    compiles and the others wait for its lock.
+    """
+    run = _loop(tuple(map(type, arguments[0])))
+    signature = tuple(numba.typeof(argument) for argument in arguments)
+    if signature not in run.overloads:
+        with _one_at_a_time():
+            run.compile(signature)
+    return run
+
+
+@contextmanager
+def _one_at_a_time() -> Iterator[None]:
+    """Hold a lock among all processes of this user."""
+    with open(Path(tempfile.gettempdir()) / f"fpm-{os.getuid()}.lock", "a") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield

@@ -12,7 +12,7 @@ Geometric Numerical Integration, VII.5.
 """
 
 from fpm.kernels.layout import D2, D3
-from fpm.kernels.vectors import add, axpy, cross, dot, get3, kernel, put3, scale, times
+from fpm.kernels.vectors import cross, dot, get3, kernel, put3, times
 
 
 @kernel
@@ -28,15 +28,15 @@ def half_turn(body, inverse_inertia, step):
 
     body: angular momentum in the axes of the start of the step.
     """
-    rate = scale(0.5 * step, inverse_inertia)
+    rate = (0.5 * step) * inverse_inertia
     turn = times(rate, body)
-    return times(rate, add(body, cross(body, turn)))
+    return times(rate, body + cross(body, turn))
 
 
 @kernel
 def put_turned(state, i, axes, half):
     """Store the axes (three vectors) of particle i after the body-fixed turn by twice `half`."""
-    x, y, z = half
+    x, y, z = half.x, half.y, half.z
     xx, yy, zz = x * x, y * y, z * z
     t = (xx + yy) + zz
     # With a the length of half: sin(2a)/a and (1 - cos(2a))/a², to t³.
@@ -45,10 +45,8 @@ def put_turned(state, i, axes, half):
     xy, xz, yz = cosine * (x * y), cosine * (x * z), cosine * (y * z)
     sx, sy, sz = sine * x, sine * y, sine * z
     a, b, c = axes
-    second = axpy(xy - sz, a, axpy(1.0 - cosine * (xx + zz), b, scale(yz + sx, c)))
-    third = axpy(xz + sy, a, axpy(yz - sx, b, scale(1.0 - cosine * (xx + yy), c)))
-    put3(state, i, D2, second)
-    put3(state, i, D3, third)
+    put3(state, i, D2, (xy - sz) * a + ((1.0 - cosine * (xx + zz)) * b + (yz + sx) * c))
+    put3(state, i, D3, (xz + sy) * a + ((yz - sx) * b + (1.0 - cosine * (xx + yy)) * c))
 
 
 @kernel
@@ -61,5 +59,5 @@ def normalise(state):
     for i in range(state.shape[0]):
         b, c = get3(state, i, D2), get3(state, i, D3)
         skew = -0.5 * dot(b, c)
-        put3(state, i, D2, axpy(skew, c, scale(1.5 - 0.5 * dot(b, b), b)))
-        put3(state, i, D3, axpy(skew, b, scale(1.5 - 0.5 * dot(c, c), c)))
+        put3(state, i, D2, skew * c + (1.5 - 0.5 * dot(b, b)) * b)
+        put3(state, i, D3, skew * b + (1.5 - 0.5 * dot(c, c)) * c)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 
+from fpm import sources
 from fpm.errors import SceneError
 from fpm.scene import Scene
 
@@ -73,6 +74,15 @@ class SceneType:
     hinges: tuple[str, ...]
     function: Callable[..., Scene]
     energies: tuple[str, ...] = ("kinetic", "strain", "spring", "contact", "balance")
+
+    @property
+    def digest(self) -> str:
+        """16 hex digits that change with the code that computes this scene's runs.
+
+        It covers all of the mechanics that can change their numbers, and the structure's own files.
+        """
+        own = sources.own_sources(self.function.__module__)
+        return sources.syntax_digest({*sources.mechanics_sources(), *own})
 
     def build(self, **parameters) -> Scene:
         """The scene; defaults fill in what is not given. SceneError names what is wrong."""

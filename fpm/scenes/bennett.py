@@ -2,8 +2,8 @@
 
 import math
 
-from fpm.elements.beam import Material, Section
 from fpm.errors import SceneError
+from fpm.kinds.beam import Material, Section
 from fpm.scene import Scene
 from fpm.scenes import Parameter, SceneType
 from fpm.scenes.bennett_geometry import HINGES, LINKS, bennett_geometry

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fpm.elements.beam import Material, Section
+from fpm.kinds.beam import Material, Section
 from fpm.scene import Scene
 from fpm.scenes import Parameter, SceneType
 

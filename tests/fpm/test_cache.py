@@ -12,8 +12,8 @@ import fpm
 scene = fpm.scenes.get("bennett").build(elements_per_link=2)
 outcome = fpm.simulate(scene, duration=0.5, instants=3, step=1e-4)[0]
 print(outcome.points["B"][0].tobytes().hex())
-from fpm.kernels.compiled import run
-print(sum(run.stats.cache_hits.values()))
+from fpm.kernels.compiled import LOOPS
+print(sum(sum(run.stats.cache_hits.values()) for run in LOOPS.values()))
 """
 
 

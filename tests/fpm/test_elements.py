@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fpm
-from fpm.elements.lumping import end_weights, lump
+from fpm.kinds.lumping import end_weights, lump
 
 SQUARE, WOOD = fpm.Section.square(0.035), fpm.Material(1e9, 0.3, 800.0)
 

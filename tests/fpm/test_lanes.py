@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from fpm.kernels import joint, vectors
+from fpm.kernels import angles, vectors
 from fpm.kernels.lanes import any_negative, floor, load, sqrt, store, where_negative, width
 
 
@@ -54,8 +54,8 @@ def test_any_negative_looks_at_every_lane_and_not_at_nan():
 
 
 @njit(error_model="numpy")
-def angles(a, out):
-    store(out, 0, 0, joint.arctan2(load(a, 0, 0), load(a, 0, 1)))
+def angle(a, out):
+    store(out, 0, 0, angles.arctan2(load(a, 0, 0), load(a, 0, 1)))
 
 
 def test_arctan2_is_that_of_the_library():
@@ -66,7 +66,7 @@ def test_arctan2_is_that_of_the_library():
         a = np.zeros((1, 2, 8))
         a[0, 0], a[0, 1] = np.sin(chunk), np.cos(chunk)
         out = np.zeros((1, 1, 8))
-        angles(a, out)
+        angle(a, out)
         np.testing.assert_allclose(out[0, 0], np.arctan2(a[0, 0], a[0, 1]), rtol=0, atol=5e-16)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fpm
-from fpm.elements.hinge import check_held
+from fpm.kinds.hinge import check_held
 
 AXES = "xyz"
 SETS = ["".join(c) for c in chain.from_iterable(combinations(AXES, k) for k in range(4))]

@@ -30,12 +30,30 @@ def dataset(outcome):
 
 def test_responses_are_what_they_say(dataset):
     apart = dataset.position.sel(point="B") - dataset.position.sel(point="D")
-    np.testing.assert_allclose(dataset.BD, np.sqrt((apart**2).sum("axis")), rtol=1e-14)
-    assert np.array_equal(dataset.vBz, dataset.velocity.sel(point="B", axis="z"))
-    assert np.array_equal(dataset.zA, dataset.position.sel(point="A", axis="z"))
-    assert np.array_equal(dataset.psi, dataset.opening.sel(hinge="A"))
-    assert np.array_equal(dataset["T"], dataset.kinetic_energy)
+    values = {name: dataset.response_values.sel(response=name) for name in DEFINITIONS}
+    np.testing.assert_allclose(values["BD"], np.sqrt((apart**2).sum("axis")), rtol=1e-14)
+    assert np.array_equal(values["vBz"], dataset.velocity.sel(point="B", axis="z"))
+    assert np.array_equal(values["zA"], dataset.position.sel(point="A", axis="z"))
+    assert np.array_equal(values["psi"], dataset.opening.sel(hinge="A"))
+    assert np.array_equal(values["T"], dataset.kinetic_energy)
     assert dataset.attrs["responses"] == "BD vBz speed zA psi T"
+    assert list(dataset.response_units.values) == ["m", "m s-1", "m s-1", "m", "rad", "J"]
+
+
+def test_a_response_may_have_any_name(outcome, tmp_path):
+    names = ["time", "position", "kinetic_energy", "response", "v", "v_inner", "parameter_a"]
+    definition = {"distance": ["B", "D"]}
+    responses = [fpm.responses.parse(name, definition, BENNETT) for name in names]
+    parameters = {"a": (0.035, "m"), "supports": ("plane", "1"), "elements_per_link": (2, "1")}
+    fpm.trajectory.write(outcome.dataset(responses, {}, parameters), tmp_path / "run.nc")
+    back = fpm.trajectory.read(tmp_path / "run.nc")
+    assert list(back.response.values) == names
+    assert np.array_equal(back.response_values[3], responses[0].evaluate(outcome))
+    assert back.parameter_a == 0.035
+    assert back.parameter_a.units == "m"
+    assert back.parameter_supports == "plane"
+    assert back.parameter_elements_per_link == 2
+    assert "parameter_a" in back.coords
 
 
 def test_velocity_is_the_rate_of_the_position():
@@ -145,8 +163,8 @@ def test_what_was_read_can_be_written_again(outcome, tmp_path):
 
 
 def test_a_value_that_is_not_finite_is_never_written(dataset, tmp_path):
-    dataset["BD"][3] = np.nan
-    with pytest.raises(ValueError, match="BD has values that are not finite"):
+    dataset["response_values"][0, 3] = np.nan
+    with pytest.raises(ValueError, match="response_values has values that are not finite"):
         fpm.trajectory.write(dataset, tmp_path / "run.nc")
     assert not list(tmp_path.iterdir())
 

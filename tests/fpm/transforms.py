@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 import fpm
-from fpm.elements.hinge import Hinge
-from fpm.elements.virtual_beam import VirtualBeam
+from fpm.kinds.hinge import Hinge
+from fpm.kinds.virtual_beam import VirtualBeam
 
 
 def moved(scene: fpm.Scene, rotation: np.ndarray, shift: np.ndarray) -> fpm.Scene:

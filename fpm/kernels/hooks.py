@@ -1,0 +1,177 @@
+"""Hooks: what the time loop asks of the kinds in a scene.
+
+A kind's kernel file has a named tuple of its arrays and, for what it does, kernels marked with
+`@hook(ItsTuple)` that are named as the hooks below. The loop calls a hook with the tuples of all
+kinds in the scene; when it is compiled, that becomes one call after the other of the kernels there
+are, in the order of the kinds. A kind that a scene lacks, or a hook that a kind lacks, leaves
+nothing behind.
+"""
+
+import inspect
+from collections.abc import Callable
+
+from numba.extending import overload
+
+from fpm.kernels.lanes import load, store
+from fpm.kernels.layout import ACCOUNTS, X
+from fpm.kernels.vectors import INLINED, kernel
+
+KERNELS: dict[tuple[type, str], Callable] = {}
+"""The kernel for a named tuple and the name of a hook."""
+
+NAMES: list[str] = []
+"""Names of all hooks."""
+
+
+def hook(arrays: type, name: str | None = None) -> Callable:
+    """Compile a kernel as what kind `arrays` (a NamedTuple) does at the hook of its name."""
+
+    def register(function):
+        what = name or function.__name__
+        if what not in NAMES:
+            raise ValueError(f"{what} is no hook; expected one of {', '.join(NAMES)}")
+        compiled = function if hasattr(function, "py_func") else kernel(function)
+        KERNELS[arrays, what] = compiled
+        if what == "energy_of":
+            KERNELS[arrays, "stored"] = _sum(compiled)
+            KERNELS[arrays, "list_energies"] = _list(compiled)
+        return compiled
+
+    return register
+
+
+def _sum(energy_of: Callable) -> Callable:
+    @kernel
+    def stored(part, world):
+        total = 0.0 * load(world.state, 0, X)
+        for e in range(part.rows.shape[0]):
+            total = total + energy_of(part, world, e)
+        return total
+
+    return stored
+
+
+def _list(energy_of: Callable) -> Callable:
+    @kernel
+    def list_energies(part, world):
+        for e in range(part.rows.shape[0]):
+            store(part.rows, e, 0, energy_of(part, world, e))
+
+    return list_energies
+
+
+def _unrolled(line: str | None = None) -> Callable:
+    """Make a hook of an empty function of (parts, ...).
+
+    line: what is done for each kind, if not just the call of its `kernel` with its `part` in place
+    of the parts; {j} counts the kinds that have a kernel.
+    """
+
+    def declare(stub):
+        name, (_, *arguments) = stub.__name__, inspect.signature(stub).parameters
+        template = line or f"{{kernel}}({', '.join(['{part}', *arguments])})"
+        NAMES.append(name)
+
+        def implement(parts):
+            namespace, lines = {"store": store, "ACCOUNTS": ACCOUNTS}, []
+            for i, part in enumerate(parts.types):
+                if found := KERNELS.get((part.instance_class, name)):
+                    namespace[f"kernel_{i}"] = found
+                    names = {"kernel": f"kernel_{i}", "part": f"parts[{i}]", "j": len(lines)}
+                    lines.append(template.format(**names))
+            body = "\n    ".join(lines or ["pass"])
+            exec(f"def unrolled(parts, {', '.join(arguments)}):\n    {body}", namespace)
+            return namespace["unrolled"]
+
+        # Numba wants to see the same arguments in both functions.
+        namespace = {"implement": implement}
+        exec(f"def choose(parts, {', '.join(arguments)}): return implement(parts)", namespace)
+        overload(stub, jit_options=INLINED)(namespace["choose"])
+        return stub
+
+    return declare
+
+
+# In the order of a step. `now` is the step's Now, `world` the World.
+
+
+@_unrolled()
+def forces(parts, world, now):
+    """Add forces (F) and moments (M) at now.time to the particles'."""
+
+
+@_unrolled()
+def note_events(parts, world, now):
+    """Note what happened since the positions before, with `events.note` (not at the start)."""
+
+
+@_unrolled()
+def work_before(parts, world, now):
+    """Work of the half step up to now.time: forces there, velocities of its middle (not at 0)."""
+
+
+@_unrolled()
+def restrain(parts, world, now):
+    """Change the summed forces and the momenta before the kick; work of the half step after."""
+
+
+@_unrolled()
+def prepare(parts, world, now):
+    """Kick the particles that the kind moves itself (Kind.moved), now.kick long."""
+
+
+@_unrolled()
+def move(parts, world, now):
+    """Move these particles over now.step, once all others have moved."""
+
+
+@_unrolled()
+def work_after(parts, world, now):
+    """Work of the half step after now.time, or of the whole step; velocities of its middle."""
+
+
+# At checks and instants, with the positions of now.time.
+
+
+@_unrolled(
+    "store(energies, row, ACCOUNTS + world.accounts.shape[1] + {j}, {kernel}({part}, world))"
+)
+def stored(parts, world, energies, row):
+    """A kernel of (part, world) returns the energy (lanes, J) that all elements of the kind store.
+
+    `energy_of` is simpler.
+    """
+
+
+@_unrolled()
+def work_of_place(parts, world, energies, row):
+    """Add work (J) that depends on the positions only to the kind's column of `energies`."""
+
+
+@_unrolled()
+def record(parts, world, row):
+    """Write row `row` of what is recorded of the kind, and watch it."""
+
+
+@_unrolled()
+def record_points(parts, world, points, row, now):
+    """Correct the recorded velocities of points on particles that the kind moves itself."""
+
+
+def energy_of(part, world, e):
+    """Return the energy (lanes, J) of element e; it stands for `stored` and `list_energies`."""
+
+
+NAMES.append("energy_of")
+
+# When a lane fails.
+
+
+@_unrolled()
+def list_energies(parts, world):
+    """Store every element's energy (J) in the kind's rows of World.rows."""
+
+
+@_unrolled()
+def list_excess(parts, world):
+    """Store by how much every element exceeds what is watched in the kind's rows."""

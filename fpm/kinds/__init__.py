@@ -1,0 +1,43 @@
+"""What a scene is made of: one kind of element per definition file, with its kernels beside it."""
+
+from fpm.kinds.beam import Beams
+from fpm.kinds.contact import Contact
+from fpm.kinds.damping import Damping
+from fpm.kinds.drive import Drive
+from fpm.kinds.gravity import Gravity
+from fpm.kinds.hinge import Hinge
+from fpm.kinds.kind import Kind
+from fpm.kinds.load import Load
+from fpm.kinds.support import Support
+from fpm.kinds.torsion_spring import TorsionSpring
+
+KINDS: tuple[type[Kind], ...] = (
+    Gravity,
+    Beams,
+    Hinge,
+    TorsionSpring,
+    Contact,
+    Load,
+    Drive,
+    Support,
+    Damping,
+)
+"""The registry. The order is that of sums, hence of the last digits: add new kinds at the end,
+before Drive if they act with forces (drives feel them, supports take them out, damping scales all).
+"""
+
+
+def kinds_of(scenes) -> list[type[Kind]]:
+    """The kinds that some of the scenes have, in the order of the registry; others follow."""
+    present = {kind for scene in scenes for kind in (*KINDS, *scene.kinds) if kind.of(scene)}
+    own = sorted(present.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
+    return [kind for kind in KINDS if kind in present] + own
+
+
+def energies_of(kinds) -> list:
+    """The energies in the balance of a scene with these kinds, in order, besides kinetic energy and
+    the balance: what is stored, given and taken. Those of the registry are always there.
+    """
+    kinds = [*KINDS, *(kind for kind in kinds if kind not in KINDS)]
+    found = [getattr(k, role) for role in ("stores", "gives", "takes") for k in kinds]
+    return list(dict.fromkeys(energy for energy in found if energy))

@@ -1,0 +1,89 @@
+"""Face-to-face contact: the end faces of two hinged links touch where the opening is below zero.
+
+The faces share the hinge line as an edge, so overlap grows linearly with the distance from it; its
+resultant is a moment k |psi| that opens the hinge, k = K_C times the length of the hinge line.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.kinds.hinge import Hinge, check_stiffness, relative_turn
+from fpm.kinds.kind import Energy, Kind
+
+
+@dataclass(frozen=True)
+class Contact(Kind):
+    """hinge index; stiffness k (N m/rad)."""
+
+    hinge: int
+    stiffness: float
+
+    stores = Energy("contact", "contact_energy", "energy of the face-to-face contacts")
+    events = ("opens", "closes")
+    reads = (Hinge,)
+    always_acts = False
+
+    def check(self, scene):
+        """Hinge and stiffness."""
+        check_stiffness(scene, "contact", self.hinge, self.stiffness)
+
+    def topology(self):
+        """The hinge."""
+        return self.hinge
+
+    @classmethod
+    def names(cls, scene):
+        return [f"contact {scene.hinges[c.hinge].name}" for c in cls.of(scene)]
+
+    @classmethod
+    def deformations(cls, scene):
+        """The openings of their hinges."""
+        contacts = cls.of(scene)
+        return relative_turn(scene, [c.hinge for c in contacts], [c.stiffness for c in contacts])
+
+    @classmethod
+    def shut(cls, scene, inverse):
+        """Closed hinges with contacts: the relative position of two links is that of opening zero.
+
+        So it is wherever the scene starts. Hinges share only particles that are held, which have no
+        inverse mass: their columns do not overlap.
+        """
+        from scipy.sparse import csc_matrix
+
+        columns, dofs = [], []
+        frame = scene.frame if scene.unstrained is None else scene.unstrained
+        for hinge in {c.hinge for c in cls.of(scene)}:
+            h = scene.hinges[hinge]
+            shut = [
+                np.column_stack([a, r, np.cross(a, r)])
+                for a, r in zip(h.axes, h.references, strict=True)
+            ]
+            rows = []
+            for sign, beam, axes in zip((1.0, -1.0), h.beams, shut, strict=True):
+                turn = -np.array([np.cross(beam.arm, e) for e in np.eye(3)]).T
+                point = np.hstack([axes.T @ frame[beam.particle].T, axes.T @ turn])
+                tilt = np.hstack([np.zeros((2, 3)), axes.T[1:]])
+                rows.append(sign * np.vstack([point, tilt]))
+            on = np.concatenate([6 * p + np.arange(6) for p in h.particles])
+            scaled = (np.hstack(rows) * np.sqrt(inverse[on])).T
+            u, size, _ = np.linalg.svd(scaled, full_matrices=False)
+            u = u[:, size > 1e-10 * size.max(initial=0.0)]
+            columns.append(u.T)
+            dofs.append(np.tile(on, (u.shape[1], 1)))
+        rows, values = np.concatenate(dofs), np.concatenate(columns)
+        column = np.repeat(np.arange(len(rows)), 12)
+        shape = (len(inverse), len(rows))
+        return csc_matrix((values.ravel(), (rows.ravel(), column)), shape=shape)
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.kinds.contact_kernels import Contacts
+
+        return Contacts(
+            batch.integers(c.hinge for c in cls.of(batch.one)),
+            batch.table(cls, 1, lambda c: [c.stiffness]),
+            batch.part(Hinge),
+            batch.rows_of(cls),
+            batch.log_of(cls),
+        )

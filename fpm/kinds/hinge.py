@@ -1,0 +1,248 @@
+"""Revolute hinges: two particles share a point and an axis, and turn freely about it.
+
+The hinge point lies at the end of a virtual beam of either particle (virtual_beam.py). The five
+conditions (three for the point, two for the axis) hold at the end of every step, by impulses found
+from the positions there: SHAKE (Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23 (1977) 327),
+here for rigid arms and rotations. The impulses are equal and opposite, so momentum is kept, the
+scheme stays symplectic, and no drift builds up. A hinge point may be held along global axes
+(`support`), e.g. "z" lets it slide in a plane.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.errors import SceneError
+from fpm.kinds.kind import AXES, Deformations, Kind, Recorded, Watch, rows_of
+from fpm.kinds.virtual_beam import VirtualBeam
+
+MOST_GAP = 1e-6
+"""Gap (m) of a hinge point from which a hinge counts as open; it is below 1e-11 m as a rule, and
+1e-7 m in single precision. It gapes when its particles turn too far in a step for its rounds.
+"""
+
+MOST_TILT = 1e-5
+"""The same for the angle between its axes (rad)."""
+
+
+def _gapes(values: dict[str, float]) -> tuple[str, str]:
+    return (
+        f"a hinge gapes by {values['gap']:.2g} m and {values['tilt']:.2g} rad",
+        "halve solver.step: the particles of the hinge turn too far in a step",
+    )
+
+
+@dataclass(frozen=True)
+class Hinge(Kind):
+    """A hinge between the free ends of two virtual beams.
+
+    axes (2, 3): the axis in each particle's own frame; references (2, 3): directions normal to the
+    axis, one in each frame, that coincide at opening 0; the opening grows when the second turns by
+    the right-hand rule about the axis against the first. opening (rad): at the start, including
+    full turns. support: global axes along which the hinge point is held.
+    """
+
+    name: str
+    beams: tuple[VirtualBeam, VirtualBeam]
+    axes: np.ndarray
+    references: np.ndarray
+    opening: float
+    support: str
+
+    watches = (Watch("gap", MOST_GAP, True, _gapes), Watch("tilt", MOST_TILT, True, _gapes))
+
+    @staticmethod
+    def between(scene, name, particles, point, axis, references, opening, support) -> "Hinge":
+        """A hinge between two particles of a scene, where it stands (Scene.add_hinge)."""
+        first, second = (int(p) for p in particles)
+        count = len(scene.position)
+        if first == second or not (0 <= first < count and 0 <= second < count):
+            raise SceneError(f"particles of hinge {name}", particles, "two different particles")
+        if set(support) - set(AXES):
+            raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
+        axis = unit(axis, f"axis of hinge {name}")
+        if references is None:
+            normal = unit(np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), "reference")
+            turned = np.cos(opening) * normal + np.sin(opening) * np.cross(axis, normal)
+            references = (normal, turned)
+        references = [unit(r, f"reference of hinge {name}") for r in references]
+        if max(abs(np.dot(r, axis)) for r in references) > 1e-9:
+            raise SceneError(f"references of hinge {name}", references, "normal to the axis")
+        frames = [scene.frame[p].T for p in (first, second)]
+        return Hinge(
+            name,
+            tuple(scene.arm_to(p, point) for p in (first, second)),
+            axes=np.array([frame @ axis for frame in frames]),
+            references=np.array([f @ r for f, r in zip(frames, references, strict=True)]),
+            opening=opening_angle(axis, *references, near=opening),
+            support="".join(sorted(support)),
+        )
+
+    @property
+    def particles(self) -> tuple[int, int]:
+        """Indices of the two particles."""
+        return self.beams[0].particle, self.beams[1].particle
+
+    def check(self, scene):
+        """Its particles must be free for it, or held entirely."""
+        taken = {
+            p for hinge in Hinge.of(scene) for p in hinge.particles if not scene.fixed[p].all()
+        }
+        taken |= {p for kind in scene.kinds if kind is not Hinge for p in kind.moved(scene)}
+        if taken & set(self.particles):
+            raise SceneError(
+                f"particles of hinge {self.name}", self.particles,
+                "particles that no other hinge or drive uses",
+            )  # fmt: skip
+        check_held(self, scene.fixed)
+
+    @classmethod
+    def check_all(cls, scene):
+        """All must bear how their particles are held."""
+        for hinge in cls.of(scene):
+            check_held(hinge, scene.fixed)
+
+    def topology(self):
+        """Name, particles and held axes."""
+        return self.name, self.particles, self.support
+
+    @classmethod
+    def names(cls, scene):
+        return [f"hinge {hinge.name}" for hinge in cls.of(scene)]
+
+    @classmethod
+    def moved(cls, scene):
+        """Both particles of each."""
+        return [p for hinge in cls.of(scene) for p in hinge.particles]
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.kinds import hinge_kernels  # noqa: F401, its hooks
+        from fpm.kinds.hinge_arrays import BODY, BODY_SCRATCH, HINGE, HINGE_SCRATCH, Hinges
+
+        hinges = cls.of(batch.one)
+        h, rows = len(hinges), batch.instants + 1
+        held = [[axis in hinge.support for axis in AXES] for hinge in hinges]
+        return Hinges(
+            ends=batch.integers(cls.moved(batch.one)),
+            bodies=batch.stack(2 * h, BODY, _bodies),
+            hinges=batch.stack(h, HINGE, _places),
+            held=batch.integers(held, 3),
+            supported=bool(np.any(held)),
+            openings=batch.table(cls, 2, lambda hinge: [hinge.opening] * 2),
+            followed=batch.is_read(cls),
+            body_scratch=batch.blank(2 * h, BODY_SCRATCH),
+            hinge_scratch=batch.blank(h, HINGE_SCRATCH),
+            open=np.zeros(h, bool),
+            watched=batch.watched_by(cls),
+            rows=batch.rows_of(cls),
+            track=batch.blank(rows * h, 1),
+            gaps=batch.blank(rows, 2),
+        )
+
+    @classmethod
+    def recorded(cls, part, scene, lane):
+        """Openings, and the largest gaps."""
+        names = tuple(hinge.name for hinge in cls.of(scene))
+        openings = part.track[:, 0, lane].reshape(-1, len(names))
+        gap, tilt = part.gaps[:, :, lane].T
+        return {
+            "opening": Recorded(openings, "rad", "opening of the hinges", "hinge", names),
+            "hinge_gap": Recorded(gap, "m", "largest gap between hinge points"),
+            "hinge_axis_gap": Recorded(tilt, "rad", "largest angle between hinge axes"),
+        }
+
+
+def _bodies(scene) -> np.ndarray:
+    from fpm.kinds import hinge_arrays as at
+
+    hinges = Hinge.of(scene)
+    out = np.zeros((2 * len(hinges), at.BODY))
+    for h, hinge in enumerate(hinges):
+        for k, beam in enumerate(hinge.beams):
+            row, p = out[2 * h + k], beam.particle
+            free = ~scene.fixed[p]
+            row[at.ARM : at.ARM + 3] = beam.arm
+            row[at.AXIS : at.AXIS + 3] = hinge.axes[k]
+            row[at.REF : at.REF + 3] = hinge.references[k]
+            row[at.HIM : at.HIM + 3] = free[:3] / scene.mass[p]
+            row[at.HIJ : at.HIJ + 3] = free[3:].all() / scene.inertia[p]  # all or none
+    return out
+
+
+def _places(scene) -> np.ndarray:
+    from fpm.kinds import hinge_arrays as at
+
+    out = np.zeros((len(Hinge.of(scene)), at.HINGE))
+    for row, hinge in zip(out, Hinge.of(scene), strict=True):
+        row[at.HELD : at.HELD + 3] = [axis in hinge.support for axis in AXES]
+        first = hinge.beams[0]
+        place = scene.position[first.particle] + scene.frame[first.particle] @ first.arm
+        row[at.PLACE : at.PLACE + 3] = place
+    return out
+
+
+def relative_turn(scene, on, stiffness) -> Deformations:
+    """The deformations of elements that are strained by the openings of the hinges `on`."""
+    hinges, zero = [Hinge.of(scene)[h] for h in on], np.zeros(3)
+    values = [np.concatenate([zero, -h.axes[0], zero, h.axes[1]]) for h in hinges]
+    return rows_of([h.particles for h in hinges], values, stiffness)
+
+
+def check_stiffness(scene, what: str, hinge: int, stiffness: float) -> None:
+    """SceneError unless `what` of a stiffness (N m/rad) can act on a hinge of that index."""
+    count = len(Hinge.of(scene))
+    if not 0 <= hinge < count:
+        raise SceneError(f"hinge of {what}", hinge, f"0 to {count - 1}")
+    if not (np.isfinite(stiffness) and stiffness >= 0):
+        raise SceneError(f"{what} stiffness", stiffness, "a finite number >= 0 (N m/rad)")
+
+
+def check_held(hinge: Hinge, fixed: np.ndarray) -> None:
+    """SceneError for supports that would leave a hinge impulses which move nothing.
+
+    fixed (n, 6): axes along and about which each particle is held. The matrix of the hinge's
+    impulses is regular, whatever arms and axis are and become, if no axis is held for both
+    particles, nor for a particle and the hinge point, and one of the two may turn.
+    """
+    names = np.array(list(AXES))
+    for p in hinge.particles:
+        held = "".join(names[fixed[p, 3:]])
+        if 0 < len(held) < 3:
+            raise SceneError(
+                f"rotations of particle {p} of hinge {hinge.name} that are held", held,
+                "'' or 'xyz': hold the particle at the other end of its element instead",
+            )  # fmt: skip
+    one, two = fixed[list(hinge.particles)]
+    common = "".join(names[one[:3] & two[:3]])
+    if common:
+        raise SceneError(
+            f"axes along which both particles of hinge {hinge.name} are held", common,
+            "'': hold one of the two, the hinge holds the other",
+        )  # fmt: skip
+    if one[3:].all() and two[3:].all():
+        raise SceneError(
+            f"particles of hinge {hinge.name} whose rotations are held", hinge.particles,
+            "at most one of the two",
+        )  # fmt: skip
+    common = "".join(names[(one[:3] | two[:3]) & np.isin(names, list(hinge.support))])
+    if common:
+        raise SceneError(
+            f"support of hinge {hinge.name}", hinge.support,
+            f"axes along which neither of its particles is held (these are: {common})",
+        )  # fmt: skip
+
+
+def unit(vector, what: str) -> np.ndarray:
+    """The vector (3,) at length one; SceneError if it has none."""
+    vector = np.asarray(vector, float)
+    size = np.linalg.norm(vector)
+    if not size > 0 or not np.isfinite(size):
+        raise SceneError(what, vector.tolist(), "a finite vector that is not zero")
+    return vector / size
+
+
+def opening_angle(axis, first, second, near: float) -> float:
+    """Angle (rad) from `first` to `second` about `axis`, on the turn closest to `near`."""
+    angle = np.arctan2(np.dot(axis, np.cross(first, second)), np.dot(first, second))
+    return float(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))

@@ -1,0 +1,116 @@
+"""A kind that the mechanics has never heard of: two files beside this one, added by `Scene.add`."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from ground_spring import GroundSpring
+
+import fpm
+from fpm.kernels import compiled
+
+MASS, STIFFNESS, REST = 2.0, 50.0, 0.4
+RATE = np.sqrt(STIFFNESS / MASS)  # of its oscillation, rad/s
+
+
+def body(start=0.7, sideways=0.0, **more) -> fpm.Scene:
+    """A body on a spring along x that starts from rest, stretched by 0.3 m."""
+    scene = fpm.Scene("body", **more)
+    particle = int(scene.add_particles((start, 0, 0), MASS, 1.0, velocity=(0, sideways, 0))[0])
+    scene.add(GroundSpring(particle, (0.0, 0.0, 0.0), STIFFNESS, REST))
+    scene.add_point("body", particle)
+    return scene
+
+
+@pytest.fixture(scope="module")
+def outcome():
+    return fpm.simulate(body(), duration=2.0, instants=101, step=1e-3)[0]
+
+
+def test_the_mechanics_does_not_name_it():
+    sources = [path.read_text().lower() for path in Path(fpm.__file__).parent.rglob("*.py")]
+    assert not [name for name in ("groundspring", "ground_spring") for s in sources if name in s]
+    assert GroundSpring not in fpm.kinds.KINDS
+
+
+def test_it_moves_as_it_should(outcome):
+    x = outcome.points["body"][0][:, 0]
+    np.testing.assert_allclose(x, REST + 0.3 * np.cos(RATE * outcome.time), atol=1e-4)
+
+
+def test_its_energy_is_in_the_balance(outcome):
+    stored = outcome.energies["ground"]
+    assert stored[0] == pytest.approx(0.5 * STIFFNESS * 0.3**2)
+    assert stored.min() < 0.05 * stored.max()
+    assert np.abs(outcome.energies["balance"]).max() < 1e-4 * stored[0]
+    total = outcome.energies["kinetic"] + stored
+    np.testing.assert_allclose(outcome.energies["balance"], total - total[0], atol=1e-12)
+
+
+def test_it_has_a_stable_step():
+    limit = fpm.stable_step(body())
+    assert limit.step == pytest.approx(2 / RATE, rel=1e-12)
+    assert limit.element == "ground spring 0"
+    stable, unstable = (
+        fpm.simulate(body(), duration=1000 * step, instants=3, step=step, energy_tolerance=0.5)[0]
+        for step in (0.99 * limit.step, 1.01 * limit.step)
+    )
+    assert stable.failure is None
+    assert unstable.failure.element == "ground spring 0"
+    assert "use a step below" in str(unstable.failure)
+
+
+def test_its_events_and_what_it_records_are_in_the_file(outcome, tmp_path):
+    passes = (0.5 + np.arange(3)) * np.pi / RATE
+    np.testing.assert_allclose(outcome.events[:, 0], passes, atol=1e-5)
+    assert outcome.events[:, 2].tolist() == [1, 0, 1]  # slackens first
+    assert outcome.eventful == (("ground spring 0", ("stretches", "slackens")),)
+    fpm.trajectory.write(outcome.dataset(), tmp_path / "run.nc")
+    back = fpm.trajectory.read(tmp_path / "run.nc")
+    assert np.array_equal(back.event_time, outcome.events[:, 0])
+    assert back.event_names.values.tolist() == ["stretches slackens"]
+    lengths = back.spring_length.sel(ground_spring="ground spring 0")
+    np.testing.assert_allclose(lengths, back.position.sel(point="body", axis="x"), atol=1e-12)
+    assert back.spring_length.units == "m"
+    assert np.array_equal(back.ground_energy, outcome.energies["ground"])
+    curves = fpm.trajectory.read_curves(tmp_path / "run.nc")
+    assert np.array_equal(curves.energies["ground"], outcome.energies["ground"])
+
+
+def test_alone_and_in_a_batch_it_gives_the_same_bits(outcome):
+    starts = [0.5, 0.7, 0.9]
+    batch = fpm.simulate([body(s) for s in starts], duration=2.0, instants=101, step=1e-3)
+    for k in (0, 1):
+        assert np.array_equal(batch[1].points["body"][k], outcome.points["body"][k])
+    for name, values in outcome.energies.items():
+        assert np.array_equal(batch[1].energies[name], values)
+    assert np.array_equal(batch[1].events, outcome.events)
+    assert not np.array_equal(batch[0].points["body"][0], outcome.points["body"][0])
+
+
+def test_what_it_refuses_and_its_topology():
+    with pytest.raises(fpm.SceneError, match="ground spring stiffness = 0"):
+        body().add(GroundSpring(0, (0, 0, 0), 0.0, 1.0))
+    other = body()
+    other.add(GroundSpring(0, (1, 0, 0), 1.0, 1.0))
+    with pytest.raises(fpm.SceneError, match="topology of scene 1"):
+        fpm.simulate([body(), other], duration=0.1, instants=2)
+
+
+def test_its_own_code_has_its_own_cache(outcome):
+    """An edit of its files is seen, and its loop is not among those that others load."""
+    from ground_spring_kernels import GroundSprings
+
+    parts = (GroundSprings,)
+    names = {path.name for path in compiled.own_sources(parts)}
+    assert names == {"ground_spring_kernels.py"}
+    assert compiled.cache_folder(parts) != compiled.cache_folder()
+
+
+def test_hooks_that_do_not_exist_are_refused():
+    from ground_spring_kernels import GroundSprings
+
+    from fpm.kernels.hooks import hook
+
+    with pytest.raises(ValueError, match="forcse is no hook; expected one of forces"):
+        hook(GroundSprings, "forcse")(lambda part, world, now: None)

@@ -1,0 +1,35 @@
+"""What the mechanics cannot carry yet, refused by name. This file goes when they can."""
+
+LATER = frozenset(
+    [("joints", kind) for kind in ("spherical", "fixed", "prismatic", "universal")]
+    + [
+        ("actions", kind)
+        for kind in ("damper", "friction", "stop", "latch", "motor", "release", "tape spring")
+    ]
+)
+"""Groups and types that are planned."""
+
+LATER_GROUPS = frozenset(["bodies", "cables", "masses"])
+"""Groups that are planned."""
+
+LATER_KEYS = frozenset(["assemble"])
+"""Keys of a file that are planned."""
+
+
+def check_pair(build, it) -> None:
+    """A joint of more than two parts needs joints that are solved together."""
+    if len(it.parts) > 2:
+        names = [part.name for part in it.parts]
+        build.refuse("parts", names, "two parts; three members on a pin come later")
+
+
+def check_free(build, it, particles) -> None:
+    """Two joints at one point of a part need to be solved together."""
+    for particle, part in zip(particles, it.parts, strict=True):
+        held = bool(build.scene.fixed[particle].all())
+        other = build.joined.setdefault(particle, it.name)
+        if other != it.name and not held:
+            build.refuse(
+                "at", f"a point of {part.name} where joint {other} is already",
+                "one joint at a point of a part; several come later",
+            )  # fmt: skip

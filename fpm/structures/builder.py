@@ -59,14 +59,13 @@ class Builder:
     """Builds the scene of a model at given values; `scene` is complete when no problem was found.
 
     numbers: all named numbers in SI units; size (m): the largest extent of the structure; joined:
-    the joint at each particle; inner: particles between two points, by bar and stretch.
+    the joint at each particle.
     """
 
     def __init__(self, model: "Model", values: Mapping[str, float], problems: Problems):
         self.problems = problems
         self.numbers: dict[str, float] = {}
         self.joined: dict[int, str] = {}
-        self.inner: dict[tuple[str, int], np.ndarray] = {}
         self._made: dict[tuple[str, str], Any] = {}
         with np.errstate(all="ignore"):
             self._number(model, values)

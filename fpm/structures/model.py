@@ -5,6 +5,7 @@ A model belongs to certain values of the whole-number parameters, since these de
 
 import re
 from collections.abc import Iterator, Mapping
+from keyword import iskeyword
 from typing import ClassVar
 
 import numpy as np
@@ -84,8 +85,8 @@ class Model:
             why = "letters, digits and _ after a letter; not ground, next, previous, first, last"
         elif number and is_unit(name):
             why = "a name that is not a unit"
-        elif number and name in RESERVED:
-            why = "a name that is not a function's"
+        elif name in RESERVED or iskeyword(name):
+            why = "a name that is no function and no word of Python's"
         else:
             return True
         self.problems.say(line, f"{key}: the name {name!r} is not allowed; allowed: {why}")

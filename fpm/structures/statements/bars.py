@@ -37,15 +37,8 @@ class Bar(Statement):
         points = [point.position for point in it.through]
         directions = _directions(build, names, points)
         up = _up(build, it, directions)
-        axes = [triad(direction, up) for direction in directions]
-        nodes = _particles(build, it, points, axes)
-        for stretch, (first, last) in enumerate(pairwise(nodes)):
-            # One call for each stretch; the inner particles follow one another.
-            inner = build.inner[it.name, stretch]
-            line = np.array([first, *inner, last])
-            ends = np.column_stack([line[:-1], line[1:]])
-            label = it.name if len(nodes) == 2 else f"{it.name} {names[stretch]}"
-            build.scene.add_beams(ends, it.section, it.material, up, label)
+        lay = _straight if len(points) == 2 else _stretches
+        nodes = lay(build.scene, it, points, directions, up)
         particles = dict(zip(names, nodes, strict=True))
         for point, holder in (it.carries or {}).items():
             if holder.name not in particles:
@@ -82,28 +75,41 @@ def _up(build, it, directions) -> np.ndarray:
     return np.eye(3)[(2, 0, 1)[int(np.argmin(across))]]
 
 
-def _particles(build, it, points, axes) -> list[int]:
-    """Add all particles, stretch by stretch; the indices of those at the points.
+def _straight(scene, it, points, directions, up) -> list[int]:
+    """A bar between two points; the particles at both."""
+    link = scene.add_link(
+        *points, up, it.section, it.material, it.elements, it.name, it.inertia_scale
+    )
+    return [int(link.particles[0]), int(link.particles[-1])]
+
+
+def _stretches(scene, it, points, directions, up) -> list[int]:
+    """A bar through more points, stretch by stretch; the particles at the points.
 
     Each stretch is lumped by itself (elements/lumping.py); where two meet, masses and inertias add.
     """
-    scene, count = build.scene, len(axes)
+    axes = [triad(direction, up) for direction in directions]
     lumped = [
         lump(np.linalg.norm(end - start), it.elements, it.section, it.material, it.inertia_scale)
         for start, end in pairwise(points)
     ]
-    nodes = []
-    for k in range(count + 1):
-        ends = [(lumped[j], j, i) for j, i in ((k - 1, -1), (k, 0)) if 0 <= j < count]
-        mass = sum(masses[i] for (masses, _), _, i in ends)
-        inertia, frame = _joined([(inertias[i], axes[j]) for (_, inertias), j, i in ends])
-        nodes.append(int(scene.add_particles(points[k], mass, inertia, frame)[0]))
-        if k < count:
-            steps = np.linspace(0.0, 1.0, it.elements + 1)[1:-1, None]
-            along = points[k] + steps * (points[k + 1] - points[k])
+    nodes: list[int] = []
+    steps = np.linspace(0.0, 1.0, it.elements + 1)[1:-1, None]
+    for k, point in enumerate(points):
+        # The end of the stretch before, and the start of the one after.
+        ends = [(*lumped[j], axes[j], i) for j, i in ((k - 1, -1), (k, 0)) if 0 <= j < len(axes)]
+        inertia, frame = _joined([(inertias[i], own) for _, inertias, own, i in ends])
+        node = scene.add_particles(point, sum(masses[i] for masses, _, _, i in ends), inertia, frame)
+        if k:
+            line = np.array([nodes[-1], *inner, node[0]])
+            label = f"{it.name} from {it.through[k - 1].name.rpartition('.')[2]}"
+            pairs = np.column_stack([line[:-1], line[1:]])
+            scene.add_beams(pairs, it.section, it.material, up, label)
+        nodes.append(int(node[0]))
+        if k < len(axes):
             masses, inertias = lumped[k]
-            added = scene.add_particles(along, masses[1:-1], inertias[1:-1], axes[k])
-            build.inner[it.name, k] = added
+            along = point + steps * (points[k + 1] - point)
+            inner = scene.add_particles(along, masses[1:-1], inertias[1:-1], axes[k])
     return nodes
 
 

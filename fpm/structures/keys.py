@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 AXES = "xyz"
 REQUIRED = object()
+COMMA = " (an expression with a comma stands in quotes)"
 MOST = 1000
 """Largest count, or number of elements between two points."""
 
@@ -180,7 +181,7 @@ class Vector(Key):
 
     @property
     def allowed(self) -> str:
-        return f"three numbers [x, y, z]{f' in {self.unit}' if self.unit else ''}"
+        return f"three numbers [x, y, z]{f' in {self.unit}' if self.unit else ''}{COMMA}"
 
     def read(self, node: Node, place: Place) -> tuple[Bound, ...]:
         if not isinstance(node, Items) or len(node.items) != 3:

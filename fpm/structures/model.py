@@ -12,7 +12,7 @@ import numpy as np
 
 from fpm.errors import SceneError
 from fpm.structures.expressions import RESERVED, ExpressionError
-from fpm.structures.keys import Key, Number, Place, Vector, Whole
+from fpm.structures.keys import COMMA, Key, Number, Place, Vector, Whole
 from fpm.structures.names import NEIGHBOURS, Context, Names
 from fpm.structures.names import Number as Named
 from fpm.structures.parameters import Given
@@ -55,7 +55,8 @@ class Model:
         self, table: Table, given: Mapping[str, Given], counts: Mapping, problems: Problems
     ):
         self.problems, self.names = problems, Names(problems)
-        self.name = table.entries["name"].value if "name" in table.entries else "structure"
+        name = table.entries.get("name")
+        self.name = name.value if isinstance(name, Text) else "structure"
         self.points: list[str] = []
         self._parameters(given)
         self._ends: dict[str, str] = {}
@@ -223,7 +224,7 @@ class Model:
                     if len(items) != 3:
                         self.problems.refuse(
                             node.lines[name], place.key, plain(entry),
-                            "three coordinates [x, y, z]",
+                            f"three coordinates [x, y, z]{COMMA}",
                         )  # fmt: skip
                         continue
                 for target, item in zip(targets, items, strict=True):

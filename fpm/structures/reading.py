@@ -45,30 +45,34 @@ Node = Text | Items | Table
 def read(text: str, problems: Problems) -> Table:
     """The table that a file's text holds; raises StructureError when it holds none."""
     try:
-        marked = [e for e in yaml.parse(text, yaml.BaseLoader) if getattr(e, "anchor", None)]
-        root = None if marked else yaml.compose(text, yaml.BaseLoader)
+        root = yaml.compose(text, _Loader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         what = ", ".join(part for part in (error.context, error.problem) if part)
-        problems.say(mark.line + 1 if mark else 0, f"this is not YAML: {what}")
+        problems.say(mark.line + 1 if mark else 0, f"this is not a structure's file: {what}")
     except (yaml.YAMLError, RecursionError, ValueError) as error:
-        problems.say(0, f"this is not YAML: {str(error).splitlines()[0]}")
+        problems.say(0, f"this is not a structure's file: {str(error).splitlines()[0]}")
     else:
-        for event in marked:
-            problems.say(
-                event.start_mark.line + 1,
-                f"the anchor or alias {event.anchor!r} is not allowed; allowed: a name under `let`",
-            )
-        if root is not None:
-            node = _convert(root, problems, 0)
-            if isinstance(node, Table):
-                problems.stop()
-                return node
-            problems.say(node.line, "the file is not a table; allowed: a mapping of keys")
-        elif not marked:
-            problems.say(0, "the file holds nothing; allowed: a mapping of keys")
+        node = _convert(root, problems, 0) if root else Text("", 0)
+        if not isinstance(node, Table):
+            problems.say(node.line, "the file is no table; allowed: a mapping of keys")
     problems.stop()
-    raise AssertionError("a problem was found")
+    return node
+
+
+class _Loader(yaml.BaseLoader):
+    """Text stays text; anchors, aliases and tags are refused where they stand."""
+
+    def compose_node(self, parent, index):
+        event = self.peek_event()
+        marks = [getattr(event, name, None) for name in ("anchor", "tag")]
+        if any(marks):
+            raise yaml.MarkedYAMLError(
+                problem=f"the anchor, alias or tag {marks[0] or marks[1]!r} is not allowed; "
+                "allowed: a name under `let`",
+                problem_mark=event.start_mark,
+            )
+        return super().compose_node(parent, index)
 
 
 def plain(node: Node) -> object:

@@ -82,7 +82,9 @@ class Builder:
         except KeyError:
             raise SkippedError(key) from None
         except ExpressionError as error:
-            raise SceneError(key, bound.expression.text, f"arithmetic that is not {error}") from None
+            raise SceneError(
+                key, bound.expression.text, f"arithmetic that is not {error}"
+            ) from None
 
     def point(self, name: str) -> np.ndarray:
         """Where a point is at the start, (3,) m."""
@@ -128,13 +130,12 @@ class Builder:
 
     def _scene(self, model: "Model") -> Scene:
         try:
-            values = model.top.values(self)
-            scene = Scene(model.name, values.gravity, values.damping)
-        except SceneError as error:
-            self._note(model.top.lines.get(error.key, 0), error.key, error)
-            scene = Scene(model.name)
+            scene = model.overall.statement.build(self, model.overall.values(self))
         except SkippedError:
-            scene = Scene(model.name)
+            scene = Scene(model.overall.name)
+        except SceneError as error:
+            self._note(model.overall.lines.get(error.key, 0), error.key, error)
+            scene = Scene(model.overall.name)
         if "parts:ground" in model.names.used:
             ground = int(scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)[0])
             scene.fix(ground)

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.structures.expressions import ExpressionError, parse
-from fpm.structures.names import Bound, Context, Names
-from fpm.structures.problems import Problems, SkippedError, show
-from fpm.structures.reading import Items, Node, Table, Text, plain
-from fpm.structures.units import NUMBER, Dimension, unit
+from fpm.structures.names import Bound
+from fpm.structures.place import Place
+from fpm.structures.reading import Items, Node, Table, Text
+from fpm.structures.units import NUMBER, unit
 
 if TYPE_CHECKING:
     from fpm.structures.builder import Builder
@@ -24,83 +23,6 @@ REQUIRED = object()
 COMMA = " (an expression with a comma stands in quotes)"
 MOST = 1000
 """Largest count, or number of elements between two points."""
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where a value is written: its key, in sentences, and what is known there."""
-
-    key: str
-    context: Context
-    names: Names
-
-    @property
-    def problems(self) -> Problems:
-        """Where to note what is wrong."""
-        return self.names.problems
-
-    def inside(self, name: str) -> "Place":
-        """The place of a key in this one."""
-        return Place(f"{self.key}.{name}", self.context, self.names)
-
-    def refuse(self, node: Node, allowed: str) -> None:
-        """Note that this place's value is not allowed, and leave out what it belongs to."""
-        self.problems.refuse(node.line, self.key, plain(node), allowed)
-        raise SkippedError(self.key)
-
-    def bind(self, node: Node, allowed: str) -> Bound:
-        """The expression at this place with its names found."""
-        if not isinstance(node, Text) or not node.value:
-            self.refuse(node, allowed)
-        try:
-            expression = parse(node.value)
-        except ExpressionError as error:
-            self.problems.say(node.line, f"{self.key}: {show(node.value)}: {error}")
-            raise SkippedError(self.key) from None
-        full = {}
-        for name in sorted(expression.names):
-            try:
-                full[name] = self.context.find(name, self.names.numbers)
-            except KeyError:
-                known = self.names.numbers
-                self.names.unknown(node.line, self.key, name, known, "number called")
-        if len(full) < len(expression.names):
-            raise SkippedError(self.key)
-        self.names.used.update(full.values())
-        return Bound(expression, full)
-
-    def number(self, node: Node, wanted: Dimension | None, allowed: str, angle=False) -> Bound:
-        """An expression of the dimension that is wanted; an angle's unit must be said."""
-        bound = self.bind(node, allowed)
-        try:
-            found = bound.dimension(self.names.dimensions_of(bound))
-        except ExpressionError as error:
-            self.problems.say(node.line, f"{self.key}: {show(node.value)}: {error}")
-            raise SkippedError(self.key) from None
-        if wanted is not None and not found.bare and found.powers != wanted.powers:
-            self.problems.say(
-                node.line, f"{self.key}: {show(node.value)} is {found}; allowed: {allowed}"
-            )
-            raise SkippedError(self.key)
-        if angle and found.bare and not (bound.expression.bare and bound.value({}) == 0):
-            self.refuse(node, f"{allowed}, whose unit must be said, such as 90 deg or 1.5 rad")
-        return bound
-
-    def reference(self, node: Node, group: str) -> str:
-        """The full name of something in a group."""
-        what = group.removesuffix("s")
-        if not isinstance(node, Text):
-            self.refuse(node, f"the name of a {what}")
-        known = self.names.things.get(group, {})
-        try:
-            full = self.context.find(node.value, known)
-        except KeyError:
-            self.names.unknown(node.line, self.key, node.value, known, what)
-            raise SkippedError(self.key) from None
-        if (group, full) in self.names.absent:
-            raise SkippedError(full)
-        self.names.used.add(f"{group}:{full}")
-        return full
 
 
 @dataclass(frozen=True)

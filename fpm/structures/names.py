@@ -96,10 +96,10 @@ class Names:
         self.absent: set[tuple[str, str]] = set()  # (group, name): wrong, or at a row's end
         self.order: list[str] = []
 
-    @property
-    def dimensions(self) -> dict[str, Dimension]:
-        """Those of all numbers that are sound."""
-        return {n: x.dimension for n, x in self.numbers.items() if x.dimension is not None}
+    def give(self, name: str, number: "Number") -> None:
+        """Note a number whose value is given, not derived."""
+        self.numbers[name] = number
+        self.order.append(name)
 
     def unknown(self, line: int, key: str, name: str, known: Iterable[str], what: str) -> None:
         """Note that a name means nothing."""
@@ -116,7 +116,7 @@ class Names:
 
         Cycles and clashes become problems; what depends on them is left without dimension.
         """
-        done: dict[str, bool] = {}  # False: being visited
+        done = dict.fromkeys(self.order, True)  # False: being visited
         for start in self.numbers:
             stack = [(start, iter(self._needs(start)))] if start not in done else []
             done.setdefault(start, False)

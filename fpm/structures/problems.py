@@ -1,6 +1,7 @@
-"""What is wrong with a structure's file: all of it at once, each with line, key and what is allowed."""
+"""What is wrong with a structure's file: all at once, each with line, key and what is allowed."""
 
 import difflib
+import re
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -62,6 +63,7 @@ class Problems:
 
     def say(self, line: int, sentence: str, size: float = 0.0) -> None:
         """Note a sentence, which starts with its key, about a line."""
+        sentence = re.sub(r"\S{100,}", lambda word: f"{word[0][:97]}...", sentence)
         self._found[Problem(line, sentence, size)] = None
 
     def stop(self) -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 from fpm.errors import SceneError
 from fpm.scene import Scene
 from fpm.scenes import Parameter, SceneType
-from fpm.structures.problems import Problem, StructureError
 from fpm.sources import syntax_digest
+from fpm.structures.problems import Problem, StructureError
 
 
 def load_python(path: Path) -> SceneType:

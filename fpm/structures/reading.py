@@ -1,6 +1,6 @@
 """YAML as tables, lists and text that know their lines.
 
-Nothing is converted: whether `1e9` is a number, or `on` a name, is up to the key that it belongs to.
+Nothing is converted: whether `1e9` is a number, or `on` a name, is up to the key it belongs to.
 A key may be given once; anchors and tags are refused, because names and `let` do their work.
 """
 

@@ -13,8 +13,8 @@ SMALLEST = 1e-9
 
 
 class Mobility(NamedTuple):
-    """parts: rigid ones, held ones not counted; conditions: of joints, supports and drives together;
-    redundant: conditions that others imply; degrees: ways to move that are left, all at the start.
+    """parts: rigid ones that are not held altogether; conditions: of joints, supports and drives;
+    redundant: conditions that others imply; degrees: ways to move that are left, at the start.
     """
 
     parts: int

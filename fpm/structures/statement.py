@@ -1,14 +1,16 @@
-"""Statements: what can be said about a structure, one class for each kind of thing.
+"""Statements: what can be said about a structure, one function for each kind of thing.
 
 A statement says which keys it takes, with units and ranges, and how it goes into a scene. A new
-kind of joint or action is one such class in a file of `statements/`, and one line in its registry.
+kind of joint or action is one such function in a file of `statements/`, and one line in its list.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
-from fpm.structures.keys import REQUIRED, Key, Place
+from fpm.structures.keys import REQUIRED, Key
+from fpm.structures.place import Place
 from fpm.structures.problems import SkippedError, among, did_you_mean
 from fpm.structures.reading import Table, Text
 from fpm.structures.today import LATER
@@ -20,32 +22,37 @@ PARTS = ("bars",)
 """Groups whose things are parts: what joints join, supports hold and loads act on."""
 
 
+@dataclass(frozen=True)
 class Statement:
-    """A kind of thing in a group of the file; subclasses are never instantiated.
+    """A kind of thing in a group of the file.
 
     group: the file's key; type: the entry's `type`, "" in groups of one kind; keys: what it takes,
-    by name. The docstring's first line is what docs/structures.md says.
+    by name; build(build, it): puts one into the scene of a Builder and returns what others get that
+    refer to it, `it` having the full `name` and the values of all keys; SceneError for what cannot
+    be. about: what it is, as docs/structures.md says.
     """
 
-    group: ClassVar[str]
-    type: ClassVar[str] = ""
-    keys: ClassVar[dict[str, Key]]
+    group: str
+    type: str
+    keys: dict[str, Key]
+    build: Callable[["Builder", SimpleNamespace], Any]
 
-    @staticmethod
-    def build(build: "Builder", it: SimpleNamespace) -> Any:
-        """Put one into the scene; returns what other statements get when they refer to it.
+    @property
+    def about(self) -> str:
+        """The first line of the building function's docstring."""
+        return (self.build.__doc__ or "").split("\n")[0]
 
-        it: `name` (full), `key` (for messages) and the values of all keys. SceneError for what
-        cannot be.
-        """
-        raise NotImplementedError
+
+def statement(group: str, type: str = "", **keys: Key) -> Callable[[Callable], Statement]:
+    """Make a kind of statement of the function that builds it."""
+    return lambda build: Statement(group, type, keys, build)
 
 
 @dataclass(frozen=True)
 class Entry:
     """A statement as a file makes it. `read`: what its keys' `read` found; `lines` of its keys."""
 
-    statement: type[Statement]
+    statement: Statement
     name: str
     key: str
     line: int
@@ -63,7 +70,7 @@ class Entry:
 
 
 def read_entry(
-    kinds: dict[str, type[Statement]], name: str, node: Any, line: int, place: Place
+    kinds: dict[str, Statement], name: str, node: Any, line: int, place: Place
 ) -> Entry | None:
     """The entry of a node, or None if it is wrong, or belongs to a neighbour that is not there."""
     problems = place.problems
@@ -95,7 +102,7 @@ def read_entry(
     return Entry(statement, name, place.key, line, node.lines, read) if sound else None
 
 
-def _statement(kinds, node: Table, place: Place) -> type[Statement] | None:
+def _statement(kinds, node: Table, place: Place) -> Statement | None:
     """Which of the group's kinds the entry is."""
     if "" in kinds:
         return kinds[""]

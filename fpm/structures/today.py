@@ -1,5 +1,8 @@
 """What the mechanics cannot carry yet, refused by name. This file goes when they can."""
 
+from fpm.structures.problems import Problems
+from fpm.structures.reading import Table
+
 LATER = frozenset(
     [("joints", kind) for kind in ("spherical", "fixed", "prismatic", "universal")]
     + [
@@ -9,11 +12,14 @@ LATER = frozenset(
 )
 """Groups and types that are planned."""
 
-LATER_GROUPS = frozenset(["bodies", "cables", "masses"])
-"""Groups that are planned."""
-
-LATER_KEYS = frozenset(["assemble"])
+LATER_KEYS = frozenset(["bodies", "cables", "masses", "assemble"])
 """Keys of a file that are planned."""
+
+
+def refuse_later(table: Table, problems: Problems) -> None:
+    """Note the keys of a file that are planned."""
+    for key in LATER_KEYS & table.entries.keys():
+        problems.say(table.lines[key], f"{key}: comes later; allowed: a file without it")
 
 
 def check_pair(build, it) -> None:

@@ -16,11 +16,13 @@ def crossing(time, values, level):
     return float(root), float(cubic.deriv()(root))
 
 
-def scissor(units, k=1.0, gyration=0.0, start=np.radians(85), end=np.radians(30)):
-    """Time (s) and rate (rad/s) of a rigid planar scissor mast from one bar's angle to another.
+def scissor(units, k=1.0, gyration=0.0):
+    """Time (s) and rate (rad/s) of a rigid planar scissor mast from 85 to 30 degrees to its axis.
 
     Bars of 1 m and 1 kg; gyration (m): radius of gyration of a bar's section, which turns with it.
     """
+
+    start, end = np.radians([85, 30])
 
     def mass(q):
         crossed = units / 12 + np.sin(q) ** 2 * units * (4 * units**2 - 1) / 12

@@ -77,7 +77,11 @@ WRONG = [
     ("section: tube, ", "", "bars.arm.section: missing; allowed: the name of one of `sections`"),
     ("[A, B], section", "[A, A], section", "each once"),
     ("type: revolute", "type: spherical", "'spherical' is not allowed; allowed: revolute (spheri"),
-    ("[ground, arm]", "[ground, am]", "joints.root.parts: there is no part 'am' (did you mean arm?"),
+    (
+        "[ground, arm]",
+        "[ground, am]",
+        "joints.root.parts: there is no part 'am' (did you mean arm?",
+    ),
     ("at: A, axis", "at: C, axis", "joints.root.at: there is no point 'C'"),
     ("axis: y", "axis: [0, 0, 0]", "joints.root.axis: [0.0, 0.0, 0.0] is not allowed; allowed: a"),
     ("axis: y", "axis: y, held: w", "joints.root.held: 'w' is not allowed; allowed: letters"),
@@ -117,7 +121,8 @@ def test_a_wrong_thing_does_not_make_its_users_wrong():
 
 def test_a_part_that_nothing_joins_is_refused():
     text = SMALL.replace(
-        "joints:", "  loose: {through: [B, C], section: tube, material: steel, elements: 2}\njoints:"
+        "joints:",
+        "  loose: {through: [B, C], section: tube, material: steel, elements: 2}\njoints:",
     ).replace("points:", "points:\n  C: [3, 3, 3]")
     assert problems_of(text) == [
         "line 19: bars.loose: nothing joins it to anything; allowed: parts with a joint, a support "
@@ -134,8 +139,16 @@ def test_a_point_that_is_not_the_part_s_is_refused():
     ("old", "new", "said"),
     [
         ("[ground, AB], at: A", "[ground, AB], at: B", "one joint at a point of a part; several"),
-        ("parts: [AB, BC], at: B", "parts: [AB, BC, CD], at: B", "three members on a pin come late"),
-        ("{BC: C1, CD: C2}", "{BC: C1}", "joints.C.at: ['BC'] is not allowed; allowed: a point for"),
+        (
+            "parts: [AB, BC], at: B",
+            "parts: [AB, BC, CD], at: B",
+            "three members on a pin come late",
+        ),
+        (
+            "{BC: C1, CD: C2}",
+            "{BC: C1}",
+            "joints.C.at: ['BC'] is not allowed; allowed: a point for",
+        ),
     ],
 )
 def test_what_the_mechanics_cannot_carry_yet_is_refused_by_name(old, new, said):

@@ -13,7 +13,7 @@ from fpm.structures.model import KEYS
 MUTANTS = 500
 NASTY = (
     "", "0", "-1", "nan", ".nan", ".inf", "1e400", "1e-400", "1e200", "-0.0", "null", "~", "true",
-    "[", "]", "{}", "[]", "[[[]]]", "{a: {b: c}}", "'", '"', "&a x", "*a", "!!python/name:os.system",
+    "[", "]", "{}", "[]", "[[[]]]", "{a: {b: c}}", "'", '"', "&a x", "*a", "!!python/name:os.x",
     "__import__('os')", "().__class__", "9**9**9**9", "1/0", "L/0", "sqrt(-1)", "x" * 3000, "1;2",
     "\u0000", "\ufeff", "\u2028", "é", "½", "1_000", "0x10", "2 mm", "90 deg", "5 N m/rad", "1 /s",
     "next.bar", "previous.A", "bay.last.rising", "bay0.rising", "ground", "[ground, ground]", "pi",
@@ -47,8 +47,9 @@ def mutated(text: str, rng: random.Random) -> str:
             new = rng.choice([*words, *KEYS, *NASTY])
             lines = text.replace(rng.choice(words), new, 1).split("\n")
         else:  # an end gets lost
-            lines = text[: rng.randrange(len(text))].split("\n")
+            lines = text[: rng.randrange(len(text)) + 1].split("\n")
         text = "\n".join(lines)
+        text = text if text.strip() else "a: b"
     return text
 
 

@@ -1,35 +1,29 @@
 """What acts on a joint's opening."""
 
 from fpm.structures.keys import Number, Reference
-from fpm.structures.statement import Statement
+from fpm.structures.statement import statement
 
 JOINT = Reference(group="joints", about="on which joint it acts")
 
 
-class TorsionSpring(Statement):
+@statement(
+    "actions",
+    "torsion spring",
+    joint=JOINT,
+    stiffness=Number(unit="N m/rad", least=0, about="moment for each radian"),
+    rest=Number(0.0, "opening at which it is at rest", unit="rad"),
+)
+def torsion_spring(build, it):
     """Turns a revolute joint towards an opening."""
-
-    group, type = "actions", "torsion spring"
-    keys = {
-        "joint": JOINT,
-        "stiffness": Number(unit="N m/rad", least=0, about="moment for each radian"),
-        "rest": Number(0.0, "opening at which it is at rest", unit="rad"),
-    }
-
-    @staticmethod
-    def build(build, it):
-        build.scene.add_torsion_spring(it.joint, it.stiffness, it.rest)
+    build.scene.add_torsion_spring(it.joint, it.stiffness, it.rest)
 
 
-class Contact(Statement):
+@statement(
+    "actions",
+    "contact",
+    joint=JOINT,
+    stiffness=Number(unit="N m/rad", least=0, about="moment for each radian below zero"),
+)
+def contact(build, it):
     """Faces that touch where the opening of a revolute joint is below zero."""
-
-    group, type = "actions", "contact"
-    keys = {
-        "joint": JOINT,
-        "stiffness": Number(unit="N m/rad", least=0, about="moment for each radian below zero"),
-    }
-
-    @staticmethod
-    def build(build, it):
-        build.scene.add_contact(it.joint, it.stiffness)
+    build.scene.add_contact(it.joint, it.stiffness)

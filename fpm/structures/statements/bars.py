@@ -8,45 +8,43 @@ from fpm.elements.beam import triad
 from fpm.elements.lumping import lump
 from fpm.structures.builder import Part
 from fpm.structures.keys import Direction, Each, Many, Number, Reference, Whole
-from fpm.structures.statement import Statement
+from fpm.structures.statement import statement
 
 STRAIGHT = 1e-9
 """Directions (unit vectors) that differ by less are one."""
 
 
-class Bar(Statement):
+@statement(
+    "bars",
+    through=Many(kind=Reference(group="points"), least=2, about="its points, in order"),
+    section=Reference(group="sections", about="its cross-section"),
+    material=Reference(group="materials", about="its material"),
+    elements=Whole(about="beam elements of each stretch between two points"),
+    up=Direction(None, "where the section's height points; needed where it matters"),
+    carries=Each(
+        None,
+        "points off its axis, each rigidly held at one of its points",
+        group="points",
+        kind=Reference(group="points"),
+    ),
+    inertia_scale=Number(1.0, "factor on the section's rotational inertia", least=1),
+)
+def bar(build, it):
     """An elastic bar through points, each stretch between two of them straight."""
-
-    group = "bars"
-    keys = {
-        "through": Many(kind=Reference(group="points"), least=2, about="its points, in order"),
-        "section": Reference(group="sections", about="its cross-section"),
-        "material": Reference(group="materials", about="its material"),
-        "elements": Whole(about="beam elements of each stretch between two points"),
-        "up": Direction(None, "where the section's height points; needed where it matters"),
-        "carries": Each(
-            None, "points off its axis, each rigidly held at one of its points",
-            group="points", kind=Reference(group="points"),
-        ),
-        "inertia_scale": Number(1.0, "factor on the section's rotational inertia", least=1),
-    }  # fmt: skip
-
-    @staticmethod
-    def build(build, it):
-        names = [point.name for point in it.through]
-        points = [point.position for point in it.through]
-        directions = _directions(build, names, points)
-        up = _up(build, it, directions)
-        lay = _straight if len(points) == 2 else _stretches
-        nodes = lay(build.scene, it, points, directions, up)
-        particles = dict(zip(names, nodes, strict=True))
-        for point, holder in (it.carries or {}).items():
-            if holder.name not in particles:
-                build.refuse(f"carries.{point}", holder.name, f"one of {', '.join(names)}")
-            if point in particles:
-                build.refuse("carries", point, "points that the bar does not go through")
-            particles[point] = particles[holder.name]
-        return Part(it.name, particles)
+    names = [point.name for point in it.through]
+    points = [point.position for point in it.through]
+    directions = _directions(build, names, points)
+    up = _up(build, it, directions)
+    lay = _straight if len(points) == 2 else _stretches
+    nodes = lay(build.scene, it, points, directions, up)
+    particles = dict(zip(names, nodes, strict=True))
+    for point, holder in (it.carries or {}).items():
+        if holder.name not in particles:
+            build.refuse(f"carries.{point}", holder.name, f"one of {', '.join(names)}")
+        if point in particles:
+            build.refuse("carries", point, "points that the bar does not go through")
+        particles[point] = particles[holder.name]
+    return Part(it.name, particles)
 
 
 def _directions(build, names, points) -> list[np.ndarray]:
@@ -94,12 +92,15 @@ def _stretches(scene, it, points, directions, up) -> list[int]:
         for start, end in pairwise(points)
     ]
     nodes: list[int] = []
+    inner = np.zeros(0, int)
     steps = np.linspace(0.0, 1.0, it.elements + 1)[1:-1, None]
     for k, point in enumerate(points):
         # The end of the stretch before, and the start of the one after.
         ends = [(*lumped[j], axes[j], i) for j, i in ((k - 1, -1), (k, 0)) if 0 <= j < len(axes)]
         inertia, frame = _joined([(inertias[i], own) for _, inertias, own, i in ends])
-        node = scene.add_particles(point, sum(masses[i] for masses, _, _, i in ends), inertia, frame)
+        node = scene.add_particles(
+            point, sum(masses[i] for masses, _, _, i in ends), inertia, frame
+        )
         if k:
             line = np.array([nodes[-1], *inner, node[0]])
             label = f"{it.name} from {it.through[k - 1].name.rpartition('.')[2]}"

@@ -1,20 +1,16 @@
 """Supports: points of parts that are held."""
 
 from fpm.structures.keys import Letters, Reference
-from fpm.structures.statement import Statement
+from fpm.structures.statement import statement
 
 
-class Support(Statement):
+@statement(
+    "supports",
+    part=Reference(group="parts", about="a bar"),
+    at=Reference(group="points", about="one of its points"),
+    translations=Letters("xyz", "axes along which it is held"),
+    rotations=Letters("xyz", "axes about which it is held"),
+)
+def support(build, it):
     """Holds a point of a part along and about global axes."""
-
-    group = "supports"
-    keys = {
-        "part": Reference(group="parts", about="a bar"),
-        "at": Reference(group="points", about="one of its points"),
-        "translations": Letters("xyz", "axes along which it is held"),
-        "rotations": Letters("xyz", "axes about which it is held"),
-    }
-
-    @staticmethod
-    def build(build, it):
-        build.scene.fix(it.part.particle(it.at.name), it.translations, it.rotations)
+    build.scene.fix(it.part.particle(it.at.name), it.translations, it.rotations)

@@ -7,7 +7,7 @@ import numpy as np
 from fpm.elements.hinge import unit
 from fpm.structures import today
 from fpm.structures.keys import Direction, Each, Either, Letters, Many, Number, Reference
-from fpm.structures.statement import Statement
+from fpm.structures.statement import statement
 
 APART = 1e-9
 """Points that differ by less, as a share of the structure's size, are one."""
@@ -38,39 +38,41 @@ def meet(build, it) -> tuple[list[int], np.ndarray]:
     return particles, points[0].position
 
 
-class Revolute(Statement):
+@statement(
+    "joints",
+    "revolute",
+    parts=PARTS,
+    at=AT,
+    axis=Direction(about="of the turn"),
+    opening=Number(
+        0.0,
+        "angle at the start; grows as the second part turns about the axis against the "
+        "first, by the right-hand rule",
+        unit="rad",
+    ),
+    references=Each(
+        None,
+        "a direction fixed to each part, normal to the axis: the opening is their angle, "
+        "on the turn closest to `opening`",
+        group="parts",
+        kind=Direction(),
+    ),
+    held=Letters("", "axes along which the point is held, as by a slider"),
+)
+def revolute(build, it):
     """A hinge: two parts share a point and an axis, and turn freely about it."""
-
-    group, type = "joints", "revolute"
-    keys = {
-        "parts": PARTS,
-        "at": AT,
-        "axis": Direction(about="of the turn"),
-        "opening": Number(
-            0.0, "angle at the start; grows as the second part turns about the axis against the "
-            "first, by the right-hand rule", unit="rad",
-        ),
-        "references": Each(
-            None, "a direction fixed to each part, normal to the axis: the opening is their angle, "
-            "on the turn closest to `opening`", group="parts", kind=Direction(),
-        ),
-        "held": Letters("", "axes along which the point is held, as by a slider"),
-    }  # fmt: skip
-
-    @staticmethod
-    def build(build, it):
-        today.check_pair(build, it)
-        particles, point = meet(build, it)
-        today.check_free(build, it, particles)
-        references = it.references
-        if references is not None:
-            names = [part.name for part in it.parts]
-            if references.keys() != set(names):
-                build.refuse("references", list(references), f"one for each of {', '.join(names)}")
-            references = [_across(build, references[name], it.axis) for name in names]
-        return build.scene.add_hinge(
-            it.name, particles, point, it.axis, references, it.opening, it.held
-        )
+    today.check_pair(build, it)
+    particles, point = meet(build, it)
+    today.check_free(build, it, particles)
+    references = it.references
+    if references is not None:
+        names = [part.name for part in it.parts]
+        if references.keys() != set(names):
+            build.refuse("references", list(references), f"one for each of {', '.join(names)}")
+        references = [_across(build, references[name], it.axis) for name in names]
+    return build.scene.add_hinge(
+        it.name, particles, point, it.axis, references, it.opening, it.held
+    )
 
 
 def _across(build, reference, axis) -> np.ndarray:

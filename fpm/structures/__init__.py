@@ -48,9 +48,14 @@ class _File:
         values = {name: one.si(parameters[name]) for name, one in self.given.items()}
         counts = {name: values[name] for name, one in self.given.items() if one.whole}
         key = tuple(counts.values())
-        if key not in self._models:
-            self._models[key] = Model(self.table, self.given, counts, problems)
-        return Builder(self._models[key], values, problems)
+        model = self._models.get(key) or Model(self.table, self.given, counts, problems)
+        if not problems:
+            self._models[key] = model
+        return Builder(model, values, problems)
+
+    def __getstate__(self) -> dict:
+        """What crosses processes: the file, from which models are made again."""
+        return {**self.__dict__, "_models": {}}
 
 
 def load(path: str | Path) -> SceneType:

@@ -59,13 +59,13 @@ class Builder:
     """Builds the scene of a model at given values; `scene` is complete when no problem was found.
 
     numbers: all named numbers in SI units; size (m): the largest extent of the structure; joined:
-    the joint at each particle.
+    the joints at each particle.
     """
 
     def __init__(self, model: "Model", values: Mapping[str, float], problems: Problems):
         self.problems = problems
         self.numbers: dict[str, float] = {}
-        self.joined: dict[int, str] = {}
+        self.joined: dict[int, list[str]] = {}
         self._made: dict[tuple[str, str], Any] = {}
         with np.errstate(all="ignore"):
             self._number(model, values)
@@ -167,13 +167,12 @@ class Builder:
         numbers = (scene.position, scene.mass, scene.inertia, scene.velocity, scene.gravity)
         if not all(np.isfinite(x).all() for x in numbers):
             self.problems.say(0, "the structure has masses or lengths that are not finite")
-        joined = [p for h in scene.hinges for p in h.particles]
         if self.problems:
             return
         parts = [entry for entry in model.entries if entry.statement.group in PARTS]
         for entry in parts if len(parts) > 1 else ():
             particles = self._made["parts", entry.name].particles
-            if not (np.isin(particles, joined).any() or scene.fixed[particles].any()):
+            if not (np.isin(particles, list(self.joined)).any() or scene.fixed[particles].any()):
                 self.problems.say(
                     entry.line, f"{entry.key}: nothing joins it to anything; allowed: parts with a "
                     "joint, a support or a drive"

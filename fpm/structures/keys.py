@@ -127,7 +127,7 @@ class Direction(Key):
             return "letter", sign * np.eye(3)[AXES.index(node.value[-1])]
         if isinstance(node, Items) and len(node.items) == 3:
             bounds = [place.number(item, None, self.allowed) for item in node.items]
-            found = [b.dimension(place.names.dimensions_of(b)) for b in bounds]
+            found = [b.dimension(place.names.numbers) for b in bounds]
             if len({d.powers for d in found if not d.bare}) > 1:
                 place.refuse(node, "three numbers of one unit")
             return "numbers", bounds
@@ -167,6 +167,24 @@ class Reference(Key):
 
 
 @dataclass(frozen=True)
+class Part(Reference):
+    """The name of a part. ground: whether that is one here."""
+
+    group: str = "parts"
+    ground: bool = False
+
+    @property
+    def allowed(self) -> str:
+        return "the name of a bar, or ground" if self.ground else "the name of a bar"
+
+    def read(self, node: Node, place: Place) -> str:
+        full = place.reference(node, self.group)
+        if full == "ground" and not self.ground:
+            place.refuse(node, self.allowed)
+        return full
+
+
+@dataclass(frozen=True)
 class Many(Key):
     """A list of values of one kind, `least` to `most` of them, no two the same name."""
 
@@ -200,7 +218,8 @@ class Each(Key):
 
     @property
     def allowed(self) -> str:
-        return f"a mapping from names of `{self.group}`, each to {self.kind.allowed}"
+        names = "its parts" if self.group == "parts" else f"names of `{self.group}`"
+        return f"a mapping from {names}, each to {self.kind.allowed}"
 
     def read(self, node: Node, place: Place) -> dict:
         if not isinstance(node, Table):

@@ -60,13 +60,12 @@ class Bound:
         """Its value in SI units, from those of the full names."""
         return self.expression.value({name: numbers[full] for name, full in self.full.items()})
 
-    def dimension(self, dimensions: dict[str, Dimension]) -> Dimension:
+    def dimension(self, numbers: dict[str, "Number"]) -> Dimension:
         """Its dimension; SkippedError if one of its names has none, being wrong itself."""
-        if any(full not in dimensions for full in self.full.values()):
+        found = {name: numbers[full].dimension for name, full in self.full.items()}
+        if None in found.values():
             raise SkippedError(self.expression.text)
-        return self.expression.dimension(
-            {name: dimensions[full] for name, full in self.full.items()}
-        )
+        return self.expression.dimension(found)
 
 
 @dataclass
@@ -152,7 +151,7 @@ class Names:
         if number.bound is None:
             return
         try:
-            found = number.bound.dimension(self.dimensions_of(number.bound))
+            found = number.bound.dimension(self.numbers)
         except SkippedError:
             return
         except ExpressionError as error:
@@ -166,13 +165,6 @@ class Names:
                 f"{number.key}: {number.bound.expression.text} is {found}; allowed: {wanted}",
             )
         number.dimension = wanted or found
-
-    def dimensions_of(self, bound: Bound) -> dict[str, Dimension]:
-        """The dimensions of the names in one expression, as far as they are sound."""
-        found = {full: self.numbers[full].dimension for full in bound.full.values()}
-        # What is being defined, or by itself, has an intended dimension at most.
-        known = set(self.order)
-        return {n: d for n, d in found.items() if d is not None and n in known}
 
     def is_whole(self, bound: Bound) -> bool:
         """Whether an expression depends on nothing but whole numbers."""

@@ -60,7 +60,7 @@ class Place:
         """An expression of the dimension that is wanted; an angle's unit must be said."""
         bound = self.bind(node, allowed)
         try:
-            found = bound.dimension(self.names.dimensions_of(bound))
+            found = bound.dimension(self.names.numbers)
         except ExpressionError as error:
             self.problems.say(node.line, f"{self.key}: {show(node.value)}: {error}")
             raise SkippedError(self.key) from None

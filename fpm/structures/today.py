@@ -32,10 +32,9 @@ def check_pair(build, it) -> None:
 def check_free(build, it, particles) -> None:
     """Two joints at one point of a part need to be solved together."""
     for particle, part in zip(particles, it.parts, strict=True):
-        held = bool(build.scene.fixed[particle].all())
-        other = build.joined.setdefault(particle, it.name)
-        if other != it.name and not held:
+        others = [name for name in build.joined[particle] if name != it.name]
+        if others and not build.scene.fixed[particle].all():
             build.refuse(
-                "at", f"a point of {part.name} where joint {other} is already",
+                "at", f"a point of {part.name} where joint {others[0]} is already",
                 "one joint at a point of a part; several come later",
             )  # fmt: skip

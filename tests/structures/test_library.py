@@ -1,8 +1,12 @@
 """Structures from text do what closed forms, and the same structures in Python, do."""
 
+import pickle
+
 import numpy as np
 import pytest
 from conftest import FOLDER, SMALL, structure
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from motion import crossing, scissor, zfold
 
 import fpm
@@ -235,6 +239,56 @@ record:""",
     np.testing.assert_array_equal(spins, [[0, 1, 0]])
 
 
+def test_a_structure_crosses_processes():
+    mast = structure("scissor")
+    again = pickle.loads(pickle.dumps(mast))
+    np.testing.assert_array_equal(again.build(n=2).position, mast.build(n=2).position)
+
+
+def test_names_that_only_some_counts_have_are_refused_for_the_others():
+    text = (
+        (FOLDER / "scissor.yaml")
+        .read_text()
+        .replace("bay.last.rising, at: bay.last", "bay3.rising, at: bay3")
+    )
+    mast = loads(text)
+    assert mast.build(n=4).points["end"].particle == mast.build(n=3).points["end"].particle
+    for _ in range(2):
+        with pytest.raises(
+            fpm.SceneError, match=r"no part 'bay3.rising' \(did you mean bay2.rising"
+        ):
+            mast.build(n=2)
+
+
+def test_samples_run_side_by_side_as_they_do_alone():
+    mast = structure("scissor")
+    scenes = [mast.build(n=2, q=q, L=length) for q, length in ((80, 1.0), (70, 1.1), (60, 0.9))]
+    together = fpm.simulate(scenes, duration=0.01, instants=5, step=2e-5)
+    for scene, beside in zip(scenes, together, strict=True):
+        alone = fpm.simulate(scene, duration=0.01, instants=5, step=2e-5)[0]
+        np.testing.assert_array_equal(alone.points["end"][0], beside.points["end"][0])
+
+
+@given(st.data())
+@settings(max_examples=40, deadline=None)
+def test_any_allowed_values_give_a_scene_or_are_refused(data):
+    found = structure(data.draw(st.sampled_from(["bennett", "zfold", "scissor", "panel"])))
+    values = {}
+    for name, parameter in found.parameters.items():
+        low, high = max(parameter.lower, -1e3), min(parameter.upper, 1e3)
+        if parameter.kind == "integer":
+            values[name] = data.draw(st.integers(int(low), int(min(high, 4))))
+        else:
+            values[name] = data.draw(st.floats(low, high))
+    try:
+        scene = found.build(**values)
+    except fpm.SceneError as error:
+        assert str(error)
+    else:
+        assert np.isfinite(scene.position).all()
+        assert np.isfinite(scene.inertia).all()
+
+
 def test_the_opening_may_follow_from_directions():
     references = "axis: y, references: {ground: x, arm: {from: A, to: B}}"
     scene = loads(SMALL.replace("axis: y", references)).build(stow=20.0)
@@ -243,9 +297,7 @@ def test_the_opening_may_follow_from_directions():
 
 def test_sections():
     from fpm import Section
-    from fpm.structures.statements.sections import Tube
 
-    assert Tube.type == "tube"
     text = SMALL.replace(
         "{type: tube, diameter: 35 mm, thickness: 2 mm}", "{type: circle, diameter: 35 mm}"
     )

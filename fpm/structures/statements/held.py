@@ -1,12 +1,12 @@
 """Supports: points of parts that are held."""
 
-from fpm.structures.keys import Letters, Reference
+from fpm.structures.keys import Letters, Part, Reference
 from fpm.structures.statement import statement
 
 
 @statement(
     "supports",
-    part=Reference(group="parts", about="a bar"),
+    part=Part(about="what is held"),
     at=Reference(group="points", about="one of its points"),
     translations=Letters("xyz", "axes along which it is held"),
     rotations=Letters("xyz", "axes about which it is held"),

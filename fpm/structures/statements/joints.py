@@ -6,13 +6,13 @@ import numpy as np
 
 from fpm.elements.hinge import unit
 from fpm.structures import today
-from fpm.structures.keys import Direction, Each, Either, Letters, Many, Number, Reference
+from fpm.structures.keys import Direction, Each, Either, Letters, Many, Number, Part, Reference
 from fpm.structures.statement import statement
 
 APART = 1e-9
 """Points that differ by less, as a share of the structure's size, are one."""
 
-PARTS = Many(kind=Reference(group="parts"), least=2, about="what it joins; `ground` is a part")
+PARTS = Many(kind=Part(ground=True), least=2, about="what it joins")
 AT = Either(
     about="its point, which all parts have; or the point of each part, which must coincide",
     kind=Reference(group="points"),
@@ -35,6 +35,8 @@ def meet(build, it) -> tuple[list[int], np.ndarray]:
                 "at", f"{p.name} of {one} and {q.name} of {two}, {gap:.6g} m apart",
                 f"points that coincide to {APART * build.size:.2g} m", gap,
             )  # fmt: skip
+    for particle in particles:
+        build.joined.setdefault(particle, []).append(it.name)
     return particles, points[0].position
 
 

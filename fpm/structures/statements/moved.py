@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from fpm.structures.keys import Many, Number, Reference, Vector
+from fpm.structures.keys import Many, Number, Part, Reference, Vector
 from fpm.structures.statement import statement
 
 ZERO = np.zeros(3)
-PART = Reference(group="parts", about="a bar")
+PART = Part(about="what it is about")
 AT = Reference(group="points", about="one of its points")
 CURVE = Reference(None, "scales it with time; left out: constant", group="curves")
 

@@ -1,12 +1,12 @@
 """Points that responses can name."""
 
-from fpm.structures.keys import Reference
+from fpm.structures.keys import Part, Reference
 from fpm.structures.statement import statement
 
 
 @statement(
     "record",
-    part=Reference(group="parts", about="a bar, or ground"),
+    part=Part(about="what carries it", ground=True),
     at=Reference(group="points", about="one of its points"),
 )
 def recorded(build, it):

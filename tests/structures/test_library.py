@@ -254,9 +254,7 @@ def test_names_that_only_some_counts_have_are_refused_for_the_others():
     mast = loads(text)
     assert mast.build(n=4).points["end"].particle == mast.build(n=3).points["end"].particle
     for _ in range(2):
-        with pytest.raises(
-            fpm.SceneError, match=r"no part 'bay3.rising' \(did you mean bay2.rising"
-        ):
+        with pytest.raises(fpm.SceneError, match=r"no part 'bay3.rising'"):
             mast.build(n=2)
 
 

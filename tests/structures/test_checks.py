@@ -4,7 +4,7 @@ import pickle
 import re
 
 import pytest
-from conftest import SMALL, problems_of
+from structures_for_tests import SMALL, problems_of
 
 from fpm.structures import StructureError, check, load, loads
 

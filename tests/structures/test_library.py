@@ -4,10 +4,10 @@ import pickle
 
 import numpy as np
 import pytest
-from conftest import FOLDER, SMALL, structure
+from exact_motions import crossing, scissor, zfold
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from motion import crossing, scissor, zfold
+from structures_for_tests import FOLDER, SMALL, structure
 
 import fpm
 from fpm.structures import check, load, loads, report

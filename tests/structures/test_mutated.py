@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 import pytest
-from conftest import FOLDER, SMALL
+from structures_for_tests import FOLDER, SMALL
 
 from fpm.structures import StructureError, loads
 from fpm.structures.model import KEYS

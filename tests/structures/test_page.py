@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from conftest import problems_of
+from structures_for_tests import problems_of
 
 from fpm.structures import load, loads
 from fpm.structures.table import markdown

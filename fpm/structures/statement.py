@@ -1,0 +1,122 @@
+"""Statements: what can be said about a structure, one function for each kind of thing.
+
+A statement says which keys it takes, with units and ranges, and how it goes into a scene. A new
+kind of joint or action is one such function in a file of `statements/`, and one line in its list.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+from fpm.structures.keys import REQUIRED, Key
+from fpm.structures.place import Place
+from fpm.structures.problems import SkippedError, among, did_you_mean
+from fpm.structures.reading import Table, Text
+from fpm.structures.today import LATER
+
+if TYPE_CHECKING:
+    from fpm.structures.builder import Builder
+
+PARTS = ("bars",)
+"""Groups whose things are parts: what joints join, supports hold and loads act on."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A kind of thing in a group of the file.
+
+    group: the file's key; type: the entry's `type`, "" in groups of one kind; keys: what it takes,
+    by name; build(build, it): puts one into the scene of a Builder and returns what others get that
+    refer to it, `it` having the full `name` and the values of all keys; SceneError for what cannot
+    be. about: what it is, as docs/structures.md says.
+    """
+
+    group: str
+    type: str
+    keys: dict[str, Key]
+    build: Callable[["Builder", SimpleNamespace], Any]
+
+    @property
+    def about(self) -> str:
+        """The first line of the building function's docstring."""
+        return (self.build.__doc__ or "").split("\n")[0]
+
+
+def statement(group: str, type: str = "", **keys: Key) -> Callable[[Callable], Statement]:
+    """Make a kind of statement of the function that builds it."""
+    return lambda build: Statement(group, type, keys, build)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A statement as a file makes it. `read`: what its keys' `read` found; `lines` of its keys."""
+
+    statement: Statement
+    name: str
+    key: str
+    line: int
+    lines: dict[str, int]
+    read: dict[str, Any]
+
+    def values(self, build: "Builder") -> SimpleNamespace:
+        """The values of all keys in one sample."""
+        it = SimpleNamespace(name=self.name, key=self.key)
+        for name, kind in self.statement.keys.items():
+            given = name in self.read
+            value = kind.value(self.read[name], build, name) if given else kind.default
+            setattr(it, name, value)
+        return it
+
+
+def read_entry(
+    kinds: dict[str, Statement], name: str, node: Any, line: int, place: Place
+) -> Entry | None:
+    """The entry of a node, or None if it is wrong, or belongs to a neighbour that is not there."""
+    problems = place.problems
+    if not isinstance(node, Table):
+        problems.refuse(line, place.key, getattr(node, "value", "a list"), "a mapping of keys")
+        return None
+    statement = _statement(kinds, node, place)
+    if statement is None:
+        return None
+    sound, read = True, {}
+    for key, entry in node.entries.items():
+        if key in statement.keys:
+            try:
+                read[key] = statement.keys[key].read(entry, place.inside(key))
+            except SkippedError:
+                sound = False
+        elif key != "type" or not statement.type:
+            sound = False
+            known = [*(["type"] if statement.type else []), *statement.keys]
+            problems.say(
+                node.lines[key],
+                f"{place.key}.{key}: there is no such key{did_you_mean(key, known)}; "
+                f"allowed: {', '.join(known)}",
+            )
+    for key, kind in statement.keys.items():
+        if kind.default is REQUIRED and key not in node.entries:
+            sound = False
+            problems.say(line, f"{place.key}.{key}: missing; allowed: {kind.allowed}")
+    return Entry(statement, name, place.key, line, node.lines, read) if sound else None
+
+
+def _statement(kinds, node: Table, place: Place) -> Statement | None:
+    """Which of the group's kinds the entry is."""
+    if "" in kinds:
+        return kinds[""]
+    given = node.entries.get("type")
+    if given is None:
+        place.problems.say(node.line, f"{place.key}.type: missing; allowed: {among(kinds)}")
+        return None
+    name = given.value if isinstance(given, Text) else ""
+    if name not in kinds:
+        later = place.key.split(".")[0], name
+        allowed = among(kinds) + (f" ({name} comes later)" if later in LATER else "")
+        hint = did_you_mean(name, kinds)
+        place.problems.say(
+            given.line, f"{place.key}.type: {name!r} is not allowed{hint}; allowed: {allowed}"
+        )
+        return None
+    return kinds[name]

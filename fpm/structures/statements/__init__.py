@@ -1,0 +1,31 @@
+"""All kinds of statements, in the order in which a scene is built of them.
+
+A statement may refer to those of groups further up. To add a kind, write a file like those beside
+this one and put it into the list.
+"""
+
+from fpm.structures.statement import Statement
+from fpm.structures.statements import acting, bars, held, joints, moved, recorded, sections
+
+STATEMENTS: tuple[Statement, ...] = (
+    sections.material,
+    sections.square,
+    sections.rectangle,
+    sections.circle,
+    sections.tube,
+    sections.general,
+    bars.bar,
+    held.support,
+    joints.revolute,
+    acting.torsion_spring,
+    acting.contact,
+    moved.curve,
+    moved.load,
+    moved.drive,
+    moved.motion,
+    recorded.recorded,
+)
+
+GROUPS: dict[str, dict[str, Statement]] = {}
+for _one in STATEMENTS:
+    GROUPS.setdefault(_one.group, {})[_one.type] = _one

@@ -1,0 +1,39 @@
+"""The table of keys in docs/structures.md: `python -m fpm.structures.table` prints it."""
+
+from fpm.structures.keys import REQUIRED, Key
+from fpm.structures.model import overall
+from fpm.structures.statement import Statement
+from fpm.structures.statements import STATEMENTS
+
+HEAD = "| key | what it is | allowed | default |\n|---|---|---|---|\n"
+
+
+def markdown() -> str:
+    """One heading and table for each kind of statement."""
+    return "\n".join(_section(one) for one in (*STATEMENTS, overall))
+
+
+def _section(one: Statement) -> str:
+    what = f"`{one.group}`" if one.group else "at the top of the file"
+    title = f"{what}, `type: {one.type}`" if one.type else what
+    rows = [
+        f"| `{name}` | {key.about} | {key.allowed} | {_default(key)} |\n"
+        for name, key in one.keys.items()
+    ]
+    return f"### {title}\n\n{one.about}\n\n{HEAD}{''.join(rows)}"
+
+
+def _default(key: Key) -> str:
+    """The default as the file would have it."""
+    value = key.default
+    if value is REQUIRED:
+        return "required"
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return f"`{value or 'none'}`"
+    return f"`{value:g}`" if isinstance(value, float) else f"`{[0] * 3}`"
+
+
+if __name__ == "__main__":
+    print(markdown(), end="")

@@ -1,0 +1,47 @@
+"""Files of structures, and what is said about those that are wrong."""
+
+from pathlib import Path
+
+import pytest
+
+from fpm.structures import StructureError, StructureType, load, loads
+
+FOLDER = Path(__file__).parents[2] / "config" / "structures"
+
+# A bar on the ground: the smallest file that others are made of by changing a line.
+SMALL = """
+parameters:
+  L: {value: 1, unit: m, range: [0.1, 10], description: length}
+  stow: {value: 20, unit: deg}
+  n: {value: 2, whole: true, range: [2, 50]}
+mesh: n
+let:
+  half: L/2
+points:
+  A: [0, 0, 0]
+  B: [L*cos(stow), 0, L*sin(stow)]
+materials:
+  steel: {E: 210 GPa, nu: 0.3, rho: 7850 kg/m3}
+sections:
+  tube: {type: tube, diameter: 35 mm, thickness: 2 mm}
+bars:
+  arm: {through: [A, B], section: tube, material: steel, elements: n}
+joints:
+  root: {type: revolute, parts: [ground, arm], at: A, axis: y}
+actions:
+  spring: {type: torsion spring, joint: root, stiffness: 3 N m/rad, rest: 90 deg}
+record:
+  tip: {part: arm, at: B}
+"""
+
+
+def structure(name: str) -> StructureType:
+    """A structure of the library."""
+    return load(FOLDER / f"{name}.yaml")
+
+
+def problems_of(text: str) -> list[str]:
+    """What is wrong with a file's text, sentence by sentence."""
+    with pytest.raises(StructureError) as caught:
+        loads(text)
+    return [str(problem) for problem in caught.value.problems]

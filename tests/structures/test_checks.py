@@ -1,0 +1,189 @@
+"""What is wrong with a file is said before anything runs: line, key, value, what is allowed."""
+
+import pickle
+import re
+
+import pytest
+from structures_for_tests import SMALL, problems_of
+
+from fpm.structures import StructureError, check, load, loads
+
+FOURBAR = """
+parameters:
+  a: {value: 1, unit: m, range: [0.5, 2]}
+  b: {value: 1, unit: m, range: [0.5, 2]}
+points:
+  A: [0, 0, 0]
+  B: [0, a, 0]
+  C1: [1, 1, 0]
+  C2: [1, b, 0]
+  D: [1, 0, 0]
+materials: {steel: {E: 210e9, rho: 7850}}
+sections: {rod: {type: circle, diameter: 20 mm}}
+bars:
+  AB: {through: [A, B], section: rod, material: steel, elements: 2}
+  BC: {through: [B, C1], section: rod, material: steel, elements: 2}
+  CD: {through: [C2, D], section: rod, material: steel, elements: 2}
+joints:
+  A: {type: revolute, parts: [ground, AB], at: A, axis: z}
+  B: {type: revolute, parts: [AB, BC], at: B, axis: z}
+  C: {type: revolute, parts: [BC, CD], at: {BC: C1, CD: C2}, axis: z}
+  D: {type: revolute, parts: [CD, ground], at: D, axis: z}
+"""
+
+
+def line_of(text: str, part: str) -> int:
+    return next(i for i, line in enumerate(text.splitlines(), 1) if part in line)
+
+
+WRONG = [
+    # what is replaced, by what, and what is said
+    ("mesh: n", "mehs: n", "mehs: there is no such key (did you mean mesh?); allowed: name"),
+    ("mesh: n", "mesh: L", "mesh: 'L' is not allowed; allowed: a parameter with `whole: true`: n"),
+    ("  half: L/2", "  half: L/2 + t", "let.half: there is no number called 't'"),
+    ("  half: L/2", "  half: Lo/2", "no number called 'Lo' (did you mean L?)"),
+    ("  half: L/2", "  half: half/2", "let.half: defined by itself (half -> half)"),
+    ("  half: L/2", "  half: third\n  third: half", "(half -> third -> half)"),
+    ("  half: L/2", "  half: sin(45)", "sin takes an angle with a unit"),
+    ("  half: L/2", "  half: L + 1", "a number without unit and m cannot be added"),
+    ("  half: L/2", "  half: L/2\n  half: L", "half is defined twice (first on line 8)"),
+    ("  half: L/2", "  L: 3", "let.L: the name L is defined twice"),
+    ("  half: L/2", "  mm: 3", "let.mm: the name 'mm' is not allowed; allowed: a name that is not"),
+    ("  half: L/2", "  cos: 3", "the name 'cos' is not allowed"),
+    ("  half: L/2", "  lambda: 3", "the name 'lambda' is not allowed"),
+    ("  half: L/2", "  half: open(L)", "not arithmetic; allowed: numbers with units"),
+    ("  half: L/2", "  half: L/(2 - 2)", "let.half: 'L/(2 - 2)' is not allowed; allowed: arith"),
+    ("range: [0.1, 10], ", "range: [2, 10], ", "L.value: 1 is not allowed; allowed: a number"),
+    ("range: [0.1, 10], ", "range: [3, 2], ", "allowed: the lowest value first"),
+    ("unit: deg", "unit: degre", "'degre' is not a unit (did you mean deg?)"),
+    ("value: 1, unit: m", "value: 1 m", "allowed: a number without unit; the unit goes to `unit`"),
+    ("value: 1, unit", "valeu: 1, unit", "there is no such key (did you mean value?)"),
+    ("L*cos(stow), 0", "stow*cos(stow), 0", "points.B: stow*cos(stow) is a number or an angle"),
+    ("[L*cos(stow), 0, ", "[L*cos(stow), ", "allowed: three coordinates [x, y, z]"),
+    ("[L*cos(stow), 0", "[atan2(L, L)*L, 0", "an expression with a comma stands in quotes"),
+    ("A: [0, 0, 0]", "A: [L*cos(stow), 0, L*sin(stow)]", "allowed: a length above 0 m from A to B"),
+    ("210 GPa", "210 mm", "materials.steel.E: '210 mm' is m; allowed: a value in Pa > 0"),
+    ("210 GPa", "-1", "materials.steel.E: -1 is not allowed; allowed: a value in Pa > 0"),
+    ("nu: 0.3", "nu: 0.7", "materials.steel, Poisson's ratio nu: 0.7 is not allowed"),
+    ("type: tube", "type: tub", "'tub' is not allowed (did you mean tube?); allowed: square"),
+    ("type: tube, ", "", "sections.tube.type: missing"),
+    ("thickness: 2 mm", "thickness: 20 mm", "allowed: at most half the diameter"),
+    ("elements: n}", "elements: L/(1 m)}", "of parameters with `whole: true`"),
+    ("elements: n}", "elements: 2.5}", "bars.arm.elements: 2.5 is not allowed; allowed: a whole"),
+    ("elements: n}", "elements: 5000}", "allowed: a whole number from 1 to 1000"),
+    ("elements: n}", "elements: n, up: B}", "bars.arm.up: 'B' is not allowed; allowed: x, y, z"),
+    ("elements: n}", "elements: n, up: {from: A, to: B}}", "direction that is not the bar's own"),
+    ("section: tube", "section: tuba", "there is no section 'tuba' (did you mean tube?)"),
+    ("section: tube, ", "", "bars.arm.section: missing; allowed: the name of one of `sections`"),
+    ("[A, B], section", "[A, A], section", "each once"),
+    ("type: revolute", "type: spherical", "'spherical' is not allowed; allowed: revolute (spheri"),
+    (
+        "[ground, arm]",
+        "[ground, am]",
+        "joints.root.parts: there is no part 'am' (did you mean arm?",
+    ),
+    ("at: A, axis", "at: C, axis", "joints.root.at: there is no point 'C'"),
+    ("axis: y", "axis: [0, 0, 0]", "joints.root.axis: [0.0, 0.0, 0.0] is not allowed; allowed: a"),
+    ("axis: y", "axis: y, held: w", "joints.root.held: 'w' is not allowed; allowed: letters"),
+    ("rest: 90 deg", "rest: 90", "whose unit must be said, such as 90 deg"),
+    ("3 N m/rad", "3 N", "actions.spring.stiffness: '3 N' is N; allowed: a value in N m/rad >= 0"),
+    ("3 N m/rad", "-3", "actions.spring.stiffness: -3 is not allowed"),
+    ("joint: root", "joint: rot", "there is no joint 'rot' (did you mean root?)"),
+    ("record:", "bodies: {}\nrecord:", "bodies: comes later"),
+    ("record:", "assemble: true\nrecord:", "assemble: comes later"),
+    ("  L: {", "  M: {value: 1}\n  L: {", "parameters.M: nothing uses it"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "said"), WRONG, ids=[new or old for old, new, _ in WRONG])
+def test_what_is_wrong_is_said_with_its_line(old, new, said):
+    assert old in SMALL
+    text = SMALL.replace(old, new, 1)
+    found = problems_of(text)
+    assert any(said in problem for problem in found), found
+    for problem in found:
+        line, key = re.match(r"line (\d+): ([\w.]+)", problem).groups()
+        assert key.split(".")[-1] in text.splitlines()[int(line) - 1] or ": missing" in problem
+
+
+def test_all_that_is_wrong_is_said_at_once():
+    text = SMALL.replace("210 GPa", "210 mm").replace("axis: y", "axis: q").replace("mesh", "mehs")
+    found = problems_of(text)
+    assert len(found) == 3
+    assert [p.split(":")[1].strip() for p in found] == ["mehs", "materials.steel.E",
+                                                        "joints.root.axis"]  # fmt: skip
+
+
+def test_a_wrong_thing_does_not_make_its_users_wrong():
+    # The joint, spring and recorded point of a bar without section are not complained about.
+    assert len(problems_of(SMALL.replace("section: tube, ", ""))) == 1
+
+
+def test_a_part_that_nothing_joins_is_refused():
+    text = SMALL.replace(
+        "joints:",
+        "  loose: {through: [B, C], section: tube, material: steel, elements: 2}\njoints:",
+    ).replace("points:", "points:\n  C: [3, 3, 3]")
+    assert problems_of(text) == [
+        "line 19: bars.loose: nothing joins it to anything; allowed: parts with a joint, a support "
+        "or a drive"
+    ]
+
+
+def test_a_point_that_is_not_the_part_s_is_refused():
+    text = SMALL.replace("points:", "points:\n  C: [0, 0, 0]").replace("at: A, axis", "at: C, axis")
+    assert "allowed: a point of arm: A, B (or let it carry C)" in problems_of(text)[0]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("[ground, AB], at: A", "[ground, AB], at: B", "one joint at a point of a part; several"),
+        (
+            "parts: [AB, BC], at: B",
+            "parts: [AB, BC, CD], at: B",
+            "three members on a pin come late",
+        ),
+        (
+            "{BC: C1, CD: C2}",
+            "{BC: C1}",
+            "joints.C.at: ['BC'] is not allowed; allowed: a point for",
+        ),
+    ],
+)
+def test_what_the_mechanics_cannot_carry_yet_is_refused_by_name(old, new, said):
+    assert any(said in problem for problem in problems_of(FOURBAR.replace(old, new)))
+
+
+def test_loops_that_do_not_close_somewhere_in_a_box_are_told_with_the_worst_place():
+    fourbar = loads(FOURBAR, "fourbar.yaml")
+    check(fourbar, [{"a": 1.0}, {"a": 1.0 + 1e-12}])
+    samples = [{"b": b} for b in (1.0, 1.01, 1.03, 0.99)]
+    with pytest.raises(StructureError) as caught:
+        check(fourbar, samples)
+    (problem,) = caught.value.problems
+    assert problem.text.startswith("joints.C.at: 'C1 of BC and C2 of CD, 0.03 m apart'")
+    assert problem.text.endswith("(in 3 of 4 samples, worst at b = 1.03)")
+    assert problem.line == line_of(FOURBAR, "CD: C2")
+    assert problem.size == pytest.approx(0.03)
+
+
+def test_values_outside_the_range_are_refused():
+    from fpm import SceneError
+
+    with pytest.raises(SceneError, match=r"L = 20.* >= 0.1 and <= 10 \(m\)"):
+        loads(SMALL).build(L=20.0)
+
+
+def test_a_refusal_can_cross_processes():
+    with pytest.raises(StructureError) as caught:
+        loads(SMALL.replace("210 GPa", "210 mm"))
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert str(again) == str(caught.value)
+
+
+def test_a_file_that_is_not_there_is_told(tmp_path):
+    with pytest.raises(StructureError, match=r"mast\.yaml has 1 problem:\n  the file cannot be re"):
+        load(tmp_path / "mast.yaml")
+    with pytest.raises(StructureError, match="cannot be read"):
+        load(tmp_path / "mast.py")

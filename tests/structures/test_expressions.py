@@ -1,0 +1,174 @@
+"""Arithmetic with units, and nothing that is not arithmetic."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fpm.structures.expressions import ExpressionError, parse
+from fpm.structures.units import NUMBER, Dimension, UnitError, unit
+
+LENGTH, TIME = Dimension(length=1), Dimension(time=1)
+
+
+def value(text, **names):
+    return parse(text).value(names)
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("35 mm", 0.035),
+        ("35mm", 0.035),
+        ("1e9 Pa", 1e9),
+        ("0.1 N m/rad", 0.1),
+        ("180 N m/deg", 180 * 180 / math.pi),
+        ("90 deg", math.pi / 2),
+        ("30 rpm", math.pi),
+        ("5 /s", 5.0),
+        ("5/s", 5.0),
+        ("9.81 m/s2", 9.81),
+        ("2 mm**2", 4e-6),
+        ("6 m/2", 3.0),
+        ("-2**2", -4.0),
+        ("2*(1 + 3)/4", 2.0),
+        ("min(3 mm, 2 mm) + max(1 m, 2 m)", 2.002),
+        ("atan2(1, -1)", 3 * math.pi / 4),
+        ("sqrt(16 m2)", 4.0),
+        ("abs(-pi)", math.pi),
+    ],
+)
+def test_numbers_and_units(text, found):
+    assert value(text) == pytest.approx(found, rel=1e-15)
+
+
+def test_names_and_coordinates():
+    assert value("L*cos(stow) - B.x", L=2.0, stow=0.0, **{"B.x": 0.5}) == 1.5
+    assert parse("L*cos(stow) - bay1.B.x").names == {"L", "stow", "bay1.B.x"}
+
+
+@given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(0.1, 1e3))
+def test_the_value_is_python_s(x, y, z):
+    text = "(x + 2*y)/z - x*y**2 + -sqrt(z)*sin(x)*atan2(y, z)"
+    found = (x + 2 * y) / z - x * y**2 + -math.sqrt(z) * math.sin(x) * math.atan2(y, z)
+    assert value(text, x=x, y=y, z=z) == found
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "__import__('os').system('true')",
+        "().__class__.__bases__",
+        "(1).real",
+        "L.real()",
+        "[x for x in (1, 2)]",
+        "lambda: 1",
+        "1 if L else 2",
+        "L if 1 else 2",
+        "not 1",
+        "1 < 2",
+        "1 or 2",
+        "f'{1}'",
+        "'a'",
+        "True",
+        "None",
+        "1j",
+        "L[0]",
+        "*L",
+        "L := 1",
+        "1 // 2",
+        "7 % 4",
+        "1 << 9",
+        "~1",
+        "a @ b",
+        "open(1)",
+        "eval(1)",
+        "cos",
+        "cos.x(1)",
+        "cos(1, 2)",
+        "cos(x=1)",
+        "cos(*L)",
+        "_0_",
+        "2 ** ",
+        "",
+        "(" * 300,
+        "1" * 501,
+        "\x00",
+        "a\nb",
+        "await x",
+        "yield",
+        "print",
+    ],
+)
+def test_what_is_not_arithmetic_is_refused(text):
+    with pytest.raises(ExpressionError):
+        expression = parse(text)
+        expression.dimension(dict.fromkeys(expression.names, NUMBER))
+        assert expression.names == {"print"}  # a name like any other, which no file defines
+        raise ExpressionError(text)
+
+
+@pytest.mark.parametrize(
+    "text", ["1/0", "sqrt(-1)", "acos(2)", "(-1)**0.5", "9**9**9**9", "1e400", "1e308*10", "0**-1"]
+)
+def test_what_has_no_value_is_refused(text):
+    with pytest.raises(ExpressionError, match="no finite number"):
+        value(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("L + t", "cannot be added"),
+        ("L + 1", "a number without unit and m cannot be added"),
+        ("L - 90 deg", "cannot be subtracted"),
+        ("max(L, t)", "cannot be values of one max"),
+        ("sin(L)", "sin takes a number or an angle, not m"),
+        ("sin(45)", "an angle with a unit"),
+        ("2**L", "an exponent is a number"),
+        ("L**x", "plain number as exponent"),
+        ("atan2(L, t)", "values of one atan2"),
+    ],
+)
+def test_units_that_do_not_fit_are_refused(text, why):
+    with pytest.raises(ExpressionError, match=why):
+        parse(text).dimension({"L": LENGTH, "t": TIME, "x": NUMBER})
+
+
+@pytest.mark.parametrize(
+    ("text", "powers"),
+    [
+        ("L**2/t", (0, 2, -1)),
+        ("sqrt(L**2)", (0, 1, 0)),
+        ("L**(1/2)*L**0.5", (0, 1, 0)),
+        ("2 kg*L/t**2", (1, 1, -2)),
+        ("L/L", (0, 0, 0)),
+        ("2*3", (0, 0, 0)),
+    ],
+)
+def test_dimensions_follow_the_arithmetic(text, powers):
+    assert parse(text).dimension({"L": LENGTH, "t": TIME}).powers == powers
+
+
+@pytest.mark.parametrize(
+    ("text", "udunits"),
+    [
+        ("N m/rad", "N m rad-1"),
+        ("N m rad-1", "N m rad-1"),
+        ("1/s", "s-1"),
+        ("deg", "degree"),
+        ("kg/m3", "kg m-3"),
+        ("", "1"),
+        ("1", "1"),
+        ("mm2", "mm2"),
+    ],
+)
+def test_units_are_spelt_as_netcdf_has_them(text, udunits):
+    assert unit(text).udunits == udunits
+
+
+@pytest.mark.parametrize(("text", "guess"), [("Nm", ""), ("mpa", "MPa"), ("degrees", "deg")])
+def test_unknown_units_are_refused(text, guess):
+    with pytest.raises(UnitError, match=rf"{text}.* is not a unit.*{guess}"):
+        unit(text)

@@ -1,0 +1,353 @@
+"""Structures from text do what closed forms, and the same structures in Python, do."""
+
+import pickle
+
+import numpy as np
+import pytest
+from exact_motions import crossing, scissor, zfold
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from structures_for_tests import FOLDER, SMALL, structure
+
+import fpm
+from fpm.structures import check, load, loads, report
+
+
+def run(scene, duration, instants):
+    outcome = fpm.simulate(scene, duration=duration, instants=instants)[0]
+    assert outcome.failure is None
+    return outcome
+
+
+def test_every_structure_of_the_library_is_a_scene_type(library_file):
+    found = load(library_file)
+    assert found.name == library_file.stem
+    assert found.description
+    assert found.mesh in found.parameters
+    assert found.parameters[found.mesh].kind == "integer"
+    assert all(parameter.description for parameter in found.parameters.values())
+    assert len(found.digest) == 16
+    scene = found.build()
+    assert tuple(scene.points) == found.points
+    assert tuple(hinge.name for hinge in scene.hinges) == found.hinges
+    finer = found.build(**{found.mesh: 2 * found.parameters[found.mesh].default})
+    assert len(finer.position) > len(scene.position)
+
+
+def test_a_panel_opens_in_the_time_of_the_closed_form():
+    panel, turning = structure("panel"), 1 / 3 + 0.1**2 / 12  # kg m², of length and of thickness
+    exact = np.sqrt(turning / 0.1) * np.pi / 3
+    for elements in (2, 4):
+        outcome = run(panel.build(elements=elements), 2.5, 2501)
+        time, _ = crossing(outcome.time, outcome.openings["hinge"], np.pi / 2)
+        assert time == pytest.approx(exact, rel=1e-7)
+    # Without thickness this is the published 1.911912403 s; and time goes with k to the -1/2.
+    assert np.sqrt(1 / 3 / 0.1) * np.pi / 3 == pytest.approx(1.911912403, abs=1e-9)
+    outcome = run(panel.build(k=0.2), 2.5, 2501)
+    time, _ = crossing(outcome.time, outcome.openings["hinge"], np.pi / 2)
+    assert time == pytest.approx(exact / np.sqrt(2), rel=1e-7)
+
+
+def test_two_panels_move_as_the_rigid_ones_do():
+    outcome = run(structure("zfold").build(), 4.0, 401)
+    exact = zfold(0.1, np.radians(5), 0.1 / np.sqrt(12), outcome.time)
+    np.testing.assert_allclose(outcome.openings["root"], exact[:, 0], atol=5e-6)
+    np.testing.assert_allclose(outcome.openings["knee"], exact[:, 0] - exact[:, 1], atol=1e-5)
+    tip = np.stack([np.cos(exact).sum(axis=1), np.sin(exact).sum(axis=1)], axis=1)
+    np.testing.assert_allclose(outcome.points["tip"][0][:, :2], tip, atol=1e-5)
+
+
+@pytest.mark.parametrize("units", [1, 3])
+def test_a_scissor_mast_opens_like_the_rigid_one_as_it_gets_stiff(units):
+    mast = structure("scissor")
+    exact, _ = scissor(units, gyration=0.02 / np.sqrt(12))
+    errors = []
+    for modulus in (10, 100):
+        outcome = run(mast.build(n=units, E=modulus, elements=2), 0.5 * units**0.95, 2001)
+        points = [outcome.points[name][0][:, 0] for name in ("root", "end")]
+        time, _ = crossing(outcome.time, points[1] - points[0], units * np.cos(np.radians(30)))
+        errors.append(time / exact - 1)
+    assert errors[1] == pytest.approx(0.1 * errors[0], rel=0.5)
+    assert abs(errors[1]) < 1e-4
+
+
+def test_the_exact_scissor_has_the_published_times():
+    assert scissor(1)[0] == pytest.approx(0.449682123, abs=1e-9)
+    assert scissor(3) == pytest.approx((1.302061615, 2.177764658), abs=1e-9)
+
+
+def test_the_pendulum_is_the_one_in_python_bit_for_bit():
+    text, python = structure("pendulum").build(), fpm.scenes.get("pendulum").build()
+    for name in ("position", "frame", "mass", "inertia", "fixed", "gravity"):
+        np.testing.assert_array_equal(getattr(text, name), getattr(python, name))
+    one, two = (run(scene, 0.2, 21) for scene in (text, python))
+    np.testing.assert_allclose(one.points["T"][0], two.points["T"][0], rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "python"),
+    [
+        ({}, {}),
+        ({"roll": 30, "mu": 60, "start": 40}, {"lambda_deg": 30, "mu_deg": 60, "start_deg": 40}),
+        ({"roll": 65, "mu": 35, "a": 20}, {"lambda_deg": 65, "mu_deg": 35, "a": 0.02}),
+    ],
+)
+def test_the_linkage_is_the_one_in_python_to_rounding(text, python):
+    one, two = structure("bennett").build(**text), fpm.scenes.get("bennett").build(**python)
+    for name in ("position", "frame", "mass", "inertia", "fixed"):
+        ours, theirs = np.asarray(getattr(one, name)), np.asarray(getattr(two, name))
+        np.testing.assert_allclose(ours.astype(float), theirs.astype(float), rtol=0, atol=1e-14)
+    for ours, theirs in zip(one.hinges, two.hinges, strict=True):
+        assert (ours.name, ours.particles, ours.support) == (
+            theirs.name, theirs.particles, theirs.support,
+        )  # fmt: skip
+        assert ours.opening == pytest.approx(theirs.opening, abs=1e-13)
+        np.testing.assert_allclose(ours.axes, theirs.axes, atol=1e-14)
+    for kind in ("springs", "contacts"):
+        stiffness = [[spring.stiffness for spring in getattr(s, kind)] for s in (one, two)]
+        np.testing.assert_allclose(*stiffness, rtol=1e-13)
+
+
+def test_a_structure_can_be_an_interval_s_campaign_s_scene():
+    samples = [{"L": length, "q": q} for length in (0.9, 1.1) for q in (30.0, 85.0)]
+    check(structure("scissor"), samples)  # its loops close wherever its parameters are
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "found"),
+    [
+        ("panel", {}, (1, 5, 0, 1)),
+        ("zfold", {}, (2, 10, 0, 2)),
+        # y, z, about x, about the line of both supports, and its opening; flat loops are redundant
+        ("scissor", {"n": 1}, (2, 7, 0, 5)),
+        ("scissor", {"n": 3}, (6, 37, 6, 5)),
+        # a spatial four-bar has no mobility by count, Bennett's has one; it slides in a plane
+        ("bennett", {}, (4, 22, 3, 5)),
+    ],
+)
+def test_mobility_and_redundancy(name, values, found):
+    assert tuple(report.mobility(structure(name).build(**values))) == found
+
+
+def test_mobility_of_the_linkage_does_not_depend_on_where_it_stands():
+    linkage = structure("bennett")
+    for start in (3.0, 40.0, 90.0):
+        assert report.mobility(linkage.build(start=start)).degrees == 5
+
+
+def test_masses_and_cost():
+    scene = structure("zfold").build(mass=3.0, fold=0.0)
+    assert report.mass(scene) == pytest.approx(6.0)
+    np.testing.assert_allclose(report.centre(scene), [0.5, 0, 0], atol=1e-15)
+    cost = report.cost(scene, 2.0)
+    limit = fpm.stable_step(scene)
+    assert (cost.step, cost.element) == (limit.step, limit.element)
+    assert 0.9 * limit.step * cost.steps == pytest.approx(2.0, rel=1e-3)
+    assert cost.element_steps == cost.steps * len(scene.elements)
+
+
+# -- parts of the language ------------------------------------------------------------------------
+
+
+def test_bars_through_points_have_the_mass_and_inertia_of_their_stretches():
+    bent = SMALL.replace("[A, B], section", "[A, M, B], section").replace(
+        "points:", "points:\n  M: [half, 0.1, 0]"
+    )
+    scene = loads(bent.replace("joints:", "# joints:").split("# joints:")[0]).build(stow=0.0)
+    count = len(scene.position)
+    points = np.array([[0, 0, 0], [0.5, 0.1, 0], [1, 0, 0]])
+    stretches = [loads(SMALL).build(stow=0.0, L=np.hypot(0.5, 0.1)).mass[1:].sum()] * 2
+    assert count == 5
+    assert scene.mass.sum() == pytest.approx(sum(stretches), rel=1e-13)
+    np.testing.assert_allclose(scene.position[[0, 2, 4]], points, atol=1e-15)
+    # The tensor at the knee is the sum of the two ends', in whatever axes it is written.
+    axes = [np.stack([d, [-d[1], d[0], 0], [0, 0, 1]], 1)
+            for d in (np.diff(points, axis=0) / np.hypot(0.5, 0.1))]  # fmt: skip
+    ends = sum(a * scene.inertia[0] @ a.T for a in axes)
+    knee = scene.frame[2] * scene.inertia[2] @ scene.frame[2].T
+    np.testing.assert_allclose(knee, ends, atol=1e-15)
+
+
+def test_a_straight_bar_through_a_point_moves_as_without_it():
+    middle = SMALL.replace("[A, B], section", "[A, M, B], section").replace(
+        "points:", "points:\n  M: [B.x/2, B.y/2, B.z/2]"
+    )
+    through = run(loads(middle).build(n=4), 0.5, 51)
+    straight = run(loads(SMALL).build(n=8), 0.5, 51)
+    tips = [outcome.points["tip"][0] for outcome in (through, straight)]
+    np.testing.assert_allclose(*tips, atol=2e-5)
+
+
+def test_a_ring_s_last_unit_meets_the_first():
+    ring = """
+parameters: {n: {value: 5, whole: true}, R: {value: 2, unit: m}}
+materials: {steel: {E: 210 GPa, rho: 7850}}
+sections: {rod: {type: circle, diameter: 20 mm}}
+repeat:
+  side:
+    count: n
+    arrangement: ring
+    index: i
+    points:
+      P: [R*cos(2*pi*i/n), R*sin(2*pi*i/n), 0]
+      Q: [R*cos(2*pi*(i + 1)/n), R*sin(2*pi*(i + 1)/n), 0]
+    bars: {bar: {through: [P, Q], section: rod, material: steel, elements: 2}}
+    joints:
+      pin: {type: revolute, parts: [bar, next.bar], at: {bar: Q, next.bar: next.P}, axis: z}
+"""
+    for count in (3, 5):
+        scene = loads(ring).build(n=count)
+        assert [h.name for h in scene.hinges] == [f"side{i + 1}.pin" for i in range(count)]
+        assert scene.hinges[-1].particles == (3 * count - 1, 0)
+        # A ring of n bars in a plane: n - 3 shapes, and it moves as one body.
+        assert report.mobility(scene).degrees == 6 + count - 3
+
+
+def test_loads_drives_supports_curves_and_motions():
+    text = SMALL.replace(
+        "record:",
+        """
+curves:
+  ramp: {times: [0, 1], values: [0, 2]}
+loads:
+  push: {part: arm, at: B, force: [1 N, 0, 0], moment: [0, 2 N m, 0], curve: ramp}
+  gust: {part: arm, at: B, force: [0, 0, 1 kN]}
+motions:
+  swing: {part: arm, about: A, spin: [0, -3 rad/s, 0]}
+supports:
+  guide: {part: arm, at: B, translations: y, rotations: none}
+gravity: [0, 0, -9.81]
+damping: 0.5 /s
+record:""",
+    )
+    scene = loads(text).build(stow=0.0)
+    tip = scene.points["tip"].particle
+    push, gust = scene.loads
+    assert (push.curve, gust.curve, push.beam.particle) == (0, -1, tip)
+    np.testing.assert_array_equal(gust.force, [0, 0, 1000])
+    np.testing.assert_array_equal(push.moment, [0, 2, 0])
+    np.testing.assert_array_equal(scene.curves[0][1], [0, 2])
+    np.testing.assert_allclose(scene.velocity[tip], [0, 0, 3.0])
+    np.testing.assert_array_equal(scene.fixed[tip], [False, True, False, False, False, False])
+    np.testing.assert_array_equal(scene.gravity, [0, 0, -9.81])
+    assert scene.damping == 0.5
+    driven = SMALL.split("joints:")[0] + (
+        "drives: {motor: {part: arm, at: A, spin: [0, 1 rad/s, 0]}}\n"
+    )
+    particles, _, spins = loads(driven).build().driven(0.0)
+    np.testing.assert_array_equal(particles, [0])
+    np.testing.assert_array_equal(spins, [[0, 1, 0]])
+
+
+def test_a_structure_crosses_processes():
+    mast = structure("scissor")
+    again = pickle.loads(pickle.dumps(mast))
+    np.testing.assert_array_equal(again.build(n=2).position, mast.build(n=2).position)
+
+
+def test_names_that_only_some_counts_have_are_refused_for_the_others():
+    text = (
+        (FOLDER / "scissor.yaml")
+        .read_text()
+        .replace("bay.last.rising, at: bay.last", "bay3.rising, at: bay3")
+    )
+    mast = loads(text)
+    assert mast.build(n=4).points["end"].particle == mast.build(n=3).points["end"].particle
+    for _ in range(2):
+        with pytest.raises(fpm.SceneError, match=r"no part 'bay3.rising'"):
+            mast.build(n=2)
+
+
+def test_samples_run_side_by_side_as_they_do_alone():
+    mast = structure("scissor")
+    scenes = [mast.build(n=2, q=q, L=length) for q, length in ((80, 1.0), (70, 1.1), (60, 0.9))]
+    together = fpm.simulate(scenes, duration=0.01, instants=5, step=2e-5)
+    for scene, beside in zip(scenes, together, strict=True):
+        alone = fpm.simulate(scene, duration=0.01, instants=5, step=2e-5)[0]
+        np.testing.assert_array_equal(alone.points["end"][0], beside.points["end"][0])
+
+
+@given(st.data())
+@settings(max_examples=40, deadline=None)
+def test_any_allowed_values_give_a_scene_or_are_refused(data):
+    found = structure(data.draw(st.sampled_from(["bennett", "zfold", "scissor", "panel"])))
+    values = {}
+    for name, parameter in found.parameters.items():
+        low, high = max(parameter.lower, -1e3), min(parameter.upper, 1e3)
+        if parameter.kind == "integer":
+            values[name] = data.draw(st.integers(int(low), int(min(high, 4))))
+        else:
+            values[name] = data.draw(st.floats(low, high))
+    try:
+        scene = found.build(**values)
+    except fpm.SceneError as error:
+        assert str(error)
+    else:
+        assert np.isfinite(scene.position).all()
+        assert np.isfinite(scene.inertia).all()
+
+
+def test_the_opening_may_follow_from_directions():
+    references = "axis: y, references: {ground: x, arm: {from: A, to: B}}"
+    scene = loads(SMALL.replace("axis: y", references)).build(stow=20.0)
+    assert scene.hinges[0].opening == pytest.approx(-np.radians(20))
+
+
+def test_sections():
+    from fpm import Section
+
+    text = SMALL.replace(
+        "{type: tube, diameter: 35 mm, thickness: 2 mm}", "{type: circle, diameter: 35 mm}"
+    )
+    solid, tube = loads(text).build(), loads(SMALL).build()
+    rod = Section.circle(0.0175)
+    assert solid.beams[0].section == rod
+    hole = Section.circle(0.0155)
+    for name in ("A", "Iy", "Iz", "J"):
+        value = getattr(tube.beams[0].section, name)
+        assert value == pytest.approx(getattr(rod, name) - getattr(hole, name), rel=1e-12)
+    flat = text.replace("{type: circle, diameter: 35 mm}", "{type: rectangle, width: 3, height: 1}")
+    with pytest.raises(fpm.SceneError, match="the direction in which the section's height points"):
+        loads(flat)
+    assert loads(flat.replace("elements: n", "elements: n, up: y")).build()
+
+
+def test_the_digest_follows_what_a_file_says():
+    base = loads(SMALL).digest
+    assert (
+        loads("# a remark\n" + SMALL.replace("  half: L/2", "  half:   L/2  # half")).digest == base
+    )
+    assert loads(SMALL.replace("3 N m/rad", "4 N m/rad")).digest != base
+
+
+def test_a_python_file_is_a_structure_too(tmp_path):
+    source = (FOLDER.parents[1] / "fpm" / "scenes" / "pendulum.py").read_text()
+    path = tmp_path / "mast.py"
+    path.write_text(source.replace("SCENE = ", "MESH = 'elements'\nSCENE = "))
+    found = load(path)
+    assert (found.name, found.points, found.hinges) == ("mast", ("O", "T"), ("O",))
+    assert found.mesh == "elements"
+    assert found.description == "A flexible bar swinging on a fixed hinge: the smallest scene " \
+        "with a smooth response."  # fmt: skip
+    same = fpm.scenes.get("pendulum").build(L=2.0)
+    np.testing.assert_array_equal(found.build(L=2.0).position, same.position)
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ("build = print", "PARAMETERS: missing"),
+        ("PARAMETERS = {}", "build: missing"),
+        ("PARAMETERS = {}\ndef build(): return 1", "gives int; allowed: an fpm.Scene"),
+        ("PARAMETERS = {}\ndef build(): return 1 / 0", "ZeroDivisionError: division by zero"),
+        ("PARAMETERS = {}\nMESH = 'n'\ndef build(): pass", "MESH: 'n' is not allowed"),
+        ("import nothing_of_the_kind", "it cannot be run: ModuleNotFoundError"),
+        ("def build(:", "it cannot be run: SyntaxError"),
+    ],
+)
+def test_python_files_that_are_no_structures_are_refused(tmp_path, source, said):
+    path = tmp_path / "mast.py"
+    path.write_text(source)
+    with pytest.raises(fpm.SceneError, match=r"mast\.py has 1 problem") as caught:
+        load(path)
+    assert said in str(caught.value)

@@ -14,7 +14,7 @@ RAW = {
     "design": {"method": "tensor_roots", "order": 2},
     "held_out": 2,
     "responses": {"BD": {"distance": ["B", "D"]}, "vBz": {"velocity": "B", "component": "z"}},
-    "jobs": {"lanes": 2},
+    "jobs": {"group": 2},
 }
 
 
@@ -27,7 +27,7 @@ def raw() -> dict:
 @pytest.fixture
 def config(raw) -> dict:
     """The same, checked."""
-    from campaign.config import check_config
+    from campaign.config.check import check_config
 
     return check_config(raw)
 
@@ -36,7 +36,7 @@ def config(raw) -> dict:
 def finished(tmp_path_factory) -> dict:
     """Paths of a campaign of six runs, simulated once: plan, samples, bounds and so on."""
     from campaign.analyse import analyse
-    from campaign.config import check_config
+    from campaign.config.check import check_config
     from campaign.gather import gather
     from campaign.nodes import make_plan, read_plan, write_plan
     from campaign.run import run_batch

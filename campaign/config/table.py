@@ -1,11 +1,11 @@
-"""All config keys as a table: `python -m campaign.config_table > docs/config.md`."""
+"""All config keys as a table: `python -m campaign keys > docs/config.md`."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
 
-from campaign.config import schema
+from campaign.config.check import schema
 
 _HEAD = """\
 # Keys of a config
@@ -13,7 +13,7 @@ _HEAD = """\
 A campaign is one YAML file, checked before any job starts; `python -m campaign FILE` checks it
 without running anything. `<name>` stands for a name of your own or of the scene. Numbers are in SI
 units unless a unit is given. This page is made from
-`campaign/config.schema.yaml` by `python -m campaign.config_table`.
+`campaign/config/schema.yaml` by `python -m campaign keys`.
 
 | key | what it is | allowed | default |
 |---|---|---|---|
@@ -50,6 +50,3 @@ def table() -> str:
     ]
     return _HEAD + "\n".join(lines) + "\n"
 
-
-if __name__ == "__main__":
-    print(table(), end="")

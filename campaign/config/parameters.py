@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
-from campaign.schema_checks import did_you_mean, show
+from campaign.config.schema_checks import did_you_mean, show
+from campaign.config.sections import Interval
 
 
-@dataclass(frozen=True)
-class Interval:
-    """An uncertain parameter: `lower` <= `nominal` <= `upper`, in the parameter's unit."""
+def intervals_of(
+    definitions: Mapping, given: Mapping, scene_type: Any
+) -> tuple[dict[str, Interval], list[str]]:
+    """The intervals by parameter name, and one sentence for each that cannot be used.
 
-    lower: float
-    nominal: float
-    upper: float
-
-
-def intervals_of(config: Mapping, scene_type: Any) -> tuple[dict[str, Interval], list[str]]:
-    """The intervals by parameter name, and one sentence for each that cannot be used."""
+    `given` are the parameters of the scene that the config sets.
+    """
     found: dict[str, Interval] = {}
     problems: list[str] = []
-    for name, definition in config["intervals"].items():
+    for name, definition in definitions.items():
         try:
-            found[name] = _interval(name, definition, config["scene"]["parameters"], scene_type)
+            found[name] = _interval(name, definition, given, scene_type)
         except _RefusedError as error:
             problems.append(f"intervals.{name}{error}")
     return found, problems
@@ -93,10 +89,10 @@ def _ends(definition: Mapping, default: Any) -> Interval:
     return Interval(nominal - half, nominal, nominal + half)
 
 
-def parameter_problems(config: Mapping, scene_type: Any) -> list[str]:
+def parameter_problems(given: Mapping, scene_type: Any) -> list[str]:
     """What is wrong with `scene.parameters`, one sentence each."""
     problems = []
-    for name, value in config["scene"]["parameters"].items():
+    for name, value in given.items():
         key = f"scene.parameters.{name}"
         if name not in scene_type.parameters:
             known = list(scene_type.parameters)
@@ -119,8 +115,3 @@ def _allows(parameter: Any, value: Any) -> bool:
         return False
     return True
 
-
-def all_parameters(config: Mapping, scene_type: Any, values: Mapping[str, float]) -> dict[str, Any]:
-    """All of the scene's parameters in the run whose interval parameters have `values`."""
-    defaults = {name: parameter.default for name, parameter in scene_type.parameters.items()}
-    return {**defaults, **config["scene"]["parameters"], **values}

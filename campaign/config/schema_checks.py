@@ -55,12 +55,13 @@ def _sentences(error: Any) -> list[str]:
     key = ".".join(str(part) for part in error.absolute_path)
     dotted = f"{key}." if key else ""
     if error.validator == "additionalProperties":
-        known = list(error.schema.get("properties", {}))
-        unknown = [name for name in error.instance if name not in known]
+        known = error.schema.get("properties", {})
+        renamed = {part.get("formerly"): name for name, part in known.items()}
         return [
-            f"{dotted}{name}: there is no such key{did_you_mean(name, known)}; "
+            f"{dotted}{name}: there is no such key{did_you_mean(renamed.get(name, name), known)}; "
             f"allowed: {', '.join(known)}"
-            for name in unknown
+            for name in error.instance
+            if name not in known
         ]
     if error.validator == "required":
         missing = [name for name in error.validator_value if name not in error.instance]

@@ -114,4 +114,3 @@ def _allows(parameter: Any, value: Any) -> bool:
     except SceneError:
         return False
     return True
-

@@ -49,4 +49,3 @@ def table() -> str:
         for key, description, allowed, default in rows(schema())
     ]
     return _HEAD + "\n".join(lines) + "\n"
-

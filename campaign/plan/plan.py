@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 
 from campaign.config.sections import Experiment, digest, from_data
@@ -78,7 +79,7 @@ class Plan:
         """Whether this is the plan after the last round."""
         return self.adaptive is not None and self.adaptive.met is not None
 
-    @property
+    @cached_property
     def config_hash(self) -> str:
         """Digest of the experiment."""
         return digest(self.experiment)

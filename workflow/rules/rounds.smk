@@ -8,20 +8,18 @@ checkpoint plan_round:
     output:
         "results/{campaign}/rounds/{round}/nodes.json",
     log:
-        "results/{campaign}/rounds/{round}/logs/nodes.log",
+        "results/{campaign}/rounds/{round}/logs/plan.log",
     conda:
         "../envs/campaign.yaml"
     params:
-        config=sections(*CAMPAIGN.RUN_SECTIONS),
-        data_version=CAMPAIGN.data_version,
-        previous=lambda wildcards, input: (
-            Path(input[0]).parent.as_posix() if input else "''"
-        ),
+        config=sections("plan_round"),
+        code=code("plan_round"),
+        mechanics=WORKFLOW.mechanics,
     message:
         "Choosing the runs of round {wildcards.round}"
     shell:
-        "python workflow/scripts/plan_round.py --config {params.config:q}"
-        " --previous {params.previous} --output {output} --log {log}"
+        "python -m campaign plan_round results/{wildcards.campaign}/rounds/{wildcards.round}"
+        " --config {params.config:q} --log {log}"
 
 
 rule settle:

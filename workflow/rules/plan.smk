@@ -1,17 +1,18 @@
 # Which runs there are, and the time step that serves them all.
 
 
-rule nodes:
+rule plan:
     output:
         "{stage}/nodes.json",
     log:
-        "{stage}/logs/nodes.log",
+        "{stage}/logs/plan.log",
     conda:
         "../envs/campaign.yaml"
     params:
-        config=sections(*CAMPAIGN.RUN_SECTIONS),
-        data_version=CAMPAIGN.data_version,
+        config=sections("plan"),
+        code=code("plan"),
+        mechanics=WORKFLOW.mechanics,
     message:
         "Choosing the runs and the time step"
     shell:
-        "python workflow/scripts/nodes.py --config {params.config:q} --output {output} --log {log}"
+        "python -m campaign plan {wildcards.stage} --config {params.config:q} --log {log}"

@@ -139,7 +139,7 @@ class Stage:
 
 
 _DESIGN = ("campaign/config/design.py", "intervals/designs.py")
-_PLOT = ("campaign/results/figures.py", "campaign/units.py")
+_PLOT = ("campaign/results/figures.py", "campaign/results/units.py")
 
 STAGES = {
     stage.name: stage
@@ -152,7 +152,9 @@ STAGES = {
         Stage(envelopes, ("error",), _PLOT),
         Stage(sensitivities, (), _PLOT),
         Stage(linkage, ("figures",), ("campaign/results/linkage.py", *_PLOT)),
-        Stage(summary, ("published",), ("campaign/results/summary.py", "campaign/units.py")),
+        Stage(
+            summary, ("published",), ("campaign/results/summary.py", "campaign/results/units.py")
+        ),
     )
 }
 

@@ -28,10 +28,14 @@ def next_plan(
     experiment: Experiment, plan: Plan, samples_path: str | Path, bounds_path: str | Path
 ) -> Plan:
     """The plan after a finished round: a better design, or the same with the reason to stop."""
+    import xarray as xr
+
     import intervals
 
     asked, design, before = experiment.design, plan.experiment.design, plan.adaptive
-    error, tails = _measure(plan, samples_path, bounds_path)
+    with xr.open_dataset(samples_path) as samples, xr.open_dataset(bounds_path) as bounds:
+        made = make_design(design, experiment.box)
+        error, tails = intervals.measure_round(samples, bounds, made)
     decision = intervals.decide(
         intervals.Progress(
             specification=intervals.Specification(design.method, design.order, design.parts),
@@ -79,30 +83,3 @@ def _settled(
     parts = tuple((tuple(map(float, low)), tuple(map(float, high))) for low, high in parts)
     reused = existing if asked.method == "total_degree" and not parts else ()
     return replace(asked, order=tuple(map(int, order)), parts=parts, existing=reused)
-
-
-def _measure(
-    plan: Plan, samples_path: str | Path, bounds_path: str | Path
-) -> tuple[float, list[float]]:
-    """Error of the bounds as a share of their width in the worst response, and by direction."""
-    import xarray as xr
-
-    import intervals
-    from intervals.errors import direction_tails
-    from intervals.partition import parts_of
-
-    names = list(plan.experiment.responses)
-    with xr.open_dataset(bounds_path) as bounds:
-        time = bounds["time"].values
-        error = max(float(bounds[f"{n}_error"].attrs["error_share_of_width"]) for n in names)
-        widths = np.stack([(bounds[f"{n}_upper"] - bounds[f"{n}_lower"]).values for n in names])
-    with xr.open_dataset(samples_path) as samples:
-        unit = samples["unit"].values
-        values = np.stack([samples[n].values for n in names], axis=1)
-    areas = np.trapezoid(widths, time)
-    tails = np.zeros(len(plan.experiment.intervals))
-    for part in parts_of(make_design(plan.experiment.design, plan.experiment.box)):
-        rows = intervals.match_points(part.points, unit)
-        tail = np.trapezoid(direction_tails(intervals.fit(part.design, values[rows])), time)
-        tails = np.maximum(tails, (tail / np.where(areas > 0, areas, 1.0)).max(axis=1))
-    return error, tails.tolist()

@@ -33,14 +33,15 @@ def moments(
     return np.array([int(np.abs(opening[: last + 1] - value).argmin()) for value in wanted])
 
 
-def draw_nominal(samples_path: str | Path, folder: Path, config: Mapping, out: Path) -> None:
-    """Draw the nominal run, with its trajectory in `folder`, as `out`/linkage.png and .pdf."""
-    from campaign.figures import save
+def draw_nominal(samples_path: str | Path, folder: Path, count: int, out: Path) -> None:
+    """Draw `count` moments of the nominal run, with its trajectory in `folder`, as
+    `out`/linkage.png and .pdf."""
+    from campaign.results.figures import save
 
     with open_netcdf(samples_path) as samples:
         nominal = list(samples["role"][:]).index("nominal")
         run = samples["run_id"][nominal]
-    figure = draw(Path(folder) / f"{run}.nc", config["figures"]["moments"])
+    figure = draw(Path(folder) / f"{run}.nc", count)
     save(figure, Path(out) / "linkage")
 
 

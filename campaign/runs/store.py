@@ -5,9 +5,9 @@ it if its trajectory was kept. Files that the power failed for may be broken. Tw
 run, with the same methods:
 
 `Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded;
-`Responses`     one netCDF file per group of lanes, `<digest of the group's run ids>.nc`, with the
+`Responses`     one netCDF file per group, `<digest of the group's run ids>.nc`, with the
                 responses and contact events only. Other groups have other files: another
-                design, number of lanes or response simulates its runs again.
+                design, size of group or response simulates its runs again.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from campaign.config import digest
+from campaign.config.sections import Experiment, digest
 from campaign.files import open_netcdf, whole_file
+from campaign.plan.plan import Run
 
 # Contact events as the interval side gets them, in the order of the columns of `Record.events`.
 EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
@@ -37,30 +38,19 @@ class Result:
 
 @dataclass(frozen=True)
 class Record:
-    """What the interval side needs of a run: time (t,) s, the values (t,) of its responses by
-    name, contact events (e, 3): time (s), contact index, 1 if it closes, and names of contacts."""
+    """What the interval side needs of a run: time (t,) s, the values (n, t) of its n responses,
+    contact events (e, 3): time (s), contact index, 1 if it closes, and names of contacts."""
 
     time: np.ndarray
-    values: Mapping[str, np.ndarray]
+    values: np.ndarray
     events: np.ndarray
     contacts: Sequence[str]
 
 
-def responses_of(config: Mapping) -> list[Any]:
-    """The parsed responses of a config, `fpm.responses.Response`."""
-    import fpm
-
-    scene_type = fpm.scenes.get(config["scene"]["name"])
-    return [
-        fpm.responses.parse(name, definition, scene_type)
-        for name, definition in config["responses"].items()
-    ]
-
-
-def open_store(keep: str, folder: str | Path, config: Mapping) -> Trajectories | Responses:
-    """The store for a config's `jobs.keep` in `folder`; `config` says the scene and responses."""
+def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Trajectories | Responses:
+    """The store for a config's `jobs.keep` in `folder`; the experiment says which responses."""
     kind = {"trajectories": Trajectories, "responses": Responses}[keep]
-    return kind(Path(folder), responses_of(config))
+    return kind(Path(folder), experiment.curves)
 
 
 class Trajectories:
@@ -69,37 +59,36 @@ class Trajectories:
     def __init__(self, folder: Path, responses: Sequence[Any]):
         self.folder, self.responses = folder, responses
 
-    def path(self, run: Mapping) -> Path:
-        return self.folder / f"{run['id']}.nc"
+    def path(self, run: Run) -> Path:
+        return self.folder / f"{run.id}.nc"
 
-    def missing(self, group: Sequence[Mapping]) -> list[Mapping]:
+    def missing(self, group: Sequence[Run]) -> list[Run]:
         """The runs of the group that are still to be simulated."""
         return [run for run in group if self._curves(run) is None]
 
-    def count(self, groups: Sequence[Sequence[Mapping]]) -> int:
+    def count(self, groups: Sequence[Sequence[Run]]) -> int:
         """How many runs of all groups are there, by file name alone."""
         there = {path.stem for path in self.folder.glob("*.nc")} if self.folder.is_dir() else set()
-        return sum(run["id"] in there for group in groups for run in group)
+        return sum(run.id in there for group in groups for run in group)
 
-    def write(self, group: Sequence[Mapping], results: Sequence[Result]) -> None:
+    def write(self, group: Sequence[Run], results: Sequence[Result]) -> None:
         """Write the results that a group has left; ValueError if a number is not finite."""
         from fpm import trajectory
 
         for result in results:
-            contents = trajectory.contents(result.outcome, self.responses, result.attributes)
+            contents = trajectory.contents(result.outcome, attributes=result.attributes)
             trajectory.write(contents, self.folder / f"{result.id}.nc")
 
-    def read(self, group: Sequence[Mapping]) -> dict[str, Record]:
+    def read(self, group: Sequence[Run]) -> dict[str, Record]:
         """Those runs of a group that are there, by id."""
         found = {}
         for run in group:
             if (curves := self._curves(run)) is not None:
-                # Not those in the file: they may be of another config that had the same run.
-                values = {r.name: r.evaluate(curves) for r in self.responses}
-                found[run["id"]] = Record(curves.time, values, curves.events, curves.contacts)
+                values = np.stack([r.evaluate(curves) for r in self.responses])
+                found[run.id] = Record(curves.time, values, curves.events, curves.contacts)
         return found
 
-    def _curves(self, run: Mapping) -> Any:
+    def _curves(self, run: Run) -> Any:
         """The run's `fpm.trajectory.Curves`; None if its file is not there or not whole."""
         from fpm import trajectory
 
@@ -110,17 +99,17 @@ class Trajectories:
 
 
 class Responses:
-    """One netCDF file per group of lanes, with the responses only, in single precision."""
+    """One netCDF file per group, with the responses only, in single precision."""
 
     def __init__(self, folder: Path, responses: Sequence[Any]):
         self.folder, self.responses = folder, responses
         self._asked = [asdict(response) for response in responses]
 
-    def path(self, group: Sequence[Mapping]) -> Path:
+    def path(self, group: Sequence[Run]) -> Path:
         """Other runs or responses have another file."""
-        return self.folder / f"{digest([self._asked, *(run['id'] for run in group)])}.nc"
+        return self.folder / f"{digest([self._asked, *(run.id for run in group)])}.nc"
 
-    def missing(self, group: Sequence[Mapping]) -> list[Mapping]:
+    def missing(self, group: Sequence[Run]) -> list[Run]:
         """The runs of the group that are still to be simulated: all of them, or none.
 
         A group in which a run had failed is simulated again as a whole.
@@ -129,16 +118,16 @@ class Responses:
 
         try:
             with netCDF4.Dataset(self.path(group)) as file:
-                there = list(file["run_id"][:])
+                there = list(file["run_id"][:]) if "values" in file.variables else []
         except OSError:
             there = []
-        return [] if there == [run["id"] for run in group] else list(group)
+        return [] if there == [run.id for run in group] else list(group)
 
-    def count(self, groups: Sequence[Sequence[Mapping]]) -> int:
+    def count(self, groups: Sequence[Sequence[Run]]) -> int:
         """How many runs of all groups are there."""
         return sum(len(group) for group in groups if self.path(group).exists())
 
-    def write(self, group: Sequence[Mapping], results: Sequence[Result]) -> None:
+    def write(self, group: Sequence[Run], results: Sequence[Result]) -> None:
         """Write the results that a group has left; ValueError if a number is not finite."""
         import netCDF4
 
@@ -154,37 +143,37 @@ class Responses:
             file.createDimension("time", len(first.time))
             file.createDimension("event", max(1, max(map(len, events))))
             file.createVariable("time", "f8", ("time",))[:] = first.time
-            write_names(
-                file, "contact", [first.scene.hinges[c.hinge].name for c in first.scene.contacts]
-            )
+            contacts = [first.scene.hinges[c.hinge].name for c in first.scene.contacts]
+            write_dimension(file, "contact", contacts, "name of the contact")
+            names = [response.name for response in self.responses]
+            write_dimension(file, "response", names, "name of the response")
             ids = np.array([result.id for result in results], dtype=object)
             file.createVariable("run_id", str, ("run",))[:] = ids
-            for response in self.responses:
+            variable = file.createVariable(
+                "values", "f4", ("run", "response", "time"), zlib=True, complevel=1
+            )
+            for i, response in enumerate(self.responses):
                 values = np.stack([response.evaluate(result.outcome) for result in results])
                 if not np.isfinite(values).all():
                     raise ValueError(f"{response.name} has values that are not finite")
-                variable = file.createVariable(
-                    response.name, "f4", ("run", "time"), zlib=True, complevel=1
-                )
-                variable[:] = values
-                variable.setncatts({"units": response.unit, "long_name": response.long_name})
+                variable[:, i] = values
             for column, name in enumerate(EVENT_VARIABLES):
                 variable = file.createVariable(name, "f8", ("run", "event"), fill_value=np.nan)
                 for row, table in enumerate(events):
                     variable[row, : len(table)] = table[:, column]
 
-    def read(self, group: Sequence[Mapping]) -> dict[str, Record]:
+    def read(self, group: Sequence[Run]) -> dict[str, Record]:
         """Those runs of a group that are there, by id."""
         if self.missing(group):
             return {}
         with open_netcdf(self.path(group)) as file:
             time, contacts = file["time"][:], list(file["contact"][:])
-            values = {response.name: file[response.name][:] for response in self.responses}
+            values = file["values"][:]
             events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
         return {
-            run["id"]: Record(
+            run.id: Record(
                 time,
-                {name: table[row] for name, table in values.items()},
+                values[row],
                 events[row][np.isfinite(events[row, :, 0])],
                 contacts,
             )
@@ -192,9 +181,10 @@ class Responses:
         }
 
 
-def write_names(file: Any, dimension: str, names: Sequence[str]) -> None:
+def write_dimension(file: Any, dimension: str, names: Sequence[str], long_name: str) -> None:
     """Define a dimension whose coordinate are names."""
     file.createDimension(dimension, len(names))
     variable = file.createVariable(dimension, str, (dimension,))
+    variable.long_name = long_name
     if len(names):
         variable[:] = np.array([str(name) for name in names], dtype=object)

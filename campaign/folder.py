@@ -34,6 +34,16 @@ class Folder:
         return self / "samples.nc"
 
     @property
+    def surrogate(self) -> Path:
+        """Coefficients of the polynomials."""
+        return self / "surrogate.nc"
+
+    @property
+    def sensitivities(self) -> Path:
+        """Influence of each parameter."""
+        return self / "sensitivities.nc"
+
+    @property
     def bounds(self) -> Path:
         """Bounds of the responses."""
         return self / "bounds.nc"

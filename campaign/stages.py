@@ -69,9 +69,7 @@ def bounds(folder: Folder, tell: Tell, bounds: Any) -> None:
     """Fit the surrogate to samples.nc, take its bounds, and tell which parameter matters."""
     from campaign.results.bounds import analyse
 
-    analyse(
-        folder.samples, bounds, folder / "surrogate.nc", folder.bounds, folder / "sensitivities.nc"
-    )
+    analyse(folder, bounds)
 
 
 def envelopes(folder: Folder, tell: Tell, error: Any) -> None:
@@ -85,7 +83,7 @@ def sensitivities(folder: Folder, tell: Tell) -> None:
     """Draw which parameter widens the bounds, and when."""
     from campaign.results.figures import draw_sensitivities
 
-    draw_sensitivities(folder / "sensitivities.nc", folder.figures)
+    draw_sensitivities(folder.sensitivities, folder.figures)
 
 
 def linkage(folder: Folder, tell: Tell, figures: Any) -> None:
@@ -99,8 +97,7 @@ def summary(folder: Folder, tell: Tell, published: dict[str, float]) -> None:
     """Write the headline numbers as JSON and as a table for people."""
     from campaign.results.summary import summarise
 
-    written = folder / "summary.json", folder / "summary.md"
-    tell(summarise(folder.bounds, folder.samples, folder.plan, published, *written))
+    tell(summarise(folder, published))
 
 
 @dataclass(frozen=True)

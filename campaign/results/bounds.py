@@ -17,15 +17,10 @@ import numpy as np
 from campaign.config.design import make_design
 from campaign.config.sections import BoundsChoice, Experiment, from_data
 from campaign.files import whole_file
+from campaign.folder import Folder
 
 
-def analyse(
-    samples_path: str | Path,
-    how: BoundsChoice,
-    surrogate_path: str | Path,
-    bounds_path: str | Path,
-    sensitivities_path: str | Path,
-) -> None:
+def analyse(folder: Folder, how: BoundsChoice) -> None:
     """Fit the design that the samples were made for; write surrogate, bounds and sensitivities.
 
     Samples of a scan are read in pieces, so that they may be larger than memory.
@@ -34,7 +29,7 @@ def analyse(
 
     import intervals
 
-    with xr.open_dataset(samples_path) as samples:
+    with xr.open_dataset(folder.samples) as samples:
         experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
         is_plain_scan = experiment.design.method == "scan" and experiment.design.order is None
         design = (
@@ -44,14 +39,14 @@ def analyse(
         if how.align != "none":
             options = {"model": "aligned", "alignment": how.align, "enclose": how.enclose}
         bounds = intervals.bounds_dataset(samples, design, **options)
-        write_dataset(bounds, bounds_path, "Bounds of the responses")
+        write_dataset(bounds, folder.bounds, "Bounds of the responses")
         surrogate = intervals.surrogate_dataset(samples, design)
-        write_dataset(surrogate, surrogate_path, "Surrogates of the responses")
+        write_dataset(surrogate, folder.surrogate, "Surrogates of the responses")
         if is_plain_scan:
             sensitivities = xr.Dataset(attrs=samples.attrs)
         else:
             sensitivities = intervals.sensitivity_dataset(samples, design)
-        write_dataset(sensitivities, sensitivities_path, "Influence of each parameter")
+        write_dataset(sensitivities, folder.sensitivities, "Influence of each parameter")
 
 
 def _scanned(samples: Any) -> Any:

@@ -5,33 +5,26 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from campaign.files import open_netcdf, write_text
+from campaign.folder import Folder
 from campaign.plan.plan import read_plan
 from campaign.results.units import pretty
 
 
-def summarise(
-    bounds_path: str | Path,
-    samples_path: str | Path,
-    plan_path: str | Path,
-    published: Mapping[str, float],
-    json_path: str | Path,
-    text_path: str | Path,
-) -> str:
+def summarise(folder: Folder, published: Mapping[str, float]) -> str:
     """Write both summaries and return the text; `published` are largest differences by response."""
-    with open_netcdf(bounds_path) as bounds, open_netcdf(samples_path) as samples:
+    with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
         summary = headline(bounds, samples, published)
-    rounds = read_plan(plan_path).adaptive
+    rounds = read_plan(folder.plan).adaptive
     if rounds is not None:
         summary["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds], "met": rounds.met}
     text = as_text(summary)
-    write_text(json_path, json.dumps(summary, indent=2) + "\n")
-    write_text(text_path, text)
+    write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
+    write_text(folder / "summary.md", text)
     return text
 
 

@@ -3,9 +3,9 @@
 import pytest
 
 from campaign.config.check import check_config
-from campaign.errors import ConfigError
 from campaign.config.design import count_runs
 from campaign.config.presets import PRESETS
+from campaign.errors import ConfigError
 
 
 @pytest.fixture

@@ -9,27 +9,26 @@ import pytest
 import xarray as xr
 
 import fpm
-from campaign.config import check_config
+from campaign.config.check import check_config
+from campaign.config.sections import Jobs
 from campaign.errors import CampaignError
-from campaign.gather import gather
-from campaign.nodes import make_plan, unique_runs
-from campaign.run import Progress, duration_text, run_batch
-from campaign.store import responses_of
+from campaign.plan.make import make_plan
+from campaign.results.samples import gather
+from campaign.runs.batch import run_batch
+from campaign.runs.progress import Progress, duration_text
 from fpm.trajectory import read_curves
 
 KEEP = ["trajectories", "responses"]
 
 
-def run_all(config, folder, keep, **more):
+def run_all(config, folder, keep):
     """Run all batches of a config; returns the plan and the numbers of runs simulated."""
-    plan = more.get("plan") or make_plan(config)
-    jobs = {"lanes": 2, "keep": keep}
+    plan = make_plan(config.experiment)
+    jobs = Jobs(512, 2, keep)
     counts = []
     for batch in range(2):
         manifest = folder / "batches" / f"{batch}.json"
-        run_batch(
-            plan, batch, 2, jobs, folder / keep, manifest, more.get("tell", lambda text: None)
-        )
+        run_batch(plan, batch, 2, jobs, folder / keep, manifest, lambda text: None)
         counts.append(json.loads(manifest.read_text())["simulated"])
     return plan, counts
 
@@ -37,7 +36,7 @@ def run_all(config, folder, keep, **more):
 @pytest.mark.parametrize("keep", KEEP)
 def test_every_run_is_simulated_once_and_found_again(config, tmp_path, keep):
     plan, counts = run_all(config, tmp_path, keep)
-    assert sum(counts) == len(unique_runs(plan))
+    assert sum(counts) == len(plan.unique_runs())
     _, again = run_all(config, tmp_path, keep)
     assert again == [0, 0]
 
@@ -61,68 +60,68 @@ def test_a_run_that_fails_does_not_harm_the_others(raw, tmp_path, keep):
     soft = fpm.stable_step(fpm.scenes.get("bennett").build(elements_per_link=2)).step
     raw["solver"] = {"step": 0.8 * soft, "duration": 0.02, "instants": 9}
     raw["intervals"] = {"E": {"lower": 1e9, "upper": 9e9}}
-    plan = make_plan(check_config(raw))
+    plan = make_plan(check_config(raw).experiment)
     failed = 0
     for batch in range(2):
         manifest = tmp_path / f"{batch}.json"
         try:
-            jobs = {"lanes": 2, "keep": keep}
+            jobs = Jobs(512, 2, keep)
             run_batch(plan, batch, 2, jobs, tmp_path / keep, manifest, lambda text: None)
         except CampaignError as error:
             assert not manifest.exists()
             for word in ("run ", "E = ", "unstable at t = ", "solver.step"):
                 assert word in str(error)
             failed += str(error).count("\n  run ")
-    assert 0 < failed < len(unique_runs(plan))
+    assert 0 < failed < len(plan.unique_runs())
     written = 0
     for path in (tmp_path / keep).glob("*.nc"):
         with xr.open_dataset(path) as data:
             written += data.sizes.get("run", 1)
-    assert written == len(unique_runs(plan)) - failed
+    assert written == len(plan.unique_runs()) - failed
 
 
 def test_results_do_not_depend_on_how_runs_are_grouped(config, tmp_path):
-    plan = make_plan(config)
-    for lanes in (1, 5):
-        folder = tmp_path / str(lanes)
-        jobs = {"lanes": lanes, "keep": "trajectories"}
+    plan = make_plan(config.experiment)
+    for size in (1, 5):
+        folder = tmp_path / str(size)
+        jobs = Jobs(512, size, "trajectories")
         run_batch(plan, 0, 1, jobs, folder, tmp_path / "0.json", lambda text: None)
-    for run in unique_runs(plan):
-        one = xr.open_dataset(tmp_path / "1" / f"{run['id']}.nc")
-        other = xr.open_dataset(tmp_path / "5" / f"{run['id']}.nc")
+    for run in plan.unique_runs():
+        one = xr.open_dataset(tmp_path / "1" / f"{run.id}.nc")
+        other = xr.open_dataset(tmp_path / "5" / f"{run.id}.nc")
         xr.testing.assert_identical(one, other)
 
 
 def test_a_trajectory_tells_its_parameters(config, tmp_path):
     plan, _ = run_all(config, tmp_path, "trajectories")
-    run = plan["runs"][1]
-    with xr.open_dataset(tmp_path / "trajectories" / f"{run['id']}.nc") as data:
-        assert data.attrs["run_id"] == run["id"]
-        assert data.attrs["parameter_a"] == run["values"][0]
+    run = plan.runs[1]
+    with xr.open_dataset(tmp_path / "trajectories" / f"{run.id}.nc") as data:
+        assert data.attrs["run_id"] == run.id
+        assert data.attrs["parameter_a"] == run.values[0]
         assert data.attrs["parameter_elements_per_link"] == 2
         assert data.attrs["parameter_supports"] == "plane"
-        assert data.attrs["config_hash"] == plan["config_hash"]
-        assert data.attrs["time_step_limit"] == plan["step_limit"]
+        assert data.attrs["config_hash"] == plan.config_hash
+        assert data.attrs["time_step_limit"] == plan.time.step_limit
         assert "numpy" in data.attrs["versions"]
 
 
 def values_in(path, config) -> np.ndarray:
     """Values (n, t) of the responses, from a trajectory."""
-    return np.array([r.evaluate(read_curves(path)) for r in responses_of(config)])
+    return np.array([r.evaluate(read_curves(path)) for r in config.experiment.curves])
 
 
 @pytest.mark.parametrize("keep", KEEP)
 def test_samples_hold_the_trajectories_responses(config, tmp_path, keep):
     plan, _ = run_all(config, tmp_path, keep)
     run_all(config, tmp_path, "trajectories")
-    gather(plan, 2, {"lanes": 2, "keep": keep}, tmp_path / keep, tmp_path / "samples.nc")
+    gather(plan, Jobs(512, 2, keep), tmp_path / keep, tmp_path / "samples.nc")
     with xr.open_dataset(tmp_path / "samples.nc") as samples:
-        assert samples.sizes["run"] == len(plan["runs"])
-        for row, run in enumerate(plan["runs"]):
-            assert samples["role"].values[row] == run["role"]
-            assert samples["value"].values[row].tolist() == run["values"]
-            assert samples["parameter_a"].values[row] == run["values"][0]
-            path = tmp_path / "trajectories" / f"{run['id']}.nc"
+        assert samples.sizes["run"] == len(plan.runs)
+        for row, run in enumerate(plan.runs):
+            assert samples["role"].values[row] == run.role
+            assert samples["value"].values[row].tolist() == list(run.values)
+            assert samples["parameter_a"].values[row] == run.values[0]
+            path = tmp_path / "trajectories" / f"{run.id}.nc"
             wanted = values_in(path, config).astype(samples["values"].dtype)
             np.testing.assert_array_equal(samples["values"].values[row], wanted)
         assert "parameter_a" in samples["values"].coords
@@ -135,7 +134,7 @@ def test_samples_hold_the_trajectories_responses(config, tmp_path, keep):
 @pytest.mark.parametrize(("keep", "again"), [("trajectories", 0), ("responses", 5)])
 def test_a_response_is_added_or_changed_without_simulating_again(raw, tmp_path, keep, again):
     plan, _ = run_all(check_config(raw), tmp_path, keep)
-    assert len(unique_runs(plan)) == 5
+    assert len(plan.unique_runs()) == 5
     raw["responses"] = {
         "vBz": {"velocity": "D", "component": "z"},  # was B's
         "psi": {"opening": "A"},
@@ -146,11 +145,11 @@ def test_a_response_is_added_or_changed_without_simulating_again(raw, tmp_path, 
     config = check_config(raw)
     plan, counts = run_all(config, tmp_path, keep)
     assert sum(counts) == again
-    gather(plan, 2, {"lanes": 2, "keep": keep}, tmp_path / keep, tmp_path / "samples.nc")
+    gather(plan, Jobs(512, 2, keep), tmp_path / keep, tmp_path / "samples.nc")
     run_all(check_config(raw), tmp_path / "fresh", "trajectories")
     with xr.open_dataset(tmp_path / "samples.nc") as samples:
-        for row, run in enumerate(plan["runs"]):
-            path = tmp_path / "fresh" / "trajectories" / f"{run['id']}.nc"
+        for row, run in enumerate(plan.runs):
+            path = tmp_path / "fresh" / "trajectories" / f"{run.id}.nc"
             wanted = values_in(path, config).astype(samples["values"].dtype)
             np.testing.assert_array_equal(samples["values"].values[row], wanted)
         assert samples["response"].values.tolist() == list(raw["responses"])
@@ -161,20 +160,20 @@ def test_missing_runs_are_told(config, tmp_path):
     plan, _ = run_all(config, tmp_path, "trajectories")
     next((tmp_path / "trajectories").glob("*.nc")).unlink()
     with pytest.raises(CampaignError, match=r"1 runs are missing .*--forcerun simulate"):
-        jobs = {"lanes": 2, "keep": "trajectories"}
-        gather(plan, 2, jobs, tmp_path / "trajectories", tmp_path / "samples.nc")
+        jobs = Jobs(512, 2, "trajectories")
+        gather(plan, jobs, tmp_path / "trajectories", tmp_path / "samples.nc")
     assert not (tmp_path / "samples.nc").exists()
 
 
 def test_events_are_gathered_in_their_rows(raw, tmp_path):
     raw["solver"] = {"duration": 0.4, "instants": 11}  # closes after about 0.33 s
     plan, _ = run_all(check_config(raw), tmp_path, "trajectories")
-    jobs = {"lanes": 2, "keep": "trajectories"}
-    gather(plan, 2, jobs, tmp_path / "trajectories", tmp_path / "samples.nc")
+    jobs = Jobs(512, 2, "trajectories")
+    gather(plan, jobs, tmp_path / "trajectories", tmp_path / "samples.nc")
     with xr.open_dataset(tmp_path / "samples.nc") as samples:
         assert samples["contact"].values.tolist() == ["A", "B", "C", "D"]
-        for row, run in enumerate(plan["runs"]):
-            with xr.open_dataset(tmp_path / "trajectories" / f"{run['id']}.nc") as data:
+        for row, run in enumerate(plan.runs):
+            with xr.open_dataset(tmp_path / "trajectories" / f"{run.id}.nc") as data:
                 count = data.sizes["event"]
                 assert count > 0
                 found = samples["event_time"].values[row]

@@ -159,9 +159,14 @@ def _mark_largest(
     )
 
 
-def save(figure: Any, path: Path) -> None:
-    """Save as PNG and PDF, without the date, so that the same data give the same files."""
+def save(figure: Any, path: Path, **options: Any) -> None:
+    """Save as PNG and PDF, without the date, so that the same data give the same files.
+
+    `options` are those of matplotlib's `savefig`.
+    """
     for kind in PICTURES:
         with whole_file(path.with_name(f"{path.name}.{kind}")) as temporary:
             metadata = {"CreationDate": None} if kind == "pdf" else {"Software": None}
-            figure.savefig(temporary, dpi=200, metadata=metadata, bbox_inches="tight")
+            fast = {"pil_kwargs": {"compress_level": 3}} if kind == "png" else {}
+            figure.savefig(temporary, dpi=200, metadata=metadata, **fast, **options)
+        figure.set_layout_engine("none")  # found by now, and the same for the next kind

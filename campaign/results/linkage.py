@@ -42,7 +42,7 @@ def draw_nominal(samples_path: str | Path, folder: Path, count: int, out: Path) 
         nominal = list(samples["role"][:]).index("nominal")
         run = samples["run_id"][nominal]
     figure = draw(Path(folder) / f"{run}.nc", count)
-    save(figure, Path(out) / "linkage")
+    save(figure, Path(out) / "linkage", bbox_inches="tight")
 
 
 def draw(trajectory_path: str | Path, count: int) -> Any:

@@ -3,7 +3,7 @@
 import os
 import sys
 
-# As Snakemake's jobs have it: more threads of linear algebra round otherwise, and gain nothing here.
+# As jobs of Snakemake have it: more threads of linear algebra would round otherwise.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from campaign.cli import main

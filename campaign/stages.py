@@ -48,13 +48,16 @@ def plan_round(folder: Folder, tell: Tell, experiment: Any) -> None:
         tell(f"{experiment.name}: {len(made.unique_runs())} runs of order {order}")
 
 
-def simulate(folder: Folder, tell: Tell, jobs: Any, batch: int = 0, batches: int = 1) -> None:
+def simulate(
+    folder: Folder, tell: Tell, jobs: Any, batch: int = 0, batches: int = 1, threads: int = 1
+) -> None:
     """Simulate one batch of the planned runs, except those that are there already."""
     from campaign.plan.plan import read_plan
     from campaign.runs.batch import run_batch
 
     made = read_plan(folder.plan)
-    run_batch(made, batch, batches, jobs, folder.runs(jobs.keep), folder.batch(batch), tell)
+    store, manifest = folder.runs(jobs.keep), folder.batch(batch)
+    run_batch(made, batch, batches, jobs, store, manifest, tell, threads)
 
 
 def gather(folder: Folder, tell: Tell, jobs: Any) -> None:

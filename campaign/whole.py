@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
 from collections.abc import Mapping
+from contextlib import nullcontext
+from importlib import import_module
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 from campaign.config.check import check_config, load_config
 from campaign.config.sections import Campaign
+from campaign.drawing import Draughtsman
 from campaign.folder import ROUND_FILES, Folder
 from campaign.stages import STAGES, Tell, batch_count, drawings
 
@@ -26,20 +31,25 @@ def run(
     simulated again; everything else is made anew. `tell` gets messages of progress. Raises
     `ConfigError` before anything is written, `CampaignError` when runs fail.
     """
-    import xarray as xr
-
     campaign = _campaign(config)
     folder = Folder(Path(results, campaign.name))
-    if campaign.is_adaptive:
-        _run_rounds(campaign, folder, tell)
-    else:
-        _stage("plan", campaign, folder, tell)
-        _run_plan(campaign, folder, tell)
-    for name in drawings(campaign) if figures else ():
-        _stage(name, campaign, folder, tell)
-    _stage("summary", campaign, folder, tell)
-    with xr.open_dataset(folder.bounds) as bounds:
-        return bounds.load()
+    with Draughtsman() if figures else nullcontext() as draughtsman:
+        if campaign.is_adaptive:
+            _run_rounds(campaign, folder, tell)
+        else:
+            _stage("plan", campaign, folder, tell)
+            _run_plan(campaign, folder, tell)
+        for name in drawings(campaign) if draughtsman else ():
+            draughtsman.ask(name, campaign, folder)
+        _stage("summary", campaign, folder, tell)
+        return _open(folder.bounds)
+
+
+def _open(path: Path) -> Any:
+    import xarray as xr
+
+    with xr.open_dataset(path) as data:
+        return data.load()
 
 
 def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
@@ -58,8 +68,11 @@ def _run_plan(campaign: Campaign, folder: Folder, tell: Tell) -> None:
     from campaign.plan.plan import read_plan
 
     batches = batch_count(campaign.jobs, len(read_plan(folder.plan).runs))
+    # What bounds need takes a second to import; meanwhile threads integrate.
+    Thread(target=import_module, args=("xarray",), daemon=True).start()
+    threads = os.cpu_count() or 1
     for batch in range(batches):
-        _stage("simulate", campaign, folder, tell, batch=batch, batches=batches)
+        _stage("simulate", campaign, folder, tell, batch=batch, batches=batches, threads=threads)
     _stage("gather", campaign, folder, tell)
     _stage("bounds", campaign, folder, tell)
 

@@ -11,8 +11,9 @@ import json
 import platform
 import time
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ import numpy as np
 from campaign.config.sections import Jobs
 from campaign.errors import CampaignError
 from campaign.files import write_text
-from campaign.plan.plan import Plan, Run
+from campaign.plan.plan import Plan, Run, share
 from campaign.runs.progress import Progress, Tell, warm_up
 from campaign.runs.store import Result, open_store
 
@@ -35,9 +36,11 @@ def run_batch(
     folder: str | Path,
     manifest: str | Path,
     tell: Tell,
+    threads: int = 1,
 ) -> None:
     """Simulate batch `batch` of `batches` into the store in `folder`, then write the manifest.
 
+    Groups are shared among `threads`, which changes no number.
     Raises `CampaignError` that lists the runs that failed, after all others were written; then
     there is no manifest.
     """
@@ -55,7 +58,7 @@ def run_batch(
         name, total = plan.experiment.name, sum(map(len, flat))
         progress = Progress(name, total, lambda: store.count(flat), tell)
         for number, (group, missing) in enumerate(work, start=1):
-            results, failed, taken = simulate(plan, missing)
+            results, failed, taken = simulate(plan, missing, threads)
             store.write(group, results)
             failures += failed
             simulated += len(results)
@@ -74,7 +77,9 @@ def run_batch(
     write_text(manifest, json.dumps(facts, indent=1) + "\n")
 
 
-def simulate(plan: Plan, runs: Sequence[Run]) -> tuple[list[Result], list[Failure], np.ndarray]:
+def simulate(
+    plan: Plan, runs: Sequence[Run], threads: int = 1
+) -> tuple[list[Result], list[Failure], np.ndarray]:
     """Simulate runs side by side: those that went well, those that failed with the reason, and the
     seconds (by `clocks`) that it took to integrate them."""
     import fpm
@@ -83,13 +88,16 @@ def simulate(plan: Plan, runs: Sequence[Run]) -> tuple[list[Result], list[Failur
     parameters = [experiment.parameters(plan.named(run)) for run in runs]
     scenes = [experiment.scene_type.build(**values) for values in parameters]
     before = clocks()
-    outcomes = fpm.simulate(
-        scenes,
+    integrate = partial(
+        fpm.simulate,
         duration=solver.duration,
         instants=solver.instants,
         step=plan.time.step,
         energy_tolerance=solver.energy_tolerance,
     )
+    with ThreadPoolExecutor(threads) as pool:
+        shares = [share(scenes, part, threads) for part in range(threads)]
+        outcomes = [outcome for part in pool.map(integrate, shares) for outcome in part]
     seconds = clocks() - before
     results, failed = [], []
     for run, values, outcome in zip(runs, parameters, outcomes, strict=True):

@@ -138,23 +138,33 @@ class Stage:
         return syntax_digest(file for pattern in self.code for file in root.glob(pattern))
 
 
-_DESIGN = ("campaign/config/design.py", "intervals/designs.py")
-_PLOT = ("campaign/results/figures.py", "campaign/results/units.py")
+_DESIGN = (
+    "campaign/config/design.py",
+    "campaign/config/sections.py",
+    "intervals/box.py",
+    "intervals/chebyshev.py",
+    "intervals/designs.py",
+    "intervals/multi_indices.py",
+    "intervals/scans.py",
+    "intervals/subsets.py",
+)
+_PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py")
+_BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py")
+_READ = ("campaign/runs/store.py", "fpm/trajectory.py", "fpm/responses.py")
 
+# Beside the code named here, runs depend on the mechanics, which are part of their names.
 STAGES = {
     stage.name: stage
     for stage in (
         Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN)),
-        Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_DESIGN)),
-        Stage(simulate, ("jobs",), ("campaign/runs/*.py",)),
-        Stage(gather, ("jobs",), ("campaign/results/samples.py", "campaign/runs/store.py")),
-        Stage(bounds, ("bounds",), ("campaign/results/bounds.py", "intervals/**/*.py")),
-        Stage(envelopes, ("error",), _PLOT),
+        Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:])),
+        Stage(simulate, ("jobs",), ("campaign/runs/*.py", "fpm/trajectory.py")),
+        Stage(gather, ("jobs",), ("campaign/results/samples.py", *_READ)),
+        Stage(bounds, ("bounds",), _BOUNDS),
+        Stage(envelopes, ("error",), (*_PLOT, "campaign/results/summary.py")),
         Stage(sensitivities, (), _PLOT),
         Stage(linkage, ("figures",), ("campaign/results/linkage.py", *_PLOT)),
-        Stage(
-            summary, ("published",), ("campaign/results/summary.py", "campaign/results/units.py")
-        ),
+        Stage(summary, ("published",), ("campaign/results/summary.py", _PLOT[1])),
     )
 }
 

@@ -1,11 +1,19 @@
 """Presets of a config: what they fill in, and what they leave alone."""
 
+import inspect
+import re
+from pathlib import Path
+
 import pytest
 
-from campaign.config.check import check_config
+import fpm
+from campaign.config.check import check_config, schema
 from campaign.config.design import count_runs
 from campaign.config.presets import PRESETS
 from campaign.errors import ConfigError
+from campaign.plan.make import make_plan
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -82,3 +90,29 @@ def test_an_unknown_preset_is_refused(bare):
 def test_the_presets_scene_may_be_unknown(bare):
     with pytest.raises(ConfigError, match="sarrus"):
         check_config({**bare, "scene": {"name": "sarrus"}, "preset": "draft"})
+
+
+def test_all_say_the_same_about_a_preset():
+    """The README, the trade study's page and the presets themselves."""
+    readme, page = ((ROOT / name).read_text() for name in ("README.md", "docs/tradeoff.md"))
+    for name, preset in PRESETS.items():
+        told = re.search(rf"- `preset: {name}`: (\d+) elements[^,]*, .*?order (\d+)", readme)
+        assert told, name
+        assert [*map(int, told.groups())] == [preset["elements"], preset["order"]]
+        row = re.search(rf"^\| `{name}` \| (\d+) \| (\d+) \| (\d+) \| (\d+) runs", page, re.M)
+        assert row, name
+        *numbers, runs = map(int, row.groups())
+        assert numbers == [preset["elements"], preset["order"], preset["held_out"]]
+        one = {"a": {"relative": 0.01}}
+        raw = {"campaign": "x", "scene": {"name": "bennett"}, "preset": name, "intervals": one}
+        raw["responses"] = {"BD": {"distance": ["B", "D"]}}
+        plan = make_plan(check_config(raw).experiment)
+        assert len(plan.unique_runs()) == runs
+
+
+def test_the_safety_of_the_time_step_is_the_mechanics():
+    safety = inspect.signature(fpm.simulate).parameters["safety"].default
+    solver = schema()["properties"]["solver"]["properties"]
+    assert solver["safety"]["default"] == safety
+    assert {preset["safety"] for preset in PRESETS.values()} == {safety}
+    assert schema()["properties"]["preset"]["enum"] == list(PRESETS)

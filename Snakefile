@@ -12,7 +12,7 @@ report: "workflow/report/workflow.rst"
 
 
 include: "workflow/rules/common.smk"
-include: CAMPAIGN.plan_rules
+include: WORKFLOW.plan_rules
 include: "workflow/rules/runs.smk"
 include: "workflow/rules/bounds.smk"
 include: "workflow/rules/report.smk"

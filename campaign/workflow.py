@@ -1,56 +1,56 @@
-"""What the Snakefile asks of a campaign: its files, its batches, its sections of the config."""
+"""What the Snakefile asks of a campaign: its files, its batches, and what each rule depends on."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
-from campaign.config import RUN_SECTIONS, load_config
-from campaign.loader import retyped
+from campaign.config.check import load_config
+from campaign.config.design import count_runs
+from campaign.config.loader import retyped
+from campaign.config.sections import Campaign, as_json
+from campaign.folder import Folder
+from campaign.stages import STAGES, batch_count, drawings
 
 
-class Campaign:
-    """A checked config with the names of its files.
+class Workflow:
+    """A campaign with the names of its files.
 
     Importing and making one is cheap, since every call of Snakemake does it.
     """
 
-    RUN_SECTIONS = RUN_SECTIONS
-
-    def __init__(self, config: Mapping):
-        self.config = config
-        self.name = config["campaign"]
+    def __init__(self, campaign: Campaign):
+        self.campaign, self.name = campaign, campaign.name
+        self.folder = Folder(Path("results", campaign.name))
 
     @classmethod
-    def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Campaign:
+    def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Workflow:
         """The campaign of YAML files, later ones and `overrides` (of `--config`) winning.
 
         Raises `ConfigError`.
         """
         return cls(load_config([_relative(path) for path in paths], retyped(overrides or {})))
 
-    @property
-    def data_version(self) -> str:
-        """Version of the mechanics; another one makes other runs."""
-        import fpm
+    def sections(self, stage: str) -> str:
+        """The sections of the config that a stage depends on, as JSON."""
+        return as_json(**STAGES[stage].sections_of(self.campaign))
 
-        return str(fpm.DATA_VERSION)
-
-    def sections_json(self, *names: str) -> str:
-        """Some sections of the config as one JSON text, in the order of the file."""
-        return json.dumps({name: self.config[name] for name in names}, separators=(",", ":"))
+    def code(self, stage: str) -> str:
+        """The digest of the code that a stage runs."""
+        return STAGES[stage].digest()
 
     @property
-    def is_adaptive(self) -> bool:
-        """Whether the order is found in rounds."""
-        return self.config["design"]["order"] == "auto"
+    def mechanics(self) -> str:
+        """Digest of the mechanics and of the structure; another one makes other runs."""
+        from campaign.plan.make import mechanics_of
+
+        return mechanics_of(self.campaign.experiment)
 
     @property
     def plan_rules(self) -> str:
         """The rules that plan the runs: all at once, or in rounds."""
-        return f"workflow/rules/{'adaptive' if self.is_adaptive else 'nodes'}.smk"
+        return f"workflow/rules/{'rounds' if self.campaign.is_adaptive else 'plan'}.smk"
 
     @property
     def any_stage(self) -> str:
@@ -60,51 +60,32 @@ class Campaign:
     @property
     def run_stage(self) -> str:
         """Pattern of the folders in which runs are made: the campaign's, or those of its rounds."""
-        return rf"results/{self.name}/rounds/\d+" if self.is_adaptive else f"results/{self.name}"
+        rounds = r"/rounds/\d+" if self.campaign.is_adaptive else ""
+        return f"results/{self.name}{rounds}"
 
     @cache  # noqa: B019 - there is one campaign in a process
     def batch_count(self, plan_path: str | None = None) -> int:
         """Number of jobs that the runs are shared among, those of a plan or of the config."""
-        from campaign.nodes import count_runs, read_plan
+        from campaign.plan.plan import read_plan
 
-        runs = len(read_plan(plan_path)["runs"]) if plan_path else count_runs(self.config)
-        return -(-runs // self.config["jobs"]["nodes_per_job"])
+        runs = len(read_plan(plan_path).runs) if plan_path else count_runs(self.campaign.experiment)
+        return batch_count(self.campaign.jobs, runs)
 
     def is_last(self, plan_path: str) -> bool:
         """Whether a round's plan says that the rounds are over."""
-        from campaign.adaptive import is_finished
-        from campaign.nodes import read_plan
+        from campaign.plan.plan import read_plan
 
-        return is_finished(read_plan(plan_path))
-
-    def store_folder(self) -> str:
-        """Where runs are kept; all designs of a campaign share it."""
-        return f"results/{self.name}/{self.config['jobs']['keep']}"
+        return read_plan(plan_path).is_finished
 
     def envelope_figures(self, stage: str) -> list[str]:
         """The figures of the responses."""
-        return _figures(stage, self.config["responses"])
-
-    def draws_structure(self) -> bool:
-        """Whether the scene can be drawn and a trajectory to draw from is kept."""
-        from campaign.linkage import BARS
-
-        kept = self.config["jobs"]["keep"] == "trajectories"
-        return kept and self.config["scene"]["name"] in BARS
+        return Folder(stage).pictures(self.campaign.experiment.responses)
 
     def results(self) -> list[str]:
         """The files that a campaign leaves for its reader."""
-        stage = f"results/{self.name}"
-        figures = self.envelope_figures(stage)
-        if self.draws_structure():
-            figures += _figures(stage, ["linkage"])
-        if len(self.config["intervals"]) > 1 and self.config["design"]["order"] is not None:
-            figures += _figures(stage, ["sensitivities"])
-        return [*figures, f"{stage}/summary.json", f"{stage}/summary.md"]
-
-
-def _figures(stage: str, names: Iterable[str]) -> list[str]:
-    return [f"{stage}/figures/{name}.{kind}" for name in names for kind in ("png", "pdf")]
+        others = self.folder.pictures(drawings(self.campaign)[1:])  # named as their stages are
+        summary = [str(self.folder / f"summary.{kind}") for kind in ("json", "md")]
+        return self.envelope_figures(str(self.folder.path)) + others + summary
 
 
 def _relative(path: str | Path) -> Path:

@@ -6,6 +6,9 @@ import copy
 
 import pytest
 
+import campaign
+from campaign.folder import Folder
+
 RAW = {
     "campaign": "test",
     "scene": {"name": "bennett", "parameters": {"elements_per_link": 2}},
@@ -14,7 +17,7 @@ RAW = {
     "design": {"method": "tensor_roots", "order": 2},
     "held_out": 2,
     "responses": {"BD": {"distance": ["B", "D"]}, "vBz": {"velocity": "B", "component": "z"}},
-    "jobs": {"lanes": 2},
+    "jobs": {"group": 2},
 }
 
 
@@ -27,38 +30,16 @@ def raw() -> dict:
 @pytest.fixture
 def config(raw) -> dict:
     """The same, checked."""
-    from campaign.config import check_config
+    return campaign.check_config(raw)
 
-    return check_config(raw)
+
+def silent(text: str) -> None:
+    """Tell nobody."""
 
 
 @pytest.fixture(scope="session")
-def finished(tmp_path_factory) -> dict:
-    """Paths of a campaign of six runs, simulated once: plan, samples, bounds and so on."""
-    from campaign.analyse import analyse
-    from campaign.config import check_config
-    from campaign.gather import gather
-    from campaign.nodes import make_plan, read_plan, write_plan
-    from campaign.run import run_batch
-
-    folder = tmp_path_factory.mktemp("campaign")
-    config = check_config(copy.deepcopy(RAW))
-    paths = {
-        name: folder / file
-        for name, file in {
-            "plan": "nodes.json",
-            "samples": "samples.nc",
-            "surrogate": "surrogate.nc",
-            "bounds": "bounds.nc",
-            "sensitivities": "sensitivities.nc",
-            "trajectories": "trajectories",
-            "manifest": "0.json",
-        }.items()
-    }
-    write_plan(make_plan(config), paths["plan"])
-    plan = read_plan(paths["plan"])
-    run_batch(plan, 0, 1, config["jobs"], paths["trajectories"], paths["manifest"])
-    gather(plan, 1, config["jobs"], paths["trajectories"], paths["samples"])
-    written = (paths[name] for name in ("surrogate", "bounds", "sensitivities"))
-    analyse(paths["samples"], config, *written)
-    return paths
+def finished(tmp_path_factory) -> Folder:
+    """The files of a campaign of five runs, simulated once."""
+    results = tmp_path_factory.mktemp("campaign")
+    campaign.run(copy.deepcopy(RAW), results, figures=False, tell=silent)
+    return Folder(results / "test")

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from campaign.config import SCHEMA_PATH, check_config, config_hash, load_config, merge, schema
+from campaign.config.check import SCHEMA_PATH, check_config, load_config, merge, schema
+from campaign.config.sections import BoundsChoice, Campaign, Interval, as_json, digest, from_data
 from campaign.errors import ConfigError
 
 ROOT = Path(__file__).parents[2]
@@ -51,7 +52,7 @@ REFUSED = [
     ("design.method", "guess", ["design.method", "'guess'", "tensor_roots"]),
     ("responses.BD", {"distance": ["B", "Q"]}, ["responses.BD", "'Q'", "A, B, C, D"]),
     ("responses.BD", {"distance": ["B", "B"]}, ["responses.BD", "two different points"]),
-    ("responses.time", {"opening": "A"}, ["responses.time", "something else"]),
+    ("responses.linkage", {"opening": "A"}, ["responses.linkage", "not `linkage`"]),
     ("responses.x", {"speed": "B"}, ["responses.x", "velocity"]),
     ("responses.x", {"velocity": "B"}, ["responses.x", "component"]),
     ("responses.x", {"opening": "Z"}, ["responses.x", "'Z'"]),
@@ -72,6 +73,7 @@ REFUSED = [
     ("bounds", {"model": "spline", "align": "shift"}, ["bounds.model: 'spline'", "align shift"]),
     ("held_out", -1, ["held_out", "-1"]),
     ("held_out", True, ["held_out", "true"]),
+    ("jobs.lanes", 2, ["jobs.lanes", "no such key", "did you mean group?"]),
     ("jobs.keep", "all", ["jobs.keep", "'all'", "trajectories"]),
     ("desgin", {}, ["desgin", "did you mean design?"]),
     ("campaign", "../x", ["campaign", "'../x'", "letters"]),
@@ -140,7 +142,7 @@ def test_a_spline_that_cannot_be_is_refused(raw, change, words):
     assert len(error.value.problems) == 1, error.value.problems
     for word in ["bounds.model: 'spline' is not allowed", *words]:
         assert word in error.value.problems[0]
-    assert check_config({**raw, "bounds": {}})["bounds"]["model"] == "polynomial"
+    assert check_config({**raw, "bounds": {}}).bounds.model == "polynomial"
 
 
 @pytest.mark.parametrize(
@@ -155,25 +157,23 @@ def test_a_spline_that_cannot_be_is_refused(raw, change, words):
 )
 def test_a_spline_takes_any_design_and_scans(raw, change):
     config = check_config({**raw, **change, "bounds": {"model": "spline"}})
-    assert config["bounds"] == {"model": "spline", "align": "none", "enclose": False}
+    assert config.bounds == BoundsChoice("none", "spline", False)
 
 
 def test_defaults_come_from_the_schema(raw):
     del raw["design"], raw["jobs"]
     config = check_config(raw)
-    assert config["design"]["method"] == "tensor_roots"
-    assert config["design"]["order"] == 3
-    assert (
-        config["solver"]["safety"]
-        == schema()["properties"]["solver"]["properties"]["safety"]["default"]
-    )
-    assert config["jobs"]["lanes"] == 32
+    assert config.experiment.design.method == "tensor_roots"
+    assert config.experiment.design.order == 3
+    solver = schema()["properties"]["solver"]["properties"]
+    assert config.experiment.solver.safety == solver["safety"]["default"]
+    assert config.jobs.group == 32
 
 
 def test_a_scan_has_no_order_unless_it_is_given(raw):
-    assert check_config(change(raw, "design", {"method": "scan"}))["design"]["order"] is None
+    assert check_config(change(raw, "design", {"method": "scan"})).experiment.design.order is None
     both = {"method": "scan", "order": 2}
-    assert check_config(change(raw, "design", both))["design"]["order"] == 2
+    assert check_config(change(raw, "design", both)).experiment.design.order == 2
 
 
 @pytest.mark.parametrize(
@@ -185,34 +185,47 @@ def test_a_scan_has_no_order_unless_it_is_given(raw):
     ],
 )
 def test_an_interval_can_be_given_in_three_ways(raw, definition):
-    import fpm
-    from campaign.parameters import intervals_of
-
-    config = check_config(change(raw, "intervals", {"a": definition}))
-    intervals, _ = intervals_of(config, fpm.scenes.get("bennett"))
-    interval = intervals["a"]
+    interval = check_config(change(raw, "intervals", {"a": definition})).experiment.intervals["a"]
     found = (interval.lower, interval.nominal, interval.upper)
     assert found == pytest.approx((0.038, 0.04, 0.042), rel=1e-14)
 
 
 def test_an_interval_without_nominal_is_about_the_scenes_value(raw):
-    import fpm
-    from campaign.parameters import intervals_of
-
     config = check_config(change(raw, "intervals", {"E": {"relative": 0.1}, "a": {"absolute": 0}}))
-    intervals, _ = intervals_of(config, fpm.scenes.get("bennett"))
+    intervals = config.experiment.intervals
     assert (intervals["E"].lower, intervals["E"].upper) == pytest.approx((0.9e9, 1.1e9))
     assert intervals["a"].lower == intervals["a"].nominal == intervals["a"].upper
 
 
 def test_the_hash_knows_values_and_not_the_order_of_keys(raw):
-    config = check_config(raw)
-    turned = json.loads(json.dumps(dict(reversed(config.items()))))
-    assert config_hash(turned) == config_hash(config)
+    def hashed(raw):
+        return digest(check_config(raw).experiment)
+
+    turned = json.loads(json.dumps(dict(reversed(raw.items()))))
+    assert hashed(turned) == hashed(raw)
     turned["solver"]["duration"] = 0.0040000000000000001
-    assert config_hash(turned) == config_hash(config)
+    assert hashed(turned) == hashed(raw)
     turned["solver"]["duration"] = 0.004000000000000001
-    assert config_hash(turned) != config_hash(config)
+    assert hashed(turned) != hashed(raw)
+
+
+def test_the_hash_knows_what_an_interval_is_and_not_how_it_is_written(raw):
+    hashes = {
+        digest(check_config(change(raw, "intervals", {"E": definition})).experiment)
+        for definition in (
+            {"relative": 0.25},
+            {"nominal": 1e9, "absolute": 250000000},
+            {"lower": 750000000, "upper": 1.25e9},
+        )
+    }
+    assert len(hashes) == 1
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda p: p.stem)
+def test_a_campaign_survives_json(path):
+    config = load_config([path])
+    sections = {name: getattr(config, name) for name in Campaign.__dataclass_fields__}
+    assert from_data(Campaign, json.loads(as_json(**sections))) == config
 
 
 def test_merging_changes_single_keys_and_leaves_its_arguments_alone():
@@ -224,15 +237,16 @@ def test_merging_changes_single_keys_and_leaves_its_arguments_alone():
 
 @pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda p: p.stem)
 def test_every_campaign_that_we_ship_can_be_used(path):
-    assert load_config([path])["campaign"] == path.stem
+    assert load_config([path]).name == path.stem
 
 
 def test_the_paper_s_campaign_is_the_paper_s():
     config = load_config([ROOT / "config" / "paper.yaml"])
-    assert config["intervals"] == {"a": {"nominal": 0.035, "relative": 0.01}}
-    assert (config["design"]["method"], config["design"]["order"]) == ("tensor_roots", 3)
-    assert config["solver"]["duration"] == 1.0
-    assert config["published"] == {"BD": 0.063, "vBz": 4.38}
+    runs = config.experiment
+    assert runs.intervals == {"a": Interval(0.99 * 0.035, 0.035, 1.01 * 0.035)}
+    assert (runs.design.method, runs.design.order) == ("tensor_roots", 3)
+    assert runs.solver.duration == 1.0
+    assert config.published == {"BD": 0.063, "vBz": 4.38}
 
 
 def test_every_key_of_the_schema_says_what_it_is_and_what_is_allowed():
@@ -251,5 +265,5 @@ def test_every_key_of_the_schema_says_what_it_is_and_what_is_allowed():
 
 def test_the_schema_is_part_of_the_package():
     packages = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
-    assert SCHEMA_PATH.parent == ROOT / "campaign"
-    assert any(SCHEMA_PATH.match(pattern) for pattern in packages["package-data"]["campaign"])
+    within = SCHEMA_PATH.relative_to(ROOT / "campaign")
+    assert any(within.match(pattern) for pattern in packages["package-data"]["campaign"])

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from campaign.config import schema
-from campaign.config_table import rows, table
+from campaign.config.check import schema
+from campaign.config.table import rows, table
 
 PAGE = Path(__file__).parents[2] / "docs" / "config.md"
 
 
 def test_the_page_is_what_the_schema_gives():
     assert PAGE.read_text(encoding="utf-8") == table(), (
-        "make it again: python -m campaign.config_table > docs/config.md"
+        "make it again: python -m campaign keys > docs/config.md"
     )
 
 
 def test_nested_keys_are_in_the_table():
     keys = [row[0] for row in rows(schema())]
-    for key in ("campaign", "solver.step", "intervals.<name>.relative", "jobs.lanes"):
+    for key in ("campaign", "solver.step", "intervals.<name>.relative", "jobs.group"):
         assert key in keys

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from campaign.config.loader import load, parse, retyped
 from campaign.errors import ConfigError
-from campaign.loader import load, parse, retyped
 
 
 @pytest.mark.parametrize("text", ["1e9", "1.0e9", "1.e9", "1E9", "1e+9", "1000000000.0"])

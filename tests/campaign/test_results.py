@@ -3,49 +3,60 @@
 from __future__ import annotations
 
 import json
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 from numpy.polynomial import chebyshev
 
-from campaign.analyse import analyse
-from campaign.figures import draw_envelopes, envelope
+import campaign
+from campaign.config.sections import BoundsChoice
 from campaign.files import open_netcdf
-from campaign.linkage import draw_nominal, moments
-from campaign.scene_checks import TAKEN
-from campaign.summary import as_text, summarise
-from campaign.units import pretty
+from campaign.folder import Folder
+from campaign.results.bounds import analyse
+from campaign.results.figures import draw_envelopes, envelope
+from campaign.results.linkage import draw_nominal, moments
+from campaign.results.summary import as_text, summarise
+from campaign.results.units import pretty
+
+NETCDF = ("samples", "surrogate", "bounds", "sensitivities")
+
+
+def beside(finished: Folder, path: Path) -> Folder:
+    """Another folder with the same campaign, so that its results can be made anew."""
+    return Folder(shutil.copytree(finished.path, path, dirs_exist_ok=True))
 
 
 def test_the_surrogate_goes_through_its_nodes(finished):
     with (
-        xr.open_dataset(finished["samples"]) as samples,
-        xr.open_dataset(finished["surrogate"]) as surrogate,
+        xr.open_dataset(finished.samples) as samples,
+        xr.open_dataset(finished.surrogate) as surrogate,
     ):
         nodes = samples["role"].values == "node"
         assert nodes.sum() == 3
         degrees = surrogate["multi_index"].values[:, 0]
         for name in ("BD", "vBz"):
-            values = samples[name].values[nodes]
+            values = samples["values"].sel(response=name).values[nodes]
             coefficients = np.zeros((3, values.shape[1]))
-            coefficients[degrees] = surrogate[f"{name}_coefficient"].values[0]
+            coefficients[degrees] = surrogate["coefficient"].sel(response=name).values[0]
             fitted = chebyshev.chebval(samples["unit"].values[nodes, 0], coefficients)
             np.testing.assert_allclose(fitted.T, values, atol=1e-12 * np.abs(values).max())
 
 
 def test_the_bounds_are_the_exact_range_of_the_surrogate(finished):
     with (
-        xr.open_dataset(finished["bounds"]) as bounds,
-        xr.open_dataset(finished["surrogate"]) as surrogate,
+        xr.open_dataset(finished.bounds) as bounds,
+        xr.open_dataset(finished.surrogate) as surrogate,
     ):
         unit = np.linspace(-1, 1, 4001)
         degrees = surrogate["multi_index"].values[:, 0]
         for name in ("BD", "vBz"):
             coefficients = np.zeros((3, surrogate.sizes["time"]))
-            coefficients[degrees] = surrogate[f"{name}_coefficient"].values[0]
+            coefficients[degrees] = surrogate["coefficient"].sel(response=name).values[0]
             dense = chebyshev.chebval(unit, coefficients)
-            lower, upper = bounds[f"{name}_lower"].values, bounds[f"{name}_upper"].values
+            lower, upper = (bounds[key].sel(response=name).values for key in ("lower", "upper"))
             scale = np.abs(dense).max()
             assert (lower <= dense.min(axis=1) + 1e-14 * scale).all()
             assert (upper >= dense.max(axis=1) - 1e-14 * scale).all()
@@ -54,29 +65,22 @@ def test_the_bounds_are_the_exact_range_of_the_surrogate(finished):
 
 
 def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path):
-    published = {"published": {"BD": 0.063}}
-    text = summarise(
-        finished["bounds"],
-        finished["samples"],
-        finished["plan"],
-        published,
-        tmp_path / "s.json",
-        tmp_path / "s.md",
-    )
-    summary = json.loads((tmp_path / "s.json").read_text())
-    with xr.open_dataset(finished["bounds"]) as bounds:
-        width = bounds["BD_upper"] - bounds["BD_lower"]
+    folder = beside(finished, tmp_path)
+    text = summarise(folder, {"BD": 0.063})
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    with xr.open_dataset(finished.bounds) as bounds:
+        width = bounds["upper"].sel(response="BD") - bounds["lower"].sel(response="BD")
         row = summary["responses"][0]
         assert row["largest_difference"] == float(width.max())
         assert row["time_of_largest_difference"] == float(width["time"][int(width.values.argmax())])
         assert row["ratio_to_published"] == pytest.approx(float(width.max()) / 0.063)
     assert summary["responses"][1]["published"] is None
     assert summary["design"]["runs"] == 5
-    assert text == (tmp_path / "s.md").read_text() == as_text(summary)
+    assert text == (tmp_path / "summary.md").read_text() == as_text(summary)
     outside = {r["name"]: r["runs_outside_by"] for r in summary["responses"]}
-    with xr.open_dataset(finished["bounds"]) as bounds:
+    with xr.open_dataset(finished.bounds) as bounds:
         for name, most in outside.items():
-            assert most == bounds[f"{name}_lower"].attrs["worst_violation"]
+            assert most == float(bounds["worst_violation"].sel(response=name))
     assert ("leave the bounds by at most" in text) == any(outside.values())
     assert "error estimate there" in text
     for words in (
@@ -89,41 +93,37 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
         assert words in text
 
 
-def analysed(finished, folder, **bounds) -> dict:
-    """Paths of the finished campaign's samples and of what other bounds of them leave."""
-    paths = {"samples": finished["samples"], "plan": finished["plan"]}
-    paths |= {name: folder / f"{name}.nc" for name in ("surrogate", "bounds", "sensitivities")}
-    how = {"model": "polynomial", "align": "none", "enclose": False, **bounds}
-    analyse(paths["samples"], {"bounds": how}, *(paths[n] for n in list(paths)[2:]))
-    return paths
+def analysed(finished, path, align="none", model="polynomial", enclose=False) -> Folder:
+    """The finished campaign's samples and what other bounds of them leave."""
+    folder = beside(finished, path)
+    analyse(folder, BoundsChoice(align, model, enclose))
+    return folder
 
 
 def test_a_spline_bounds_all_runs_and_says_that_it_encloses_nothing(finished, tmp_path):
-    paths = analysed(finished, tmp_path, model="spline")
+    other = analysed(finished, tmp_path, model="spline")
     with (
-        xr.open_dataset(paths["samples"]) as samples,
-        xr.open_dataset(paths["bounds"]) as bounds,
-        xr.open_dataset(finished["bounds"]) as polynomial,
-        xr.open_dataset(paths["surrogate"]) as surrogate,
+        xr.open_dataset(other.samples) as samples,
+        xr.open_dataset(other.bounds) as bounds,
+        xr.open_dataset(finished.bounds) as polynomial,
+        xr.open_dataset(other.surrogate) as surrogate,
     ):
         for name in ("BD", "vBz"):
-            lower, upper = bounds[f"{name}_lower"], bounds[f"{name}_upper"]
+            lower, upper = bounds["lower"].sel(response=name), bounds["upper"].sel(response=name)
             # held-out runs too; rounding aside
-            slack = 1e-12 * float(abs(samples[name]).max())
-            assert (lower <= samples[name].min("run") + slack).all()
-            assert (upper >= samples[name].max("run") - slack).all()
-            assert float(abs(upper - polynomial[f"{name}_upper"]).max()) > 0
-            np.testing.assert_array_equal(bounds[f"{name}_inner_upper"], upper)
-            assert f"{name}_coefficient" in surrogate
-    text = summarise(
-        paths["bounds"], paths["samples"], paths["plan"], {"published": {}},
-        tmp_path / "s.json", tmp_path / "s.md",
-    )  # fmt: skip
+            values = samples["values"].sel(response=name)
+            slack = 1e-12 * float(abs(values).max())
+            assert (lower <= values.min("run") + slack).all()
+            assert (upper >= values.max("run") - slack).all()
+            assert float(abs(upper - polynomial["upper"].sel(response=name)).max()) > 0
+            np.testing.assert_array_equal(bounds["inner_upper"].sel(response=name), upper)
+            assert name in surrogate["coefficient"]["response"]
+    text = summarise(other, {})
     told = "attained range of a spline through all runs, not enclosed"
     assert f"Bounds: {told}." in text
-    assert json.loads((tmp_path / "s.json").read_text())["bounds"] == told
-    for name, words in ((finished["bounds"], "enclosed range of the polynomial"),
-                        (paths["bounds"], told)):  # fmt: skip
+    assert json.loads((tmp_path / "summary.json").read_text())["bounds"] == told
+    for name, words in ((finished.bounds, "enclosed range of the polynomial"),
+                        (other.bounds, told)):  # fmt: skip
         with open_netcdf(name) as bounds:
             (legend,) = envelope(bounds, "BD", 0.1).legends
             assert legend.get_title().get_text() == f"bounds: {words}"
@@ -132,13 +132,10 @@ def test_a_spline_bounds_all_runs_and_says_that_it_encloses_nothing(finished, tm
 def test_aligned_models_are_enclosed_on_demand(finished, tmp_path):
     kinds, gaps = [], []
     for enclose in (False, True):
-        folder = tmp_path / str(enclose)
-        folder.mkdir()
-        with xr.open_dataset(
-            analysed(finished, folder, align="shift", enclose=enclose)["bounds"]
-        ) as b:
+        folder = analysed(finished, tmp_path / str(enclose), align="shift", enclose=enclose)
+        with xr.open_dataset(folder.bounds) as b:
             kinds.append(b.attrs["bounds_kind"].split()[0])
-            outer, inner = b["vBz_upper"], b["vBz_inner_upper"]
+            outer, inner = b["upper"].sel(response="vBz"), b["inner_upper"].sel(response="vBz")
             gaps.append(float((outer - inner).max()))
             assert (outer >= inner).all()
     assert kinds == ["attained", "enclosed"]
@@ -146,10 +143,9 @@ def test_aligned_models_are_enclosed_on_demand(finished, tmp_path):
 
 
 def test_figures_are_drawn_as_png_and_pdf_and_are_the_same_again(finished, tmp_path):
-    config = {"error": {"shade_above": 0.1}, "figures": {"moments": 5}}
     for folder in ("first", "second"):
-        draw_envelopes(finished["bounds"], config, tmp_path / folder)
-        draw_nominal(finished["samples"], finished["trajectories"], config, tmp_path / folder)
+        draw_envelopes(finished.bounds, 0.1, tmp_path / folder)
+        draw_nominal(finished.samples, finished.runs("trajectories"), 5, tmp_path / folder)
     names = sorted(path.name for path in (tmp_path / "first").iterdir())
     assert names == sorted(f"{n}.{k}" for n in ("BD", "vBz", "linkage") for k in ("png", "pdf"))
     for name in names:
@@ -161,17 +157,36 @@ def test_figures_are_drawn_as_png_and_pdf_and_are_the_same_again(finished, tmp_p
 
 def files_of(finished) -> list:
     """All netCDF files of the campaign, one trajectory among them."""
-    trajectory = next(finished["trajectories"].glob("*.nc"))
-    return [trajectory, *(finished[n] for n in ("samples", "surrogate", "bounds", "sensitivities"))]
+    trajectory = next(finished.runs("trajectories").glob("*.nc"))
+    return [trajectory, *(getattr(finished, n) for n in NETCDF)]
 
 
-def test_no_response_can_take_the_name_of_something_else(finished):
-    for path in files_of(finished):
-        with xr.open_dataset(path) as file:
-            names = {str(n) for n in {*file.variables, *file.dims}}
-        own = {n for n in names if n in ("BD", "vBz") or n.startswith(("BD_", "vBz_"))}
-        assert own
-        assert names - own <= TAKEN, path.name
+ODD = ("v", "v_inner", "v_inner_lower", "time", "values", "a", "parameter_a", "lower", "response",
+       "run", "position", "nominal", "box_lower")  # fmt: skip
+
+
+def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
+    kinds = [{"distance": ["B", "D"]}, {"velocity": "B", "component": "z"}, {"opening": "A"},
+             {"energy": "kinetic"}, {"position": "C", "component": "x"}]  # fmt: skip
+    found = {}
+    for names in (ODD, [f"r{i}" for i in range(len(ODD))]):
+        raw["responses"] = {name: kinds[i % 5] for i, name in enumerate(names)}
+        folder = Folder(tmp_path / names[0] / "test")
+        campaign.run(raw, tmp_path / names[0], tell=lambda text: None)
+        for file in NETCDF:
+            with xr.open_dataset(getattr(folder, file)) as data:
+                assert data["response"].values.tolist() == list(names)
+                plain = data.load().drop_vars("response").drop_attrs()
+            found.setdefault(file, []).append(plain)
+        with xr.open_dataset(folder.bounds) as bounds, xr.open_dataset(folder.samples) as runs:
+            nodes = runs["values"].where(runs["role"] == "node", drop=True)
+            slack = 1e-12 * abs(nodes).max()
+            assert (bounds["lower"] <= nodes.min("run") + slack).all()
+            assert (bounds["upper"] >= nodes.max("run") - slack).all()
+            assert (bounds["lower"] == bounds["lower"][2]).all("time").sum() == 3  # of one kind
+        assert {p.stem for p in folder.figures.iterdir()} == {*names, "linkage"}
+    for odd, plain in found.values():
+        xr.testing.assert_identical(odd, plain)
 
 
 def test_files_tell_what_is_in_them(finished):
@@ -182,12 +197,17 @@ def test_files_tell_what_is_in_them(finished):
             assert file.attrs["Conventions"] == "CF-1.11"
             for name, variable in file.variables.items():
                 assert "long_name" in variable.attrs, (path.name, name)
-                # The values of several parameters have several units: parameter_unit.
-                if variable.dtype.kind in "fiu" and variable.dims[-1:] != ("parameter",):
+                # Those of several responses or parameters are in response_units and box_units.
+                several = {"response", "parameter"} & set(variable.dims)
+                if variable.dtype.kind in "fiu" and not several:
                     assert "units" in variable.attrs, (path.name, name)
     assert len(titles) == 5
-    with xr.open_dataset(finished["samples"]) as samples:
-        assert samples["parameter_unit"].values.tolist() == ["m"]
+    with xr.open_dataset(finished.samples) as samples:
+        assert samples["box_units"].values.tolist() == ["m"]
+        assert samples["parameter_a"].attrs["units"] == "m"
+    for path in files_of(finished)[1:]:
+        with xr.open_dataset(path) as file:
+            assert file["response_units"].values.tolist() == ["m", "m s-1"], path.name
 
 
 def test_moments_go_from_the_start_to_the_first_closure():

@@ -10,15 +10,21 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
-import numpy as np
 import pytest
 import xarray as xr
+
+import campaign
+
+ROOT = Path(__file__).parents[2]
+
+AUTOMATIC = "method: tensor_lobatto, order: auto, budget: 6, tolerance: 1e-12"
 
 SMALL = ("--configfile", "config/small.yaml")
 
 ALL_RULES = {
-    "nodes",
+    "plan",
     "simulate",
     "gather",
     "bounds",
@@ -27,6 +33,9 @@ ALL_RULES = {
     "linkage",
     "summary",
 }
+
+
+OF_BOUNDS = {"bounds", "envelopes", "sensitivities", "summary"}
 
 
 def planned(output: str) -> set[str]:
@@ -70,37 +79,37 @@ def test_what_runs_no_job_needs_no_number_of_cores(small, arguments):
             assert words in report
 
 
-def test_the_same_campaign_gives_the_same_numbers(small, workplace):
-    done = workplace.snakemake(*SMALL)
-    assert done.returncode == 0, done.stdout
-    for name in ("samples.nc", "surrogate.nc", "bounds.nc"):
+def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
+    results = small.folder / "results" / "small"
+    config = small.folder / "config" / "small.yaml"
+    campaign.run(config, tmp_path, tell=lambda text: None)
+    for name in ("samples.nc", "surrogate.nc", "bounds.nc", "sensitivities.nc"):
         with (
-            xr.open_dataset(small.folder / "results" / "small" / name) as first,
-            xr.open_dataset(workplace.folder / "results" / "small" / name) as second,
+            xr.open_dataset(results / name) as first,
+            xr.open_dataset(tmp_path / "small" / name) as second,
         ):
             xr.testing.assert_identical(first, second)
-    for name in ("nodes.json", "summary.json", "figures/BD.png", "figures/linkage.pdf"):
-        first, second = (p.folder / "results" / "small" / name for p in (small, workplace))
+    ends = [path.relative_to(results) for path in results.glob("figures/*")]
+    assert len(ends) == 8
+    for name in ("nodes.json", "summary.json", "summary.md", *ends):
+        first, second = (folder / name for folder in (results, tmp_path / "small"))
         assert first.read_bytes() == second.read_bytes(), name
 
 
 @pytest.mark.parametrize(
     ("override", "rules"),
     [
-        ("error={shade_above: 0.2}", {"envelopes"}),
-        ("figures={moments: 4}", {"linkage"}),
-        ("published={BD: 0.1}", {"summary"}),
-        ("bounds={align: stretch}", ALL_RULES - {"nodes", "simulate", "gather", "linkage"}),
-        ("bounds={model: spline}", ALL_RULES - {"nodes", "simulate", "gather", "linkage"}),
         (
-            "intervals={a: {nominal: 0.035, relative: 0.02}}",
-            ALL_RULES,
+            ["error={shade_above: 0.2}", "figures={moments: 4}", "published={BD: 0.1}"],
+            {"envelopes", "linkage", "summary"},
         ),
-        ("jobs={nodes_per_job: 4}", None),
+        (["bounds={model: spline}"], OF_BOUNDS),
+        (["intervals={a: {nominal: 0.035, relative: 0.02}}"], ALL_RULES),
+        (["jobs={nodes_per_job: 4}"], None),
     ],
 )
 def test_a_change_runs_only_what_depends_on_it(small, override, rules):
-    planned_run = small.snakemake(*SMALL, "--dry-run", "--config", override)
+    planned_run = small.snakemake(*SMALL, "--dry-run", "--config", *override)
     assert planned_run.returncode == 0, planned_run.stdout
     if rules is None:
         assert "Nothing to be done" in planned_run.stdout
@@ -108,43 +117,45 @@ def test_a_change_runs_only_what_depends_on_it(small, override, rules):
         assert planned(planned_run.stdout) == rules
 
 
-def test_runs_that_exist_are_used_by_another_design(workplace):
-    config = (workplace.folder / "config" / "small.yaml").read_text()
-    config = config.replace("method: tensor_roots, order: 1", "method: tensor_lobatto, order: 1")
-    path = workplace.config("nested", config.replace("held_out: 2", "held_out: 0"))
-    samples = "results/small/samples.nc"
-    assert workplace.snakemake(samples, "--configfile", path).returncode == 0
-    again = workplace.snakemake(samples, "--configfile", path, "--config", "design={order: 2}")
-    assert again.returncode == 0, again.stdout
-    manifests = (workplace.folder / "results" / "small" / "batches").glob("*.json")
-    simulated = sum(json.loads(path.read_text())["simulated"] for path in manifests)
-    # A 3 x 3 grid with its middle as the nominal run: the 4 corners and the middle are there.
-    assert simulated == 4
+def beside_code(small, workplace):
+    """The small campaign's results beside a copy of the code that may be changed."""
+    for name in ("results", ".snakemake", "campaign", "intervals"):
+        source = ROOT if name in ("campaign", "intervals") else small.folder
+        shutil.copytree(source / name, workplace.folder / name)
+    (workplace.folder / "fpm").symlink_to(ROOT / "fpm")
+    return workplace
 
 
-def test_another_response_simulates_nothing_and_lost_runs_are_told(small, workplace):
+def test_changed_code_runs_only_what_it_makes_whatever_the_times_of_files(small, workplace):
+    place = beside_code(small, workplace)
+    figures = place.folder / "campaign" / "results" / "figures.py"
+    text = figures.read_text()
+    assert "dpi=200" in text
+    figures.write_text("# Pictures.\n" + text.replace("figsize=(6.4, 3.6)", "figsize=(6.4,  3.6)"))
+    ranges = place.folder / "intervals" / "errors.py"
+    ranges.write_text(ranges.read_text() + "\n# A last word.\n")
+    same = place.snakemake(*SMALL, "--dry-run")
+    assert "Nothing to be done" in same.stdout, same.stdout
+
+    os.utime(figures, (0, 0))
+    figures.write_text(text.replace("dpi=200", "dpi=100"))
+    os.utime(figures, (0, 0))
+    drawn = place.snakemake(*SMALL, "--dry-run")
+    assert planned(drawn.stdout) == {"envelopes", "sensitivities", "linkage"}
+
+    figures.write_text(text)
+    ranges.write_text(ranges.read_text() + "\nNEW = 0.5\n")
+    os.utime(ranges, (0, 0))
+    bounded = place.snakemake(*SMALL, "--dry-run")
+    assert planned(bounded.stdout) == OF_BOUNDS
+
+
+def test_lost_runs_are_told(small, workplace):
     for name in ("results", ".snakemake"):
         shutil.copytree(small.folder / name, workplace.folder / name)
     results = workplace.folder / "results" / "small"
-    call = ("results/small/samples.nc", *SMALL, "--config", "responses={psi: {opening: A}}")
-
-    def simulated() -> int:
-        manifests = (results / "batches").glob("*.json")
-        return sum(json.loads(path.read_text())["simulated"] for path in manifests)
-
-    assert simulated() == 7
-    done = workplace.snakemake(*call)
-    assert done.returncode == 0, done.stdout
-    assert simulated() == 0
-    with xr.open_dataset(results / "samples.nc") as samples:
-        assert {"BD", "vBz", "psi"} <= set(samples.variables)
-        nominal = samples["role"].values.tolist().index("nominal")
-        path = results / "trajectories" / f"{samples['run_id'].values[nominal]}.nc"
-        with xr.open_dataset(path) as trajectory:
-            opening = trajectory["opening"].sel(hinge="A").values
-        np.testing.assert_array_equal(samples["psi"].values[nominal], opening)
-
-    path.unlink()
+    call = ("results/small/samples.nc", *SMALL)
+    next((results / "trajectories").glob("*.nc")).unlink()
     (results / "samples.nc").unlink()
     failed = workplace.snakemake(*call)
     assert failed.returncode != 0
@@ -152,12 +163,13 @@ def test_another_response_simulates_nothing_and_lost_runs_are_told(small, workpl
     assert "`--forcerun simulate`" in failed.stdout
     done = workplace.snakemake(*call, "--forcerun", "simulate")
     assert done.returncode == 0, done.stdout
-    assert simulated() == 1
+    manifests = (results / "batches").glob("*.json")
+    assert sum(json.loads(path.read_text())["simulated"] for path in manifests) == 1
 
 
 def test_a_campaign_that_was_stopped_goes_on(workplace):
     # Runs one by one, long enough to be stopped between two of them.
-    override = ["--config", "jobs={lanes: 1, nodes_per_job: 100}", "solver={duration: 2.0}"]
+    override = ["--config", "jobs={group: 1, nodes_per_job: 100}", "solver={duration: 2.0}"]
     with subprocess.Popen(
         workplace.command(*SMALL, *override),
         cwd=workplace.folder,
@@ -183,66 +195,26 @@ def test_a_campaign_that_was_stopped_goes_on(workplace):
 
 
 def test_an_automatic_order_is_found_in_rounds(workplace):
-    override = ["--config", "design={method: tensor_lobatto, order: auto, budget: 20}"]
-    done = workplace.snakemake(*SMALL, *override)
+    config = (workplace.folder / "config" / "small.yaml").read_text()
+    config = config.replace("method: tensor_roots, order: 1", AUTOMATIC)
+    config = config.replace("a: {nominal: 0.035, relative: 0.01}", "a: {absolute: 0}")
+    path = workplace.config("rounds", config)
+    done = workplace.snakemake("--configfile", path)
     assert done.returncode == 0, done.stdout
     results = workplace.folder / "results" / "small"
     summary = json.loads((results / "summary.json").read_text())
     rounds = summary["adaptive"]["rounds"]
     assert len(rounds) > 1
-    assert rounds[-1]["runs"] <= 20
+    assert rounds[-1]["runs"] <= 6
     assert rounds[-1]["action"] == "stop"
     assert rounds[-1]["reason"] in (results / "summary.md").read_text()
     assert (results / "figures" / "sensitivities.png").exists()
-    assert "Nothing to be done" in workplace.snakemake(*SMALL, *override).stdout
+    assert "Nothing to be done" in workplace.snakemake("--configfile", path).stdout
 
-
-def run_scan(workplace, samples, override):
-    """Run config/scan.yaml with a few samples of a coarse, short run; the folder of its results."""
-    path = workplace.config(
-        "scan",
-        (workplace.folder / "config" / "scan.yaml").read_text().replace("10000", str(samples)),
-    )
-    done = workplace.snakemake(
-        "--configfile",
-        path,
-        "--config",
-        "scene={parameters: {elements_per_link: 2}}",
-        "solver={duration: 0.01, instants: 21}",
-        override,
-    )
-    assert done.returncode == 0, done.stdout
-    return workplace.folder / "results" / "scan"
-
-
-def test_a_scan_keeps_responses_only(workplace):
-    results = run_scan(workplace, 20, "jobs={lanes: 8}")
-    assert not (results / "trajectories").exists()
-    assert not (results / "figures" / "linkage.png").exists()
-    with (
-        xr.open_dataset(results / "samples.nc") as samples,
-        xr.open_dataset(results / "bounds.nc") as bounds,
-    ):
-        assert samples.sizes["run"] == 21
-        np.testing.assert_array_equal(bounds["BD_lower"].values, samples["BD"].min("run").values)
-        np.testing.assert_array_equal(bounds["BD_upper"].values, samples["BD"].max("run").values)
-
-
-def test_a_spline_goes_through_the_runs_of_a_scan(workplace):
-    results = run_scan(workplace, 4, "bounds={model: spline}")
-    assert (
-        "attained range of a spline through all runs, not enclosed"
-        in (results / "summary.md").read_text()
-    )
-    with (
-        xr.open_dataset(results / "samples.nc") as samples,
-        xr.open_dataset(results / "bounds.nc") as bounds,
-    ):
-        assert bounds.attrs["design_runs"] == samples.sizes["run"] == 5
-        least, most = samples["vBz"].min("run").values, samples["vBz"].max("run").values
-        slack = 1e-6 * np.abs(least).max()  # the samples have single precision
-        assert (bounds["vBz_lower"].values <= least + slack).all()
-        assert (bounds["vBz_upper"].values >= most - slack).all()
+    campaign.run(path, workplace.folder / "again", figures=False, tell=lambda text: None)
+    for name in ("nodes.json", "summary.json", "rounds/1/nodes.json"):
+        again = workplace.folder / "again" / "small" / name
+        assert (results / name).read_bytes() == again.read_bytes(), name
 
 
 def test_a_failing_batch_ends_with_a_message_and_keeps_the_others(workplace):

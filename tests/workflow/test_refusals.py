@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import pytest
+
+from campaign.errors import ConfigError
+from campaign.workflow import Workflow
 
 GOOD = """\
 campaign: mine
@@ -52,8 +52,18 @@ BAD = {
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_a_bad_config_is_refused_before_any_job(workplace, case):
+def test_a_bad_config_is_refused_where_the_workflow_reads_it(tmp_path, case):
     text, words = BAD[case]
+    path = tmp_path / "bad.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ConfigError) as refused:
+        Workflow.from_files([path])
+    for word in ["bad.yaml", *words]:
+        assert word in str(refused.value)
+
+
+def test_a_bad_config_is_refused_before_any_job(workplace):
+    text, words = BAD["an interval below zero"]
     refused = workplace.snakemake("--configfile", workplace.config("bad", text))
     assert refused.returncode != 0
     for word in words:
@@ -73,28 +83,10 @@ def test_the_default_campaign_is_checked_too(workplace):
     assert "Traceback" not in refused.stdout
 
 
-def test_one_file_can_be_checked_without_snakemake(workplace):
-    def check(*paths: str) -> subprocess.CompletedProcess:
-        command = [sys.executable, "-m", "campaign", *paths]
-        return subprocess.run(
-            command, cwd=workplace.folder, env=workplace.environment(),
-            capture_output=True, text=True, check=False,
-        )  # fmt: skip
-
-    good = check("config/paper.yaml", "config/small.yaml")
-    assert good.returncode == 0
-    assert "small, at most 7 runs" in good.stdout
-    broken = check("config/paper.yaml", workplace.config("bad", BAD["not YAML"][0]))
-    assert broken.returncode == 1
-    assert "this is not YAML" in broken.stderr
-    assert "Traceback" not in broken.stderr
-    assert check().returncode == 2
-
-
 def test_a_campaign_does_not_mix_with_the_default_one(workplace):
     path = workplace.config("mine", GOOD.replace("a: {nominal: 0.035", "E: {nominal: 1e9"))
     planned = workplace.snakemake("--configfile", path, "--dry-run", "-p", "--quiet", "host")
     assert planned.returncode == 0, planned.stdout
-    assert '"E":{"nominal":1000000000.0' in planned.stdout
-    assert '"a":{"nominal"' not in planned.stdout
+    assert '"intervals":{"E":{"lower":990000000.0' in planned.stdout
+    assert '"a":{"lower"' not in planned.stdout
     assert "results/mine/" in planned.stdout

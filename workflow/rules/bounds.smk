@@ -5,21 +5,20 @@ rule bounds:
     input:
         "{stage}/samples.nc",
     output:
-        surrogate="{stage}/surrogate.nc",
-        bounds="{stage}/bounds.nc",
-        sensitivities="{stage}/sensitivities.nc",
+        "{stage}/surrogate.nc",
+        "{stage}/bounds.nc",
+        "{stage}/sensitivities.nc",
     log:
         "{stage}/logs/bounds.log",
     wildcard_constraints:
-        stage=CAMPAIGN.run_stage,
+        stage=WORKFLOW.run_stage,
     priority: 1  # most jobs wait for it
     conda:
         "../envs/campaign.yaml"
     params:
         config=sections("bounds"),
+        code=code("bounds"),
     message:
         "Fitting the surrogate and taking its bounds"
     shell:
-        "python workflow/scripts/bounds.py --samples {input} --config {params.config:q}"
-        " --surrogate {output.surrogate} --bounds {output.bounds}"
-        " --sensitivities {output.sensitivities} --log {log}"
+        "python -m campaign bounds {wildcards.stage} --config {params.config:q} --log {log}"

@@ -1,6 +1,5 @@
 # What the rules share: the checked config and the helpers that turn it into files and parameters.
 
-import json
 import os
 import sys
 from pathlib import Path
@@ -15,12 +14,13 @@ os.environ.update(
 sys.path.insert(0, str(workflow.basedir))
 
 from campaign.errors import CampaignError
-from campaign.workflow import Campaign
+from campaign.folder import ROUND_FILES
+from campaign.workflow import Workflow
 
 # Not `configfile:`, which would mix the paper's intervals into another campaign's and would let
 # a key that is given twice pass.
 try:
-    CAMPAIGN = Campaign.from_files(
+    WORKFLOW = Workflow.from_files(
         workflow.config_settings.configfiles
         or [f"{workflow.basedir}/config/paper.yaml"],
         workflow.config_settings.config,
@@ -31,39 +31,34 @@ except CampaignError as error:
 
 
 wildcard_constraints:
-    campaign=CAMPAIGN.name,
-    stage=CAMPAIGN.any_stage,
+    campaign=WORKFLOW.name,
+    stage=WORKFLOW.any_stage,
     batch=r"\d+",
     round=r"\d+",
 
 
-# What a round leaves; in an adaptive campaign the last round's become the campaign's.
-ROUND_FILES = [
-    "nodes.json",
-    "samples.nc",
-    "surrogate.nc",
-    "bounds.nc",
-    "sensitivities.nc",
-]
-
-
 def campaign_results():
     """The files that a campaign leaves for its reader."""
-    return CAMPAIGN.results()
+    return WORKFLOW.results()
 
 
-def sections(*names):
-    """Sections of the config as JSON; a rule with them as `params` runs again when they change."""
-    return CAMPAIGN.sections_json(*names)
+def sections(stage):
+    """What a stage needs of the config; with it as `params` a rule runs again when it changes."""
+    return WORKFLOW.sections(stage)
+
+
+def code(stage):
+    """Digest of a stage's code; with it as `params` a rule runs again when it changes."""
+    return WORKFLOW.code(stage)
 
 
 def batch_count(wildcards):
     """Number of batches that the runs of a stage are shared among."""
-    if not CAMPAIGN.is_adaptive:
-        return CAMPAIGN.batch_count()
+    if not WORKFLOW.campaign.is_adaptive:
+        return WORKFLOW.batch_count()
     number = wildcards.stage.rsplit("/", 1)[1]
-    plan = checkpoints.plan_round.get(campaign=CAMPAIGN.name, round=number).output[0]
-    return CAMPAIGN.batch_count(plan)
+    plan = checkpoints.plan_round.get(campaign=WORKFLOW.name, round=number).output[0]
+    return WORKFLOW.batch_count(plan)
 
 
 def batches(wildcards):
@@ -76,10 +71,8 @@ def batches(wildcards):
 
 def previous_round(wildcards):
     """The files of the round before, which decide about this one; none for the first."""
-    number = int(wildcards.round)
-    folder = f"results/{wildcards.campaign}/rounds/{number - 1}"
-    names = ["nodes.json", "samples.nc", "bounds.nc"]
-    return [f"{folder}/{name}" for name in names] if number else []
+    before = WORKFLOW.folder.round(int(wildcards.round)).previous()
+    return [before.plan, before.samples, before.bounds] if before else []
 
 
 def last_round(wildcards):
@@ -89,7 +82,7 @@ def last_round(wildcards):
         plan = checkpoints.plan_round.get(
             campaign=wildcards.campaign, round=number
         ).output[0]
-        if CAMPAIGN.is_last(plan):
-            folder = f"results/{wildcards.campaign}/rounds/{number - 1}"
-            return [plan, *(f"{folder}/{name}" for name in ROUND_FILES[1:])]
+        if WORKFLOW.is_last(plan):
+            before = WORKFLOW.folder.round(number).previous()
+            return [plan, *(before / name for name in ROUND_FILES[1:])]
         number += 1

@@ -6,7 +6,7 @@ rule envelopes:
         "{stage}/bounds.nc",
     output:
         report(
-            CAMPAIGN.envelope_figures("{stage}"),
+            WORKFLOW.envelope_figures("{stage}"),
             caption="../report/envelope.rst",
             category="Bounds",
         ),
@@ -16,13 +16,12 @@ rule envelopes:
     conda:
         "../envs/campaign.yaml"
     params:
-        config=sections("error"),
-        folder=lambda wildcards: f"{wildcards.stage}/figures",
+        config=sections("envelopes"),
+        code=code("envelopes"),
     message:
         "Drawing the envelopes"
     shell:
-        "python workflow/scripts/envelopes.py --bounds {input} --config {params.config:q}"
-        " --output {params.folder} --log {log}"
+        "python -m campaign envelopes {wildcards.stage} --config {params.config:q} --log {log}"
 
 
 rule sensitivities:
@@ -40,12 +39,11 @@ rule sensitivities:
     conda:
         "../envs/campaign.yaml"
     params:
-        folder=lambda wildcards: f"{wildcards.stage}/figures",
+        code=code("sensitivities"),
     message:
         "Drawing which parameter matters when"
     shell:
-        "python workflow/scripts/sensitivities.py --sensitivities {input}"
-        " --output {params.folder} --log {log}"
+        "python -m campaign sensitivities {wildcards.stage} --log {log}"
 
 
 rule linkage:
@@ -63,24 +61,22 @@ rule linkage:
     conda:
         "../envs/campaign.yaml"
     params:
-        config=sections("figures"),
-        store=CAMPAIGN.store_folder(),
-        folder=lambda wildcards: f"{wildcards.stage}/figures",
+        config=sections("linkage"),
+        code=code("linkage"),
     message:
         "Drawing the structure"
     shell:
-        "python workflow/scripts/linkage.py --samples {input} --folder {params.store}"
-        " --config {params.config:q} --output {params.folder} --log {log}"
+        "python -m campaign linkage {wildcards.stage} --config {params.config:q} --log {log}"
 
 
 rule summary:
     input:
-        bounds="{stage}/bounds.nc",
-        samples="{stage}/samples.nc",
-        nodes="{stage}/nodes.json",
+        "{stage}/bounds.nc",
+        "{stage}/samples.nc",
+        "{stage}/nodes.json",
     output:
-        json="{stage}/summary.json",
-        text=report(
+        "{stage}/summary.json",
+        report(
             "{stage}/summary.md",
             caption="../report/summary.rst",
             category="Summary",
@@ -90,9 +86,9 @@ rule summary:
     conda:
         "../envs/campaign.yaml"
     params:
-        config=sections("published"),
+        config=sections("summary"),
+        code=code("summary"),
     message:
         "Summing up"
     shell:
-        "python workflow/scripts/summary.py --bounds {input.bounds} --samples {input.samples}"
-        " --nodes {input.nodes} --config {params.config:q} --json {output.json} --text {output.text} --log {log}"
+        "python -m campaign summary {wildcards.stage} --config {params.config:q} --log {log}"

@@ -5,25 +5,24 @@
 # and a campaign that was killed find them again.
 rule simulate:
     input:
-        nodes="{stage}/nodes.json",
+        "{stage}/nodes.json",
     output:
         "{stage}/batches/{batch}.json",
     log:
         "{stage}/logs/batch-{batch}.log",
     wildcard_constraints:
-        stage=CAMPAIGN.run_stage,
+        stage=WORKFLOW.run_stage,
     conda:
         "../envs/campaign.yaml"
     params:
-        jobs=sections("jobs"),
+        config=sections("simulate"),
+        code=code("simulate"),
         batch_count=batch_count,
-        folder=CAMPAIGN.store_folder(),
     message:
         "Simulating batch {wildcards.batch}"
     shell:
-        "python workflow/scripts/simulate.py --nodes {input.nodes} --jobs {params.jobs:q}"
-        " --batch {wildcards.batch} --batches {params.batch_count} --folder {params.folder}"
-        " --output {output} --log {log}"
+        "python -m campaign simulate {wildcards.stage} --config {params.config:q}"
+        " --batch {wildcards.batch} --batches {params.batch_count} --log {log}"
 
 
 rule gather:
@@ -35,15 +34,13 @@ rule gather:
     log:
         "{stage}/logs/gather.log",
     wildcard_constraints:
-        stage=CAMPAIGN.run_stage,
+        stage=WORKFLOW.run_stage,
     conda:
         "../envs/campaign.yaml"
     params:
-        jobs=sections("jobs"),
-        batch_count=batch_count,
-        folder=CAMPAIGN.store_folder(),
+        config=sections("gather"),
+        code=code("gather"),
     message:
         "Gathering the responses of all runs"
     shell:
-        "python workflow/scripts/gather.py --nodes {input.nodes} --jobs {params.jobs:q}"
-        " --batches {params.batch_count} --folder {params.folder} --output {output} --log {log}"
+        "python -m campaign gather {wildcards.stage} --config {params.config:q} --log {log}"

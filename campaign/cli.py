@@ -1,0 +1,138 @@
+"""Campaigns in a shell: check them, run them, or one of their stages.
+
+    python -m campaign config/paper.yaml          check a file without running anything
+    python -m campaign run config/paper.yaml      plan, simulate, bound and draw, without Snakemake
+
+A stage takes the folder of a campaign's results, `results/<campaign>`, or of one of its rounds, and
+the config as a YAML file (or the sections that it needs, as JSON). `keys` prints docs/config.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+
+from campaign.errors import CampaignError, ConfigError
+
+
+def main(arguments: list[str]) -> int:
+    """Do what the arguments ask for; the exit status, 0 when all went well."""
+    from campaign.stages import STAGES
+
+    known = {"check", "run", "keys", *STAGES}
+    if not arguments or not (arguments[0] in known or arguments[0].startswith("-")):
+        arguments = ["check", *arguments]
+    options = _parser().parse_args(arguments)
+    return options.act(options)
+
+
+def _parser() -> argparse.ArgumentParser:
+    from campaign.stages import STAGES
+
+    parser = argparse.ArgumentParser(
+        "python -m campaign", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+
+    def command(name: str, function: Callable) -> argparse.ArgumentParser:
+        text = function.__doc__.splitlines()[0]
+        made = commands.add_parser(name, help=text, description=text)
+        made.set_defaults(act=function)
+        return made
+
+    check = command("check", _check)
+    check.add_argument("files", nargs="+", metavar="FILE", help="YAML file")
+    whole = command("run", _run)
+    whole.add_argument("file", metavar="FILE", help="YAML file")
+    whole.add_argument("--results", default="results", help="folder of all results (%(default)s)")
+    whole.add_argument("--no-figures", action="store_true", help="draw nothing")
+    command("keys", _keys)
+    for name, stage in STAGES.items():
+        one = command(name, stage.work)
+        one.set_defaults(act=_run_stage, stage=stage)
+        one.add_argument("folder", type=Path, help="folder of the results")
+        if stage.sections:
+            one.add_argument("--config", required=True, help="YAML file, or sections as JSON")
+        if name == "simulate":
+            one.add_argument("--batch", type=int, default=0, help="number of the batch, from 0")
+            one.add_argument("--batches", type=int, default=1, help="number of batches")
+        one.add_argument("--log", type=Path, help="file that messages go to as well")
+    return parser
+
+
+def _check(options: argparse.Namespace) -> int:
+    """Check configs without running anything."""
+    from campaign.config.check import load_config
+    from campaign.config.design import count_runs
+
+    status = 0
+    for path in options.files:
+        try:
+            campaign = load_config([path])
+        except ConfigError as error:
+            print(error, file=sys.stderr)
+            status = 1
+        else:
+            print(f"{path}: {campaign.name}, at most {count_runs(campaign.experiment)} runs")
+    return status
+
+
+def _run(options: argparse.Namespace) -> int:
+    """Run a whole campaign."""
+    from campaign.whole import run
+
+    try:
+        run(options.file, options.results, not options.no_figures)
+    except CampaignError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _keys(options: argparse.Namespace) -> int:
+    """Print all keys of a config as a page of Markdown."""
+    from campaign.config.table import table
+
+    print(table(), end="")
+    return 0
+
+
+def _run_stage(options: argparse.Namespace) -> int:
+    """Run one stage; messages go to the log file too, and errors come without a traceback."""
+    from campaign.folder import Folder
+
+    log = None
+    if options.log:
+        options.log.parent.mkdir(parents=True, exist_ok=True)
+        log = options.log.open("w", encoding="utf-8")
+
+    def tell(text: str) -> None:
+        for file in filter(None, (sys.stderr, log)):
+            print(text, file=file, flush=True)
+
+    more = {key: getattr(options, key) for key in ("batch", "batches") if hasattr(options, key)}
+    try:
+        sections = _sections(options)
+        options.stage.work(Folder(options.folder), tell, **sections, **more)
+    except CampaignError as error:
+        tell(f"error: {error}")
+    except Exception:  # a fault of the program, which the log should have
+        tell(traceback.format_exc())
+    else:
+        return 0
+    return 1
+
+
+def _sections(options: argparse.Namespace) -> dict:
+    """The stage's sections: from JSON as the workflow passes it, or from a YAML file."""
+    if not options.stage.sections:
+        return {}
+    if options.config.lstrip().startswith("{"):
+        return options.stage.typed(json.loads(options.config))
+    from campaign.config.check import load_config
+
+    return options.stage.sections_of(load_config([options.config]))

@@ -1,0 +1,41 @@
+"""The designs of experiments that configs ask for, and how many runs they have."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from campaign.config.sections import DesignChoice, Experiment
+
+# Options that each method takes.
+_OPTIONS = {"total_degree": ("oversampling", "existing"), "scan": ("samples", "seed", "sequence")}
+_START = {"tensor_roots": 3}  # the paper's order; 2 for the others
+
+
+def make_design(choice: DesignChoice, box: Any) -> Any:
+    """The `intervals.Design` of a choice in an `intervals.Box`, a `SplitDesign` if it has parts.
+
+    Raises `intervals.IntervalError`.
+    """
+    import intervals
+
+    options = {key: getattr(choice, key) for key in _OPTIONS.get(choice.method, ())}
+    design = intervals.make_design(choice.method, box, choice.order, **options)
+    return intervals.split_design(design, choice.parts) if choice.parts else design
+
+
+def start_of(experiment: Experiment) -> Experiment:
+    """The experiment of the first round of `order: auto`: a low order where there is a width."""
+    order = _START.get(experiment.design.method, 2)
+    orders = tuple(order if i.upper > i.lower else 0 for i in experiment.intervals.values())
+    return replace(experiment, design=replace(experiment.design, order=orders))
+
+
+def count_runs(experiment: Experiment) -> int:
+    """Number of runs of the campaign, at most; those in two roles are counted twice."""
+    design = experiment.design
+    if design.method == "scan":  # its points take a while to make, and their number is known
+        return design.samples + 1
+    if design.order == "auto":
+        return design.budget + 1 + experiment.held_out
+    return make_design(design, experiment.box).runs + 1 + experiment.held_out

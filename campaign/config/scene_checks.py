@@ -1,0 +1,168 @@
+"""The checks of a config that need the scene: names, ranges, consistency, responses, solver."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from campaign.config.design import make_design, start_of
+from campaign.config.parameters import intervals_of, parameter_problems
+from campaign.config.schema_checks import did_you_mean, show
+from campaign.config.sections import (
+    BoundsChoice,
+    Campaign,
+    DesignChoice,
+    Experiment,
+    Interval,
+    from_data,
+    plain_data,
+)
+
+
+def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
+    """The campaign of a config that follows the schema and is filled in, and what is wrong with
+    it, one sentence each. No campaign without a scene."""
+    import fpm
+
+    scene, own = config["scene"], dict(config)
+    try:
+        scene_type = fpm.scenes.get(scene["name"])
+    except fpm.SceneError as error:
+        return None, [_sentence(error.key, error)]
+    intervals, trouble = intervals_of(config["intervals"], scene["parameters"], scene_type)
+    problems = parameter_problems(scene["parameters"], scene_type) + trouble
+    own["intervals"] = {name: plain_data(interval) for name, interval in intervals.items()}
+    own["name"] = own.pop("campaign")
+    own.pop("preset", None)
+    runs = {key: own.pop(key) for key in Experiment.__dataclass_fields__}
+    campaign = from_data(Campaign, {"experiment": runs, **own})
+    if not problems:
+        problems += _build_problems(campaign.experiment)
+    problems += _response_problems(campaign)
+    if not trouble:
+        problems += _design_problems(campaign)
+    return campaign, problems
+
+
+def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[str, float]]:
+    """The nominal values, then corners of the box; beyond `most` only both ends of each axis."""
+    nominal = {name: interval.nominal for name, interval in intervals.items()}
+    yield nominal
+    if 2 ** len(intervals) <= most:
+        ends = [dict.fromkeys((i.lower, i.upper)) for i in intervals.values()]
+        for values in itertools.product(*ends):
+            yield dict(zip(intervals, values, strict=True))
+    else:
+        for name, interval in intervals.items():
+            yield {**nominal, name: interval.lower}
+            yield {**nominal, name: interval.upper}
+
+
+def _build_problems(experiment: Experiment) -> list[str]:
+    """What the scene finds inconsistent, at the nominal values or at the first bad corner."""
+    import fpm
+
+    places = itertools.chain(["the nominal values"], itertools.repeat("a corner of the intervals"))
+    for place, values in zip(places, corners(experiment.intervals), strict=False):
+        try:
+            experiment.scene_type.build(**experiment.parameters(values))
+        except fpm.SceneError as error:
+            at = ", ".join(f"{name} = {value:.9g}" for name, value in values.items())
+            return [f"scene: at {place} ({at}): {error}"]
+    return []
+
+
+def _response_problems(campaign: Campaign) -> list[str]:
+    import fpm
+
+    problems = []
+    known = campaign.experiment.responses
+    for name, definition in known.items():
+        try:
+            fpm.responses.parse(name, definition, campaign.experiment.scene_type)
+        except fpm.SceneError as error:
+            problems.append(_sentence(error.key, error))
+    return problems + [
+        f"published.{name}: there is no such response{did_you_mean(name, known)}; "
+        f"allowed: {', '.join(known)}"
+        for name in campaign.published
+        if name not in known
+    ]
+
+
+def _design_problems(campaign: Campaign) -> list[str]:
+    from intervals import IntervalError
+
+    experiment, design = campaign.experiment, campaign.experiment.design
+    problems = []
+    if campaign.is_adaptive and design.method == "scan":
+        problems.append("design.order: 'auto' is not allowed with scan; allowed: a whole number")
+    elif campaign.is_adaptive:
+        experiment = start_of(experiment)
+    problems += _bounds_problems(campaign.bounds, design)
+    try:
+        if not problems:
+            made = make_design(experiment.design, experiment.box)
+            if campaign.bounds.model == "spline":
+                problems += _spline_problems(experiment, made)
+    except IntervalError as error:
+        problems.append(_sentence(f"design.{error.key}", error))
+    solver = experiment.solver
+    if solver.step != "auto" and solver.step > solver.duration:
+        problems.append(
+            f"solver.step: {solver.step:.6g} s is longer than the duration; "
+            f"allowed: auto, or at most {solver.duration:.6g}"
+        )
+    return problems
+
+
+def _bounds_problems(bounds: BoundsChoice, design: DesignChoice) -> list[str]:
+    """What of the section `bounds` does not go together, with itself and with the order."""
+    align, automatic, problems = bounds.align, design.order == "auto", []
+    if align != "none" and (automatic or design.order is None):
+        problems.append(
+            f"bounds.align: {show(align)} is not allowed with order auto or without order; "
+            "allowed: none"
+        )
+    if bounds.model == "spline" and align != "none":
+        problems.append(
+            f"bounds.model: 'spline' is not allowed with align {align}; "
+            "allowed: polynomial, or align none"
+        )
+    elif bounds.model == "spline" and automatic:
+        problems.append(
+            "bounds.model: 'spline' is not allowed with order auto, whose rounds need polynomials; "
+            "allowed: polynomial, or a whole number as order"
+        )
+    if bounds.enclose and align == "none":
+        problems.append(
+            "bounds.enclose: true is not allowed with align none; "
+            "allowed: false, or align stretch or shift"
+        )
+    return problems
+
+
+def _spline_problems(experiment: Experiment, design: Any) -> list[str]:
+    """Whether the runs of a plan are enough, and not too many, for a spline."""
+    import numpy as np
+
+    from intervals import IntervalError, check_spline_runs, held_out_points
+
+    box = experiment.box
+    points = [box.to_unit(experiment.nominal)[None], design.points]
+    if experiment.design.method != "scan":
+        points.append(held_out_points(box.free, experiment.held_out, design.points))
+    try:
+        check_spline_runs(np.concatenate(points))
+    except IntervalError as error:
+        return [
+            f"bounds.model: 'spline' is not allowed with {error.value} runs; "
+            f"allowed: polynomial, or {error.allowed}"
+        ]
+    return []
+
+
+def _sentence(key: str, error: Any) -> str:
+    """An error of `fpm` or `intervals`, which know value and allowed, as a sentence."""
+    return f"{key}: {show(error.value)} is not allowed; allowed: {error.allowed}"

@@ -1,0 +1,104 @@
+"""What the schema finds wrong with a config, as sentences with key, value and what is allowed."""
+
+from __future__ import annotations
+
+import copy
+import difflib
+import json
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+
+def schema_problems(raw: Any, schema: Mapping) -> tuple[list[str], dict | None]:
+    """What `schema` finds wrong with `raw`, one sentence each that starts with the key.
+
+    Also a copy of `raw` without what is wrong, so that the rest can be looked at too; None when
+    that leaves no config.
+    """
+    from jsonschema import Draft202012Validator
+
+    endless = _not_finite(raw)
+    problems = [
+        f"{key}: {value} is not allowed; allowed: a finite number" for key, value in endless
+    ]
+    validator = Draft202012Validator(schema)
+    errors = sorted(validator.iter_errors(raw), key=lambda e: list(map(str, e.absolute_path)))
+    sound = copy.deepcopy(raw)
+    for error in errors:
+        problems += _sentences(error)
+        _remove(sound, error)
+    return problems, None if endless or not validator.is_valid(sound) else sound
+
+
+def _remove(data: Any, error: Any) -> None:
+    """Take what `error` complains about out of `data`, where it is the value of a key."""
+    path = list(error.absolute_path)
+    if error.validator == "additionalProperties":
+        known = error.schema.get("properties", {})
+        paths = [[*path, name] for name in error.instance if name not in known]
+    elif "propertyNames" in error.absolute_schema_path:
+        paths = [[*path, error.instance]]
+    else:
+        # An interval or a response without one of its keys would only raise another complaint.
+        paths = [path[:2] if path[0] in ("intervals", "responses") else path] if path else []
+    for *parents, last in paths:
+        place = data
+        for part in parents:
+            place = place.get(part) if isinstance(place, Mapping) else None
+        if isinstance(place, dict):
+            place.pop(last, None)
+
+
+def _sentences(error: Any) -> list[str]:
+    """A `jsonschema` error as sentences: key, value, what is allowed."""
+    key = ".".join(str(part) for part in error.absolute_path)
+    dotted = f"{key}." if key else ""
+    if error.validator == "additionalProperties":
+        known = error.schema.get("properties", {})
+        renamed = {part.get("formerly"): name for name, part in known.items()}
+        return [
+            f"{dotted}{name}: there is no such key{did_you_mean(renamed.get(name, name), known)}; "
+            f"allowed: {', '.join(known)}"
+            for name in error.instance
+            if name not in known
+        ]
+    if error.validator == "required":
+        missing = [name for name in error.validator_value if name not in error.instance]
+        name = next(name for name in missing if repr(name) in error.message)
+        allowed = error.schema["properties"][name].get("allowed", "a value")
+        return [f"{dotted}{name}: missing; allowed: {allowed}"]
+    if "propertyNames" in error.absolute_schema_path:
+        allowed = error.schema["allowed"]
+        return [f"{dotted}{error.instance}: not a name that can be used; allowed: {allowed}"]
+    allowed = error.schema.get("allowed", error.message)
+    return [f"{key or 'the file'}: {show(error.instance)} is not allowed; allowed: {allowed}"]
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """`" (did you mean x?)"` when a known name is close, else an empty string."""
+    known = list(known)
+    close = [other for other in known if other.lower() == name.lower()]
+    close += difflib.get_close_matches(name, known, n=1)
+    return f" (did you mean {close[0]}?)" if close else ""
+
+
+def show(value: Any) -> str:
+    """A value as short text for a message."""
+    text = json.dumps(value, default=str) if not isinstance(value, str) else repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _not_finite(value: Any, key: str = "") -> list[tuple[str, float]]:
+    """Keys and values of the numbers in `value` that are infinite or not a number."""
+    if isinstance(value, Mapping):
+        return [
+            hit
+            for name, item in value.items()
+            for hit in _not_finite(item, f"{key}.{name}".lstrip("."))
+        ]
+    if isinstance(value, list):
+        return [hit for i, item in enumerate(value) for hit in _not_finite(item, f"{key}[{i}]")]
+    if isinstance(value, float) and not math.isfinite(value):
+        return [(key, value)]
+    return []

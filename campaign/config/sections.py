@@ -1,0 +1,192 @@
+"""A campaign as the program knows it: its config, checked and resolved, as frozen dataclasses.
+
+Whatever a config leaves open (defaults, a preset, an interval given as a percentage) is a number
+here. Sections become JSON, for files and commands, by `as_json` and come back by `from_data`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, is_dataclass
+from functools import cached_property
+from typing import Any, get_args, get_origin, get_type_hints
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An uncertain parameter: `lower` <= `nominal` <= `upper`, in the parameter's unit."""
+
+    lower: float
+    nominal: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class SceneChoice:
+    """The scene, and the parameters in which it differs from the scene's defaults."""
+
+    name: str
+    parameters: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Solver:
+    """How each run is integrated and recorded; `duration` and `step` in s, or step "auto"."""
+
+    duration: float
+    instants: int
+    step: float | str
+    safety: float
+    energy_tolerance: float
+
+
+@dataclass(frozen=True)
+class DesignChoice:
+    """Where the runs are and what is fitted to them, with the names of the config's keys.
+
+    What rounds settle comes on top: `order` (k,) for each direction, `parts` of the box (each a
+    lower and an upper corner in unit coordinates), and `existing` points (n, k) that are run.
+    """
+
+    method: str
+    order: int | tuple[int, ...] | str | None
+    tolerance: float
+    budget: int
+    oversampling: float
+    samples: int
+    sequence: str
+    seed: int
+    parts: tuple = ()
+    existing: tuple = ()
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """All that decides which runs there are, and which of their curves are wanted."""
+
+    name: str
+    scene: SceneChoice
+    solver: Solver
+    intervals: dict[str, Interval]
+    design: DesignChoice
+    held_out: int
+    responses: dict[str, dict]
+
+    @cached_property
+    def scene_type(self) -> Any:
+        """The `fpm.scenes.SceneType`; raises `fpm.SceneError`."""
+        import fpm
+
+        return fpm.scenes.get(self.scene.name)
+
+    @cached_property
+    def curves(self) -> list[Any]:
+        """The parsed responses, `fpm.responses.Response`; raises `fpm.SceneError`."""
+        import fpm
+
+        return [fpm.responses.parse(n, d, self.scene_type) for n, d in self.responses.items()]
+
+    @cached_property
+    def box(self) -> Any:
+        """The `intervals.Box` of the interval parameters."""
+        from intervals import Box
+
+        rows = self.intervals.values()
+        return Box(list(self.intervals), [i.lower for i in rows], [i.upper for i in rows])
+
+    @cached_property
+    def nominal(self) -> list[float]:
+        """Nominal values of the interval parameters, in their units."""
+        return [interval.nominal for interval in self.intervals.values()]
+
+    def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
+        """All of the scene's parameters in the run whose interval parameters have `values`."""
+        defaults = {name: p.default for name, p in self.scene_type.parameters.items()}
+        return {**defaults, **self.scene.parameters, **values}
+
+
+@dataclass(frozen=True)
+class BoundsChoice:
+    """How bounds are taken from the runs."""
+
+    align: str
+    model: str
+    enclose: bool
+
+
+@dataclass(frozen=True)
+class ErrorDisplay:
+    """Which instants figures shade: those with an error above a share of the largest width."""
+
+    shade_above: float
+
+
+@dataclass(frozen=True)
+class FigureChoice:
+    """What the figures show."""
+
+    moments: int
+
+
+@dataclass(frozen=True)
+class Jobs:
+    """How the runs are grouped: at most so many in a job, so many side by side, what is kept."""
+
+    nodes_per_job: int
+    group: int
+    keep: str
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A whole campaign: its runs and what is made of them."""
+
+    experiment: Experiment
+    bounds: BoundsChoice
+    published: dict[str, float]
+    error: ErrorDisplay
+    figures: FigureChoice
+    jobs: Jobs
+
+    @property
+    def name(self) -> str:
+        """Name of the campaign and of its folder of results."""
+        return self.experiment.name
+
+    @property
+    def is_adaptive(self) -> bool:
+        """Whether the order is found in rounds."""
+        return self.experiment.design.order == "auto"
+
+
+def as_json(**sections: Any) -> str:
+    """Sections by name as JSON on one line, in their order."""
+    plain = {name: plain_data(section) for name, section in sections.items()}
+    return json.dumps(plain, separators=(",", ":"), allow_nan=False)
+
+
+def plain_data(section: Any) -> Any:
+    """A section as nested dicts and lists."""
+    return asdict(section) if is_dataclass(section) else section
+
+
+def from_data(kind: Any, data: Any) -> Any:
+    """A section of type `kind` from what `plain_data` gave, whole numbers for reals as floats."""
+    if is_dataclass(kind):
+        hints = get_type_hints(kind)
+        return kind(**{name: from_data(hints[name], value) for name, value in data.items()})
+    if get_origin(kind) is dict:
+        return {key: from_data(get_args(kind)[1], value) for key, value in data.items()}
+    if isinstance(data, list):
+        item = next(iter(get_args(kind)), None)
+        return tuple(from_data(item, value) for value in data)
+    return float(data) if kind in (float, float | str) and type(data) is int else data
+
+
+def digest(data: Any) -> str:
+    """First 16 hex digits of the SHA-256 of `data`, or of a section, as JSON that is the same for
+    equal data (floats to their last bit)."""
+    text = json.dumps(plain_data(data), sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]

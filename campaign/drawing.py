@@ -1,0 +1,58 @@
+"""Figures drawn beside a campaign: a second process that is ready when there is something to draw.
+
+Importing matplotlib and drawing take longer than the runs of a small campaign.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+from campaign.config.sections import Campaign, as_json
+from campaign.errors import CampaignError
+from campaign.folder import Folder
+from campaign.stages import STAGES
+
+
+class Draughtsman:
+    """A process that draws the stages that it is asked for; leaving the context waits for it."""
+
+    def __enter__(self) -> Draughtsman:
+        root = str(Path(__file__).parents[1])
+        paths = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", "from campaign.drawing import draw; draw()"],
+            stdin=subprocess.PIPE,
+            env={**os.environ, "PYTHONPATH": paths},
+            text=True,
+        )
+        return self
+
+    def ask(self, stage: str, campaign: Campaign, folder: Folder) -> None:
+        """Have one stage drawn, as soon as those before it are."""
+        sections = as_json(**STAGES[stage].sections_of(campaign))
+        order = {"stage": stage, "folder": str(folder.path), "sections": json.loads(sections)}
+        with suppress(BrokenPipeError):  # leaving the context tells
+            print(json.dumps(order), file=self.process.stdin, flush=True)
+
+    def __exit__(self, kind: type | None, *rest: object) -> None:
+        self.process.stdin.close()
+        if self.process.wait() and kind is None:
+            raise CampaignError("the figures could not be drawn, see above")
+
+
+def draw() -> None:
+    """Draw what the lines of standard input ask for."""
+    import matplotlib.backends.backend_agg
+    import matplotlib.backends.backend_pdf
+    import matplotlib.figure  # noqa: F401 - ready before the first line comes
+
+    for line in sys.stdin:
+        order = json.loads(line)
+        stage = STAGES[order["stage"]]
+        sections = stage.typed(order["sections"])
+        stage.work(Folder(order["folder"]), lambda text: None, **sections)

@@ -1,0 +1,76 @@
+"""Where the files of a campaign are: one folder, and one like it for each round."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+# What a round leaves; in an adaptive campaign the last round's become the campaign's.
+ROUND_FILES = ("nodes.json", "samples.nc", "surrogate.nc", "bounds.nc", "sensitivities.nc")
+PICTURES = ("png", "pdf")
+
+
+@dataclass(frozen=True)
+class Folder:
+    """`results/<campaign>`, or `results/<campaign>/rounds/<round>`."""
+
+    path: Path
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "path", Path(self.path))
+
+    def __truediv__(self, name: str) -> Path:
+        return self.path / name
+
+    @property
+    def plan(self) -> Path:
+        """Which runs there are."""
+        return self / "nodes.json"
+
+    @property
+    def samples(self) -> Path:
+        """Responses of all runs."""
+        return self / "samples.nc"
+
+    @property
+    def surrogate(self) -> Path:
+        """Coefficients of the polynomials."""
+        return self / "surrogate.nc"
+
+    @property
+    def sensitivities(self) -> Path:
+        """Influence of each parameter."""
+        return self / "sensitivities.nc"
+
+    @property
+    def bounds(self) -> Path:
+        """Bounds of the responses."""
+        return self / "bounds.nc"
+
+    @property
+    def figures(self) -> Path:
+        """The folder of the figures."""
+        return self / "figures"
+
+    def batch(self, number: int) -> Path:
+        """What a batch of runs leaves when all of them are there."""
+        return self / f"batches/{number}.json"
+
+    def runs(self, keep: str) -> Path:
+        """Where runs are kept; all designs and rounds of a campaign share it."""
+        whole = self.path.parents[1] if self.path.parent.name == "rounds" else self.path
+        return whole / keep
+
+    def round(self, number: int) -> Folder:
+        """The folder of one round of this campaign."""
+        return Folder(self / f"rounds/{number}")
+
+    def previous(self) -> Folder | None:
+        """The folder of the round before this round's; None for the first."""
+        number = int(self.path.name)
+        return Folder(self.path.parent / str(number - 1)) if number else None
+
+    def pictures(self, names: Iterable[str]) -> list[str]:
+        """The files of figures."""
+        return [str(self.figures / f"{name}.{kind}") for name in names for kind in PICTURES]

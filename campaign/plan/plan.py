@@ -1,0 +1,132 @@
+"""The plan of a campaign: which runs there are, known by their parameter values.
+
+`nodes.json` holds it, one run a line:
+
+    campaign, config_hash, config   the sections of the config that decide the runs, resolved
+    step, step_limit (s), limiting_element, steps_per_instant, mechanics
+    runs      [{id, role, unit (k), values (k)}], role is node, nominal or held_out
+    adaptive  of a round: the `rounds` before it, all `points` so far, and whether the tolerance is
+              `met`: null unless this is the plan after the last round, which has no new runs
+
+A run that serves two roles is listed twice, with the same id, and simulated once.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+
+from campaign.config.sections import Experiment, digest, from_data
+from campaign.files import write_text
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: unit coordinates (k) in the box, and values (k) of the interval parameters."""
+
+    id: str
+    role: str
+    unit: tuple[float, ...]
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class TimeStep:
+    """The step that serves all runs, the largest stable one (s), and what limits it where."""
+
+    step: float
+    steps_per_instant: int
+    step_limit: float
+    limiting_element: str
+
+
+@dataclass(frozen=True)
+class Round:
+    """A finished round: its design, the runs so far, its error as a share of the bounds' width in
+    the worst response, and what was decided for which reason."""
+
+    order: tuple[int, ...]
+    parts: tuple
+    runs: int
+    error: float
+    action: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Rounds:
+    """The rounds before a plan, and all points (n, k) that were nodes so far."""
+
+    rounds: tuple[Round, ...]
+    points: tuple[tuple[float, ...], ...]
+    met: bool | None = None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All runs of an experiment. `mechanics` is the digest of the code that computes them."""
+
+    experiment: Experiment
+    mechanics: str
+    time: TimeStep
+    runs: tuple[Run, ...]
+    adaptive: Rounds | None = None
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether this is the plan after the last round."""
+        return self.adaptive is not None and self.adaptive.met is not None
+
+    @cached_property
+    def config_hash(self) -> str:
+        """Digest of the experiment."""
+        return digest(self.experiment)
+
+    def unique_runs(self) -> list[Run]:
+        """The runs, each id once, in their order."""
+        return list({run.id: run for run in self.runs}.values())
+
+    def named(self, run: Run) -> dict[str, float]:
+        """Values of the interval parameters in a run, by name."""
+        return dict(zip(self.experiment.intervals, run.values, strict=True))
+
+    def groups(self, batches: int, size: int) -> list[list[list[Run]]]:
+        """The runs by batch, then by group of `size`; only the last group may be smaller."""
+        runs = self.unique_runs()
+        groups = [runs[first : first + size] for first in range(0, len(runs), size)]
+        return [share(groups, batch, batches) for batch in range(batches)]
+
+
+def share(items: list, part: int, parts: int) -> list:
+    """Part `part` of `items` split evenly, in order, into `parts`."""
+    return items[len(items) * part // parts : len(items) * (part + 1) // parts]
+
+
+def write_plan(plan: Plan, path: str | Path) -> None:
+    """Write `nodes.json`; one run a line, so that it can be read and compared."""
+    head = {
+        "campaign": plan.experiment.name,
+        "config_hash": plan.config_hash,
+        "config": asdict(plan.experiment),
+        "mechanics": plan.mechanics,
+        **asdict(plan.time),
+    }
+    if plan.adaptive:
+        head["adaptive"] = asdict(plan.adaptive)
+    runs = ",\n  ".join(json.dumps(asdict(run)) for run in plan.runs)
+    text = json.dumps(head, indent=1)[:-2] + f',\n "runs": [\n  {runs}\n ]\n}}\n'
+    write_text(path, text)
+
+
+def read_plan(path: str | Path) -> Plan:
+    """The plan in `nodes.json`."""
+    data = json.loads(Path(path).read_text(encoding="utf-8"))
+    return Plan(
+        from_data(Experiment, data["config"]),
+        data["mechanics"],
+        TimeStep(**{name: data[name] for name in TimeStep.__dataclass_fields__}),
+        tuple(Run(r["id"], r["role"], tuple(r["unit"]), tuple(r["values"])) for r in data["runs"]),
+        from_data(Rounds, data["adaptive"]) if "adaptive" in data else None,
+    )

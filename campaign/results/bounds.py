@@ -1,0 +1,72 @@
+"""From `samples.nc` to surrogate, bounds and sensitivities, by the `intervals` package.
+
+The files are described at `intervals.bounds_dataset`, `intervals.surrogate_dataset` and
+`intervals.sensitivity_dataset`; all have the coordinates `response`, `response_units`,
+`response_long_name`, and of the box `parameter`, `box_lower`, `box_upper`, `box_nominal`,
+`box_units`. Surrogate and sensitivities are the polynomial's, also where the bounds are a spline's.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from campaign.config.design import make_design
+from campaign.config.sections import BoundsChoice, Experiment, from_data
+from campaign.files import whole_file
+from campaign.folder import Folder
+
+
+def analyse(folder: Folder, how: BoundsChoice) -> None:
+    """Fit the design that the samples were made for; write surrogate, bounds and sensitivities.
+
+    Samples of a scan are read in pieces, so that they may be larger than memory.
+    """
+    import xarray as xr
+
+    import intervals
+
+    with xr.open_dataset(folder.samples) as samples:
+        experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
+        is_plain_scan = experiment.design.method == "scan" and experiment.design.order is None
+        design = (
+            _scanned(samples) if is_plain_scan else make_design(experiment.design, experiment.box)
+        )
+        options = {"model": how.model}
+        if how.align != "none":
+            options = {"model": "aligned", "alignment": how.align, "enclose": how.enclose}
+        bounds = intervals.bounds_dataset(samples, design, **options)
+        write_dataset(bounds, folder.bounds, "Bounds of the responses")
+        surrogate = intervals.surrogate_dataset(samples, design)
+        write_dataset(surrogate, folder.surrogate, "Surrogates of the responses")
+        if is_plain_scan:
+            sensitivities = xr.Dataset(attrs=samples.attrs)
+        else:
+            sensitivities = intervals.sensitivity_dataset(samples, design)
+        write_dataset(sensitivities, folder.sensitivities, "Influence of each parameter")
+
+
+def _scanned(samples: Any) -> Any:
+    """The design of a plain scan: to make it again would take longer than its bounds, since
+    sequences are slow to import."""
+    import intervals
+
+    points = samples["unit"].values[samples["role"].values == "node"]
+    none = (0,) * points.shape[1]
+    return intervals.Design(points, np.zeros((0, len(none)), dtype=int), "scan", none)
+
+
+def write_dataset(dataset: Any, path: str | Path, title: str) -> None:
+    """Write a dataset compressed, whole or not at all; `title` says what it holds."""
+    titled = f"{title}, campaign {dataset.attrs['campaign']}"
+    dataset = dataset.assign_attrs(title=titled)
+    encoding = {
+        name: {"zlib": True, "complevel": 1}
+        for name, variable in dataset.variables.items()
+        if variable.dtype.kind == "f" and variable.ndim
+    }
+    with whole_file(path) as temporary:
+        dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)

@@ -1,0 +1,1 @@
+"""Runs: simulated in batches, kept under names that follow from their content."""

@@ -1,0 +1,142 @@
+"""Simulate one batch of a plan's runs, skipping those that are there already.
+
+A batch is one process. It takes its runs in groups, integrates a group side by side, writes it and
+goes on, so that memory stays bounded and a killed job loses one group at most. A run that fails
+does not harm the others: they are written, and the failures are listed at the end.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from functools import cache, partial
+from pathlib import Path
+
+import numpy as np
+
+from campaign.config.sections import Jobs
+from campaign.errors import CampaignError
+from campaign.files import write_text
+from campaign.plan.plan import Plan, Run, share
+from campaign.runs.progress import Progress, Tell, warm_up
+from campaign.runs.store import Result, open_store
+
+Failure = tuple[Run, str]
+
+
+def run_batch(
+    plan: Plan,
+    batch: int,
+    batches: int,
+    jobs: Jobs,
+    folder: str | Path,
+    manifest: str | Path,
+    tell: Tell,
+    threads: int = 1,
+) -> None:
+    """Simulate batch `batch` of `batches` into the store in `folder`, then write the manifest.
+
+    Groups are shared among `threads`, which changes no number.
+    Raises `CampaignError` that lists the runs that failed, after all others were written; then
+    there is no manifest.
+    """
+    started = clocks()
+    store = open_store(jobs.keep, folder, plan.experiment)
+    all_groups = plan.groups(batches, jobs.group)
+    mine = all_groups[batch]
+    flat = [group for groups in all_groups for group in groups]
+    work = [(group, missing) for group in mine if (missing := store.missing(group))]
+
+    failures: list[Failure] = []
+    simulated, integrating = 0, np.zeros(2)
+    if work:
+        warm_up(tell)
+        name, total = plan.experiment.name, sum(map(len, flat))
+        progress = Progress(name, total, lambda: store.count(flat), tell)
+        for number, (group, missing) in enumerate(work, start=1):
+            results, failed, taken = simulate(plan, missing, threads)
+            store.write(group, results)
+            failures += failed
+            simulated += len(results)
+            integrating += taken
+            progress.report(last=number == len(work))
+    if failures:
+        raise CampaignError(_failure_text(plan, failures))
+    facts = {
+        "batch": batch,
+        "runs": [run.id for group in mine for run in group],
+        "simulated": simulated,
+        # Of the clock and of the processor.
+        "seconds": (clocks() - started).round(3).tolist(),
+        "seconds_integrating": integrating.round(3).tolist(),
+    }
+    write_text(manifest, json.dumps(facts, indent=1) + "\n")
+
+
+def simulate(
+    plan: Plan, runs: Sequence[Run], threads: int = 1
+) -> tuple[list[Result], list[Failure], np.ndarray]:
+    """Simulate runs side by side: those that went well, those that failed with the reason, and the
+    seconds (by `clocks`) that it took to integrate them."""
+    import fpm
+
+    experiment, solver = plan.experiment, plan.experiment.solver
+    parameters = [experiment.parameters(plan.named(run)) for run in runs]
+    scenes = [experiment.scene_type.build(**values) for values in parameters]
+    before = clocks()
+    integrate = partial(
+        fpm.simulate,
+        duration=solver.duration,
+        instants=solver.instants,
+        step=plan.time.step,
+        energy_tolerance=solver.energy_tolerance,
+    )
+    with ThreadPoolExecutor(threads) as pool:
+        shares = [share(scenes, part, threads) for part in range(threads)]
+        outcomes = [outcome for part in pool.map(integrate, shares) for outcome in part]
+    seconds = clocks() - before
+    results, failed = [], []
+    for run, values, outcome in zip(runs, parameters, outcomes, strict=True):
+        if outcome.failure is not None:
+            failed.append((run, str(outcome.failure)))
+            continue
+        attributes = {
+            "run_id": run.id,
+            "campaign": experiment.name,
+            "config_hash": plan.config_hash,
+            "time_step_limit": plan.time.step_limit,
+            "limiting_element": plan.time.limiting_element,
+            "versions": versions(),
+            **{f"parameter_{name}": v for name, v in values.items() if v is not None},
+        }
+        results.append(Result(run.id, outcome, attributes))
+    return results, failed, seconds
+
+
+@cache
+def versions() -> str:
+    """What computes the runs, as one line for their files."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    found = [f"Python {platform.python_version()}"]
+    for package in ("deployable-intervals", "numpy", "numba"):
+        with suppress(PackageNotFoundError):  # a checkout that was not installed
+            found.append(f"{package} {version(package)}")
+    return ", ".join(found)
+
+
+def _failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
+    lines = [f"{len(failures)} of the runs failed; all others were written:"]
+    for run, reason in failures:
+        values = ", ".join(f"{name} = {value:.9g}" for name, value in plan.named(run).items())
+        lines.append(f"  run {run.id} ({values}): {reason}")
+    return "\n".join(lines)
+
+
+def clocks() -> np.ndarray:
+    """Seconds of the clock and of this process's cpu time, since some moment."""
+    return np.array([time.perf_counter(), time.process_time()])

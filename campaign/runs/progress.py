@@ -1,0 +1,55 @@
+"""What a batch tells while it runs."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable
+
+Tell = Callable[[str], None]
+
+
+class Progress:
+    """Tells how many runs of the campaign are done and how long the rest will take.
+
+    Counts what all jobs together have written, so that the rate is that of the whole campaign.
+    """
+
+    def __init__(self, campaign: str, total: int, count: Callable[[], int], tell: Tell):
+        self.campaign, self.total, self.count, self.tell = campaign, total, count, tell
+        self.start_time, self.start_count = time.monotonic(), count()
+        self.told = -math.inf
+
+    def report(self, last: bool = True) -> None:
+        """Tell; not more than once a second unless it is the last time."""
+        if not last and time.monotonic() < self.told + 1.0:
+            return
+        self.told = time.monotonic()
+        done = self.count()
+        gained = done - self.start_count
+        text = f"{self.campaign}: {done} of {self.total} runs done"
+        if done < self.total and gained > 0:
+            left = (time.monotonic() - self.start_time) / gained * (self.total - done)
+            text += f", about {duration_text(left)} left"
+        self.tell(text)
+
+
+def duration_text(seconds: float) -> str:
+    """`95` s as `1 min 35 s`."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes} min"
+    return f"{minutes} min {rest} s" if minutes else f"{rest} s"
+
+
+def warm_up(tell: Tell) -> None:
+    """Compile the kernels, or load them, and tell if that takes a while."""
+    import fpm
+
+    slow = threading.Timer(5.0, tell, ["compiling the kernels, once; this takes about a minute"])
+    slow.daemon = True
+    slow.start()
+    fpm.warm_up()
+    slow.cancel()

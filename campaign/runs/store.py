@@ -1,0 +1,190 @@
+"""Where the results of runs are kept, under names that follow from their content.
+
+A finished run is found again by a campaign that was killed, and by any later design that asks for
+it if its trajectory was kept. Files that the power failed for may be broken. Two ways to keep a
+run, with the same methods:
+
+`Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded;
+`Responses`     one netCDF file per group, `<digest of the group's run ids>.nc`, with the
+                responses and contact events only. Other groups have other files: another
+                design, size of group or response simulates its runs again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from campaign.config.sections import Experiment, digest
+from campaign.files import open_netcdf, whole_file
+from campaign.plan.plan import Run
+
+# Contact events as the interval side gets them, in the order of the columns of `Record.events`.
+EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
+
+
+@dataclass(frozen=True)
+class Result:
+    """A run that went well: its `fpm.Outcome`, and attributes for its file."""
+
+    id: str
+    outcome: Any
+    attributes: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Record:
+    """What the interval side needs of a run: time (t,) s, the values (n, t) of its n responses,
+    contact events (e, 3): time (s), contact index, 1 if it closes, and names of contacts."""
+
+    time: np.ndarray
+    values: np.ndarray
+    events: np.ndarray
+    contacts: Sequence[str]
+
+
+def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Trajectories | Responses:
+    """The store for a config's `jobs.keep` in `folder`; the experiment says which responses."""
+    kind = {"trajectories": Trajectories, "responses": Responses}[keep]
+    return kind(Path(folder), experiment.curves)
+
+
+class Trajectories:
+    """One netCDF file per run. It does not depend on the responses: any can be taken from it."""
+
+    def __init__(self, folder: Path, responses: Sequence[Any]):
+        self.folder, self.responses = folder, responses
+
+    def path(self, run: Run) -> Path:
+        return self.folder / f"{run.id}.nc"
+
+    def missing(self, group: Sequence[Run]) -> list[Run]:
+        """The runs of the group that are still to be simulated."""
+        return [run for run in group if self._curves(run) is None]
+
+    def count(self, groups: Sequence[Sequence[Run]]) -> int:
+        """How many runs of all groups are there, by file name alone."""
+        there = {path.stem for path in self.folder.glob("*.nc")} if self.folder.is_dir() else set()
+        return sum(run.id in there for group in groups for run in group)
+
+    def write(self, group: Sequence[Run], results: Sequence[Result]) -> None:
+        """Write the results that a group has left; ValueError if a number is not finite."""
+        from fpm import trajectory
+
+        for result in results:
+            contents = trajectory.contents(result.outcome, attributes=result.attributes)
+            trajectory.write(contents, self.folder / f"{result.id}.nc")
+
+    def read(self, group: Sequence[Run]) -> dict[str, Record]:
+        """Those runs of a group that are there, by id."""
+        found = {}
+        for run in group:
+            if (curves := self._curves(run)) is not None:
+                values = np.stack([r.evaluate(curves) for r in self.responses])
+                found[run.id] = Record(curves.time, values, curves.events, curves.contacts)
+        return found
+
+    def _curves(self, run: Run) -> Any:
+        """The run's `fpm.trajectory.Curves`; None if its file is not there or not whole."""
+        from fpm import trajectory
+
+        try:
+            return trajectory.read_curves(self.path(run))
+        except OSError:
+            return None
+
+
+class Responses:
+    """One netCDF file per group, with the responses only, in single precision."""
+
+    def __init__(self, folder: Path, responses: Sequence[Any]):
+        self.folder, self.responses = folder, responses
+        self._asked = [asdict(response) for response in responses]
+
+    def path(self, group: Sequence[Run]) -> Path:
+        """Other runs or responses have another file."""
+        return self.folder / f"{digest([self._asked, *(run.id for run in group)])}.nc"
+
+    def missing(self, group: Sequence[Run]) -> list[Run]:
+        """The runs of the group that are still to be simulated: all of them, or none.
+
+        A group in which a run had failed is simulated again as a whole.
+        """
+        import netCDF4
+
+        try:
+            with netCDF4.Dataset(self.path(group)) as file:
+                there = list(file["run_id"][:]) if "values" in file.variables else []
+        except OSError:
+            there = []
+        return [] if there == [run.id for run in group] else list(group)
+
+    def count(self, groups: Sequence[Sequence[Run]]) -> int:
+        """How many runs of all groups are there."""
+        return sum(len(group) for group in groups if self.path(group).exists())
+
+    def write(self, group: Sequence[Run], results: Sequence[Result]) -> None:
+        """Write the results that a group has left; ValueError if a number is not finite."""
+        import netCDF4
+
+        if not results:
+            return
+        first = results[0].outcome
+        events = [result.outcome.events for result in results]
+        with (
+            whole_file(self.path(group)) as temporary,
+            netCDF4.Dataset(temporary, "w", format="NETCDF4") as file,
+        ):
+            file.createDimension("run", len(results))
+            file.createDimension("time", len(first.time))
+            file.createDimension("event", max(1, max(map(len, events))))
+            file.createVariable("time", "f8", ("time",))[:] = first.time
+            contacts = [first.scene.hinges[c.hinge].name for c in first.scene.contacts]
+            write_dimension(file, "contact", contacts, "name of the contact")
+            names = [response.name for response in self.responses]
+            write_dimension(file, "response", names, "name of the response")
+            ids = np.array([result.id for result in results], dtype=object)
+            file.createVariable("run_id", str, ("run",))[:] = ids
+            variable = file.createVariable(
+                "values", "f4", ("run", "response", "time"), zlib=True, complevel=1
+            )
+            for i, response in enumerate(self.responses):
+                values = np.stack([response.evaluate(result.outcome) for result in results])
+                if not np.isfinite(values).all():
+                    raise ValueError(f"{response.name} has values that are not finite")
+                variable[:, i] = values
+            for column, name in enumerate(EVENT_VARIABLES):
+                variable = file.createVariable(name, "f8", ("run", "event"), fill_value=np.nan)
+                for row, table in enumerate(events):
+                    variable[row, : len(table)] = table[:, column]
+
+    def read(self, group: Sequence[Run]) -> dict[str, Record]:
+        """Those runs of a group that are there, by id."""
+        if self.missing(group):
+            return {}
+        with open_netcdf(self.path(group)) as file:
+            time, contacts = file["time"][:], list(file["contact"][:])
+            values = file["values"][:]
+            events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
+        return {
+            run.id: Record(
+                time,
+                values[row],
+                events[row][np.isfinite(events[row, :, 0])],
+                contacts,
+            )
+            for row, run in enumerate(group)
+        }
+
+
+def write_dimension(file: Any, dimension: str, names: Sequence[str], long_name: str) -> None:
+    """Define a dimension whose coordinate are names."""
+    file.createDimension(dimension, len(names))
+    variable = file.createVariable(dimension, str, (dimension,))
+    variable.long_name = long_name
+    if len(names):
+        variable[:] = np.array([str(name) for name in names], dtype=object)

@@ -1,0 +1,184 @@
+"""The stages of a campaign: each takes files of its folder, and sections of the config, to others.
+
+`campaign.run` calls them one after another, `python -m campaign STAGE` one alone, for the rules of
+the workflow. Imports stay inside, so that a stage loads what it needs and no more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, get_type_hints
+
+from campaign.config.sections import Campaign, from_data
+from campaign.folder import Folder
+
+Tell = Callable[[str], None]
+
+
+def plan(folder: Folder, tell: Tell, experiment: Any) -> None:
+    """Choose the runs of a campaign and the time step that serves them all."""
+    from campaign.plan.make import make_plan
+    from campaign.plan.plan import write_plan
+
+    made = make_plan(experiment)
+    write_plan(made, folder.plan)
+    step, limit = made.time.step, made.time.step_limit
+    tell(
+        f"{experiment.name}: {len(made.unique_runs())} runs, step {step:.4g} s "
+        f"({step / limit:.0%} of the limit, set by {made.time.limiting_element})"
+    )
+
+
+def plan_round(folder: Folder, tell: Tell, experiment: Any) -> None:
+    """Choose the runs of the next round of an adaptive campaign, or say why it ends."""
+    from campaign.plan.plan import read_plan, write_plan
+    from campaign.plan.rounds import first_plan, next_plan
+
+    if before := folder.previous():
+        made = next_plan(experiment, read_plan(before.plan), before.samples, before.bounds)
+        tell(f"{experiment.name}: {made.adaptive.rounds[-1].reason}")
+    else:
+        made = first_plan(experiment)
+    write_plan(made, folder.plan)
+    if not made.is_finished:
+        order = list(made.experiment.design.order)
+        tell(f"{experiment.name}: {len(made.unique_runs())} runs of order {order}")
+
+
+def simulate(
+    folder: Folder, tell: Tell, jobs: Any, batch: int = 0, batches: int = 1, threads: int = 1
+) -> None:
+    """Simulate one batch of the planned runs, except those that are there already."""
+    from campaign.plan.plan import read_plan
+    from campaign.runs.batch import run_batch
+
+    made = read_plan(folder.plan)
+    store, manifest = folder.runs(jobs.keep), folder.batch(batch)
+    run_batch(made, batch, batches, jobs, store, manifest, tell, threads)
+
+
+def gather(folder: Folder, tell: Tell, jobs: Any) -> None:
+    """Gather the responses of all runs into samples.nc."""
+    from campaign.plan.plan import read_plan
+    from campaign.results.samples import gather
+
+    gather(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples)
+
+
+def bounds(folder: Folder, tell: Tell, bounds: Any) -> None:
+    """Fit the surrogate to samples.nc, take its bounds, and tell which parameter matters."""
+    from campaign.results.bounds import analyse
+
+    analyse(folder, bounds)
+
+
+def envelopes(folder: Folder, tell: Tell, error: Any) -> None:
+    """Draw each response with its bounds and the nominal run."""
+    from campaign.results.figures import draw_envelopes
+
+    draw_envelopes(folder.bounds, error.shade_above, folder.figures)
+
+
+def sensitivities(folder: Folder, tell: Tell) -> None:
+    """Draw which parameter widens the bounds, and when."""
+    from campaign.results.figures import draw_sensitivities
+
+    draw_sensitivities(folder.sensitivities, folder.figures)
+
+
+def linkage(folder: Folder, tell: Tell, figures: Any) -> None:
+    """Draw the structure at some moments of the nominal run."""
+    from campaign.results.linkage import draw_nominal
+
+    draw_nominal(folder.samples, folder.runs("trajectories"), figures.moments, folder.figures)
+
+
+def summary(folder: Folder, tell: Tell, published: dict[str, float]) -> None:
+    """Write the headline numbers as JSON and as a table for people."""
+    from campaign.results.summary import summarise
+
+    tell(summarise(folder, published))
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage: its function, the sections of the config that it takes, and its code.
+
+    `code` are patterns of the files, from the folder that the packages are in, in which a change
+    asks for the stage again.
+    """
+
+    work: Callable[..., None]
+    sections: tuple[str, ...]
+    code: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """Name of the stage and of its rule."""
+        return self.work.__name__
+
+    def typed(self, data: dict) -> dict[str, Any]:
+        """The stage's sections from plain data."""
+        kinds = get_type_hints(Campaign)
+        return {name: from_data(kinds[name], data[name]) for name in self.sections}
+
+    def sections_of(self, campaign: Campaign) -> dict[str, Any]:
+        """The stage's sections of a campaign."""
+        return {name: getattr(campaign, name) for name in self.sections}
+
+    @cache  # noqa: B019 - there are few stages, and they stay
+    def digest(self) -> str:
+        """Digest of the stage's code, which comments and formatting do not change."""
+        from fpm.sources import syntax_digest
+
+        root = Path(__file__).parents[1]
+        return syntax_digest(file for pattern in self.code for file in root.glob(pattern))
+
+
+_DESIGN = (
+    "campaign/config/design.py",
+    "campaign/config/sections.py",
+    "intervals/box.py",
+    "intervals/chebyshev.py",
+    "intervals/designs.py",
+    "intervals/multi_indices.py",
+    "intervals/scans.py",
+    "intervals/subsets.py",
+)
+_PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py")
+_BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py")
+_READ = ("campaign/runs/store.py", "fpm/trajectory.py", "fpm/responses.py")
+
+# Beside the code named here, runs depend on the mechanics, which are part of their names.
+STAGES = {
+    stage.name: stage
+    for stage in (
+        Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN)),
+        Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:])),
+        Stage(simulate, ("jobs",), ("campaign/runs/*.py", "fpm/trajectory.py")),
+        Stage(gather, ("jobs",), ("campaign/results/samples.py", *_READ)),
+        Stage(bounds, ("bounds",), _BOUNDS),
+        Stage(envelopes, ("error",), (*_PLOT, "campaign/results/summary.py")),
+        Stage(sensitivities, (), _PLOT),
+        Stage(linkage, ("figures",), ("campaign/results/linkage.py", *_PLOT)),
+        Stage(summary, ("published",), ("campaign/results/summary.py", _PLOT[1])),
+    )
+}
+
+
+def batch_count(jobs: Any, runs: int) -> int:
+    """Number of batches that runs are shared among."""
+    return -(-runs // jobs.nodes_per_job)
+
+
+def drawings(campaign: Campaign) -> list[str]:
+    """The stages that draw something of the campaign."""
+    from campaign.results.linkage import BARS
+
+    experiment = campaign.experiment
+    several = len(experiment.intervals) > 1 and experiment.design.order is not None
+    kept = campaign.jobs.keep == "trajectories" and experiment.scene.name in BARS
+    return ["envelopes", *["linkage"] * kept, *["sensitivities"] * several]

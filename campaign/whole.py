@@ -1,0 +1,94 @@
+"""A whole campaign in one call, without Snakemake, into the same files."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from collections.abc import Mapping
+from contextlib import nullcontext
+from importlib import import_module
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+from campaign.config.check import check_config, load_config
+from campaign.config.sections import Campaign
+from campaign.drawing import Draughtsman
+from campaign.folder import ROUND_FILES, Folder
+from campaign.stages import STAGES, Tell, batch_count, drawings
+
+
+def run(
+    config: str | Path | Mapping | Campaign,
+    results: str | Path = "results",
+    figures: bool = True,
+    tell: Tell = lambda text: print(text, file=sys.stderr, flush=True),
+) -> Any:
+    """Run a campaign into `results`/<campaign> and return its bounds, an `xarray.Dataset`.
+
+    `config` is the name of a YAML file, or what one holds. Runs that are there already are not
+    simulated again; everything else is made anew. `tell` gets messages of progress. Raises
+    `ConfigError` before anything is written, `CampaignError` when runs fail.
+    """
+    campaign = _campaign(config)
+    folder = Folder(Path(results, campaign.name))
+    with Draughtsman() if figures else nullcontext() as draughtsman:
+        if campaign.is_adaptive:
+            _run_rounds(campaign, folder, tell)
+        else:
+            _stage("plan", campaign, folder, tell)
+            _run_plan(campaign, folder, tell)
+        for name in drawings(campaign) if draughtsman else ():
+            draughtsman.ask(name, campaign, folder)
+        _stage("summary", campaign, folder, tell)
+        return _open(folder.bounds)
+
+
+def _open(path: Path) -> Any:
+    import xarray as xr
+
+    with xr.open_dataset(path) as data:
+        return data.load()
+
+
+def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
+    if isinstance(config, Campaign):
+        return config
+    return check_config(config) if isinstance(config, Mapping) else load_config([config])
+
+
+def _stage(name: str, campaign: Campaign, folder: Folder, tell: Tell, **more: Any) -> None:
+    stage = STAGES[name]
+    stage.work(folder, tell, **stage.sections_of(campaign), **more)
+
+
+def _run_plan(campaign: Campaign, folder: Folder, tell: Tell) -> None:
+    """From the plan in `folder` to bounds."""
+    from campaign.plan.plan import read_plan
+
+    batches = batch_count(campaign.jobs, len(read_plan(folder.plan).runs))
+    # What bounds need takes a second to import; meanwhile threads integrate.
+    Thread(target=import_module, args=("xarray",), daemon=True).start()
+    threads = os.cpu_count() or 1
+    for batch in range(batches):
+        _stage("simulate", campaign, folder, tell, batch=batch, batches=batches, threads=threads)
+    _stage("gather", campaign, folder, tell)
+    _stage("bounds", campaign, folder, tell)
+
+
+def _run_rounds(campaign: Campaign, folder: Folder, tell: Tell) -> None:
+    """Rounds until one is the last; what it left becomes the campaign's."""
+    from campaign.plan.plan import read_plan
+
+    number = 0
+    while True:
+        place = folder.round(number)
+        _stage("plan_round", campaign, place, tell)
+        if read_plan(place.plan).is_finished:
+            break
+        _run_plan(campaign, place, tell)
+        number += 1
+    last = [place.plan, *(place.previous() / name for name in ROUND_FILES[1:])]
+    for path in last:
+        shutil.copy(path, folder.path)

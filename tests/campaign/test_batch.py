@@ -1,0 +1,200 @@
+"""Batches: what is simulated, what is skipped, and what a failure leaves."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import fpm
+from campaign.config.check import check_config
+from campaign.config.sections import Jobs
+from campaign.errors import CampaignError
+from campaign.plan.make import make_plan
+from campaign.results.samples import gather
+from campaign.runs.batch import run_batch
+from campaign.runs.progress import Progress, duration_text
+from fpm.trajectory import read_curves
+
+KEEP = ["trajectories", "responses"]
+
+
+def run_all(config, folder, keep):
+    """Run all batches of a config; returns the plan and the numbers of runs simulated."""
+    plan = make_plan(config.experiment)
+    jobs = Jobs(512, 2, keep)
+    counts = []
+    for batch in range(2):
+        manifest = folder / "batches" / f"{batch}.json"
+        run_batch(plan, batch, 2, jobs, folder / keep, manifest, lambda text: None)
+        counts.append(json.loads(manifest.read_text())["simulated"])
+    return plan, counts
+
+
+@pytest.mark.parametrize("keep", KEEP)
+def test_every_run_is_simulated_once_and_found_again(config, tmp_path, keep):
+    plan, counts = run_all(config, tmp_path, keep)
+    assert sum(counts) == len(plan.unique_runs())
+    _, again = run_all(config, tmp_path, keep)
+    assert again == [0, 0]
+
+
+@pytest.mark.parametrize("keep", KEEP)
+def test_a_campaign_that_was_killed_goes_on(config, tmp_path, keep):
+    run_all(config, tmp_path, keep)
+    files = sorted((tmp_path / keep).glob("*.nc"))
+    before = {path: path.stat().st_mtime_ns for path in files}
+    files[0].unlink()  # not reached
+    files[1].write_bytes(files[1].read_bytes()[:100])  # cut off by somebody else's means
+    _, counts = run_all(config, tmp_path, keep)
+    assert 2 <= sum(counts) <= 4
+    for path in files[2:]:
+        assert path.stat().st_mtime_ns == before[path]
+
+
+@pytest.mark.parametrize("keep", KEEP)
+def test_a_run_that_fails_does_not_harm_the_others(raw, tmp_path, keep):
+    # One step serves all runs: between their limits it breaks the stiff ones only.
+    soft = fpm.stable_step(fpm.scenes.get("bennett").build(elements_per_link=2)).step
+    raw["solver"] = {"step": 0.8 * soft, "duration": 0.02, "instants": 9}
+    raw["intervals"] = {"E": {"lower": 1e9, "upper": 9e9}}
+    plan = make_plan(check_config(raw).experiment)
+    failed = 0
+    for batch in range(2):
+        manifest = tmp_path / f"{batch}.json"
+        try:
+            jobs = Jobs(512, 2, keep)
+            run_batch(plan, batch, 2, jobs, tmp_path / keep, manifest, lambda text: None)
+        except CampaignError as error:
+            assert not manifest.exists()
+            for word in ("run ", "E = ", "unstable at t = ", "solver.step"):
+                assert word in str(error)
+            failed += str(error).count("\n  run ")
+    assert 0 < failed < len(plan.unique_runs())
+    written = 0
+    for path in (tmp_path / keep).glob("*.nc"):
+        with xr.open_dataset(path) as data:
+            written += data.sizes.get("run", 1)
+    assert written == len(plan.unique_runs()) - failed
+
+
+def test_results_do_not_depend_on_how_runs_are_grouped(config, tmp_path):
+    plan = make_plan(config.experiment)
+    for size in (1, 5):
+        folder = tmp_path / str(size)
+        jobs = Jobs(512, size, "trajectories")
+        run_batch(plan, 0, 1, jobs, folder, tmp_path / "0.json", lambda text: None)
+    for run in plan.unique_runs():
+        one = xr.open_dataset(tmp_path / "1" / f"{run.id}.nc")
+        other = xr.open_dataset(tmp_path / "5" / f"{run.id}.nc")
+        xr.testing.assert_identical(one, other)
+
+
+def test_a_trajectory_tells_its_parameters(config, tmp_path):
+    plan, _ = run_all(config, tmp_path, "trajectories")
+    run = plan.runs[1]
+    with xr.open_dataset(tmp_path / "trajectories" / f"{run.id}.nc") as data:
+        assert data.attrs["run_id"] == run.id
+        assert data.attrs["parameter_a"] == run.values[0]
+        assert data.attrs["parameter_elements_per_link"] == 2
+        assert data.attrs["parameter_supports"] == "plane"
+        assert data.attrs["config_hash"] == plan.config_hash
+        assert data.attrs["time_step_limit"] == plan.time.step_limit
+        assert "numpy" in data.attrs["versions"]
+
+
+def values_in(path, config) -> np.ndarray:
+    """Values (n, t) of the responses, from a trajectory."""
+    return np.array([r.evaluate(read_curves(path)) for r in config.experiment.curves])
+
+
+@pytest.mark.parametrize("keep", KEEP)
+def test_samples_hold_the_trajectories_responses(config, tmp_path, keep):
+    plan, _ = run_all(config, tmp_path, keep)
+    run_all(config, tmp_path, "trajectories")
+    gather(plan, Jobs(512, 2, keep), tmp_path / keep, tmp_path / "samples.nc")
+    with xr.open_dataset(tmp_path / "samples.nc") as samples:
+        assert samples.sizes["run"] == len(plan.runs)
+        for row, run in enumerate(plan.runs):
+            assert samples["role"].values[row] == run.role
+            assert samples["value"].values[row].tolist() == list(run.values)
+            assert samples["parameter_a"].values[row] == run.values[0]
+            path = tmp_path / "trajectories" / f"{run.id}.nc"
+            wanted = values_in(path, config).astype(samples["values"].dtype)
+            np.testing.assert_array_equal(samples["values"].values[row], wanted)
+        assert "parameter_a" in samples["values"].coords
+        assert samples["parameter_a"].attrs["units"] == "m"
+        assert samples["response"].values.tolist() == ["BD", "vBz"]
+        assert samples["response_units"].values.tolist() == ["m", "m s-1"]
+        assert samples["values"].dtype == (np.float64 if keep == "trajectories" else np.float32)
+
+
+@pytest.mark.parametrize(("keep", "again"), [("trajectories", 0), ("responses", 5)])
+def test_a_response_is_added_or_changed_without_simulating_again(raw, tmp_path, keep, again):
+    plan, _ = run_all(check_config(raw), tmp_path, keep)
+    assert len(plan.unique_runs()) == 5
+    raw["responses"] = {
+        "vBz": {"velocity": "D", "component": "z"},  # was B's
+        "psi": {"opening": "A"},
+        "T": {"energy": "kinetic"},
+        "zB": {"position": "B", "component": "z"},
+        "AC": {"distance": ["A", "C"]},
+    }
+    config = check_config(raw)
+    plan, counts = run_all(config, tmp_path, keep)
+    assert sum(counts) == again
+    gather(plan, Jobs(512, 2, keep), tmp_path / keep, tmp_path / "samples.nc")
+    run_all(check_config(raw), tmp_path / "fresh", "trajectories")
+    with xr.open_dataset(tmp_path / "samples.nc") as samples:
+        for row, run in enumerate(plan.runs):
+            path = tmp_path / "fresh" / "trajectories" / f"{run.id}.nc"
+            wanted = values_in(path, config).astype(samples["values"].dtype)
+            np.testing.assert_array_equal(samples["values"].values[row], wanted)
+        assert samples["response"].values.tolist() == list(raw["responses"])
+        assert samples["response_long_name"].values[0] == "z-component of the velocity of D"
+
+
+def test_missing_runs_are_told(config, tmp_path):
+    plan, _ = run_all(config, tmp_path, "trajectories")
+    next((tmp_path / "trajectories").glob("*.nc")).unlink()
+    with pytest.raises(CampaignError, match=r"1 runs are missing .*--forcerun simulate"):
+        jobs = Jobs(512, 2, "trajectories")
+        gather(plan, jobs, tmp_path / "trajectories", tmp_path / "samples.nc")
+    assert not (tmp_path / "samples.nc").exists()
+
+
+def test_events_are_gathered_in_their_rows(raw, tmp_path):
+    raw["solver"] = {"duration": 0.4, "instants": 11}  # closes after about 0.33 s
+    plan, _ = run_all(check_config(raw), tmp_path, "trajectories")
+    jobs = Jobs(512, 2, "trajectories")
+    gather(plan, jobs, tmp_path / "trajectories", tmp_path / "samples.nc")
+    with xr.open_dataset(tmp_path / "samples.nc") as samples:
+        assert samples["contact"].values.tolist() == ["A", "B", "C", "D"]
+        for row, run in enumerate(plan.runs):
+            with xr.open_dataset(tmp_path / "trajectories" / f"{run.id}.nc") as data:
+                count = data.sizes["event"]
+                assert count > 0
+                found = samples["event_time"].values[row]
+                np.testing.assert_array_equal(found[:count], data["contact_event_time"].values)
+                assert np.isnan(found[count:]).all()
+
+
+def test_progress_tells_what_is_done_and_what_is_left():
+    said, done = [], [0]
+    progress = Progress("x", 10, lambda: done[0], said.append)
+    done[0] = 4
+    progress.report()
+    done[0] = 10
+    progress.report()
+    assert said[0].startswith("x: 4 of 10 runs done, about ")
+    assert said[0].endswith(" left")
+    assert said[1] == "x: 10 of 10 runs done"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(4.4, "4 s"), (95, "1 min 35 s"), (7260, "2 h 1 min")]
+)
+def test_durations_are_told_as_people_do(seconds, text):
+    assert duration_text(seconds) == text

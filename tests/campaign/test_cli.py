@@ -1,0 +1,78 @@
+"""Campaigns in a shell: what is checked, run and told, and with which status."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+import yaml
+
+from campaign.cli import main
+from campaign.folder import Folder
+from campaign.stages import STAGES
+
+
+@pytest.fixture
+def file(raw, tmp_path) -> str:
+    """The small config as a file."""
+    path = tmp_path / "mine.yaml"
+    path.write_text(yaml.safe_dump(raw, sort_keys=False), encoding="utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize("command", [[], ["check"]])
+def test_files_are_checked_without_running_anything(file, tmp_path, capsys, command):
+    assert main([*command, file]) == 0
+    assert "test, at most 6 runs" in capsys.readouterr().out
+    (tmp_path / "bad.yaml").write_text("a: [1", encoding="utf-8")
+    assert main([*command, file, str(tmp_path / "bad.yaml")]) == 1
+    told = capsys.readouterr()
+    assert "test, at most 6 runs" in told.out
+    assert "bad.yaml" in told.err
+    assert "this is not YAML" in told.err
+
+
+def test_nothing_to_check_is_refused_and_help_names_all_commands(capsys):
+    with pytest.raises(SystemExit) as refused:
+        main([])
+    assert refused.value.code == 2
+    with pytest.raises(SystemExit) as helped:
+        main(["--help"])
+    assert helped.value.code == 0
+    told = capsys.readouterr().out
+    for name in ("check", "run", "keys", *STAGES):
+        assert f"\n    {name}" in told
+
+
+def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path, capsys):
+    folder, log = Folder(tmp_path / "stages"), tmp_path / "logs" / "a.log"
+    for name in ("plan", "simulate", "gather", "bounds", "summary"):
+        assert main([name, str(folder.path), "--config", file, "--log", str(log)]) == 0
+        assert log.read_text() == capsys.readouterr().err
+    assert "| BD |" in log.read_text()
+    for path in (folder.plan, folder / "summary.json"):
+        assert path.read_bytes() == (finished / path.name).read_bytes()
+    assert main(["envelopes", str(folder.path), "--config", '{"error": {"shade_above": 0.2}}']) == 0
+    assert (folder.figures / "vBz.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_errors_of_users_have_no_traceback(finished, file, tmp_path, capsys):
+    folder = Folder(tmp_path / "new")
+    folder.path.mkdir()
+    folder.plan.write_bytes(finished.plan.read_bytes())
+    log = tmp_path / "gather.log"
+    assert main(["gather", str(folder.path), "--config", file, "--log", str(log)]) == 1
+    for told in (capsys.readouterr().err, log.read_text()):
+        assert told.startswith("error: 5 runs are missing in ")
+        assert "Traceback" not in told
+    assert main(["run", str(tmp_path / "absent.yaml")]) == 1
+    told = capsys.readouterr().err
+    assert "No such file" in told
+    assert "Traceback" not in told
+
+
+def test_a_fault_of_the_program_is_in_the_log(tmp_path):
+    log = tmp_path / "a.log"
+    jobs = json.dumps({"jobs": {"nodes_per_job": 1, "group": 1, "keep": "responses"}})
+    assert main(["gather", str(tmp_path), "--config", jobs, "--log", str(log)]) == 1
+    assert "FileNotFoundError" in log.read_text()

@@ -1,0 +1,138 @@
+"""Plans: which runs, under which names, and which time step."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fpm
+from campaign.config.check import check_config
+from campaign.config.design import count_runs
+from campaign.plan import make
+from campaign.plan.make import make_plan
+from campaign.plan.plan import read_plan, share, write_plan
+
+
+def plan_of(raw):
+    return make_plan(check_config(raw).experiment)
+
+
+def names(plan):
+    return {run.id for run in plan.runs}
+
+
+def by_role(plan, role):
+    return [run for run in plan.runs if run.role == role]
+
+
+def test_a_plan_has_the_nominal_run_the_nodes_and_the_held_out_runs(config):
+    plan = make_plan(config.experiment)
+    assert [len(by_role(plan, role)) for role in ("nominal", "node", "held_out")] == [1, 3, 2]
+    assert by_role(plan, "nominal")[0].values == (0.035,)
+    roots = 0.035 * (1 + 0.01 * np.cos(np.pi * (np.arange(3) + 0.5) / 3))
+    found = sorted(run.values[0] for run in by_role(plan, "node"))
+    np.testing.assert_allclose(found, sorted(roots), rtol=1e-14)
+
+
+def test_a_run_in_two_roles_has_one_name_and_is_simulated_once(config):
+    plan = make_plan(config.experiment)  # order 2: the middle root is the nominal value
+    assert len(plan.runs) == 6
+    assert len(plan.unique_runs()) == 5
+    nominal = by_role(plan, "nominal")[0]
+    assert nominal.id in {run.id for run in by_role(plan, "node")}
+
+
+def test_the_number_of_runs_is_known_without_a_plan(raw):
+    for design in (
+        {"method": "tensor_lobatto", "order": 4},
+        {"method": "total_degree", "order": 3},
+        {"method": "smolyak", "order": 2},
+        {"method": "scan", "samples": 7},
+    ):
+        config = check_config({**raw, "design": design})
+        assert count_runs(config.experiment) == len(make_plan(config.experiment).runs)
+
+
+def test_equal_configs_give_equal_plans(config):
+    assert make_plan(config.experiment) == make_plan(config.experiment)
+
+
+def test_a_longer_order_reuses_the_runs_that_exist(raw):
+    raw["design"] = {"method": "tensor_lobatto", "order": 4}
+    small = {run.id for run in by_role(plan_of(raw), "node")}
+    raw["design"]["order"] = 8
+    large = {run.id for run in by_role(plan_of(raw), "node")}
+    assert small < large
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"solver": {"duration": 0.005, "instants": 9}},
+        {"solver": {"duration": 0.004, "instants": 17}},
+        {"solver": {"duration": 0.004, "instants": 9, "energy_tolerance": 0.03}},
+        {"solver": {"duration": 0.004, "instants": 9, "step": 1e-5}},
+        {"scene": {"name": "bennett", "parameters": {"elements_per_link": 3}}},
+        {"scene": {"name": "bennett", "parameters": {"elements_per_link": 2, "K_F": 5.1}}},
+    ],
+)
+def test_what_changes_a_trajectory_changes_its_name(raw, change):
+    before = names(plan_of(raw))
+    after = names(plan_of({**raw, **change}))
+    assert not before & after
+
+
+def test_another_version_of_the_mechanics_gives_other_names(config, monkeypatch):
+    before = names(make_plan(config.experiment))
+    monkeypatch.setattr(make, "mechanics_of", lambda experiment: "another")
+    assert not before & names(make_plan(config.experiment))
+
+
+def test_what_changes_no_trajectory_keeps_its_name(raw):
+    before = names(plan_of(raw))
+    raw |= {"campaign": "other", "jobs": {"group": 1}, "error": {"shade_above": 0.5}}
+    raw["responses"] = {"psi": {"opening": "A"}}  # a response is a function of the trajectory
+    assert names(plan_of(raw)) == before
+
+
+def test_the_step_is_stable_at_every_corner_and_divides_the_interval(raw):
+    raw["intervals"] = {"a": {"relative": 0.2}, "E": {"relative": 0.3}}
+    config = check_config(raw)
+    plan = make_plan(config.experiment)
+    scene_type = fpm.scenes.get("bennett")
+    limits = [
+        fpm.stable_step(scene_type.build(elements_per_link=2, a=a, E=E)).step
+        for a in (0.028, 0.035, 0.042)
+        for E in (0.7e9, 1e9, 1.3e9)
+    ]
+    assert plan.time.step_limit == pytest.approx(min(limits))
+    assert plan.time.step <= 0.9 * min(limits)
+    assert plan.time.step * plan.time.steps_per_instant == pytest.approx(0.004 / 8, rel=1e-14)
+    assert plan.time.step > 0.9 * min(limits) * (1 - 2 / plan.time.steps_per_instant)
+
+
+def test_a_step_of_ones_own_is_kept(raw):
+    raw["solver"]["step"] = 2.5e-5
+    assert plan_of(raw).time.step == pytest.approx(2.5e-5, rel=1e-12)
+
+
+def test_a_plan_survives_its_file(config, tmp_path):
+    plan = make_plan(config.experiment)
+    write_plan(plan, tmp_path / "nodes.json")
+    assert read_plan(tmp_path / "nodes.json") == plan
+
+
+@pytest.mark.parametrize(("batches", "size"), [(1, 1), (2, 2), (3, 4), (7, 2), (1, 100)])
+def test_batches_and_groups_hold_every_run_once(config, batches, size):
+    plan = make_plan(config.experiment)
+    groups = plan.groups(batches, size)
+    assert len(groups) == batches
+    flat = [run.id for mine in groups for group in mine for run in group]
+    assert flat == [run.id for run in plan.unique_runs()]
+    assert all(len(group) <= size for mine in groups for group in mine)
+
+
+def test_shares_are_even():
+    parts = [share(list(range(10)), part, 4) for part in range(4)]
+    assert [item for part in parts for item in part] == list(range(10))
+    assert {len(part) for part in parts} == {2, 3}

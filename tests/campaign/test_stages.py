@@ -1,0 +1,40 @@
+"""Stages: their sections, and the code by which it is known when they must run again."""
+
+from __future__ import annotations
+
+import json
+from itertools import chain
+from pathlib import Path
+
+import pytest
+
+import campaign
+from campaign.config.sections import as_json
+from campaign.stages import STAGES
+
+ROOT = Path(__file__).parents[2]
+
+
+def files(pattern: str) -> set[Path]:
+    return set(ROOT.glob(pattern))
+
+
+@pytest.mark.parametrize("name", STAGES)
+def test_the_code_of_a_stage_is_there(name):
+    for pattern in STAGES[name].code:
+        assert files(pattern), f"{name}: {pattern}"
+
+
+def test_no_file_that_makes_results_is_forgotten():
+    known = set(chain(*(files(p) for stage in STAGES.values() for p in stage.code)))
+    made = set(chain(*(files(f"campaign/{room}/*.py") for room in ("plan", "runs", "results"))))
+    made |= files("intervals/**/*.py") - files("intervals/**/__init__.py")
+    missing = {str(path.relative_to(ROOT)) for path in made - known if path.name != "__init__.py"}
+    assert not missing
+
+
+@pytest.mark.parametrize("name", STAGES)
+def test_sections_of_a_stage_survive_json(raw, name):
+    stage, whole = STAGES[name], campaign.check_config(raw)
+    sections = stage.sections_of(whole)
+    assert stage.typed(json.loads(as_json(**sections))) == sections

@@ -1,0 +1,159 @@
+"""A campaign in one call: its files, what it returns, and what it does not do twice."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import campaign
+from campaign.errors import CampaignError, ConfigError
+from campaign.folder import Folder
+from campaign.workflow import Workflow
+
+ROOT = Path(__file__).parents[2]
+
+
+def run(raw, results, **options) -> Folder:
+    """The folder of a campaign that was run."""
+    options = {"figures": False, "tell": lambda text: None, **options}
+    campaign.run(raw, results, **options)
+    return Folder(results / raw["campaign"])
+
+
+def simulated(folder: Folder) -> int:
+    """Number of runs that the last call had to simulate."""
+    return sum(json.loads(path.read_text())["simulated"] for path in folder.path.glob("batches/*"))
+
+
+def test_a_campaign_returns_its_bounds_and_leaves_all_files(raw, tmp_path):
+    said = []
+    raw["intervals"]["E"] = {"relative": 0.05}
+    raw["design"]["order"] = 1
+    bounds = campaign.run(raw, tmp_path, tell=said.append)
+    assert bounds.sizes["response"] == 2
+    assert (bounds["lower"] <= bounds["upper"]).all()
+    folder = Folder(tmp_path / "test")
+    with xr.open_dataset(folder.bounds) as written:
+        xr.testing.assert_identical(written.load(), bounds)
+    promised = Workflow(campaign.check_config(raw)).results()
+    assert len(promised) == 10
+    for name in promised:
+        assert (tmp_path / Path(name).relative_to("results")).stat().st_size > 500
+    assert "test: 7 of 7 runs done" in said
+    assert "| BD |" in said[-1]
+
+
+def test_the_returned_bounds_do_not_hold_their_file(finished, raw):
+    first = campaign.run(raw, finished.path.parent, figures=False, tell=lambda text: None)
+    again = campaign.run(raw, finished.path.parent, figures=False, tell=lambda text: None)
+    xr.testing.assert_identical(first, again)
+    assert simulated(finished) == 0
+
+
+def test_all_runs_open_in_one_line_with_their_parameters(finished):
+    samples = xr.open_dataset(finished.samples)
+    assert samples["values"].dims == ("run", "response", "time")
+    assert samples["parameter_a"].attrs["units"] == "m"
+    thickest = samples["values"].set_index(run="parameter_a").sel(run=0.035, response="BD")
+    assert thickest.sizes["time"] == 9
+    samples.close()
+
+
+def test_runs_that_exist_are_used_by_another_design(raw, tmp_path):
+    raw["intervals"]["E"] = {"relative": 0.05}
+    raw |= {"design": {"method": "tensor_lobatto", "order": 1}, "held_out": 0}
+    assert simulated(run(raw, tmp_path)) == 5
+    raw["design"]["order"] = 2
+    # A 3 x 3 grid with its middle as the nominal run: the 4 corners and the middle are there.
+    assert simulated(run(raw, tmp_path)) == 4
+
+
+def test_another_response_simulates_nothing(raw, tmp_path):
+    assert simulated(run(raw, tmp_path)) == 5
+    raw["responses"]["psi"] = {"opening": "A"}
+    folder = run(raw, tmp_path)
+    assert simulated(folder) == 0
+    with xr.open_dataset(folder.samples) as samples:
+        assert samples["response"].values.tolist() == ["BD", "vBz", "psi"]
+        nominal = samples["role"].values.tolist().index("nominal")
+        path = folder.runs("trajectories") / f"{samples['run_id'].values[nominal]}.nc"
+        with xr.open_dataset(path) as trajectory:
+            opening = trajectory["opening"].sel(hinge="A").values
+        np.testing.assert_array_equal(samples["values"].values[nominal, 2], opening)
+
+
+def test_rounds_leave_the_files_of_the_last_one(raw, tmp_path):
+    raw["intervals"] = {"E": {"relative": 0.3}}
+    raw["design"] = {"method": "tensor_lobatto", "order": "auto", "budget": 6, "tolerance": 1e-12}
+    folder = run(raw, tmp_path)
+    summary = json.loads((folder / "summary.json").read_text())
+    rounds = summary["adaptive"]["rounds"]
+    assert len(rounds) == 2
+    assert rounds[-1]["action"] == "stop"
+    assert rounds[-1]["reason"] in (folder / "summary.md").read_text()
+    last = folder.round(len(rounds) - 1)
+    for name in ("samples.nc", "bounds.nc"):
+        assert (folder / name).read_bytes() == (last / name).read_bytes()
+    assert list(folder.path.glob("rounds/*/trajectories")) == []
+
+
+def scan(raw, samples, **more):
+    """A plain scan that keeps responses only."""
+    jobs = {"keep": "responses", "group": 8}
+    design = {"method": "scan", "samples": samples}
+    return {**raw, "campaign": "scan", "design": design, "jobs": jobs, **more}
+
+
+def test_a_scan_keeps_responses_only(raw, tmp_path):
+    raw = scan(raw, 20)
+    folder = run(raw, tmp_path)
+    assert not folder.runs("trajectories").exists()
+    assert "results/scan/figures/linkage.png" not in Workflow(campaign.check_config(raw)).results()
+    with xr.open_dataset(folder.samples) as samples, xr.open_dataset(folder.bounds) as bounds:
+        assert samples.sizes["run"] == 21
+        values = samples["values"].values
+        np.testing.assert_array_equal(bounds["lower"].values, values.min(axis=0))
+        np.testing.assert_array_equal(bounds["upper"].values, values.max(axis=0))
+
+
+def test_a_spline_goes_through_the_runs_of_a_scan(raw, tmp_path):
+    folder = run(scan(raw, 4, bounds={"model": "spline"}), tmp_path)
+    told = "attained range of a spline through all runs, not enclosed"
+    assert told in (folder / "summary.md").read_text()
+    with xr.open_dataset(folder.samples) as samples, xr.open_dataset(folder.bounds) as bounds:
+        assert bounds.attrs["design_runs"] == samples.sizes["run"] == 5
+        values = samples["values"].sel(response="vBz").values
+        slack = 1e-6 * np.abs(values).max()  # the samples have single precision
+        assert (bounds["lower"].sel(response="vBz").values <= values.min(axis=0) + slack).all()
+        assert (bounds["upper"].sel(response="vBz").values >= values.max(axis=0) - slack).all()
+
+
+def test_what_cannot_be_run_is_refused_before_anything_is_written(raw, tmp_path):
+    raw["intervals"] = {"q": {"relative": 0.1}}
+    with pytest.raises(ConfigError, match="no such parameter"):
+        campaign.run(raw, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_figures_that_cannot_be_drawn_are_told(raw, tmp_path):
+    (tmp_path / "test").mkdir()
+    (tmp_path / "test" / "figures").write_text("not a folder")
+    with pytest.raises(CampaignError, match="figures could not be drawn"):
+        run(raw, tmp_path, figures=True)
+
+
+def test_importing_is_cheap():
+    heavy = {"numba", "xarray", "matplotlib", "scipy", "jsonschema", "netCDF4"}
+    code = (
+        f"import sys, campaign.workflow, campaign.cli; sys.exit(repr({heavy} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.stderr.strip() == "set()"

@@ -1,0 +1,18 @@
+# Which runs there are, and the time step that serves them all.
+
+
+rule plan:
+    output:
+        "{stage}/nodes.json",
+    log:
+        "{stage}/logs/plan.log",
+    conda:
+        "../envs/campaign.yaml"
+    params:
+        config=sections("plan"),
+        code=code("plan"),
+        mechanics=WORKFLOW.mechanics,
+    message:
+        "Choosing the runs and the time step"
+    shell:
+        "python -m campaign plan {wildcards.stage} --config {params.config:q} --log {log}"

@@ -1,0 +1,37 @@
+# `order: auto`: rounds of runs until the error meets the tolerance or the budget is spent.
+# Each round has a plan of its own; the rules for runs and bounds serve rounds as they serve others.
+
+
+checkpoint plan_round:
+    input:
+        previous_round,
+    output:
+        "results/{campaign}/rounds/{round}/nodes.json",
+    log:
+        "results/{campaign}/rounds/{round}/logs/plan.log",
+    conda:
+        "../envs/campaign.yaml"
+    params:
+        config=sections("plan_round"),
+        code=code("plan_round"),
+        mechanics=WORKFLOW.mechanics,
+    message:
+        "Choosing the runs of round {wildcards.round}"
+    shell:
+        "python -m campaign plan_round results/{wildcards.campaign}/rounds/{wildcards.round}"
+        " --config {params.config:q} --log {log}"
+
+
+rule settle:
+    input:
+        last_round,
+    output:
+        [f"results/{{campaign}}/{name}" for name in ROUND_FILES],
+    log:
+        "results/{campaign}/logs/settle.log",
+    conda:
+        "../envs/campaign.yaml"
+    message:
+        "Taking the last round's results"
+    shell:
+        "cp {input} results/{wildcards.campaign} 2> {log}"

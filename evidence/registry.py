@@ -39,14 +39,15 @@ class Study:
         drawn = (f"{plot}.{kind}" for plot in self.plots for kind in ("png", "pdf"))
         return ("summary.json", "table.md", *drawn)
 
-    def code(self) -> str:
+    def measuring_code(self) -> str:
         """Digest of the code that decides what is measured."""
         return digest("fpm", "evidence/linkage", *self.uses)
 
-    def report_code(self) -> str:
-        """Digest of the code that decides what is told of it."""
+    def code(self) -> list[str]:
+        """Digests of the code that decides what the study leaves, beside its measured parts."""
         shared = (f"evidence/{name}.py" for name in ("rows", "results", "plots"))
-        return digest(*shared, f"evidence/{self.name}", "campaign/presets.py")
+        telling = digest(*shared, f"evidence/{self.name}")
+        return [telling] if self.parts else [telling, self.measuring_code()]
 
 
 @cache

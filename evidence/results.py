@@ -32,13 +32,14 @@ class Report:
 
 
 def cell(value: object) -> str:
-    """A table cell: numbers with four digits, nothing for None."""
+    """A table cell: numbers with four digits or all before the point, nothing for None."""
     if value is None:
         return ""
     if isinstance(value, bool):
         return "yes" if value else "**NO**"
-    text = f"{value:.4g}" if isinstance(value, float) else str(value)
-    return text.replace("|", "∣")
+    if isinstance(value, float):
+        return f"{value:.0f}" if 1000 <= abs(value) < 1e7 else f"{value:.4g}"
+    return str(value).replace("|", "∣")
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence]) -> str:
@@ -66,9 +67,9 @@ def rows_text(rows: Sequence[Row]) -> str:
     left_out = sum(bool(row.skipped) for row in rows)
     told = f", {left_out} skipped" if left_out else ""
     parts = [f"{len(rows)} rows, {len(failed)} failed{told}.\n"]
-    parts += [f"- **failed**: {row.name}: {cell(row.value)}, {expected(row)}" for row in failed]
+    parts += [f"- **failed**: {row.name}: {cell(row.value)}, {expected(row)}\n" for row in failed]
     for group in dict.fromkeys(row.group for row in rows):
-        parts.append(f"\n## {group or 'Rows'}\n")
+        parts.append(f"## {group or 'Rows'}\n")
         parts.append(_group_table(group, [row for row in rows if row.group == group]))
     return "\n".join(parts)
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from studies import accuracy
-from studies.accuracy import Choice
+from evidence.accuracy import choices as accuracy
+from evidence.accuracy import study
+from evidence.accuracy.choices import Choice
 
 
 @pytest.mark.parametrize("kind", ["trapezium", "gregory-2", "gregory-3"])
@@ -37,7 +38,7 @@ def test_the_mesh_and_the_lumping_count_and_the_step_does_not():
     assert small_step == pytest.approx(plain, rel=0.3)
     assert scaled > 2 * plain
     assert trapezium > 8 * plain
-    table = accuracy.markdown(results)
+    table = study.choices_table(results)
     assert table.count("\n") == 2 + len(choices)
 
 

@@ -1,15 +1,12 @@
 """The judge of the extremes: right curves pass, wrong ones fail, refusals are told as such."""
 
-import json
-
 import numpy as np
 import pytest
 
-from studies import extreme_parameters, extreme_runs
-from studies.extremes import GROUPS
-from studies.judge import STRAIGHT, WHIPPING, compare, judge
-from studies.linkage import closing_time, curves, first_closing, simulate
-from studies.rows import Row, write_results
+from evidence.extremes import parameters, runs
+from evidence.extremes.judge import STRAIGHT, WHIPPING, compare, judge
+from evidence.extremes.study import GROUPS
+from evidence.linkage.runs import closing_time, curves, first_closing, simulate
 
 
 def test_a_stiff_linkage_agrees_with_the_rigid_one():
@@ -49,7 +46,7 @@ def test_a_refusal_that_no_mesh_helps_is_the_last_word():
 
 
 def test_values_that_make_no_structure_are_refused():
-    rows = extreme_parameters.refusals()
+    rows = parameters.refusals()
     assert len(rows) > 10
     assert [row.name for row in rows if not row.passed] == []
 
@@ -63,27 +60,12 @@ def test_the_damped_oscillator_solves_its_equation():
     """Closed form against the equation of motion, below, at and beyond critical damping."""
     times = np.linspace(0.0, 5.0, 2001)
     for rate in (0.0, 0.5, 2.0, 6.0):
-        x = extreme_runs.oscillator(rate, 0.3, times)
+        x = runs.oscillator(rate, 0.3, times)
         v = np.gradient(x, times, edge_order=2)
         residual = np.gradient(v, times, edge_order=2) + rate * v + x
         assert x[0] == pytest.approx(0.3)
         assert v[0] == pytest.approx(0.0, abs=1e-5)
         assert np.abs(residual[5:-5]).max() < 5e-4
-
-
-def test_results_are_written_whole(tmp_path):
-    rows = [Row("a", 1.0, 0.0, 2.0, True, "somewhere"), Row("b", "refused", "", "", True, "text")]
-    write_results(tmp_path, rows)
-    summary = json.loads((tmp_path / "summary.json").read_text())
-    assert [row["name"] for row in summary["rows"]] == ["a", "b"]
-    assert set(summary["rows"][0]) >= {
-        "name", "value", "reference", "tolerance", "passed", "source"
-    }  # fmt: skip
-    text = (tmp_path / "table.md").read_text()
-    assert text.count("\n") == 4
-    with pytest.raises(ValueError, match="JSON"):
-        write_results(tmp_path, [Row("c", float("nan"), 0.0, 1.0, False, "nowhere")])
-    assert {p.name for p in tmp_path.iterdir()} == {"summary.json", "table.md"}
 
 
 def test_the_linkage_closes_when_dimensional_analysis_says():

@@ -5,11 +5,6 @@
 from evidence.registry import STUDIES
 
 
-def code_of(study, *kinds):
-    """Digests of the code of a study, when a job asks for them."""
-    return lambda wildcards: [getattr(study, kind)() for kind in kinds]
-
-
 # Parts are measured by a process each, side by side, so that their cpu times are those of one core.
 rule study_part:
     output:
@@ -22,7 +17,7 @@ rule study_part:
     conda:
         "../envs/campaign.yaml"
     params:
-        code=lambda wildcards: STUDIES[wildcards.study].code(),
+        code=lambda wildcards: STUDIES[wildcards.study].measuring_code(),
     message:
         "Measuring {wildcards.part} for {wildcards.study}"
     shell:
@@ -52,9 +47,7 @@ for study in STUDIES.values():
         params:
             call=f"{study.name} --output results/{study.name}"
             + (" --measured" if study.parts else ""),
-            code=code_of(
-                study, *(["report_code"] if study.parts else ["code", "report_code"])
-            ),
+            code=lambda wildcards, study=study: study.code(),
         message:
             study.about
         shell:

@@ -248,7 +248,9 @@ def test_a_changed_preset_is_measured_as_it_is_now(monkeypatch):
     changed = {"draft": {"elements": 3, "safety": 0.5, "order": 4, "held_out": 5}}
     for module in (points, preset_rows):
         monkeypatch.setattr(module, "PRESETS", changed)
-    case = replace(SMALL, name="one", levels=(Level(2, 0.9, 0, ()), Level(4, 0.9, 24, CHOICES)))
+    case = replace(
+        SMALL, name="one", levels=(Level(2, 0.9, 0, CHOICES[:1]), Level(4, 0.9, 24, CHOICES))
+    )
     assert [level.label for level in levels_of(case)] == [
         "2 elements", "3 elements, step x0.5", "4 elements",
     ]  # fmt: skip

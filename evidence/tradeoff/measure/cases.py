@@ -7,10 +7,7 @@ finest level, with a dense scan.
 from dataclasses import dataclass, field, replace
 
 BENNETT = {"BD": {"distance": ["B", "D"]}, "vBz": {"velocity": "B", "component": "z"}}
-PENDULUM = {
-    "x": {"position": "T", "component": "x"},
-    "vz": {"velocity": "T", "component": "z"},
-}
+PENDULUM = {"x": {"position": "T", "component": "x"}, "vz": {"velocity": "T", "component": "z"}}
 
 
 @dataclass(frozen=True)

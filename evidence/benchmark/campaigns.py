@@ -10,7 +10,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 import yaml
@@ -77,33 +76,11 @@ def busy(intervals: list[tuple[float, float]]) -> float:
     return total
 
 
-@dataclass(frozen=True)
-class Timed:
-    """A campaign's seconds on the wall and of cpu, of a dry run, and until the first job starts.
+def timed(samples: int | None = None, cores: int = 2) -> tuple[list[Row], float]:
+    """Rows of the paper's campaign, or of a scan, once what it needs is warm; wall seconds first.
 
-    done: as `jobs` gives it; manifests: what the batches of runs tell of themselves.
+    And the share of the wall time that the cores integrate.
     """
-
-    cores: int
-    wall: float
-    cpu: float
-    dry: float
-    first: float
-    done: list[tuple[str, float, float]]
-    manifests: list[dict]
-
-    @property
-    def runs(self) -> int:
-        """Number of runs in all batches."""
-        return sum(len(manifest["runs"]) for manifest in self.manifests)
-
-    def inside(self, key: str, clock: int = 0) -> float:
-        """Sum of wall (clock 0) or cpu (1) seconds over the batches."""
-        return sum(manifest[key][clock] for manifest in self.manifests)
-
-
-def run_timed(samples: int | None, cores: int = 2) -> Timed:
-    """Run the paper's campaign, or a scan of so many samples, once what it needs is warm."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         copy_workflow(folder)
@@ -118,35 +95,35 @@ def run_timed(samples: int | None, cores: int = 2) -> Timed:
         done = jobs(folder)
         manifests = [json.loads(p.read_text()) for p in folder.glob("results/*/batches/*.json")]
     first = done[0][1] - started if done else wall
-    return Timed(cores, wall, cpu, dry, first, done, manifests)
-
-
-def rows_of(timed: Timed) -> list[Row]:
-    """Where the time went, beside the whole."""
-    during = busy([(start, end) for _, start, end in timed.done])
-    rows = [
-        told("cpu time of all processes", timed.cpu, "s",
-             f"integrating: {timed.inside('seconds_integrating', 1):.3g} s"),
-        told("a dry run: interpreter, imports, plan of the jobs", timed.dry, "s"),
-        told("until the first job starts", timed.first, "s"),
-        told("between jobs and at the end", timed.wall - timed.first - during, "s"),
-    ]  # fmt: skip
-    for rule in dict.fromkeys(rule for rule, _, _ in timed.done):
-        spans = [(start, end) for r, start, end in timed.done if r == rule]
-        rows.append(told(f"rule {rule}", busy(spans), "s"))
-    shared = f"sum over the batches, shared by {timed.cores} cores"
-    inside, arithmetic = (
-        timed.inside(key) / timed.cores for key in ("seconds", "seconds_integrating")
+    during = busy([(start, end) for _, start, end in done])
+    runs = sum(len(manifest["runs"]) for manifest in manifests)
+    inside = sum(manifest["seconds"][0] for manifest in manifests) / cores
+    arithmetic, arithmetic_cpu = (
+        sum(manifest["seconds_integrating"][clock] for manifest in manifests) for clock in (0, 1)
     )
-    share = f"{shared}: {100 * arithmetic / timed.wall:.0f} % of all"
-    alone = arithmetic_seconds(timed.runs) / timed.cores
-    return [
-        *rows,
+    arithmetic /= cores
+    shared = f"sum over the batches, shared by {cores} cores"
+    rows = [
+        told("all", wall, "s", f"{runs} runs in {len(manifests)} batches"),
+        told("cpu time of all processes", cpu, "s", f"integrating: {arithmetic_cpu:.3g} s"),
+        told("a dry run: interpreter, imports, plan of the jobs", dry, "s"),
+        told("until the first job starts", first, "s"),
+        told("between jobs and at the end", wall - first - during, "s"),
+        *rules(done),
         told("batches inside their processes", inside, "s", shared),
-        told("integrating", arithmetic, "s", share),
-        told("integrating, undisturbed", alone, "s",
+        told("integrating", arithmetic, "s", f"{shared}: {100 * arithmetic / wall:.0f} % of all"),
+        told("integrating, undisturbed", arithmetic_seconds(runs) / cores, "s",
              "the same for a process that has the machine to itself"),
     ]  # fmt: skip
+    return rows, arithmetic / wall
+
+
+def rules(done: list[tuple[str, float, float]]) -> list[Row]:
+    """The time that each rule's jobs took together."""
+    return [
+        told(f"rule {rule}", busy([(start, end) for r, start, end in done if r == rule]), "s")
+        for rule in dict.fromkeys(rule for rule, _, _ in done)
+    ]
 
 
 def cpu_of_children() -> float:
@@ -166,17 +143,11 @@ def arithmetic_seconds(runs: int) -> float:
 
 def paper() -> list[Row]:
     """The paper's campaign, warm."""
-    timed = run_timed(None)
-    note = f"{timed.runs} runs in {len(timed.manifests)} batches"
-    return [at_most("all", timed.wall, 15.0, note=note, unit="s"), *rows_of(timed)]
+    (first, *rows), _ = timed()
+    return [at_most(first.name, first.value, 15.0, note=first.note, unit="s"), *rows]
 
 
 def many(samples: int) -> list[Row]:
     """A scan of many samples, with the share of its wall time that is not arithmetic."""
-    timed = run_timed(samples)
-    rest = 100 * (1 - timed.inside("seconds_integrating") / timed.cores / timed.wall)
-    return [
-        told("all", timed.wall, "s", f"{timed.runs} runs in {len(timed.manifests)} batches"),
-        *rows_of(timed),
-        at_most("everything but integrating", rest, 20.0, unit="% of all"),
-    ]
+    rows, share = timed(samples)
+    return [*rows, at_most("everything but integrating", 100 * (1 - share), 20.0, unit="% of all")]

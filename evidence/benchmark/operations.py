@@ -53,8 +53,7 @@ class Lanes:
     def __add__(self, other):
         return self._sum(other, self.value + number(other))
 
-    def __radd__(self, other):
-        return self._sum(other, number(other) + self.value)
+    __radd__ = __add__
 
     def __sub__(self, other):
         return self._sum(other, self.value - number(other))

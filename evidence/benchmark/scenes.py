@@ -45,64 +45,28 @@ def bars(elements: int, *kinds: str) -> fpm.Scene:
     return scene
 
 
-def _gravity(scene, links):
-    scene.gravity = np.array([0.0, 0.0, -9.81])
-
-
-def _damping(scene, links):
-    scene.damping = 0.5
-
-
-def _frames(scene, links):
+def _turn_frames(scene: fpm.Scene) -> None:
     """Elements whose axes are not the particles'."""
     tilt = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
     scene.frame = np.einsum("nij,jk->nik", scene.frame, tilt)
 
 
-def _loads(scene, links):
-    """A force on the end of every bar."""
-    for link in links:
-        scene.add_load(int(link[-1]), force=(0.0, 0.0, 1.0))
+def _add_hinge(scene: fpm.Scene, first: np.ndarray, second: np.ndarray) -> None:
+    pair = (int(first[-1]), int(second[0]))
+    at = scene.position[pair[0]] + np.array([0, 0, 0.02])
+    scene.add_hinge(f"H{len(scene.hinges)}", pair, at, (0, 1, 0))
 
 
-def _supports(scene, links):
-    """One direction held at the start of every bar."""
-    for link in links:
-        scene.fix(link[0], translations="z", rotations="")
-
-
-def _points(scene, links):
-    for k, link in enumerate(links):
-        scene.add_point(f"P{k}", int(link[-1]))
-
-
-def _hinges(scene, links):
-    """Between bars 1 and 2, and 3 and 4."""
-    for k in (0, 2):
-        pair = (int(links[k][-1]), int(links[k + 1][0]))
-        at = scene.position[pair[0]] + np.array([0, 0, 0.02])
-        scene.add_hinge(f"H{k}", pair, at, (0, 1, 0))
-
-
-def _springs(scene, links):
-    for hinge in range(2):
-        scene.add_torsion_spring(hinge, 0.1)
-
-
-def _contacts(scene, links):
-    for hinge in range(2):
-        scene.add_contact(hinge, 10.0)
-
-
-KINDS = {
-    "gravity": _gravity,
-    "damping": _damping,
-    "frames": _frames,
-    "loads": _loads,
-    "supports": _supports,
-    "points": _points,
-    "hinges": _hinges,
-    "springs": _springs,
-    "contacts": _contacts,
+KINDS: dict[str, Callable] = {
+    "gravity": lambda scene, links: setattr(scene, "gravity", np.array([0.0, 0.0, -9.81])),
+    "damping": lambda scene, links: setattr(scene, "damping", 0.5),
+    "frames": lambda scene, links: _turn_frames(scene),
+    "loads": lambda scene, links: [scene.add_load(x[-1], force=(0.0, 0.0, 1.0)) for x in links],
+    "supports": lambda scene, links: [scene.fix(x[0], "z", "") for x in links],
+    "points": lambda scene, links: [scene.add_point(f"P{x[-1]}", int(x[-1])) for x in links],
+    "hinges": lambda scene, links: [_add_hinge(scene, *links[k : k + 2]) for k in (0, 2)],
+    "springs": lambda scene, links: [scene.add_torsion_spring(k, 0.1) for k in (0, 1)],
+    "contacts": lambda scene, links: [scene.add_contact(k, 10.0) for k in (0, 1)],
 }
-"""What bars can have; springs and contacts are on the hinges."""
+"""What bars can have, given their particles link by link: a force on the end of every bar, one
+direction held at its start, four points, two hinges, and springs and contacts on these."""

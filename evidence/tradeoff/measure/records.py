@@ -10,21 +10,12 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 
 import numpy as np
 
 import fpm
-from evidence.tradeoff.measure.bounds import (
-    Band,
-    distance,
-    hull,
-    judge_estimate,
-    mean_width,
-    phases_of,
-    rms,
-    runs_in_band,
-    take_bounds,
-)
+from evidence.tradeoff.measure import bounds
 from evidence.tradeoff.measure.cases import Case, Choice, Level
 from evidence.tradeoff.measure.points import (
     design_of,
@@ -32,7 +23,7 @@ from evidence.tradeoff.measure.points import (
     levels_of,
     points_of,
     preset_choices,
-)
+)  # fmt: skip
 from evidence.tradeoff.measure.reference import missing, seek_runs
 from evidence.tradeoff.measure.runs import LANES, Runs, simulate
 
@@ -47,7 +38,7 @@ def measure_case(case: Case, tell: Callable[[str], object] = print) -> dict:
         runs, rounds = seek_runs(level, runs)
         levels.append((level, runs))
     finest_level, finest = levels[-1]
-    reference, phases = hull(finest), phases_of(finest)
+    reference, phases = bounds.hull(finest), bounds.phases_of(finest)
     records, presets = [], []
     for level, runs in levels:
         tell(f"{case.name}: {level.label}, bounds of {len(level.choices)} choices")
@@ -59,7 +50,7 @@ def measure_case(case: Case, tell: Callable[[str], object] = print) -> dict:
         "dimension": len(case.intervals),
         "responses": list(case.responses),
         "phases": {name: _span(finest.time, mask) for name, mask in phases.items()},
-        "widths": mean_width(finest.time, reference, phases),
+        "widths": bounds.mean_width(finest.time, reference, phases),
         "reference": {
             "elements": finest_level.elements,
             "runs": len(finest.unit),
@@ -79,13 +70,13 @@ def _measure_level(
     level: Level,
     choices: Sequence[Choice],
     runs: Runs,
-    reference: Band,
+    reference: bounds.Band,
     phases: dict[str, np.ndarray],
 ) -> list[dict]:
-    own = hull(runs) if level.scan else None
+    own = bounds.hull(runs) if level.scan else None
     records = []
     for choice in choices:
-        band = take_bounds(case, choice, runs)
+        band = bounds.take_bounds(case, choice, runs)
         design = design_of(case, choice)
         tested = held_out_of(case, choice, design)
         # a spline goes through the held-out runs too
@@ -96,24 +87,19 @@ def _measure_level(
             "safety": level.safety,
             "step": runs.step,
             "choice": choice.label,
-            "method": choice.method,
-            "order": choice.order,
-            "align": choice.align,
-            "impacts": choice.impacts,
-            "model": choice.model,
-            "preset": choice.preset,
+            **asdict(choice),
             "runs": used,
             "held_out": design.runs + len(tested) - used,
             "cpu": runs.cost(used) + band.cpu,
             "cpu_batch": runs.cpu,
             "cpu_bounds": band.cpu,
             "lanes": LANES,
-            "total": distance(runs.time, band, reference, phases),
+            "total": bounds.distance(runs.time, band, reference, phases),
         }
         if own is not None:
-            record["surrogate"] = distance(runs.time, band, own, phases)
-            record["estimate"] = judge_estimate(runs.time, band, own, phases)
-            record["scan"] = runs_in_band(band, runs)
+            record["surrogate"] = bounds.distance(runs.time, band, own, phases)
+            record["estimate"] = bounds.judge_estimate(runs.time, band, own, phases)
+            record["scan"] = bounds.runs_in_band(band, runs)
         records.append(record)
     return records
 
@@ -137,7 +123,7 @@ def _measure_trajectories(case: Case, phases: dict[str, np.ndarray], tell) -> li
         row = {"elements": elements, "safety": safety, "step": runs.step, "cpu": runs.cpu / LANES}
         for key, exact in (("rms", found[-1]), ("rms_step", smallest[elements])):
             off = runs.values - exact.values
-            row[key] = [rms(off[:, i], phases) for i in range(off.shape[1])]
+            row[key] = [bounds.rms(off[:, i], phases) for i in range(off.shape[1])]
         rows.append(row)
     return rows
 

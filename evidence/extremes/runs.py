@@ -159,6 +159,10 @@ def precision() -> list[Row]:
     return rows
 
 
+WIDE = {"K_F": (2.5, 7.5), "a": (0.0175, 0.0525), "E": (0.5e9, 1.5e9)}
+"""Intervals of ± 50 %."""
+
+
 def box_of(**ends: tuple[float, float]):
     """The box of some parameters' intervals."""
     from intervals import Box
@@ -189,15 +193,11 @@ def apart(bounds, lower: np.ndarray, upper: np.ndarray) -> float:
 def intervals() -> list[Row]:
     """Wide intervals and intervals of no width, through the interval library."""
     rows = []
-    for name, parameter, ends in (
-        ("K_F ± 50 %", "K_F", (2.5, 7.5)),
-        ("a ± 50 %", "a", (0.0175, 0.0525)),
-        ("E ± 50 %", "E", (0.5e9, 1.5e9)),
-    ):
+    for parameter, ends in WIDE.items():
         bounds, _ = bounds_of_bd(box_of(**{parameter: ends}), 8)
         scan = curves_of_bd((parameter,), np.linspace(*ends, 33)[:, None])
         worst = apart(bounds, scan.min(0), scan.max(0)) / float(np.ptp(scan))
-        text = f"interval {name}, order 8: bounds of BD"
+        text = f"interval {parameter} ± 50 %, order 8: bounds of BD"
         rows.append(at_most(text, worst, 0.01, "33 runs across the interval"))
     box = box_of(K_F=(5.0, 5.0), a=(0.035, 0.035))
     bounds, count = bounds_of_bd(box, 3)

@@ -16,7 +16,7 @@ integrated with q = beta.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -30,7 +30,8 @@ class RigidBennett:
     ``supports`` is "plane" (points A and C stay at z = 0 and slide in x and y) or "free" (no
     supports; the centre of mass stays where it starts).  Each bar has the mass rho a^2 L spread
     evenly along its axis between its ends and the section inertia rho a^4 / 12 per length about
-    each side, as a beam has; the mitre cuts move neither.
+    each side, as a beam has; the mitre cuts move neither.  What follows from these (centre, hinge
+    points and axes, ...) is in a link frame that is the world's in the deployed state.
     """
 
     length: float = 0.45
@@ -41,19 +42,6 @@ class RigidBennett:
     spring_stiffness: float = 5.0  # K^F, per length of hinge line
     contact_stiffness: float = 1.0e4  # K^C, per length of hinge line
     supports: str = "plane"
-
-    # Derived, in a link frame that is the world's in the deployed state.
-    centre: np.ndarray = field(init=False, repr=False)
-    hinge_a: np.ndarray = field(init=False, repr=False)
-    hinge_b: np.ndarray = field(init=False, repr=False)
-    axis_a: np.ndarray = field(init=False, repr=False)
-    axis_b: np.ndarray = field(init=False, repr=False)
-    hinge_length_a: float = field(init=False)
-    hinge_length_b: float = field(init=False)
-    mass: float = field(init=False)
-    second_moment: np.ndarray = field(init=False, repr=False)
-    beta_deployed: float = field(init=False)
-    beta_folded: float = field(init=False)
 
     def __post_init__(self) -> None:
         if self.supports not in ("plane", "free"):
@@ -83,22 +71,16 @@ class RigidBennett:
         axes = np.stack([along, inner_upper, outer_upper], axis=-1)
         moments = np.array([self.length**2, self.side**2, self.side**2]) * mass / 12.0
 
-        def put(name, value):
-            object.__setattr__(self, name, value)
-
-        put("centre", 0.5 * (end_a + end_b))
-        put("hinge_a", edge_a.mean(axis=0))
-        put("hinge_b", edge_b.mean(axis=0))
         # Both edges run upwards, so that beta and gamma start between 0 and 180 degrees.
-        put("axis_a", (edge_a[1] - edge_a[0]) / length_a)
-        put("axis_b", (edge_b[1] - edge_b[0]) / length_b)
-        put("hinge_length_a", length_a)
-        put("hinge_length_b", length_b)
-        put("mass", mass)
-        put("second_moment", axes @ np.diag(moments) @ axes.T)
-        put("beta_deployed", math.atan2(self.axis_b[2], self.axis_b[1]))
-        # The bars are parallel to z when the axis at B makes its constant angle with z.
-        put("beta_folded", math.pi - math.asin(self.axis_b @ along))
+        axis_a, axis_b = (edge_a[1] - edge_a[0]) / length_a, (edge_b[1] - edge_b[0]) / length_b
+        self.__dict__.update(
+            centre=0.5 * (end_a + end_b), hinge_a=edge_a.mean(axis=0), hinge_b=edge_b.mean(axis=0),
+            axis_a=axis_a, axis_b=axis_b, hinge_length_a=length_a, hinge_length_b=length_b,
+            mass=mass, second_moment=axes @ np.diag(moments) @ axes.T,
+            beta_deployed=math.atan2(axis_b[2], axis_b[1]),
+            # The bars are parallel to z when the axis at B makes its constant angle with z.
+            beta_folded=math.pi - math.asin(axis_b @ along),
+        )  # fmt: skip
 
     # --- kinematics ------------------------------------------------------------------------------
 
@@ -237,15 +219,9 @@ class RigidBennett:
             )
             shut.direction = 1.0 if inside else -1.0
             solution = solve_ivp(
-                self.state_rate,
-                (time, times[-1]),
-                state,
-                method="DOP853",
-                rtol=tolerance,
-                atol=tolerance,
-                dense_output=True,
-                events=shut,
-            )
+                self.state_rate, (time, times[-1]), state, method="DOP853", rtol=tolerance,
+                atol=tolerance, dense_output=True, events=shut,
+            )  # fmt: skip
             if solution.status < 0:
                 raise RuntimeError(f"rigid linkage: {solution.message} at t = {solution.t[-1]} s")
             ended = solution.t[-1]
@@ -271,17 +247,12 @@ class RigidBennett:
         for i, (beta, rate) in enumerate(states):
             motion = self.motion(beta)
             spring, contact, _ = self.potential(motion)
+            a, b = motion["A"], motion["B"]
             row = (
-                2.0 * abs(motion["B"][0, 1]),
-                2.0 * abs(motion["A"][0, 0]),
-                motion["B"][0, 2] - motion["A"][0, 2],
-                motion["B"][1, 2] * rate,
-                motion["opening_a"][0],
-                motion["opening_b"][0],
-                0.5 * self.inertia(motion)[0] * rate * rate,
-                spring,
-                contact,
-            )
+                2.0 * abs(b[0, 1]), 2.0 * abs(a[0, 0]), b[0, 2] - a[0, 2], b[1, 2] * rate,
+                motion["opening_a"][0], motion["opening_b"][0],
+                0.5 * self.inertia(motion)[0] * rate * rate, spring, contact,
+            )  # fmt: skip
             for name, value in zip((*names, *energies), row, strict=True):
                 curves[name][i] = value
         curves["energy"] = curves["kinetic"] + curves["spring"] + curves["contact"]

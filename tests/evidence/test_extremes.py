@@ -51,9 +51,15 @@ def test_values_that_make_no_structure_are_refused():
     assert [row.name for row in rows if not row.passed] == []
 
 
-@pytest.mark.parametrize("group", ["damping", "intervals"])
-def test_fast_groups_pass(group):
-    assert [row.name for row in GROUPS[group]() if not row.passed] == []
+def test_damping_passes():
+    assert [row.name for row in GROUPS["damping"]() if not row.passed] == []
+
+
+def test_wide_intervals_and_those_of_no_width_pass(monkeypatch):
+    """One of the wide ones."""
+    monkeypatch.setattr(runs, "WIDE", {"K_F": runs.WIDE["K_F"]})
+    rows = GROUPS["intervals"]()
+    assert [row.passed for row in rows] == [True, True]
 
 
 def test_the_damped_oscillator_solves_its_equation():

@@ -79,12 +79,12 @@ class Case:
     mesh: str
     responses: dict
     intervals: dict[str, float]
-    duration: float
-    instants: int
     held_out: int
     levels: tuple[Level, ...]
     trajectories: tuple[tuple[int, float], ...] = ()
     fixed: dict[str, float] = field(default_factory=dict)
+    duration: float = 1.0
+    instants: int = 2001
 
 
 def _each(method: str, orders, **more) -> tuple[Choice, ...]:
@@ -140,13 +140,7 @@ _BENNETT = {"scene": "bennett", "mesh": "elements_per_link", "responses": BENNET
 
 CASES = (
     Case(
-        "one",
-        "Bennett linkage, a ± 1 %",
-        **_BENNETT,
-        intervals={"a": 0.01},
-        duration=1.0,
-        instants=2001,
-        held_out=4,
+        "one", "Bennett linkage, a ± 1 %", **_BENNETT, intervals={"a": 0.01}, held_out=4,
         levels=(
             Level(4, 0.9, 201, _LINE),
             Level(8, 0.45, 0, _FEW),
@@ -155,20 +149,12 @@ CASES = (
             Level(32, 0.9, 201, _FEW),
         ),
         trajectories=(
-            *((n, 0.9) for n in (2, 4, 8)),
-            (8, 0.45),
-            (8, 0.225),
-            *((n, 0.9) for n in (16, 32, 64)),
+            (2, 0.9), (4, 0.9), (8, 0.9), (8, 0.45), (8, 0.225), (16, 0.9), (32, 0.9), (64, 0.9),
         ),
     ),
     Case(
-        "three",
-        "Bennett linkage, a ± 1 %, E ± 5 %, K_C ± 10 %",
-        **_BENNETT,
-        intervals={"a": 0.01, "E": 0.05, "K_C": 0.10},
-        duration=1.0,
-        instants=2001,
-        held_out=8,
+        "three", "Bennett linkage, a ± 1 %, E ± 5 %, K_C ± 10 %", **_BENNETT,
+        intervals={"a": 0.01, "E": 0.05, "K_C": 0.10}, held_out=8,
         levels=(
             Level(4, 0.9, 512, _SPACE_FEW, rounds=2),
             Level(8, 0.9, 768, _SPACE + _aligned("total_degree", (3,)), rounds=4),
@@ -176,39 +162,13 @@ CASES = (
         ),
     ),
     Case(
-        "spring",
-        "Bennett linkage, K_F ± 5 %",
-        **_BENNETT,
-        intervals={"K_F": 0.05},
-        duration=1.0,
-        instants=2001,
-        held_out=4,
+        "spring", "Bennett linkage, K_F ± 5 %", **_BENNETT, intervals={"K_F": 0.05}, held_out=4,
         levels=(Level(8, 0.9, 401, _LINE + _aligned("tensor_lobatto", (2, 4, 8, 16))),),
     ),
     Case(
-        "smooth",
-        "Pendulum of a stiff bar, L ± 1 %, g ± 1 %",
-        scene="pendulum",
-        mesh="elements",
-        responses=PENDULUM,
-        intervals={"L": 0.01, "g": 0.01},
-        fixed={"E": 2e10},
-        duration=1.0,
-        instants=1001,
-        held_out=6,
-        levels=(
-            Level(2, 0.9, 2048, _SPACE_FEW),
-            Level(4, 0.9, 2048, _SPACE_FEW),
-            Level(8, 0.9, 2048, _SPACE_FEW),
-        ),
+        "smooth", "Pendulum of a stiff bar, L ± 1 %, g ± 1 %", "pendulum", "elements", PENDULUM,
+        intervals={"L": 0.01, "g": 0.01}, fixed={"E": 2e10}, held_out=6, instants=1001,
+        levels=tuple(Level(n, 0.9, 2048, _SPACE_FEW) for n in (2, 4, 8)),
         trajectories=((2, 0.9), (4, 0.9), (4, 0.45), (8, 0.9), (16, 0.9)),
     ),
-)
-
-
-def find(name: str) -> Case:
-    """The case of that name; KeyError with the known names."""
-    known = {case.name: case for case in CASES}
-    if name not in known:
-        raise KeyError(f"{name}: one of {', '.join(known)}")
-    return known[name]
+)  # fmt: skip

@@ -17,7 +17,7 @@ import numpy as np
 
 import intervals
 from evidence.peers import interpreter
-from evidence.tradeoff.measure.cases import Case, Choice, find
+from evidence.tradeoff.measure.cases import CASES, Case, Choice
 from evidence.tradeoff.measure.points import design_of, scan_of
 from evidence.tradeoff.measure.runs import Runs, simulate
 
@@ -36,7 +36,8 @@ def measure_peers(tell: Callable[[str], object] = print) -> dict:
     """Fits and bounds of this package and of each peer, as plain numbers."""
     fits, bounds = [], []
     for name, choice in FITS:
-        case, design = find(name), design_of(find(name), choice)
+        case = next(case for case in CASES if case.name == name)
+        design = design_of(case, choice)
         tested = scan_of(case, _TESTS)
         points = np.concatenate([design.points, tested])
         line = scan_of(case, 401) if name == "one" else points[:0]
@@ -151,13 +152,8 @@ def run_peer(peer: str, given: dict) -> dict:
         np.savez(files[0], **given)
         script = Path(__file__).with_name("peer_script.py")
         try:
-            done = subprocess.run(
-                [python, str(script), peer, *files],
-                capture_output=True,
-                text=True,
-                timeout=120,
-                check=False,
-            )
+            call = [python, str(script), peer, *files]
+            done = subprocess.run(call, capture_output=True, text=True, timeout=120, check=False)
         except (OSError, subprocess.TimeoutExpired) as error:
             return {"skipped": f"could not be run: {error}"}
         if done.returncode:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fpm
-from verification.rigid_bennett import RigidBennett
+from evidence.linkage.rigid import RigidBennett
 
 # (lambda, mu) in degrees and supports; each closes between 0.26 and 0.39 s.
 CASES = [

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import fpm
-from studies.stable_step import bennett
-from studies.true_limit import disturb, true_limit
+from evidence.extremes.stable_step import bennett
+from evidence.extremes.true_limit import disturb, true_limit
 
 STEEL = fpm.Material(2.1e11, 0.3, 7850.0)
 WOOD = fpm.Material(1e10, 0.3, 600.0)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import fpm
-from studies.stable_step import MATERIAL, bar, bennett, element_step, study
-from studies.true_limit import breaks_down, disturb
+from evidence.extremes.stable_step import MATERIAL, bar, bennett, element_step, study
+from evidence.extremes.true_limit import breaks_down, disturb
 
 
 def test_the_estimate_is_just_below_the_true_limit():

@@ -1,0 +1,92 @@
+"""Run a study: ``python -m evidence NAME [--output results/NAME]``.
+
+The exit status tells whether the study ran, not whether all rows passed: a row that fails stays in
+summary.json and table.md as a failing row. ``--strict`` makes failing rows an exit status of 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import sys
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from campaign.files import write_text
+from evidence import results
+from evidence.registry import STUDIES, Study
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    out = argparse.ArgumentParser(prog="python -m evidence", description=__doc__)
+    out.add_argument("study", choices=STUDIES)
+    out.add_argument("--output", type=Path, help="folder to write to; results/NAME by default")
+    out.add_argument("--quick", action="store_true", help="coarser meshes or shorter runs")
+    out.add_argument("--strict", action="store_true", help="fail if a row fails")
+    chosen = out.add_mutually_exclusive_group()
+    chosen.add_argument("--only", nargs="+", metavar="PART", help="measure and tell these parts")
+    chosen.add_argument("--part", help="only measure this part, into OUTPUT/parts/PART.json")
+    chosen.add_argument("--measured", action="store_true", help="tell what OUTPUT/parts/ holds")
+    return out
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Parse the command line, run, write; returns the exit status."""
+    options = parser().parse_args(arguments)
+    study = STUDIES[options.study]
+    module = importlib.import_module(f"evidence.{study.name}.study")
+    folder = options.output or Path("results", study.name)
+    if options.quick and not study.quick:
+        parser().error(f"{study.name} has no quick form")
+    asked = options.only or ([options.part] if options.part else list(module.PARTS))
+    unknown = [name for name in asked if name not in module.PARTS]
+    if unknown:
+        parser().error(f"unknown part {unknown[0]!r}; known are: {', '.join(module.PARTS)}")
+    if options.measured:
+        found = read_parts(study, folder)
+    else:
+        found = measure({name: module.PARTS[name] for name in asked}, options.quick)
+    if options.part:
+        text = results.as_json(found[options.part])
+        write_text(folder / "parts" / f"{options.part}.json", text)
+        return 0
+    return tell(study, module.report(found), folder, options.strict)
+
+
+def measure(parts: Mapping[str, Callable[[bool], Any]], quick: bool = False) -> dict[str, Any]:
+    """What the parts measure, by name; prints how long each takes."""
+    import fpm
+
+    fpm.warm_up()  # so that no part is charged for compiling
+    found = {}
+    for name, part in parts.items():
+        start = time.perf_counter()
+        found[name] = part(quick)
+        print(f"{name}: {time.perf_counter() - start:.1f} s", flush=True)
+    return found
+
+
+def read_parts(study: Study, folder: Path) -> dict[str, Any]:
+    """What processes of their own have measured."""
+    return {
+        name: json.loads((folder / "parts" / f"{name}.json").read_text(encoding="utf-8"))
+        for name in study.parts
+    }
+
+
+def tell(study: Study, report: results.Report, folder: Path, strict: bool) -> int:
+    """Write the files, print the failing rows; returns the exit status."""
+    results.write(folder, study.name, report)
+    failed = [row for row in report.rows if row.failed]
+    for row in failed:
+        print(f"failed: {row.name}: {results.cell(row.value)}, {results.expected(row)}")
+    print(f"{len(report.rows)} rows, {len(failed)} failed: {folder / 'table.md'}")
+    return 1 if strict and failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,153 @@
+"""Where the wall time of a campaign goes, from Snakemake's own record of its jobs.
+
+Each is run in a folder of its own, after a small one that compiles and warms the disk.
+"""
+
+import json
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import yaml
+
+import fpm
+from evidence.benchmark.clock import best
+from evidence.benchmark.processes import ROOT, environment
+from evidence.benchmark.scenes import linkages, runner
+from evidence.rows import Row, at_most, told
+
+PAPER = "Wall time of a warm campaign on 2 cores: the paper's"
+SCAN = "Wall time of a warm campaign on 2 cores: a scan of many samples"
+COPIED = ("Snakefile", "workflow", "profiles", "config")
+
+
+def copy_workflow(folder: Path) -> None:
+    """The workflow in a folder of its own, so that no results of this checkout are touched."""
+    for name in COPIED:
+        source = ROOT / name
+        if source.is_dir():
+            shutil.copytree(source, folder / name)
+        elif source.exists():
+            shutil.copy(source, folder / name)
+
+
+def scan(folder: Path, samples: int) -> Path:
+    """The config of a plain scan of `samples` runs with one netCDF file each."""
+    config = yaml.safe_load((folder / "config/paper.yaml").read_text())
+    config["campaign"] = "timed"
+    config["design"] = {"method": "scan", "samples": samples}
+    config.pop("published", None)
+    path = folder / "config/timed.yaml"
+    path.write_text(yaml.safe_dump(config))
+    return path
+
+
+def snakemake(folder: Path, config: Path, cores: int, *more: str) -> float:
+    """Wall seconds of one call."""
+    command = [sys.executable, "-m", "snakemake", f"-c{cores}", "--configfile", str(config), *more]
+    start = time.perf_counter()
+    done = subprocess.run(command, cwd=folder, env=environment(), capture_output=True, text=True)
+    if done.returncode:
+        raise RuntimeError(f"snakemake failed:\n{done.stdout[-1000:]}\n{done.stderr[-3000:]}")
+    return time.perf_counter() - start
+
+
+def jobs(folder: Path) -> list[tuple[str, float, float]]:
+    """Rule, start and end (s since the epoch) of the jobs that Snakemake remembers, in order."""
+    found = set()
+    for path in (folder / ".snakemake/metadata").rglob("*"):
+        if path.is_file():
+            record = json.loads(path.read_text())
+            if record.get("rule") and record.get("endtime"):
+                found.add((record["rule"], record["starttime"], record["endtime"]))
+    return sorted(found, key=lambda job: job[1])
+
+
+def busy(intervals: list[tuple[float, float]]) -> float:
+    """Length (s) of the union of intervals."""
+    total, reached = 0.0, float("-inf")
+    for start, end in sorted(intervals):
+        total += max(0.0, end - max(start, reached))
+        reached = max(reached, end)
+    return total
+
+
+def timed(samples: int | None = None, cores: int = 2) -> tuple[list[Row], float]:
+    """Rows of the paper's campaign, or of a scan, once what it needs is warm; wall seconds first.
+
+    And the share of the wall time that the cores integrate.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        copy_workflow(folder)
+        config = scan(folder, samples) if samples else folder / "config/paper.yaml"
+        snakemake(folder, folder / "config/small.yaml", cores)
+        shutil.rmtree(folder / "results")
+        shutil.rmtree(folder / ".snakemake")
+        dry = snakemake(folder, config, cores, "--dry-run")
+        started, before = time.time(), cpu_of_children()
+        wall = snakemake(folder, config, cores)
+        cpu = cpu_of_children() - before
+        done = jobs(folder)
+        manifests = [json.loads(p.read_text()) for p in folder.glob("results/*/batches/*.json")]
+    first = done[0][1] - started if done else wall
+    during = busy([(start, end) for _, start, end in done])
+    runs = sum(len(manifest["runs"]) for manifest in manifests)
+    inside = sum(manifest["seconds"][0] for manifest in manifests) / cores
+    arithmetic, arithmetic_cpu = (
+        sum(manifest["seconds_integrating"][clock] for manifest in manifests) for clock in (0, 1)
+    )
+    arithmetic /= cores
+    shared = f"sum over the batches, shared by {cores} cores"
+    rows = [
+        told("all", wall, "s", f"{runs} runs in {len(manifests)} batches"),
+        told("cpu time of all processes", cpu, "s", f"integrating: {arithmetic_cpu:.3g} s"),
+        told("a dry run: interpreter, imports, plan of the jobs", dry, "s"),
+        told("until the first job starts", first, "s"),
+        told("between jobs and at the end", wall - first - during, "s"),
+        *rules(done),
+        told("batches inside their processes", inside, "s", shared),
+        told("integrating", arithmetic, "s", f"{shared}: {100 * arithmetic / wall:.0f} % of all"),
+        told("integrating, undisturbed", arithmetic_seconds(runs) / cores, "s",
+             "the same for a process that has the machine to itself"),
+    ]  # fmt: skip
+    return rows, arithmetic / wall
+
+
+def rules(done: list[tuple[str, float, float]]) -> list[Row]:
+    """The time that each rule's jobs took together."""
+    return [
+        told(f"rule {rule}", busy([(start, end) for r, start, end in done if r == rule]), "s")
+        for rule in dict.fromkeys(rule for rule, _, _ in done)
+    ]
+
+
+def cpu_of_children() -> float:
+    """Cpu seconds (user and system) of all processes that this one has started and that ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def arithmetic_seconds(runs: int) -> float:
+    """Cpu seconds that integrating `runs` samples of the paper's scene for 1 s takes."""
+    scenes = linkages(32)
+    step = 0.9 * fpm.stable_step(scenes[0]).step
+    steps = round(0.05 / step)
+    seconds = best({"run": runner(scenes, steps, step)}, 3)["run"]
+    return seconds / 0.05 * runs / 32
+
+
+def paper() -> list[Row]:
+    """The paper's campaign, warm."""
+    (first, *rows), _ = timed()
+    return [at_most(first.name, first.value, 15.0, note=first.note, unit="s"), *rows]
+
+
+def many(samples: int) -> list[Row]:
+    """A scan of many samples, with the share of its wall time that is not arithmetic."""
+    rows, share = timed(samples)
+    return [*rows, at_most("everything but integrating", 100 * (1 - share), 20.0, unit="% of all")]

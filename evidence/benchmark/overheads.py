@@ -1,0 +1,85 @@
+"""What surrounds the arithmetic: imports, cache, surrogate and bounds, writing."""
+
+import json
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+import fpm
+from evidence.benchmark.clock import best
+from evidence.benchmark.processes import python
+from evidence.benchmark.scenes import linkages
+from evidence.rows import Row, at_most, told
+
+GROUP = "Around the arithmetic"
+
+START = """
+import json, time
+start = time.perf_counter()
+import fpm
+imported = time.perf_counter()
+import numba
+numba_there = time.perf_counter()
+fpm.warm_up()
+print(json.dumps([imported - start, numba_there - imported, time.perf_counter() - numba_there]))
+"""
+
+
+def starting(repeats: int) -> list[Row]:
+    """Import of fpm, of numba, and loading the compiled kernels, in fresh processes."""
+    fpm.warm_up()
+    times = []
+    for _ in range(repeats):
+        times.append(json.loads(python("-c", START)))
+    own, numba, kernels = np.min(times, axis=0)
+    return [
+        at_most("import fpm", own, 0.5, unit="s"),
+        told("import numba, when first simulating", float(numba), "s"),
+        told("loading the compiled kernels from the cache", float(kernels), "s"),
+    ]
+
+
+def surrogate(repeats: int, order: int = 9, instants: int = 2000, responses: int = 10) -> list[Row]:
+    """Fit and range of many instants and responses, in one dimension."""
+    from intervals import fit, make_design, surrogate_range
+
+    design = make_design("tensor_roots", 1, order)
+    time_axis, lines = np.linspace(0, 1, instants), np.arange(1, responses + 1)
+    x = design.points[:, :1, None]
+    values = np.sin(lines * (1 + x) * time_axis[:, None]) + np.abs(x - 0.3 * time_axis[:, None])
+    seconds = best(
+        {"both": lambda: surrogate_range(fit(design, values))}, repeats, time.perf_counter
+    )
+    name = f"surrogate and bounds, {instants} instants x {responses} responses, order {order}"
+    return [at_most(name, seconds["both"], 1.0, unit="s")]
+
+
+def writing(repeats: int, instants: int = 2001, runs: int = 8) -> list[Row]:
+    """Making the dataset of a run and writing it as netCDF, against simulating it."""
+    import xarray  # noqa: F401 - its import is not part of the writing
+
+    scenes = linkages(runs)
+    kind = fpm.scenes.get("bennett")
+    response = fpm.responses.parse("BD", {"distance": ["B", "D"]}, kind)
+    outcomes = fpm.simulate(scenes, duration=0.01 * (instants - 1) / 2000, instants=instants)
+    datasets = [outcome.dataset([response]) for outcome in outcomes]
+    with tempfile.TemporaryDirectory() as folder:
+        paths = [Path(folder) / f"{k}.nc" for k in range(runs)]
+
+        def write():
+            for dataset, path in zip(datasets, paths, strict=True):
+                fpm.trajectory.write(dataset, path)
+
+        def prepare():
+            for outcome in outcomes:
+                outcome.dataset([response])
+
+        seconds = best({"prepare": prepare, "write": write}, repeats)
+        size = paths[0].stat().st_size / 1024
+    note = f"{instants} instants, {size:.0f} KiB"
+    return [
+        told("dataset of a trajectory", 1e3 * seconds["prepare"] / runs, "ms per run"),
+        told("writing a trajectory", 1e3 * seconds["write"] / runs, "ms per run", note),
+    ]

@@ -1,0 +1,1 @@
+"""The same work by peers, where they are installed: Exudyn and PyElastica."""

@@ -1,0 +1,23 @@
+"""Python in processes of their own, which find the packages of this checkout."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+def environment(**more: str) -> dict[str, str]:
+    """The environment of a process that imports from this checkout, installed or not."""
+    paths = filter(None, [str(ROOT), os.environ.get("PYTHONPATH")])
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **more}
+
+
+def python(*arguments: str, **more: str) -> str:
+    """What Python prints when called with these arguments; CalledProcessError if it fails."""
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        env=environment(**more), check=True, stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    return done.stdout

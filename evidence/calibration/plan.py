@@ -1,0 +1,82 @@
+"""The readings of the paper that are tried, and over which values of K_F."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from evidence.calibration.scans import SIDE, Reading
+from evidence.linkage.runs import default
+
+STARTS = (1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0)
+MESHES = (8, 16, 32)
+MU_B = 22.5
+
+
+def grid(first: float, last: float, spacing: float) -> np.ndarray:
+    """Evenly spaced values, free of rounding noise in their decimals."""
+    return np.round(np.arange(first, last + spacing / 2, spacing), 6)
+
+
+NEAR = grid(4.8, 7.2, 0.05)
+
+Plan = list[tuple[Reading, np.ndarray]]
+"""Readings and the values of K_F (N/rad) of each."""
+
+
+def defaults() -> Plan:
+    """The scene's own reading, finely and over a wide range."""
+    return [(Reading("default"), np.union1d(grid(3.0, 8.0, 0.1), grid(4.8, 7.2, 0.025)))]
+
+
+def meshes() -> Plan:
+    """Other meshes and half the step."""
+    readings = [
+        (Reading(f"{n} elements a link", (("elements_per_link", n),)), NEAR)
+        for n in MESHES
+        if n != default("elements_per_link")
+    ]
+    return [*readings, (Reading("step × 0.5", (), 0.45), grid(5.2, 5.8, 0.05))]
+
+
+def starts() -> Plan:
+    """Other starts, those of the paper's angle μ_B among them."""
+    readings = [
+        (Reading(f"start {s:g}°", (("start_deg", s),)), NEAR)
+        for s in STARTS
+        if s != default("start_deg")
+    ]
+    for label, angle in (("half", MU_B), ("whole", MU_B / 2)):
+        begin = round(start_of_half_angle(angle), 6)
+        reading = Reading(f"start at μ_B as {label} angle at B", (("start_deg", begin),))
+        readings.append((reading, grid(1.0, 7.0, 0.1)))
+    return readings
+
+
+def supports() -> Plan:
+    """Other supports."""
+    return [
+        (Reading("A and C free", (("supports", "free"),)), grid(3.0, 7.0, 0.05)),
+        (Reading("A pinned", (("supports", "pinned"),)), grid(3.0, 9.0, 0.1)),
+    ]
+
+
+def start_of_half_angle(degrees: float) -> float:
+    """start_deg at which half the angle between two bars' axes at B is `degrees`.
+
+    The reading of mu_B = 22.5° as the angle from which the paper starts.
+    """
+    from scipy.optimize import brentq
+
+    from fpm.scenes.bennett_geometry import bennett_geometry
+
+    geometry = bennett_geometry(
+        default("L"), SIDE, default("lambda_deg"), default("mu_deg"), default("omega_deg")
+    )
+
+    def excess(opening):
+        axis = geometry.pose(opening).rotation[0, :, 0]  # of bar AB; x = 0 is the plane at B
+        return math.degrees(math.asin(abs(axis[0]))) - degrees
+
+    return math.degrees(geometry.folded_opening_b - brentq(excess, 0.0, geometry.folded_opening_b))

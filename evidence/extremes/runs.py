@@ -1,0 +1,206 @@
+"""Extremes of how a run is made: starts, meshes, durations, damping, precision, intervals."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+
+import fpm
+from evidence.extremes.judge import attempt, compare, judge, persist
+from evidence.linkage.runs import (
+    BALANCE,
+    build,
+    closing_time,
+    curves,
+    distance,
+    first_closing,
+    imbalance,
+)
+from evidence.linkage.runs import simulate as run
+from evidence.rows import Row, at_most, refused, told
+
+CLOSED = 120.0
+"""Opening at B (degrees) between the folded bundle and closure."""
+
+WAVES = (0.002, 0.1)
+"""Accuracy of BD and of B's velocity where the linkage moves by micrometres, and waves in its links
+as much.
+"""
+
+
+def rest(name: str, parameters: dict, tolerance: float = 1e-9) -> Row:
+    """A linkage without a force that moves it stays where it is."""
+    outcome = run(0.2, **parameters)
+    if outcome.failure:
+        return Row(name, str(outcome.failure), passed=False, source="nothing moves (m)")
+    moved = max(float(np.abs(x - x[0]).max()) for x, _ in outcome.points.values())
+    return at_most(name, moved, tolerance, "nothing moves (m)")
+
+
+def starts() -> list[Row]:
+    rows = []
+    for degrees in (0.0, 0.01):
+        name = f"start {degrees:g}° from the folded bundle"
+        rows += judge(name, {"start_deg": degrees})
+        stiff = {"start_deg": degrees, "E": 2.1e11}
+        rows += judge(f"{name}, E = 2.1e11 Pa", stiff, against="rigid")
+    name, near = "start 0.01° from closure", {"start_deg": CLOSED - 0.01}
+    more = {"duration": 0.02, "past_closure": True}
+    rows += judge(f"{name}, E = 2.1e11 Pa", {**near, "E": 2.1e11}, against="rigid", **more)
+    rows += judge(name, near, WAVES, **more)
+    rows.append(rest("start at closure", {"start_deg": CLOSED}))
+    rows.append(rest("K_F = 0", {"K_F": 0.0}))
+    return rows
+
+
+def meshes() -> list[Row]:
+    """2 to 64 elements a link, against 80; the tolerance is what a mesh promises."""
+    duration = closing_time()
+    expected = run(duration, elements_per_link=80)
+    rows = []
+    for elements, tolerance in (
+        (2, 0.002), (4, 0.002), (8, 5e-4), (16, 1e-4), (32, 5e-5), (64, 2e-5),
+    ):  # fmt: skip
+        name = f"{elements} elements a link"
+        outcome, error = attempt(duration, (elements, 0.9), {})
+        if outcome is None:
+            rows.append(refused(name, error))
+            continue
+        until = 0.98 * min(first_closing(expected), first_closing(outcome))
+        source = "80 elements a link"
+        rows += compare(name, outcome, curves(expected), until, (tolerance, 0.02), source)
+    return rows
+
+
+def durations() -> list[Row]:
+    """A hundred closures; and less time than a wave needs from one end of a link to the other."""
+    rows, name, _, long = persist("20 s", 20.0, {}, instants=4001)
+    if long is None:
+        return rows
+    off, gap, tilt = imbalance(long), float(long.gap.max()), float(long.axis_gap.max())
+    rows += [
+        at_most(f"{name}: energy from nowhere", off, BALANCE, "energy balance"),
+        at_most(f"{name}: gap of a hinge (m)", gap, 1e-10, "hinge"),
+        at_most(f"{name}: tilt of a hinge (rad)", tilt, 1e-9, "hinge"),
+    ]
+    # Bending has spread by sqrt(c r t) = 34 mm then: less than an element of twelve to a link.
+    fine = curves(run(1e-4, instants=11, elements_per_link=128, safety=0.45))["BD"]
+    way = float(np.ptp(fine))
+    for elements, tolerance in ((12, 0.5), (32, 0.1), (64, 0.02)):
+        found = curves(run(1e-4, instants=11, elements_per_link=elements))["BD"]
+        error = float(np.abs(found - fine).max()) / way
+        name = f"1e-4 s, {elements} elements: BD, as a share of its way"
+        note = f"BD is 54 mm and moves by {way:.2g} m"
+        rows.append(at_most(name, error, tolerance, "128 elements a link", note))
+    return rows
+
+
+def oscillator(rate: float, angle: float, times: np.ndarray) -> np.ndarray:
+    """Angle of theta'' + rate theta' + theta = 0 from rest at `angle`; frequency 1 rad/s."""
+    root = np.sqrt(complex(rate**2 / 4 - 1)) or 1e-5
+    fast, slow = -rate / 2 - root, -rate / 2 + root
+    shares = fast / (fast - slow), -slow / (fast - slow)
+    return (angle * (shares[0] * np.exp(slow * times) + shares[1] * np.exp(fast * times))).real
+
+
+def damping() -> list[Row]:
+    """A stiff bar on a torsion spring: closed form, from light damping to far beyond critical."""
+    rows = []
+    pendulum = fpm.scenes.get("pendulum")
+    length, side, rho = 1.0, 0.05, 1000.0
+    inertia = rho * side**2 * length * (length**2 / 3 + side**2 / 12)
+    frequency = 10.0
+    for share in (0.01, 0.5, 1.0, 2.0, 20.0, 1e3, 1e5):
+        rate = 2 * share * frequency
+        scene = pendulum.build(
+            L=length, a=side, rho=rho, E=2.1e11, g=0.0, angle_deg=30.0, elements=2,
+            K_F=inertia * frequency**2, damping=rate,
+        )  # fmt: skip
+        duration = 4 * np.pi / frequency
+        (outcome,) = fpm.simulate([scene], duration=duration, instants=201)
+        theory = oscillator(rate / frequency, np.radians(30.0), outcome.time * frequency)
+        error = float(np.abs(outcome.openings["O"] - theory).max() / np.radians(30.0))
+        name = f"damping {share:g} times critical"
+        off = imbalance(outcome)
+        note = f"energy {off:.1g}, rate {rate:g} /s"
+        row = at_most(name, error, 2e-3, "damped oscillator, closed form", note)
+        rows.append(replace(row, passed=row.passed and off <= BALANCE))
+    return rows
+
+
+def precision() -> list[Row]:
+    """Single against double precision: sixteen lanes against eight of the same register."""
+    duration = closing_time()
+    scenes = [build(a=0.035 * (1 + 1e-3 * i), elements_per_link=8) for i in range(16)]
+    found, cost = {}, {}
+    for dtype in (np.float64, np.float32):
+        fpm.simulate(scenes, duration=1e-4, instants=2, dtype=dtype)  # compile
+        begun = time.process_time()
+        found[dtype] = fpm.simulate(
+            scenes, duration=duration, instants=401, dtype=dtype, step=2.5e-5, energy_tolerance=1.0
+        )
+        cost[dtype] = time.process_time() - begun
+    double, single = found[np.float64][0], found[np.float32][0]
+    inside = double.time < 0.98 * first_closing(double)
+    position, velocity = distance(curves(single), curves(double), inside)
+    off = imbalance(single)
+    failure = fpm.simulate(scenes[0], duration=duration, instants=401, dtype=np.float32)[0].failure
+    source = "the same 16 runs in 64 bits"
+    saved = 1 - cost[np.float32] / cost[np.float64]
+    note = f"velocity of B {velocity:.2g}, energy from nowhere {off:.2g}"
+    row = at_most("32-bit floats: error of BD", position, 1e-4, source, note)
+    good = row.passed and off <= BALANCE
+    rows = [
+        replace(row, passed=bool(good or failure)),
+        told("32-bit floats: share of cpu time saved", saved, note="half is the most there is"),
+    ]
+    if failure:
+        rows.append(refused("32-bit floats", failure))
+    return rows
+
+
+WIDE = {"K_F": (2.5, 7.5), "a": (0.0175, 0.0525), "E": (0.5e9, 1.5e9)}
+"""Intervals of ± 50 %."""
+
+
+def box_of(**ends: tuple[float, float]):
+    """The box of some parameters' intervals."""
+    from intervals import Box
+
+    return Box(tuple(ends), *zip(*ends.values(), strict=True))
+
+
+def bounds_of_bd(box, order: int):
+    """Bounds of BD (m) over a box by tensor Chebyshev roots of an order, and the number of runs."""
+    from intervals import fit, make_design, surrogate_range
+
+    design = make_design("tensor_roots", box, order)
+    values = curves_of_bd(box.names, box.from_unit(design.points))
+    return surrogate_range(fit(design, values)), len(design.points)
+
+
+def curves_of_bd(names, values) -> np.ndarray:
+    """BD (n, 201) m of the linkage over 0.2 s with these values (n, k) of the parameters."""
+    scenes = [build(**dict(zip(names, map(float, row), strict=True))) for row in values]
+    return np.array([curves(o)["BD"] for o in fpm.simulate(scenes, duration=0.2, instants=201)])
+
+
+def apart(bounds, lower: np.ndarray, upper: np.ndarray) -> float:
+    """Largest distance of bounds from others (t,)."""
+    return float(max(np.abs(lower - bounds.lower).max(), np.abs(upper - bounds.upper).max()))
+
+
+def intervals() -> list[Row]:
+    """Wide intervals and intervals of no width, through the interval library."""
+    rows = []
+    for parameter, ends in WIDE.items():
+        bounds, _ = bounds_of_bd(box_of(**{parameter: ends}), 8)
+        scan = curves_of_bd((parameter,), np.linspace(*ends, 33)[:, None])
+        worst = apart(bounds, scan.min(0), scan.max(0)) / float(np.ptp(scan))
+        text = f"interval {parameter} ± 50 %, order 8: bounds of BD"
+        rows.append(at_most(text, worst, 0.01, "33 runs across the interval"))
+    box = box_of(K_F=(5.0, 5.0), a=(0.035, 0.035))
+    bounds, count = bounds_of_bd(box, 3)
+    (curve,) = curves_of_bd(box.names, [[5.0, 0.035]])
+    worst, name = apart(bounds, curve, curve), "intervals of zero width: bounds of BD (m)"
+    return [*rows, at_most(name, worst, 1e-12, "the run itself", f"{count} run")]

@@ -1,0 +1,118 @@
+"""The stable step that fpm.stable_step gives, against the true limit found by bisection."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+import fpm
+from evidence.extremes.true_limit import disturb, true_limit
+from evidence.linkage.runs import build as bennett
+from evidence.rows import Row
+
+LOWEST, HIGHEST = 0.7, 1.0
+"""Allowed ratio of the estimate to the true limit."""
+
+RESOLUTION = 2e-4
+"""Relative width to which the limit is bisected."""
+
+SOURCE = "bisection on whether a run of 3000 steps breaks down"
+MATERIAL = fpm.Material(1e9, 0.3, 800.0)
+
+Case = tuple[str, fpm.Scene, fpm.Scene]
+"""Name, the scene whose step is estimated, the disturbed scene whose limit is sought."""
+
+
+def one(name: str, scene: fpm.Scene, speed: float) -> Case:
+    return name, scene, disturb(scene, speed)
+
+
+def bar(slenderness: float, elements: int, scale: float = 1.0) -> fpm.Scene:
+    """A free square bar of elements of 1 m with the given l/r."""
+    scene = fpm.Scene("bar")
+    section = fpm.Section.square(np.sqrt(12) / slenderness)
+    scene.add_link(
+        (0, 0, 0), (elements, 0, 0), (0, 0, 1), section, MATERIAL, elements, "bar", scale
+    )
+    return scene
+
+
+def element_step(slenderness: float, scale: float) -> float:
+    """Limit (s) of one free element of 1 m with its share of the masses: the smaller of
+
+    (l/c) / sqrt(12 (r/l)² + 3/f) of antisymmetric bending, k = 12 EI/l on the inertias f rho I l/2
+    and masses rho A l/2 of both ends, and l/c of the axial mode; c² = E/rho.
+    """
+    time = np.sqrt(MATERIAL.rho / MATERIAL.E)
+    return time * min(1.0, 1.0 / np.sqrt(12 / slenderness**2 + 3 / scale))
+
+
+def bars(fast: bool) -> Iterator[Case]:
+    for slenderness in (0.2, 5.0, 1000.0) if fast else (0.2, 1.0, 2.0, 5.0, 20.0, 100.0, 1000.0):
+        for elements in (1, 4) if fast else (1, 2, 4, 16):
+            name = f"free bar, l/r = {slenderness:g}, {elements} elements"
+            yield one(name, bar(slenderness, elements), 1e-6)
+    for scale in () if fast else (2.0, 3.0, 5.0, 8.0):
+        for slenderness in (10.0, 100.0):
+            name = f"free bar, l/r = {slenderness:g}, 8 elements, f = {scale:g}"
+            yield one(name, bar(slenderness, 8, scale), 1e-6)
+
+
+def linkages(fast: bool) -> Iterator[Case]:
+    for elements in (2, 4, 8) if fast else (2, 4, 8, 16, 32, 64):
+        name = f"Bennett linkage, {elements} elements a link"
+        yield one(name, bennett(elements_per_link=elements), 1e-4)
+    for scale in (3.0,) if fast else (2.0, 3.0, 5.0, 8.0):
+        scene = bennett(elements_per_link=4, inertia_scale=scale)
+        yield one(f"Bennett linkage, 4 elements a link, f = {scale:g}", scene, 1e-4)
+
+
+def contacts(fast: bool) -> Iterator[Case]:
+    """Shut contacts: their limit is that of springs of the same stiffness that hold both ways.
+
+    A contact itself opens when a growing motion lifts it off, which hides the growth.
+    """
+    for stiffness in (1e5, 1e8) if fast else (1e4, 1e5, 1e6, 1e7, 1e8):
+        for elements in (2, 4, 8) if fast else (2, 4, 8, 16):
+            common = {"start_deg": 120.0, "elements_per_link": elements}
+            tested = disturb(bennett(K_C=0.0, K_F=stiffness, **common), 1e-3)
+            name = f"shut contact, K_C = {stiffness:g} N/rad, {elements} elements a link"
+            yield name, bennett(K_C=stiffness, K_F=0.0, **common), tested
+
+
+def arms(fast: bool) -> Iterator[Case]:
+    """Virtual beams as short, stiff beam elements across the ends of two hinged bars."""
+    for factor in (1e4,) if fast else (1.0, 100.0, 1e4):
+        scene = fpm.Scene("stiff arms")
+        section, stiff = fpm.Section.square(0.035), fpm.Material(1e9 * factor, 0.3, 800.0)
+        tips = []
+        for side in (-1.0, 1.0):
+            near, far = (0.01 * side, 0, 0), (0.46 * side, 0, 0)
+            link = scene.add_link(near, far, (0, 0, 1), section, MATERIAL, 4)
+            mass, inertia = 0.02, np.full(3, 4e-6)
+            tip = scene.add_particles((0.0, 0.0, 0.0175), mass, inertia, link.triad)
+            scene.add_beams((int(link.particles[0]), int(tip[0])), section, stiff, (0, 1, 0), "arm")
+            tips.append(int(tip[0]))
+        scene.add_hinge("hinge", tips, (0, 0, 0.0175), (0, 1, 0))
+        yield one(f"bars on arms {factor:g} times as stiff", scene, 1e-3)
+
+
+def study(fast: bool = False) -> list[Row]:
+    """Rows: ratio of the estimate to the true limit; allowed from 0.7 to 1 (and the resolution)."""
+    rows = []
+    for cases in (bars, linkages, contacts, arms):
+        for name, scene, tested in cases(fast):
+            found = fpm.stable_step(scene)
+            limit = true_limit(tested, RESOLUTION)
+            ratio = found.step / limit
+            rows.append(
+                Row(
+                    name=f"stable step: {name}",
+                    value=float(ratio),
+                    sense=f"{LOWEST} to",
+                    reference=HIGHEST,
+                    passed=bool(LOWEST <= ratio <= HIGHEST + 1.5 * RESOLUTION),
+                    source=SOURCE,
+                    note=f"limit {limit:.4g} s, set by {found.element}",
+                )
+            )
+    return rows

@@ -1,0 +1,114 @@
+"""The studies: what each is about, which code it judges, and which files it leaves.
+
+Read by the workflow as well, so that this module imports nothing heavy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from evidence.tradeoff.measure.cases import CASES
+from fpm.sources import syntax_digest
+
+ROOT = Path(__file__).parents[1]
+
+
+@dataclass(frozen=True)
+class Study:
+    """One study.
+
+    about: a line for those who wait; uses: folders and files, beside the solver, whose code decides
+    what is measured; plots: figures that it always leaves; parts: measured by a process of their
+    own each, side by side (without them, one process does all); alone: it times things, so that
+    nothing should run beside it; quick: it has a quick form.
+    """
+
+    name: str
+    about: str
+    uses: tuple[str, ...]
+    plots: tuple[str, ...] = ()
+    parts: tuple[str, ...] = ()
+    alone: bool = False
+    quick: bool = False
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """The files that it always leaves."""
+        drawn = (f"{plot}.{kind}" for plot in self.plots for kind in ("png", "pdf"))
+        return ("summary.json", "table.md", *drawn)
+
+    def measuring_code(self) -> str:
+        """Digest of the code that decides what is measured."""
+        return digest("fpm", "evidence/linkage", *self.uses)
+
+    def code(self) -> list[str]:
+        """Digests of the code that decides what the study leaves, beside its measured parts."""
+        shared = (f"evidence/{name}.py" for name in ("rows", "results", "plots"))
+        telling = digest(*shared, f"evidence/{self.name}")
+        return [telling] if self.parts else [telling, self.measuring_code()]
+
+
+@cache
+def digest(*places: str) -> str:
+    """Syntax digest of the Python files in folders, and of single files, below the root."""
+    files: set[Path] = set()
+    for place in places:
+        path = ROOT / place
+        files.update(path.rglob("*.py") if path.is_dir() else [path])
+    return syntax_digest(files)
+
+
+EXTREMES = (
+    "stable-step", "materials", "sections", "lengths", "stiffnesses", "starts", "meshes",
+    "durations", "damping", "precision", "intervals", "refusals",
+)  # fmt: skip
+
+STUDIES = {
+    study.name: study
+    for study in (
+        Study(
+            "verification",
+            "Comparing the solver with closed forms and published results",
+            uses=("evidence/verification",),
+            plots=("overview",),
+            quick=True,
+        ),
+        Study(
+            "extremes",
+            "Running the linkage at the ends of its parameters' ranges",
+            uses=("intervals", "evidence/extremes"),
+            plots=("stable-step", "errors"),
+            parts=EXTREMES,
+        ),
+        Study(
+            "accuracy",
+            "Measuring what meshes, steps and lumpings cost and get wrong",
+            uses=("evidence/accuracy",),
+            plots=("errors",),
+        ),
+        Study(
+            "tradeoff",
+            "Putting error against cost",
+            uses=("intervals", "campaign/presets.py", "evidence/tradeoff/measure"),
+            plots=tuple(f"pareto_{case.name}" for case in CASES),
+            parts=(*(case.name for case in CASES), "peers"),
+        ),
+        Study(
+            "calibration",
+            "Fitting K_F to the paper's two numbers",
+            uses=("intervals", "evidence/calibration"),
+            plots=("numbers", "misfit", "closures"),
+            parts=("default", "meshes", "starts", "supports"),
+        ),
+        Study(
+            "benchmark",
+            "Measuring the solver, the workflow and, where they are installed, peers",
+            uses=("evidence/benchmark",),
+            plots=("benchmark",),
+            alone=True,
+            quick=True,
+        ),
+    )
+}

@@ -1,0 +1,1 @@
+"""What is measured: cases, points, runs, bounds, their distances, and peers on the same runs."""

@@ -1,0 +1,174 @@
+"""The cases of the study "error against cost": which scene, box, meshes, steps and designs.
+
+A level is one discretisation; all designs of a level share its runs. The reference of a case is its
+finest level, with a dense scan.
+"""
+
+from dataclasses import dataclass, field, replace
+
+BENNETT = {"BD": {"distance": ["B", "D"]}, "vBz": {"velocity": "B", "component": "z"}}
+PENDULUM = {"x": {"position": "T", "component": "x"}, "vz": {"velocity": "T", "component": "z"}}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """How bounds are taken: the design, the model, and whether impacts are aligned.
+
+    `order` is None for a scan, which has `samples` runs; `align` is "none", "stretch" or
+    "shift", the last two for the first impact only or for all (`impacts` None). `model` is
+    "polynomial" (none for a plain scan) or "spline". `preset` names the preset that takes them so,
+    with held-out runs of its own.
+    """
+
+    method: str
+    order: int | None = None
+    align: str = "none"
+    impacts: int | None = None
+    samples: int | None = None
+    model: str = "polynomial"
+    preset: str | None = None
+
+    @property
+    def label(self) -> str:
+        """Short name for tables and plots."""
+        if self.preset is not None:
+            return f"{self.preset}, {self.model}"
+        text = f"{self.method} {self.samples if self.order is None else self.order}"
+        if self.model != "polynomial":
+            return f"{text}, {self.model}"
+        if self.align == "none":
+            return text
+        return f"{text}, {self.align}" + ("" if self.impacts is None else f" {self.impacts}")
+
+
+@dataclass(frozen=True)
+class Level:
+    """A discretisation: elements (per link), share of the stable step, and what is run with it.
+
+    `scan` runs of a dense scan judge the choices of this level; 0: the reference alone does. In
+    `rounds` more rounds, runs are sought that widen the scan's bounds (reference.py).
+    """
+
+    elements: int
+    safety: float
+    scan: int
+    choices: tuple[Choice, ...]
+    rounds: int = 0
+
+    @property
+    def label(self) -> str:
+        """Short name for tables and plots."""
+        return f"{self.elements} elements" + (
+            "" if self.safety == 0.9 else f", step x{self.safety}"
+        )
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene with a box, its levels from coarse to fine, the last the reference.
+
+    `intervals` maps a parameter to its half width relative to the scene's default, `fixed` others
+    to values that differ from it; `mesh` is the scene's parameter for the number of elements.
+    `trajectories` are the discretisations (elements, safety) whose single runs are compared, the
+    last the reference.
+    """
+
+    name: str
+    title: str
+    scene: str
+    mesh: str
+    responses: dict
+    intervals: dict[str, float]
+    held_out: int
+    levels: tuple[Level, ...]
+    trajectories: tuple[tuple[int, float], ...] = ()
+    fixed: dict[str, float] = field(default_factory=dict)
+    duration: float = 1.0
+    instants: int = 2001
+
+
+def _each(method: str, orders, **more) -> tuple[Choice, ...]:
+    return tuple(Choice(method, n, **more) for n in orders)
+
+
+def _scans(*samples: int, **more) -> tuple[Choice, ...]:
+    return tuple(Choice("scan", samples=n, **more) for n in samples)
+
+
+def _splines(*choices: Choice) -> tuple[Choice, ...]:
+    return tuple(replace(choice, model="spline") for choice in choices)
+
+
+def _aligned(method: str, orders) -> tuple[Choice, ...]:
+    return tuple(
+        Choice(method, n, align, impacts)
+        for n in orders
+        for align, impacts in (("stretch", None), ("shift", None), ("shift", 1))
+    )
+
+
+_LINE = (
+    *_each("tensor_roots", (3, 5, 9, 17, 33)),
+    *_each("tensor_lobatto", (2, 4, 8, 16, 32)),
+    *_scans(4, 8, 16, 32, 64),
+    *_splines(*_each("tensor_roots", (3,)), *_each("tensor_lobatto", (2, 4, 8))),
+    *_scans(4, 8, 16, 32, 64, model="spline"),
+)
+_FEW = (
+    *_each("tensor_roots", (3,)),
+    *_each("tensor_lobatto", (4, 8, 16)),
+    *_scans(8, 16, 32),
+    *_splines(*_each("tensor_lobatto", (4, 8)), *_scans(8, 16, 32)),
+)
+_SPACE = (
+    *_each("tensor_roots", (3,)),
+    *_each("tensor_lobatto", (2, 4)),
+    *_each("total_degree", (2, 3, 5)),
+    *_each("smolyak", (2, 4)),
+    *_scans(16, 32, 64, 128, 256),
+    *_splines(*_each("total_degree", (3,)), *_each("smolyak", (2, 4))),
+    *_scans(16, 32, 64, 128, 256, model="spline"),
+)
+_SPACE_FEW = (
+    *_each("total_degree", (2, 3, 5)),
+    *_each("smolyak", (2, 4)),
+    *_each("tensor_lobatto", (2,)),
+    *_scans(16, 32, 64),
+    *_splines(*_each("total_degree", (5,)), *_each("smolyak", (2, 4)), *_scans(16, 32, 64)),
+)
+_BENNETT = {"scene": "bennett", "mesh": "elements_per_link", "responses": BENNETT}
+
+CASES = (
+    Case(
+        "one", "Bennett linkage, a ± 1 %", **_BENNETT, intervals={"a": 0.01}, held_out=4,
+        levels=(
+            Level(4, 0.9, 201, _LINE),
+            Level(8, 0.45, 0, _FEW),
+            Level(8, 0.9, 401, _LINE + _aligned("tensor_lobatto", (4, 8, 16))),
+            Level(16, 0.9, 201, _LINE),
+            Level(32, 0.9, 201, _FEW),
+        ),
+        trajectories=(
+            (2, 0.9), (4, 0.9), (8, 0.9), (8, 0.45), (8, 0.225), (16, 0.9), (32, 0.9), (64, 0.9),
+        ),
+    ),
+    Case(
+        "three", "Bennett linkage, a ± 1 %, E ± 5 %, K_C ± 10 %", **_BENNETT,
+        intervals={"a": 0.01, "E": 0.05, "K_C": 0.10}, held_out=8,
+        levels=(
+            Level(4, 0.9, 512, _SPACE_FEW, rounds=2),
+            Level(8, 0.9, 768, _SPACE + _aligned("total_degree", (3,)), rounds=4),
+            Level(16, 0.9, 768, _SPACE_FEW + _each("smolyak", (8,)), rounds=5),
+        ),
+    ),
+    Case(
+        "spring", "Bennett linkage, K_F ± 5 %", **_BENNETT, intervals={"K_F": 0.05}, held_out=4,
+        levels=(Level(8, 0.9, 401, _LINE + _aligned("tensor_lobatto", (2, 4, 8, 16))),),
+    ),
+    Case(
+        "smooth", "Pendulum of a stiff bar, L ± 1 %, g ± 1 %", "pendulum", "elements", PENDULUM,
+        intervals={"L": 0.01, "g": 0.01}, fixed={"E": 2e10}, held_out=6, instants=1001,
+        levels=tuple(Level(n, 0.9, 2048, _SPACE_FEW) for n in (2, 4, 8)),
+        trajectories=((2, 0.9), (4, 0.9), (4, 0.45), (8, 0.9), (16, 0.9)),
+    ),
+)  # fmt: skip

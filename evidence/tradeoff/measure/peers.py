@@ -1,0 +1,162 @@
+"""Peers on the same runs: chaospy and OpenTURNS fit, PyUncertainNumber bounds a few instants.
+
+A peer is found by import in this environment, or as another Python named by an environment
+variable (PEERS below), e.g. `PEER_CHAOSPY=/path/to/venv/bin/python`: their pins clash. One that is
+not there becomes a skipped entry with the command that installs it.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import intervals
+from evidence.peers import interpreter
+from evidence.tradeoff.measure.cases import CASES, Case, Choice
+from evidence.tradeoff.measure.points import design_of, scan_of
+from evidence.tradeoff.measure.runs import Runs, simulate
+
+PEERS = {
+    "chaospy": ("PEER_CHAOSPY", "pip install chaospy"),
+    "openturns": ("PEER_OPENTURNS", "pip install openturns numpy"),
+    "pyuncertainnumber": ("PEER_PUN", "pip install PyUncertainNumber"),
+}
+FITS = (("one", Choice("tensor_roots", 9)), ("three", Choice("total_degree", 3)))
+ELEMENTS = 8
+INSTANTS = 41
+_TESTS = 64
+
+
+def measure_peers(tell: Callable[[str], object] = print) -> dict:
+    """Fits and bounds of this package and of each peer, as plain numbers."""
+    fits, bounds = [], []
+    for name, choice in FITS:
+        case = next(case for case in CASES if case.name == name)
+        design = design_of(case, choice)
+        tested = scan_of(case, _TESTS)
+        points = np.concatenate([design.points, tested])
+        line = scan_of(case, 401) if name == "one" else points[:0]
+        runs = simulate(case, ELEMENTS, 0.9, np.concatenate([points, line]))
+        given = _problem(case, choice, design, runs, tested)
+        tell(f"peers: {len(given['points'])} runs of case {name}, {choice.label}")
+        fits.append({"by": "intervals", "case": name, **_own_fit(design, given)})
+        for peer in ("chaospy", "openturns"):
+            found = run_peer(peer, given)
+            row = found if "skipped" in found else _fit_error(found, given)
+            fits.append({"by": peer, "case": name, **row})
+        if name == "one":
+            bounds = _bounds(case, runs, line)
+    return {"case": "peers", "fits": fits, "bounds": bounds}
+
+
+def _problem(case: Case, choice: Choice, design, runs: Runs, tested: np.ndarray) -> dict:
+    """What a peer is given, all responses side by side: values (N, n T)."""
+    rows = intervals.match_points(design.points, runs.unit)
+    truth = runs.values[intervals.match_points(tested, runs.unit)]
+    return {
+        "points": design.points,
+        "values": runs.values[rows].reshape(len(rows), -1),
+        "degree": choice.order,
+        "tested": tested,
+        "truth": truth.reshape(len(tested), -1),
+        "scales": truth.std(axis=(0, 2)),
+    }
+
+
+def _own_fit(design, given: dict) -> dict:
+    start = time.perf_counter()
+    surrogate = intervals.fit(design, given["values"])
+    seconds = time.perf_counter() - start
+    return _fit_error({"seconds": seconds, "predicted": surrogate.evaluate(given["tested"])}, given)
+
+
+def _fit_error(found: dict, given: dict) -> dict:
+    """Seconds, and rms error at the tested points as a share of each response's spread, worst."""
+    off = (found["predicted"] - given["truth"]).reshape(
+        len(given["truth"]), len(given["scales"]), -1
+    )
+    error = np.sqrt((off**2).mean(axis=(0, 2))) / given["scales"]
+    return {
+        "seconds": float(found["seconds"]),
+        "error": float(error.max()),
+        "fits": int(given["values"].shape[1]),
+        "version": str(found.get("version", "")),
+    }
+
+
+def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
+    """Bounds of the velocity at a few instants between the closures: error and calls of methods."""
+    rows = intervals.match_points(line, runs.unit)
+    at = np.linspace(0.45, 0.85, INSTANTS) * (len(runs.time) - 1)
+    curves = runs.values[rows, 1][:, at.astype(int)]
+    low, high = curves.min(axis=0), curves.max(axis=0)
+    width = (high - low).mean()
+
+    def errors(found: np.ndarray) -> list[float]:
+        n = len(found)
+        return (intervals.hausdorff(*found.T, low[:n], high[:n]) / width).tolist()
+
+    def runs_at(points: np.ndarray) -> np.ndarray:
+        return np.array([np.interp(points[:, 0], line[:, 0], c) for c in curves.T]).T
+
+    table = []
+    for order in (1, 2, 4, 8, 16, 32, 64, 128, 256):
+        bands, seconds = {}, {}
+        if order <= 64:
+            design = design_of(case, Choice("tensor_lobatto", order))
+            own = runs_at(design.points)
+            start = time.perf_counter()
+            bands["polynomial"] = intervals.surrogate_range(intervals.fit(design, own))
+            seconds["polynomial"] = (time.perf_counter() - start) / INSTANTS
+        if order > 1:
+            even = np.linspace(-1.0, 1.0, order + 1)[:, None]
+            own = runs_at(even)
+            start = time.perf_counter()
+            bands["spline"] = intervals.spline_range(intervals.fit_spline(even, own))
+            seconds["spline"] = (time.perf_counter() - start) / INSTANTS
+        for name, band in bands.items():
+            ends = np.stack([band.lower, band.upper], axis=1)
+            method = f"{name}, order {order}" if name == "polynomial" else "spline, even points"
+            row = _row("intervals", method, order + 1, seconds[name], errors(ends))
+            table.append({**row, "model": name})
+    found = run_peer("pyuncertainnumber", {"line": line[:, 0], "curves": curves})
+    if "skipped" in found:
+        return [*table, {"by": "pyuncertainnumber", **found}]
+    for key in found:
+        if key.endswith("_bounds"):
+            name = key.removesuffix("_bounds")
+            calls, seconds = float(found[f"{name}_calls"]), float(found[f"{name}_seconds"])
+            method = name.replace("_", " ")
+            table.append(_row("pyuncertainnumber", method, calls, seconds, errors(found[key])))
+    return table
+
+
+def _row(by: str, method: str, calls: float, seconds: float, errors: list[float]) -> dict:
+    """Calls and seconds an instant; errors, shares of the mean width, of the first instants."""
+    return {"by": by, "method": method, "calls": calls, "seconds": seconds, "errors": errors}
+
+
+def run_peer(peer: str, given: dict) -> dict:
+    """What peer_script.py finds, or {"skipped": why}."""
+    variable, command = PEERS[peer]
+    python = interpreter(peer, variable)
+    if python is None:
+        return {"skipped": f"not installed: {command} (any environment; {variable}=its python)"}
+    with tempfile.TemporaryDirectory() as folder:
+        files = [str(Path(folder) / name) for name in ("given.npz", "found.npz")]
+        np.savez(files[0], **given)
+        script = Path(__file__).with_name("peer_script.py")
+        try:
+            call = [python, str(script), peer, *files]
+            done = subprocess.run(call, capture_output=True, text=True, timeout=120, check=False)
+        except (OSError, subprocess.TimeoutExpired) as error:
+            return {"skipped": f"could not be run: {error}"}
+        if done.returncode:
+            return {"skipped": "failed: " + (done.stderr.strip().splitlines() or ["?"])[-1]}
+        with np.load(files[1]) as found:
+            return {key: found[key] for key in found}

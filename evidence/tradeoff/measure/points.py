@@ -1,0 +1,83 @@
+"""Where the runs of a case are: the points of its designs, scans, held-out runs and presets."""
+
+import numpy as np
+
+import fpm
+import intervals
+from campaign.presets import METHOD, PRESETS
+from evidence.tradeoff.measure.cases import Case, Choice, Level
+
+MODELS = ("polynomial", "spline")
+
+
+def box_of(case: Case) -> intervals.Box:
+    """The box of a case."""
+    table = fpm.scenes.get(case.scene).parameters
+    middle = np.array([table[name].default for name in case.intervals])
+    half = middle * list(case.intervals.values())
+    return intervals.Box(list(case.intervals), middle - half, middle + half)
+
+
+def levels_of(case: Case) -> tuple[Level, ...]:
+    """The case's levels, and one without a scan for each preset whose mesh and step has none.
+
+    A preset that is finer than the case's reference cannot be judged by it, and is left out.
+    """
+    *coarser, finest = case.levels
+    for preset in PRESETS.values():
+        own = Level(preset["elements"], preset["safety"], 0, ())
+        known = {level.label for level in (*coarser, finest)}
+        if own.elements <= finest.elements and own.label not in known:
+            coarser.append(own)
+    return (*coarser, finest)
+
+
+def preset_choices(level: Level) -> tuple[Choice, ...]:
+    """What the presets that have the level's mesh and step do, and the same with the other model.
+
+    The nominal run, at the centre of the box, is a point of all their designs.
+    """
+    return tuple(
+        Choice(METHOD, preset["order"], model=model, preset=name)
+        for name, preset in PRESETS.items()
+        if (preset["elements"], preset["safety"]) == (level.elements, level.safety)
+        for model in MODELS
+    )
+
+
+def design_of(case: Case, choice: Choice) -> intervals.Design:
+    """The design of a choice; a plain scan is the one that a campaign would run."""
+    options = {} if choice.samples is None else {"samples": choice.samples}
+    return intervals.make_design(choice.method, box_of(case), choice.order, **options)
+
+
+def held_out_of(case: Case, choice: Choice, design: intervals.Design) -> np.ndarray:
+    """Points (H, k) of the runs that test the surrogate; none for a plain scan."""
+    count = 0 if choice.order is None else case.held_out
+    if choice.preset is not None:
+        count = PRESETS[choice.preset]["held_out"]
+    return intervals.held_out_points(box_of(case).free, count, design.points)
+
+
+def scan_of(case: Case, samples: int) -> np.ndarray:
+    """Points of the dense scan: evenly spaced on a line, else a Sobol sequence with the corners."""
+    if samples == 0:
+        return np.zeros((0, len(case.intervals)))
+    if len(case.intervals) == 1:
+        return np.linspace(-1.0, 1.0, samples)[:, None]
+    return intervals.make_design("scan", box_of(case), samples=samples).points
+
+
+def points_of(case: Case, choices, scan: int) -> np.ndarray:
+    """All points (R, k) that the choices and the dense scan need, each once."""
+    points = [scan_of(case, scan)]
+    for choice in choices:
+        design = design_of(case, choice)
+        points += [design.points, held_out_of(case, choice, design)]
+    return unique_points(np.concatenate(points))
+
+
+def unique_points(points: np.ndarray) -> np.ndarray:
+    """The points (N, k), each once, in their order."""
+    _, first = np.unique(np.round(points, 12) + 0.0, axis=0, return_index=True)
+    return points[np.sort(first)]

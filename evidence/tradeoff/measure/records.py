@@ -1,0 +1,147 @@
+"""Error against cost of one case: over mesh, time step, order, design, alignment, and lanes.
+
+Two errors are told apart. The surrogate's: bounds against a dense scan of the same level, that is
+of the same mesh and step. The total: bounds against the dense scan of the finest level. What single
+runs are off by, from mesh and step alone, is measured beside them.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+
+import numpy as np
+
+import fpm
+from evidence.tradeoff.measure import bounds
+from evidence.tradeoff.measure.cases import Case, Choice, Level
+from evidence.tradeoff.measure.points import (
+    design_of,
+    held_out_of,
+    levels_of,
+    points_of,
+    preset_choices,
+)  # fmt: skip
+from evidence.tradeoff.measure.reference import missing, seek_runs
+from evidence.tradeoff.measure.runs import LANES, Runs, simulate
+
+
+def measure_case(case: Case, tell: Callable[[str], object] = print) -> dict:
+    """Everything that the report needs of a case, as plain numbers."""
+    levels = []
+    for level in levels_of(case):
+        tell(f"{case.name}: {level.label}, {level.scan} runs of the scan and the designs")
+        points = points_of(case, (*level.choices, *preset_choices(level)), level.scan)
+        runs = simulate(case, level.elements, level.safety, points)
+        runs, rounds = seek_runs(level, runs)
+        levels.append((level, runs))
+    finest_level, finest = levels[-1]
+    reference, phases = bounds.hull(finest), bounds.phases_of(finest)
+    records, presets = [], []
+    for level, runs in levels:
+        tell(f"{case.name}: {level.label}, bounds of {len(level.choices)} choices")
+        records += _measure_level(case, level, level.choices, runs, reference, phases)
+        presets += _measure_level(case, level, preset_choices(level), runs, reference, phases)
+    return {
+        "case": case.name,
+        "title": case.title,
+        "dimension": len(case.intervals),
+        "responses": list(case.responses),
+        "phases": {name: _span(finest.time, mask) for name, mask in phases.items()},
+        "widths": bounds.mean_width(finest.time, reference, phases),
+        "reference": {
+            "elements": finest_level.elements,
+            "runs": len(finest.unit),
+            "cpu": finest.cost(len(finest.unit)),
+            "rounds": len(rounds) - 1,
+            "missing": missing(case, finest_level, rounds, phases),
+        },
+        "records": records,
+        "presets": presets,
+        "trajectories": _measure_trajectories(case, phases, tell),
+        "lanes": _measure_lanes(case, case.levels[0]),
+    }
+
+
+def _measure_level(
+    case: Case,
+    level: Level,
+    choices: Sequence[Choice],
+    runs: Runs,
+    reference: bounds.Band,
+    phases: dict[str, np.ndarray],
+) -> list[dict]:
+    own = bounds.hull(runs) if level.scan else None
+    records = []
+    for choice in choices:
+        band = bounds.take_bounds(case, choice, runs)
+        design = design_of(case, choice)
+        tested = held_out_of(case, choice, design)
+        # a spline goes through the held-out runs too
+        used = design.runs + (len(tested) if choice.model == "spline" else 0)
+        record = {
+            "level": level.label,
+            "elements": level.elements,
+            "safety": level.safety,
+            "step": runs.step,
+            "choice": choice.label,
+            **asdict(choice),
+            "runs": used,
+            "held_out": design.runs + len(tested) - used,
+            "cpu": runs.cost(used) + band.cpu,
+            "cpu_batch": runs.cpu,
+            "cpu_bounds": band.cpu,
+            "lanes": LANES,
+            "total": bounds.distance(runs.time, band, reference, phases),
+        }
+        if own is not None:
+            record["surrogate"] = bounds.distance(runs.time, band, own, phases)
+            record["estimate"] = bounds.judge_estimate(runs.time, band, own, phases)
+            record["scan"] = bounds.runs_in_band(band, runs)
+        records.append(record)
+    return records
+
+
+def _measure_trajectories(case: Case, phases: dict[str, np.ndarray], tell) -> list[dict]:
+    """Error of single runs from mesh and step: rms over LANES runs spread over the box."""
+    if not case.trajectories:
+        return []
+    points = np.linspace(-1.0, 1.0, LANES)[:, None] * np.ones(len(case.intervals))
+    found = []
+    for elements, safety in case.trajectories:
+        tell(f"{case.name}: single runs with {elements} elements, {safety} of the stable step")
+        found.append(simulate(case, elements, safety, points))
+    # what the step alone does: against the smallest step on the same mesh
+    smallest = {}
+    for (elements, _), runs in zip(case.trajectories, found, strict=True):
+        kept = smallest.setdefault(elements, runs)
+        smallest[elements] = min(kept, runs, key=lambda r: r.step)
+    rows = []
+    for (elements, safety), runs in zip(case.trajectories, found, strict=True):
+        row = {"elements": elements, "safety": safety, "step": runs.step, "cpu": runs.cpu / LANES}
+        for key, exact in (("rms", found[-1]), ("rms_step", smallest[elements])):
+            off = runs.values - exact.values
+            row[key] = [bounds.rms(off[:, i], phases) for i in range(off.shape[1])]
+        rows.append(row)
+    return rows
+
+
+def _measure_lanes(case: Case, level: Level) -> list[dict]:
+    """Cpu time of 1 and of LANES runs side by side."""
+    kind = fpm.scenes.get(case.scene)
+    scene = kind.build(**{case.mesh: level.elements}, **case.fixed)
+    rows = []
+    for count in (1, LANES):
+        best = math.inf
+        for _ in range(3):
+            start = time.process_time()
+            fpm.simulate([scene] * count, duration=case.duration, instants=case.instants)
+            best = min(best, time.process_time() - start)
+        rows.append({"lanes": count, "cpu": best})
+    return rows
+
+
+def _span(time: np.ndarray, mask: np.ndarray) -> list[float]:
+    return [float(time[mask][0]), float(time[mask][-1])]

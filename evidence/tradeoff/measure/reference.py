@@ -1,0 +1,52 @@
+"""The reference of a level: a dense scan, and rounds of runs sought where its bounds still grow."""
+
+import intervals
+from evidence.tradeoff.measure.bounds import distance, hull
+from evidence.tradeoff.measure.cases import Case, Level
+from evidence.tradeoff.measure.points import scan_of
+from evidence.tradeoff.measure.runs import Runs, simulate
+
+SEEK = 400
+"""Runs of one round."""
+
+
+def seek_runs(level: Level, runs: Runs) -> tuple[Runs, list[Runs]]:
+    """The runs with those of the level's rounds, and what there was after each round."""
+    rounds = [runs]
+    for seed in range(level.rounds):
+        now = rounds[-1]
+        points, _ = intervals.seek_points(
+            now.unit, now.values, SEEK, candidates=8192, seed=seed + 1
+        )
+        if not len(points):
+            break
+        rounds.append(now.with_runs(simulate(now.case, level.elements, level.safety, points)))
+    return rounds[-1], rounds
+
+
+def missing(case: Case, level: Level, rounds: list[Runs], phases: dict) -> list[dict]:
+    """What the reference still misses, for each response and phase, as `distance` gives it.
+
+    After rounds: the growth g of the last one, and of those that did not come: g q / (1 - q) if the
+    growth goes on to fall by q = g / (growth of the round before), q from 0.5 to 0.95. Without
+    rounds: the growth from half the scan to all of it.
+    """
+    last = rounds[-1]
+    if len(rounds) < 3:
+        half = scan_of(case, level.scan)
+        half = half[::2] if len(case.intervals) == 1 else half[: len(half) // 2]
+        return distance(last.time, hull(last, points=half), hull(last), phases)
+    first, second, third = map(hull, rounds[-3:])
+    before = distance(last.time, first, second, phases)
+    now = distance(last.time, second, third, phases)
+    return [
+        {phase: _rest(b[phase], n[phase]) for phase in phases}
+        for b, n in zip(before, now, strict=True)
+    ]
+
+
+def _rest(before: dict[str, float], now: dict[str, float]) -> dict[str, float]:
+    key = "hausdorff_integrated"
+    ratio = now[key] / before[key] if before[key] > 0 else 0.5
+    ratio = min(max(ratio, 0.5), 0.95)
+    return {key: now[key] * ratio / (1.0 - ratio), "last_round": now[key]}

@@ -1,0 +1,128 @@
+"""Runs of a case at one discretisation, timed, as the samples that the interval side takes."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+import fpm
+import intervals
+from evidence.tradeoff.measure.cases import Case
+from evidence.tradeoff.measure.points import box_of, unique_points
+
+LANES = 8
+"""Runs that cost what one costs: double-precision lanes of the widest vector unit."""
+_CHUNK = 8 * LANES
+
+
+@dataclass(frozen=True)
+class Runs:
+    """Runs at unit points (R, k): responses values (R, n, T), and the events (e, 3) of each.
+
+    time (T,) s; step (s) and steps of the integration; cpu (s) of a full batch of LANES runs.
+    """
+
+    case: Case
+    unit: np.ndarray
+    time: np.ndarray
+    values: np.ndarray
+    events: list[np.ndarray]
+    step: float
+    steps: int
+    cpu: float
+
+    @property
+    def lower(self) -> np.ndarray:
+        """Least value of all the runs, (n, T)."""
+        return self.values.min(axis=0)
+
+    @property
+    def upper(self) -> np.ndarray:
+        """Largest value of all the runs, (n, T)."""
+        return self.values.max(axis=0)
+
+    @cached_property
+    def closures(self) -> list[np.ndarray]:
+        """Times of the impacts (closures after a time without contact) of each run."""
+        from intervals.impacts import GAP, find_impacts
+
+        gap = GAP * float(self.time[-1])
+        return find_impacts(*_padded(self.events), gap=gap, end=float(self.time[-1]))
+
+    def cost(self, runs: int) -> float:
+        """Cpu time (s) of so many runs, in whole batches."""
+        return math.ceil(runs / LANES) * self.cpu
+
+    def with_runs(self, more: Runs) -> Runs:
+        """These runs and more of the same level; the cost of a batch stays that of these."""
+        return replace(
+            self,
+            unit=np.concatenate([self.unit, more.unit]),
+            values=np.concatenate([self.values, more.values]),
+            events=[*self.events, *more.events],
+        )
+
+    def samples(self, points: np.ndarray):
+        """Samples dataset of the runs at `points` (N, k), the first ones nodes or not."""
+        import xarray as xr
+
+        rows = intervals.match_points(points, self.unit)
+        axes = ("run", "parameter")
+        value = box_of(self.case).from_unit(self.unit[rows])
+        data = {"unit": (axes, self.unit[rows]), "value": (axes, value)}
+        for i, name in enumerate(self.case.responses):
+            data[name] = (("run", "time"), self.values[rows, i])
+        events = _padded([self.events[row] for row in rows])
+        for name, column in zip(
+            ("event_time", "event_contact", "event_closing"), events, strict=True
+        ):
+            data[name] = (("run", "event"), column)
+        coords = {"time": self.time, "parameter": list(self.case.intervals)}
+        return xr.Dataset(data, coords=coords)
+
+
+def _padded(events: list[np.ndarray]) -> np.ndarray:
+    """Events (3, R, e) of all runs, their times, contacts and senses, filled up with NaN."""
+    table = np.full((len(events), max(1, max(map(len, events))), 3), np.nan)
+    for row, found in zip(table, events, strict=True):
+        row[: len(found)] = found
+    return np.moveaxis(table, 2, 0)
+
+
+def simulate(case: Case, elements: int, safety: float, unit: np.ndarray) -> Runs:
+    """Run the case at unit points (R, k), each once; the step serves the whole box.
+
+    RuntimeError if a run breaks down.
+    """
+    kind = fpm.scenes.get(case.scene)
+    responses = [fpm.responses.parse(n, d, kind) for n, d in case.responses.items()]
+    box = box_of(case)
+
+    def scene(point):
+        named = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
+        return kind.build(**{case.mesh: elements}, **case.fixed, **named)
+
+    ends = np.vstack([np.zeros(box.dimension), box.corners()])
+    step = safety * min(fpm.stable_step(scene(point)).step for point in ends)
+    unit = unique_points(unit)
+    fpm.warm_up()
+    values, events, cpu = [], [], 0.0
+    for first in range(0, len(unit), _CHUNK):
+        scenes = [scene(point) for point in unit[first : first + _CHUNK]]
+        start = time.process_time()
+        outcomes = fpm.simulate(scenes, duration=case.duration, instants=case.instants, step=step)
+        cpu += time.process_time() - start
+        for outcome in outcomes:
+            if outcome.failure is not None:
+                raise RuntimeError(str(outcome.failure))
+            values.append([response.evaluate(outcome) for response in responses])
+            events.append(outcome.events)
+    batches = math.ceil(len(unit) / LANES)
+    last = outcomes[-1]
+    return Runs(
+        case, unit, last.time, np.array(values), events, last.step, last.steps, cpu / batches
+    )

@@ -1,0 +1,27 @@
+"""The study "error against cost": its parts, rows, tables and plots."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from evidence.results import Report
+from evidence.tradeoff.figures import draw_pareto
+from evidence.tradeoff.measure.cases import CASES
+from evidence.tradeoff.measure.peers import measure_peers
+from evidence.tradeoff.measure.records import measure_case
+from evidence.tradeoff.rows import all_rows
+from evidence.tradeoff.tables import case_text
+
+# Each is measured by a process of its own, so that cpu times are those of one core.
+PARTS = {case.name: lambda quick, case=case: measure_case(case) for case in CASES}
+PARTS["peers"] = lambda quick: measure_peers()
+
+
+def report(found: Mapping[str, dict]) -> Report:
+    """The claims, every number of every case, and the fronts of error against cost."""
+    cases = {name: data for name, data in found.items() if name != "peers"}
+    return Report(
+        all_rows(cases, found.get("peers")),
+        text="".join(map(case_text, cases.values())),
+        figures={f"pareto_{name}": draw_pareto(case) for name, case in cases.items()},
+    )

@@ -1,0 +1,123 @@
+"""Hinges, torsion springs and contact against closed forms of rigid bodies and stiff bars."""
+
+import numpy as np
+
+import fpm
+from evidence.verification.bench import Bench
+from evidence.verification.rotation import crossings
+
+MASS, INERTIA, ARM = 2.0, 0.3, 0.5  # kg; kg m² about the centre; m from the hinge to the centre
+ABOUT_HINGE = INERTIA + MASS * ARM**2
+AXIS = np.array([0.0, -1.0, 0.0])  # openings grow as the body swings up towards +x
+
+
+def swinging_body(angle: float, gravity: float = 0.0, rate: float = 0.0) -> fpm.Scene:
+    """A rigid body on hinge O at the origin, `angle` (rad) from hanging down, turning at `rate`."""
+    scene = fpm.Scene("pendulum", gravity=(0, 0, -gravity))
+    direction = np.array([np.sin(angle), 0, -np.cos(angle)])
+    ground = scene.add_particles((0, 0, 0), 1.0, 1.0)[0]
+    scene.fix(ground)
+    body = scene.add_particles(
+        ARM * direction, MASS, INERTIA, velocity=rate * ARM * np.cross(AXIS, direction),
+        spin=rate * AXIS,
+    )[0]  # fmt: skip
+    scene.add_hinge(
+        "O", (ground, body), (0, 0, 0), AXIS, references=((0, 0, -1), direction), opening=angle
+    )
+    scene.add_point("centre", body)
+    return scene
+
+
+def period(time, swing) -> float:
+    """Period (s) of an oscillation about zero (t,), from all its sign changes."""
+    times = crossings(time, swing)
+    return 2 * float(np.polyfit(np.arange(len(times)), times, 1)[0])
+
+
+def pendulum(bench: Bench) -> None:
+    """Physical pendulums with large swings: a rigid body in lanes, and a stiff bar of elements."""
+    from scipy.special import ellipk
+
+    g, angles = 9.81, np.radians([5.0, 60.0, 120.0, 170.0])
+    scenes = [swinging_body(angle, g) for angle in angles]
+    outcomes = bench.simulate(scenes, duration=20.0, instants=4001, step=1e-3)
+    figure = bench.figure("Physical pendulum", "time (s)", "angle (°)")
+    source = "T = 4 √(I / m g d) K(sin θ₀/2)"
+    for angle, outcome in zip(angles, outcomes, strict=True):
+        name = f"{np.degrees(angle):.0f}°"
+        exact = 4 * np.sqrt(ABOUT_HINGE / (MASS * g * ARM)) * ellipk(np.sin(angle / 2) ** 2)
+        swing = outcome.openings["O"]
+        bench.check(f"period, swing {name} (s)", period(outcome.time, swing), exact, 1e-3, source)
+        worst = np.abs(outcome.energies["balance"]).max() / np.ptp(outcome.energies["kinetic"])
+        bench.check_small(f"energy balance, swing {name}", worst, 1e-3, "no damping", "energy")
+        figure.curve(outcome.time[:1200], np.degrees(swing[:1200]), name)
+
+    length, angle = 1.0, np.radians(60.0)
+    scene = fpm.scenes.get("pendulum").build(
+        L=length, E=2e11, g=g, angle_deg=60.0, elements=2 if bench.quick else 4
+    )
+    section = fpm.Section.square(0.05)
+    inertia = length**2 / 3 + section.Iy / section.A
+    exact = 4 * np.sqrt(inertia / (g * length / 2)) * ellipk(np.sin(angle / 2) ** 2)
+    (outcome,) = bench.simulate(scene, duration=4.0, instants=2001)
+    swing = outcome.openings["O"]
+    bench.check("period, bar of elements (s)", period(outcome.time, swing), exact, 1e-3, source)
+    bench.check_small("gap of the hinge", outcome.gap.max() / length, 1e-10, "required", "L")
+    bench.check_small("tilt of the hinge (rad)", outcome.axis_gap.max(), 1e-9, "required", "1")
+
+
+def spring_oscillator(bench: Bench) -> None:
+    """A body on a torsion spring, and two free bodies with a spring between them."""
+    stiffness = 40.0
+    scene = swinging_body(0.7)
+    scene.add_torsion_spring(0, stiffness, rest=0.2)
+    (outcome,) = bench.simulate(scene, duration=10.0, instants=4001, step=1e-3)
+    exact = 2 * np.pi * np.sqrt(ABOUT_HINGE / stiffness)
+    swing = outcome.openings["O"] - 0.2
+    found = period(outcome.time, swing)
+    bench.check("period, fixed hinge (s)", found, exact, 1e-3, "T = 2 π √(I / k)")
+    size = (swing.max() - swing.min()) / 2
+    bench.check("amplitude (rad)", size, 0.5, 1e-3, "start at rest, 0.5 rad off")
+
+    # Free pair hinged at the common centre of both: only the openings swing.
+    one, two = 0.3, 0.8
+    scene = fpm.Scene("pair")
+    pair = scene.add_particles([(0, 0, 0), (0, 0, 0)], 1.0, [(1, one, 1), (1, two, 1)])
+    hinge = scene.add_hinge("O", pair, (0, 0, 0), AXIS, opening=0.5)
+    scene.add_torsion_spring(hinge, stiffness)
+    (outcome,) = bench.simulate(scene, duration=10.0, instants=4001, step=1e-3)
+    exact = 2 * np.pi * np.sqrt(one * two / (one + two) / stiffness)
+    found = period(outcome.time, outcome.openings["O"])
+    bench.check("period, two free bodies (s)", found, exact, 1e-3, "T = 2 π √(I₁ I₂ / (I₁+I₂) k)")
+
+
+def contact_bounce(bench: Bench) -> None:
+    """A body runs into the contact: half a sine of contact, and back at the speed it came with."""
+    rate = 0.8
+    stiffnesses = np.array([1e3, 1e4, 1e5])
+    scenes = []
+    for stiffness in stiffnesses:
+        scene = swinging_body(0.1, rate=-rate)
+        scene.add_contact(0, stiffness)
+        scenes.append(scene)
+    outcomes = bench.simulate(scenes, duration=0.25, instants=2501, step=2e-5)
+    figure = bench.figure("One contact", "time (s)", "opening (rad)")
+    source = "half sine: π √(I / k), ω₀ √(I / k)"
+    for stiffness, outcome in zip(stiffnesses, outcomes, strict=True):
+        name = f"k = {stiffness:.0e} N m/rad"
+        scale = np.sqrt(ABOUT_HINGE / stiffness)
+        shut, parted = outcome.events[:, 0]
+        swing = outcome.openings["O"]
+        speed = (swing[-1] - swing[-2]) / (outcome.time[-1] - outcome.time[-2])
+        bench.check(f"contact at, {name} (s)", shut, 0.1 / rate, 1e-3, "free flight")
+        bench.check(f"time of contact, {name} (s)", parted - shut, np.pi * scale, 1e-3, source)
+        bench.check(f"deepest overlap, {name} (rad)", -swing.min(), rate * scale, 1e-3, source)
+        bench.check(f"rate after contact, {name} (rad/s)", speed, rate, 1e-3, "elastic contact")
+        figure.curve(outcome.time, swing, name)
+
+
+PROBLEMS = {
+    "pendulum": pendulum,
+    "spring oscillator": spring_oscillator,
+    "contact bounce": contact_bounce,
+}

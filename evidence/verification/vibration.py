@@ -1,0 +1,124 @@
+"""Natural frequencies of bars: bending, axial and torsional, by eigenvalues and from a run."""
+
+import numpy as np
+
+import fpm
+from evidence.verification.bench import Bench, observed_orders
+from evidence.verification.relax import frequencies, mode_shape
+from evidence.verification.rotation import crossings
+
+LENGTH, MATERIAL = 1.0, fpm.Material(1e9, 0.25, 1000.0)
+SECTION = fpm.Section.square(0.004)  # slender: rotary inertia changes no bending frequency by 1e-4
+THIN = fpm.Section.square(0.001)  # and here by 1e-5
+ROOTS = {
+    "cantilever": (1.87510407, 4.69409113),
+    "free-free": (4.73004074, 7.85320462),
+    "pinned": (np.pi, 2 * np.pi),
+}
+"""β L of the first two bending modes; Blevins, Formulas for Natural Frequency and Mode Shape."""
+
+
+def bar(elements: int, support: str, section=SECTION) -> fpm.Scene:
+    """A bar along x: "cantilever", "free-free", "pinned" (bending about y only), or of which only
+    the axial ("axial") or torsional ("torsion") motion is free, clamped at x = 0."""
+    scene = fpm.Scene(support)
+    particles = scene.add_link(
+        (0, 0, 0), (LENGTH, 0, 0), (0, 0, 1), section, MATERIAL, elements
+    ).particles
+    if support == "cantilever":
+        scene.fix(particles[0])
+    if support in ("cantilever", "free-free", "pinned"):
+        scene.fix(particles, "y", "xz")  # one bending plane
+    if support == "pinned":
+        scene.fix(particles[0], "xyz", "xz")
+        scene.fix(particles[-1], "z", "xz")
+    if support == "axial":
+        scene.fix(particles, "yz", "xyz")
+        scene.fix(particles[0])
+    if support == "torsion":
+        scene.fix(particles, "xyz", "yz")
+        scene.fix(particles[0])
+    return scene
+
+
+def references(support: str, section=SECTION) -> np.ndarray:
+    """First two angular frequencies (rad/s) of the continuous bar."""
+    if support in ROOTS:
+        stiffness = MATERIAL.E * section.Iy / (MATERIAL.rho * section.A)
+        return np.array(ROOTS[support]) ** 2 / LENGTH**2 * np.sqrt(stiffness)
+    stiffness = MATERIAL.E
+    if support == "torsion":
+        stiffness = MATERIAL.G * SECTION.J / (SECTION.Iy + SECTION.Iz)
+    return np.array([0.5, 1.5]) * np.pi / LENGTH * np.sqrt(stiffness / MATERIAL.rho)
+
+
+def modes(scene: fpm.Scene, support: str) -> np.ndarray:
+    """First two angular frequencies (rad/s) above zero of the kind of motion of `support`."""
+    values = frequencies(scene)
+    values = values[values > 1e-6 * values[-1]]
+    if support in ROOTS:  # axial ones are in the same plane, far above
+        values = values[values < 0.9 * references("axial")[0]]
+    return values[:2]
+
+
+def eigenvalues(bench: Bench) -> None:
+    """Frequencies of the scene, linearised: error at 10 elements and order of convergence."""
+    meshes = (5, 10, 20) if bench.quick else (5, 10, 20, 40)
+    sources = {
+        **dict.fromkeys(ROOTS, "Euler-Bernoulli, Blevins 1979, table 8-1"),
+        "axial": "(n − 1/2) π √(E/ρ) / L",
+        "torsion": "(n − 1/2) π √(GJ / ρ Ip) / L",
+    }
+    figure = bench.figure(
+        "Frequencies of the linearised scene", "elements", "relative error", logarithmic=True
+    )
+    for support, source in sources.items():
+        with bench.timed():
+            found = np.array([modes(bar(n, support, THIN), support) for n in meshes])
+        expected = references(support, THIN)
+        errors = np.abs(found / expected - 1)
+        for mode, tolerance in ((0, 0.005), (1, 0.02)):
+            bench.check(
+                f"{support}, mode {mode + 1}, 10 elements (rad/s)", found[1, mode],
+                expected[mode], tolerance, source,
+            )  # fmt: skip
+        # The finest mesh would show the rotary inertia instead of the mesh.
+        orders = observed_orders(errors[:, 0])
+        bench.check_at_least(f"{support}, order of mode 1, 5 to 20 elements", orders[:2].min(), 1.9,
+                             "order 2 (or better) of lumped masses")  # fmt: skip
+        figure.curve(meshes, errors[:, 0], f"{support}, mode 1")
+    figure.curve(meshes, 0.1 / np.array(meshes) ** 2.0, "order 2", True)
+
+
+def from_a_run(bench: Bench) -> None:
+    """The same frequencies from the time signal of bars set off in their first mode."""
+    elements = 10
+    figure = bench.figure(
+        "Strain energy of bars in mode 1", "time / period", "share of the largest"
+    )
+    for support in (*ROOTS, "axial", "torsion"):
+        scene = bar(elements, support)
+        linear = modes(scene, support)[0]
+        shape = mode_shape(scene, linear)
+        # Deflections stay below 1e-4 of the length, twists below 1e-3 rad.
+        columns, largest = (slice(3, 6), 1e-3) if support == "torsion" else (slice(3), 1e-4)
+        rate = largest * linear / np.abs(shape[:, columns]).max()
+        scene.velocity += rate * shape[:, :3]
+        scene.spin += rate * shape[:, 3:]
+        periods = 3 if bench.quick else 10
+        duration = periods * 2 * np.pi / linear
+        (outcome,) = bench.simulate(scene, duration=duration, instants=200 * periods + 1)
+        # The strain energy is 1/2 (1 - cos 2 w t) of its largest: halfway four times in a period.
+        strain = outcome.energies["strain"] / outcome.energies["kinetic"][0]
+        halfway = crossings(outcome.time, strain - 0.5)
+        spacing = np.polyfit(np.arange(len(halfway)), halfway, 1)[0]
+        found = np.pi / 2 / spacing
+        expected = references(support)[0]
+        bench.check(f"{support}, mode 1, from a run (rad/s)", found, expected, 0.005,
+                    "closed form, as above")  # fmt: skip
+        bench.check(f"{support}, run against eigenvalue (rad/s)", found, linear, 1e-4,
+                    "eigenvalue of the linearised scene")  # fmt: skip
+        figure.curve(outcome.time / (2 * np.pi / linear), strain, support)
+
+
+PROBLEMS = {"frequencies": eigenvalues, "frequencies of runs": from_a_run}

@@ -1,0 +1,79 @@
+"""The judge of the extremes: right curves pass, wrong ones fail, refusals are told as such."""
+
+import numpy as np
+import pytest
+
+from evidence.extremes import parameters, runs
+from evidence.extremes.judge import STRAIGHT, WHIPPING, compare, judge
+from evidence.extremes.study import GROUPS
+from evidence.linkage.runs import closing_time, curves, first_closing, simulate
+
+
+def test_a_stiff_linkage_agrees_with_the_rigid_one():
+    rows = judge("stiff", {"E": 1e11}, against="rigid")
+    assert [row.name for row in rows] == ["stiff: BD", "stiff: velocity of B"]
+    assert all(row.passed for row in rows)
+
+
+def test_a_wrong_curve_fails():
+    """The same run against curves of linkages that are 1 % and 10 % thicker."""
+    duration = closing_time()
+    right, wrong, far = (
+        simulate(duration, a=a, elements_per_link=4) for a in (0.035, 0.03535, 0.0385)
+    )
+    until = 0.98 * min(first_closing(right), first_closing(wrong), duration)
+    same = compare("same", right, curves(right), until, STRAIGHT, "itself")
+    assert all(row.passed for row in same)
+    other = compare("other", right, curves(wrong), until, STRAIGHT, "another")
+    assert not other[0].passed
+    other = compare("far", right, curves(far), until, STRAIGHT, "another")
+    assert not any(row.passed for row in other)
+
+
+def test_a_refused_run_is_a_passed_row_and_its_remedy_is_tried():
+    rows = judge("K_F = 1e4", {"K_F": 1e4}, WHIPPING, past_closure=True)
+    assert str(rows[0].value).startswith("refused: unstable")
+    assert "refine the mesh" in rows[0].value
+    assert len(rows) == 3
+    assert all("after the remedy" in row.name and row.passed for row in rows[1:])
+
+
+def test_a_refusal_that_no_mesh_helps_is_the_last_word():
+    rows = judge("E = 1e5", {"E": 1e5}, WHIPPING, past_closure=True)
+    assert "refine the mesh" in rows[0].value
+    assert "no mesh or step helps" in rows[-1].value
+    assert all(row.passed and isinstance(row.value, str) for row in rows)
+
+
+def test_values_that_make_no_structure_are_refused():
+    rows = parameters.refusals()
+    assert len(rows) > 10
+    assert [row.name for row in rows if not row.passed] == []
+
+
+def test_damping_passes():
+    assert [row.name for row in GROUPS["damping"]() if not row.passed] == []
+
+
+def test_wide_intervals_and_those_of_no_width_pass(monkeypatch):
+    """One of the wide ones."""
+    monkeypatch.setattr(runs, "WIDE", {"K_F": runs.WIDE["K_F"]})
+    rows = GROUPS["intervals"]()
+    assert [row.passed for row in rows] == [True, True]
+
+
+def test_the_damped_oscillator_solves_its_equation():
+    """Closed form against the equation of motion, below, at and beyond critical damping."""
+    times = np.linspace(0.0, 5.0, 2001)
+    for rate in (0.0, 0.5, 2.0, 6.0):
+        x = runs.oscillator(rate, 0.3, times)
+        v = np.gradient(x, times, edge_order=2)
+        residual = np.gradient(v, times, edge_order=2) + rate * v + x
+        assert x[0] == pytest.approx(0.3)
+        assert v[0] == pytest.approx(0.0, abs=1e-5)
+        assert np.abs(residual[5:-5]).max() < 5e-4
+
+
+def test_the_linkage_closes_when_dimensional_analysis_says():
+    found = first_closing(simulate(1.2 * closing_time(), elements_per_link=2))
+    assert found == pytest.approx(closing_time(), rel=0.02)

@@ -1,0 +1,13 @@
+"""The fast part of the verification suite: its problems, on coarse meshes, with its tolerances."""
+
+import pytest
+
+from evidence.verification.study import PARTS
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_rows_of_a_problem_pass(name):
+    bench = PARTS[name](True)
+    assert bench.rows
+    failed = [f"{r.name}: {r.value} for {r.reference}" for r in bench.rows if not r.passed]
+    assert not failed

@@ -1,0 +1,61 @@
+"""The bench of the verification problems: rows, orders, plots, and runs that break down."""
+
+import math
+
+import numpy as np
+import pytest
+
+import fpm
+from evidence.verification import study
+from evidence.verification.bench import Bench, observed_orders
+
+
+def test_a_row_passes_within_its_tolerance_only():
+    bench = Bench("problem")
+    bench.check("close", 1.0009, 1.0, 1e-3, "source")
+    bench.check("off", 1.0011, 1.0, 1e-3, "source")
+    bench.check("nothing", math.nan, 1.0, 1e-3, "source")
+    bench.check_small("small", 1e-13, 1e-12, "source", "L")
+    bench.check_at_least("order", 1.89, 1.9, "source")
+    bench.check_at_least("better order", 3.0, 1.9, "source")
+    assert [row.passed for row in bench.rows] == [True, False, False, True, False, True]
+    assert bench.rows[1].used == pytest.approx(1.1)
+    assert {row.group for row in bench.rows} == {"problem"}
+
+
+def test_a_tolerance_counts_in_the_scale_that_is_told():
+    bench = Bench("problem")
+    bench.check("a share of the reference", 2.09, 2.0, 0.05, "source")
+    bench.check("a share of L", 2.1, 2.0, 0.05, "source", 10.0, "share of L")
+    bench.check("in its unit", 2.09, 2.0, 0.05, "source", measure="absolute")
+    assert [row.passed for row in bench.rows] == [True, True, False]
+    assert [row.tolerance for row in bench.rows] == pytest.approx([0.1, 0.5, 0.05])
+
+
+def test_the_order_of_a_known_error_is_observed():
+    sizes = np.array([1.0, 0.5, 0.25])
+    assert observed_orders(3 * sizes**2) == pytest.approx([2, 2])
+
+
+def test_a_run_that_breaks_down_is_a_failing_row(monkeypatch):
+    def unstable(bench):
+        bench.check("before", 1.0, 1.0, 1e-3, "book")
+        scene = fpm.Scene("bar")
+        scene.add_link(
+            (0, 0, 0), (1, 0, 0), (0, 0, 1), fpm.Section.square(0.1), fpm.Material(1e9, 0.3, 1e3), 2
+        )
+        scene.velocity[0, 2] = 1.0
+        bench.simulate(scene, duration=0.1, instants=11, step=1.05 * fpm.stable_step(scene).step)
+
+    monkeypatch.setitem(study.PROBLEMS, "unstable", unstable)
+    rows = study.solve("unstable", True).rows
+    assert [row.passed for row in rows] == [True, False]
+    assert "unstable at t =" in rows[1].name
+
+
+def test_the_report_has_the_cost_and_the_figures_of_every_problem():
+    found = {name: study.PARTS[name](True) for name in ("heavy top", "contact bounce")}
+    report = study.report(found)
+    assert list(report.figures) == ["overview", "heavy-top-path-of-the-tip", "one-contact"]
+    assert all(cost["element_steps"] > 0 for cost in report.more["costs"].values())
+    assert len(report.rows) == sum(len(bench.rows) for bench in found.values())

@@ -91,7 +91,7 @@ STUDIES = {
         Study(
             "tradeoff",
             "Putting error against cost",
-            uses=("intervals", "campaign/presets.py", "evidence/tradeoff/measure"),
+            uses=("intervals", "campaign/config/presets.py", "evidence/tradeoff/measure"),
             plots=tuple(f"pareto_{case.name}" for case in CASES),
             parts=(*(case.name for case in CASES), "peers"),
         ),

@@ -16,7 +16,7 @@ import numpy as np
 
 import fpm
 from evidence.linkage.runs import build, curves
-from fpm.elements.lumping import end_weights
+from fpm.kinds.lumping import end_weights
 
 DURATION = 1.2
 INSTANTS = 2401

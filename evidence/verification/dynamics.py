@@ -5,7 +5,7 @@ import numpy as np
 import fpm
 from evidence.verification.bench import Bench
 from evidence.verification.momentum import drift, momenta, watch
-from fpm.elements.lumping import lump
+from fpm.kinds.lumping import lump
 
 
 def spin_angle(time) -> tuple[np.ndarray, np.ndarray]:

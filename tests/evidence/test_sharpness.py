@@ -8,8 +8,8 @@ import pytest
 import fpm.scene
 from evidence.verification.bench import Bench
 from evidence.verification.study import PARTS
-from fpm.elements import lumping
-from fpm.elements.beam import Beams
+from fpm.kinds import lumping
+from fpm.kinds.beam import Beams
 
 
 def failing_rows(name: str) -> int:

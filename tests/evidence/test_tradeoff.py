@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from campaign.config import check_config
-from campaign.nodes import make_plan
-from campaign.presets import MODEL, PRESETS
+from campaign.config.check import check_config
+from campaign.plan.make import make_plan
+from campaign.config.presets import MODEL, PRESETS
 from evidence.results import write
 from evidence.tradeoff import preset_rows, rows, study
 from evidence.tradeoff.figures import pareto

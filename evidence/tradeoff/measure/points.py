@@ -4,7 +4,7 @@ import numpy as np
 
 import fpm
 import intervals
-from campaign.presets import METHOD, PRESETS
+from campaign.config.presets import METHOD, PRESETS
 from evidence.tradeoff.measure.cases import Case, Choice, Level
 
 MODELS = ("polynomial", "spline")

@@ -90,7 +90,7 @@ def draw_used(axes: Axes, rows: Sequence[Row], labels: Sequence[str]) -> None:
             x, style = max(row.used, LEAST), {"marker": "o", "color": BLUE, "markersize": 4}
         axes.plot(x, places[label], alpha=0.6, linestyle="", **style)
     axes.axvline(1.0, color="#444444", linestyle="--", linewidth=1)
-    axes.set(xscale="log", xlabel="error / what is allowed (large crosses: failed; small: refused)")
+    axes.set(xscale="log", xlabel="error / what is allowed (x: refused)")
     axes.set_yticks(range(len(places)), list(places))
     axes.margins(y=0.01)
     axes.invert_yaxis()

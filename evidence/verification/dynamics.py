@@ -1,5 +1,7 @@
 """Flexible bars in large motion: spin-up, right-angle cantilever, flying beam, free bodies."""
 
+from functools import cache
+
 import numpy as np
 
 import fpm
@@ -58,6 +60,7 @@ def spin_up(bench: Bench) -> None:
     figure.curve(exact_time, exact, "rotating beam, 6 modes", True)
 
 
+@cache
 def linear_spin_up(length, EI, line_mass, modes=6):
     """Time (n,) s and tip lag (n,) m of the spun-up cantilever by its bending modes.
 

@@ -73,6 +73,10 @@ LOOPS: dict[tuple[type, ...], Dispatcher] = {}
 """The loop for every set of kinds met so far, by the named tuples of the kinds."""
 
 
+READY: set[tuple] = set()
+"""The sets of kinds and precisions for which that was compiled or loaded."""
+
+
 def _loop(parts: tuple[type, ...]) -> Dispatcher:
     """The loop for a set of kinds, cached in its folder without changing numba's own setting."""
     if parts not in LOOPS:
@@ -92,11 +96,13 @@ def loop_for(arguments: tuple) -> Callable:
     numba's cache can break when several processes write it at once, so the first that arrives
     compiles and the others wait for its lock.
     """
-    run = _loop(tuple(map(type, arguments[0])))
-    signature = tuple(numba.typeof(argument) for argument in arguments)
-    if signature not in run.overloads:
+    parts, world = arguments[:2]
+    kinds = tuple(map(type, parts))
+    run = _loop(kinds)
+    if (kinds, world.state.dtype) not in READY:  # to find the whole signature takes milliseconds
         with _one_at_a_time():
-            run.compile(signature)
+            run.compile(tuple(map(numba.typeof, arguments)))
+        READY.add((kinds, world.state.dtype))
     return run
 
 

@@ -7,6 +7,8 @@ inverse mass and costs nothing. Only particles held along some axes need a kerne
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from fpm.errors import SceneError
 from fpm.kinds.kind import AXES, Kind
 
@@ -38,11 +40,8 @@ class Support(Kind):
     @classmethod
     def of(cls, scene):
         """The particles that are held along or about some axes, but not all three."""
-        return [
-            int(p)
-            for p, held in enumerate(scene.fixed)
-            if 0 < held[:3].sum() < 3 or 0 < held[3:].sum() < 3
-        ]
+        held = scene.fixed.reshape(-1, 2, 3).sum(axis=2)
+        return np.flatnonzero(((held > 0) & (held < 3)).any(axis=1)).tolist()
 
     @classmethod
     def topology_of(cls, scene):

@@ -14,8 +14,7 @@ from typing import Any, get_type_hints
 
 from campaign.config.sections import Campaign, from_data
 from campaign.folder import Folder
-
-Tell = Callable[[str], None]
+from campaign.runs.progress import Tell
 
 
 def plan(folder: Folder, tell: Tell, experiment: Any) -> None:

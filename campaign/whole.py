@@ -16,7 +16,8 @@ from campaign.config.check import check_config, load_config
 from campaign.config.sections import Campaign
 from campaign.drawing import Draughtsman
 from campaign.folder import ROUND_FILES, Folder
-from campaign.stages import STAGES, Tell, batch_count, drawings
+from campaign.runs.progress import Tell
+from campaign.stages import STAGES, batch_count, drawings
 
 
 def run(
@@ -28,18 +29,24 @@ def run(
     """Run a campaign into `results`/<campaign> and return its bounds, an `xarray.Dataset`.
 
     `config` is the name of a YAML file, or what one holds. Runs that are there already are not
-    simulated again; everything else is made anew. `tell` gets messages of progress. Raises
-    `ConfigError` before anything is written, `CampaignError` when runs fail.
+    simulated again; everything else is made anew. `tell` gets messages of progress. Bounds are the
+    workflow's to the last bit with `OMP_NUM_THREADS=1`; threads of linear algebra round otherwise.
+    Raises `ConfigError` before anything is written, `CampaignError` when runs fail.
     """
     campaign = _campaign(config)
     folder = Folder(Path(results, campaign.name))
     with Draughtsman() if figures else nullcontext() as draughtsman:
+        wanted = drawings(campaign) if draughtsman else []
         if campaign.is_adaptive:
             _run_rounds(campaign, folder, tell)
         else:
             _stage("plan", campaign, folder, tell)
-            _run_plan(campaign, folder, tell)
-        for name in drawings(campaign) if draughtsman else ():
+            _sample(campaign, folder, tell)
+            if "linkage" in wanted:  # the one figure that needs no bounds
+                wanted.remove("linkage")
+                draughtsman.ask("linkage", campaign, folder)
+            _stage("bounds", campaign, folder, tell)
+        for name in wanted:
             draughtsman.ask(name, campaign, folder)
         _stage("summary", campaign, folder, tell)
         return _open(folder.bounds)
@@ -63,8 +70,8 @@ def _stage(name: str, campaign: Campaign, folder: Folder, tell: Tell, **more: An
     stage.work(folder, tell, **stage.sections_of(campaign), **more)
 
 
-def _run_plan(campaign: Campaign, folder: Folder, tell: Tell) -> None:
-    """From the plan in `folder` to bounds."""
+def _sample(campaign: Campaign, folder: Folder, tell: Tell) -> None:
+    """From the plan in `folder` to samples."""
     from campaign.plan.plan import read_plan
 
     batches = batch_count(campaign.jobs, len(read_plan(folder.plan).runs))
@@ -74,7 +81,6 @@ def _run_plan(campaign: Campaign, folder: Folder, tell: Tell) -> None:
     for batch in range(batches):
         _stage("simulate", campaign, folder, tell, batch=batch, batches=batches, threads=threads)
     _stage("gather", campaign, folder, tell)
-    _stage("bounds", campaign, folder, tell)
 
 
 def _run_rounds(campaign: Campaign, folder: Folder, tell: Tell) -> None:
@@ -87,7 +93,8 @@ def _run_rounds(campaign: Campaign, folder: Folder, tell: Tell) -> None:
         _stage("plan_round", campaign, place, tell)
         if read_plan(place.plan).is_finished:
             break
-        _run_plan(campaign, place, tell)
+        _sample(campaign, place, tell)
+        _stage("bounds", campaign, place, tell)
         number += 1
     last = [place.plan, *(place.previous() / name for name in ROUND_FILES[1:])]
     for path in last:

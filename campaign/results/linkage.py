@@ -47,20 +47,18 @@ def draw_nominal(samples_path: str | Path, folder: Path, count: int, out: Path) 
 
 def draw(trajectory_path: str | Path, count: int) -> Any:
     """A figure of the structure at `count` moments; its scene is one of `BARS`."""
-    with open_netcdf(trajectory_path) as trajectory:
-        hinge = list(trajectory["hinge"][:]).index("B")
-        opening = trajectory["opening"][:, hinge]
-        closures = []
-        if "contact_event_time" in trajectory.variables:  # left out of a file without events
-            closures = trajectory["contact_event_time"][trajectory["contact_event_closing"][:] == 1]
-        indices = moments(
-            trajectory["time"][:], opening, count, closures.min() if len(closures) else None
-        )
-        times = trajectory["time"][indices]
-        places = trajectory["position"][indices]
-        points = {name: places[:, i] for i, name in enumerate(trajectory["point"][:])}
-        bars_of = BARS[trajectory.scene]
-        bars, drawn = bars_of(trajectory.__dict__, np.maximum(opening[indices], 0.0))
+    from fpm.trajectory import read_curves
+
+    curves = read_curves(trajectory_path)
+    with open_netcdf(trajectory_path) as file:
+        attributes = dict(file.__dict__)
+    opening = curves.openings["B"]
+    closures = curves.events[curves.events[:, 2] == 1, 0]
+    indices = moments(curves.time, opening, count, closures.min() if len(closures) else None)
+    times = curves.time[indices]
+    points = {name: place[indices] for name, (place, _) in curves.points.items()}
+    bars_of = BARS[attributes["scene"]]
+    bars, drawn = bars_of(attributes, np.maximum(opening[indices], 0.0))
     # A structure that is free to move as a whole is drawn where it is.
     move = np.mean([points[name] - place for name, place in drawn.items()], axis=0)
     bars += move[:, None, None, :]

@@ -95,6 +95,7 @@ def simulate(
         step=plan.time.step,
         energy_tolerance=solver.energy_tolerance,
     )
+    threads = max(1, min(threads, len(scenes) // 4))  # eight runs take as long as one
     with ThreadPoolExecutor(threads) as pool:
         shares = [share(scenes, part, threads) for part in range(threads)]
         outcomes = [outcome for part in pool.map(integrate, shares) for outcome in part]

@@ -5,36 +5,31 @@ responses into polynomials, and `surrogate_range` or `bounds_dataset` bound them
 The package knows nothing of the model: it takes arrays, or netCDF files as datasets.
 """
 
-from .adaptive import Decision, Progress, Specification, decide, measure_round
 from .bounds import bounds_dataset
 from .box import Box
-from .datasets import match_points
-from .designs import METHODS, Design, make_design
-from .errors import error_estimate
-from .events import event_bounds_dataset
-from .exceptions import IntervalError
+from .designs import METHODS, Design, SplitDesign, make_design, split_design
+from .errors import IntervalError
 from .metrics import compare_bounds, compare_runs, hausdorff
-from .partition import SplitDesign, split_design
+from .models import MODELS, Model
+from .models.polynomial import surrogate_dataset
+from .models.spline import MAX_RUNS, Spline, check_spline_runs, fit_spline, spline_range
+from .points import held_out_points, match_points
 from .ranges import Range, surrogate_range
-from .scan_bounds import RunningBounds, scan_bounds_dataset, stream_bounds
-from .scans import held_out_points
-from .seek import seek_points
+from .rounds import Decision, Progress, Specification, decide, measure_round, seek_points
 from .sensitivity import parameter_sensitivity, sensitivity_dataset
-from .spline_bounds import MAX_RUNS, check_spline_runs, spline_bounds_dataset
-from .splines import Spline, fit_spline, spline_range
 from .surrogate import Surrogate, fit, fit_points
-from .surrogate_dataset import surrogate_dataset
 
 __all__ = [
     "MAX_RUNS",
     "METHODS",
+    "MODELS",
     "Box",
     "Decision",
     "Design",
     "IntervalError",
+    "Model",
     "Progress",
     "Range",
-    "RunningBounds",
     "Specification",
     "Spline",
     "SplitDesign",
@@ -44,8 +39,6 @@ __all__ = [
     "compare_bounds",
     "compare_runs",
     "decide",
-    "error_estimate",
-    "event_bounds_dataset",
     "fit",
     "fit_points",
     "fit_spline",
@@ -55,13 +48,10 @@ __all__ = [
     "match_points",
     "measure_round",
     "parameter_sensitivity",
-    "scan_bounds_dataset",
     "seek_points",
     "sensitivity_dataset",
-    "spline_bounds_dataset",
     "spline_range",
     "split_design",
-    "stream_bounds",
     "surrogate_dataset",
     "surrogate_range",
 ]

@@ -7,30 +7,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import errors
-from .datasets import Bounds, bounds_to_dataset, match_points, other_runs, read_samples
-from .designs import Design
-from .events import event_bounds_dataset
-from .exceptions import IntervalError, check_choice
-from .partition import SplitDesign, parts_of
-from .ranges import surrogate_range
-from .scan_bounds import scan_bounds_dataset
-from .spline_bounds import spline_bounds_dataset
-from .surrogate import fit
+from .designs import Design, SplitDesign
+from .errors import check_choice, check_options
+from .estimates import ErrorEstimate
+from .metrics import compare_runs
+from .models import MODELS, Model
+from .ranges import Range
+from .samples import Samples, read_samples
 
 if TYPE_CHECKING:
     import xarray as xr
 
-MODELS = ("polynomial", "spline", "aligned")
-
 
 def bounds_dataset(
     samples: xr.Dataset,
-    design: Design | SplitDesign,
+    design: Design | SplitDesign | None,
     responses: Sequence[str] | None = None,
     *,
     model: str = "polynomial",
-    tolerance: float = 1e-3,
     window: float | None = None,
     **options: Any,
 ) -> xr.Dataset:
@@ -45,18 +39,18 @@ def bounds_dataset(
         taken over.
     design
         Its points must be among the runs (recognised by their unit coordinates, in any order). All
-        other runs, whatever their role, test the surrogate. A scan without order has no surrogate:
-        its bounds are the least and the largest sample over all runs.
+        other runs, whatever their role, test the polynomial. A scan without order has none: its
+        model is "scan". Splines and scans take all runs, and need no design.
     responses
         Names; by default all.
     model
-        "polynomial"; "spline": one cubic spline through all runs, those of a scan or held out
-        included (see `spline_bounds_dataset`); or "aligned": polynomials in the time between
-        events, with further `options` (see `event_bounds_dataset`).
-    tolerance
-        Gap between outer and inner range at which subdivision stops, as a share of the width.
+        One of `MODELS`: "polynomial", of the design's order through the design's runs; "spline",
+        one cubic spline through all runs, those of a scan or held out included; "aligned",
+        polynomials in the time between events; "scan", the least and the largest sample.
     window
-        Half width in s of the window of the error estimate (see `errors.widen`).
+        Half width in s of the window of the error estimate (see `estimates.widen`).
+    options
+        Those of the model: `PolynomialModel`, `AlignedModel`.
 
     Returns
     -------
@@ -66,60 +60,91 @@ def bounds_dataset(
     ``argmin``, ``argmax`` (response, time, parameter), the parameter values where; and the numbers
     of the summary over response, such as ``largest_width`` and ``error_share_of_width``.
     """
-    if check_choice("model", model, MODELS) == "aligned":
-        return event_bounds_dataset(samples, design, responses, window=window, **options)
-    for key in options:
-        raise IntervalError("option", key, f"none for model {model}")
-    if model == "spline":
-        return spline_bounds_dataset(samples, design, responses, window=window)
-    attrs = {"design_method": design.method, "design_order": list(design.order)}
-    if isinstance(design, Design) and not len(design.multi_indices):
-        return scan_bounds_dataset(samples, responses, attrs)
+    import xarray as xr
 
+    kind = MODELS[check_choice("model", model, MODELS)]
+    if model == "polynomial" and isinstance(design, Design) and not len(design.multi_indices):
+        kind = MODELS["scan"]
+    check_options(f"option of model {model}", kind, options)
     data = read_samples(samples, responses)
-    tested = other_runs(data.unit, design.points)
-    shape = data.values.shape[1:]
-    held_out, decay, centre = np.zeros(shape), np.zeros(shape), None
-    ranges = []
-    for part in parts_of(design):
-        surrogate = fit(part.design, data.values[match_points(part.points, data.unit)])
-        found = surrogate_range(surrogate, tolerance)
-        ranges.append((found, part))
-        inside = tested[part.contains(data.unit[tested])]
-        local = part.to_local(data.unit[inside])
-        seen = errors.held_out_error(surrogate, local, data.values[inside])
-        held_out = np.maximum(held_out, seen)
-        decay = np.maximum(decay, errors.decay_estimate(surrogate, data.time, window))
-        middle = np.zeros((1, design.dimension))
-        if centre is None and part.contains(middle)[0]:
-            centre = surrogate.evaluate(part.to_local(middle))[0]
-    if data.nominal is not None:
-        centre = data.values[data.nominal]
-    total = errors.widen(data.time, np.maximum(held_out, decay), window)
-    error = errors.ErrorEstimate(total, held_out, decay)
-    attrs |= {"design_runs": design.runs, "bounds_kind": "enclosed range of the polynomial"}
-    return bounds_to_dataset(data, _union(ranges), centre, error, tested, attrs)
-
-
-def _union(ranges) -> Bounds:
-    """Union of the ranges of all parts, arguments in the unit coordinates of the box."""
-    first, part = ranges[0]
-    union = Bounds(
-        first.lower,
-        first.upper,
-        first.inner_lower,
-        first.inner_upper,
-        part.to_global(first.argmin),
-        part.to_global(first.argmax),
+    fitted = kind(data, design, **options)
+    found = fitted.range()
+    error = fitted.error(found, window)
+    attributes = {**samples.attrs, "held_out_runs": len(fitted.tested), "bounds_kind": fitted.kind}
+    if design is not None:
+        attributes |= {"design_method": design.method, "design_order": list(design.order)}
+    numbers = [_numbers(data, found, error, fitted.tested, i) for i in range(len(data.names))]
+    variables = _curves(data, fitted, found, error)
+    for name in numbers[0]:
+        long_name, unit = _NUMBERS[name]
+        told = {"long_name": long_name} | ({"units": unit} if unit else {})
+        variables[name] = ("response", [row[name] for row in numbers], told)
+    return xr.Dataset(
+        variables | fitted.variables(),
+        coords=data.coordinates(),
+        attrs=attributes | fitted.attributes,
     )
-    for found, part in ranges[1:]:
-        low, high = found.inner_lower < union.inner_lower, found.inner_upper > union.inner_upper
-        union = Bounds(
-            np.minimum(union.lower, found.lower),
-            np.maximum(union.upper, found.upper),
-            np.minimum(union.inner_lower, found.inner_lower),
-            np.maximum(union.inner_upper, found.inner_upper),
-            np.where(low[..., None], part.to_global(found.argmin), union.argmin),
-            np.where(high[..., None], part.to_global(found.argmax), union.argmax),
-        )
-    return union
+
+
+def _curves(samples: Samples, model: Model, found: Range, error: ErrorEstimate) -> dict:
+    """The variables over response and time, and where in the box the bounds are taken."""
+    centre, label = model.centre(), "model at the centre of the box"
+    if samples.nominal is not None:
+        centre, label = samples.read(slice(samples.nominal, samples.nominal + 1))[0], "nominal run"
+    curves = [
+        ("lower", found.lower, "lower bound"),
+        ("upper", found.upper, "upper bound"),
+        ("inner_lower", found.inner_lower, "attained lower bound"),
+        ("inner_upper", found.inner_upper, "attained upper bound"),
+        ("nominal", centre, label),
+        ("error", error.total, "estimated error of the bounds"),
+        ("error_held_out", error.held_out, "largest error at the held-out runs"),
+        ("error_decay", error.decay, "error foretold by the coefficients"),
+    ]
+    variables = {
+        name: (("response", "time"), values, {"long_name": text})
+        for name, values, text in curves
+        if values is not None
+    }
+    to_value = samples.parameters()
+    for name, unit, side in (("argmin", found.argmin, "lower"), ("argmax", found.argmax, "upper")):
+        axes, text = ("response", "time", "parameter"), f"parameters at the {side} bound"
+        variables[name] = (axes, to_value(unit), {"long_name": text})
+    return variables
+
+
+# Numbers of a response: long name and unit; without one it is that of the response.
+_NUMBERS = {
+    "largest_width": ("largest difference of the bounds", ""),
+    "largest_width_time": ("time of the largest difference of the bounds", "s"),
+    "gap_share_of_width": ("gap between outer and attained bounds, as a share of the width", "1"),
+    "coverage": ("share of the runs that were not fitted within the bounds", "1"),
+    "worst_violation": ("distance by which such runs leave the bounds at most", ""),
+    "largest_error": ("largest estimated error of the bounds", ""),
+    "largest_error_time": ("time of the largest estimated error of the bounds", "s"),
+    "error_share_of_width": ("estimated error of the bounds, as a share of the width", "1"),
+}
+
+
+def _numbers(
+    samples: Samples, bounds: Range, error: ErrorEstimate, tested: np.ndarray, i: int
+) -> dict[str, float]:
+    """The summary numbers of response `i`."""
+    time, width = samples.time, bounds.upper[i] - bounds.lower[i]
+    inner = bounds.inner_upper[i] - bounds.inner_lower[i]
+    at, area = int(np.argmax(width)), float(np.trapezoid(width, time))
+    numbers = {
+        "largest_width": float(width[at]),
+        "largest_width_time": float(time[at]),
+        "gap_share_of_width": float(np.trapezoid(width - inner, time)) / area if area > 0 else 0.0,
+    }
+    if len(tested):
+        own = samples.values[tested, i]
+        numbers |= compare_runs(bounds.lower[i], bounds.upper[i], own)
+    total = error.total[i]
+    worst = int(np.argmax(total))
+    return numbers | {
+        "largest_error": float(total[worst]),
+        "largest_error_time": float(time[worst]),
+        "error_share_of_width": float(np.trapezoid(total, time)) / area if area > 0 else 0.0,
+    }

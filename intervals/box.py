@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .exceptions import IntervalError
+from .errors import IntervalError
 
 MAX_DIMENSION = 8
 

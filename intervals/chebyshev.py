@@ -1,4 +1,4 @@
-"""Chebyshev points, basis values and one-dimensional transforms on [-1, 1].
+"""Chebyshev points, products and one-dimensional transforms on [-1, 1].
 
 Source: Trefethen, Approximation Theory and Approximation Practice (SIAM 2013), chapters 2-4.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 from math import gcd
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 
 
 def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
@@ -39,14 +40,13 @@ def lobatto(order: int) -> np.ndarray:
     return _sine(2 * np.arange(order + 1) - order, order)
 
 
-def basis(x: np.ndarray, order: int) -> np.ndarray:
-    """T_0(x) ... T_order(x), shape x.shape + (order + 1); by recurrence, so also for |x| > 1."""
-    x = np.asarray(x, dtype=float)
-    values = np.ones((*x.shape, order + 1))
-    if order >= 1:
-        values[..., 1] = x
-    for i in range(2, order + 1):
-        values[..., i] = 2 * x * values[..., i - 1] - values[..., i - 2]
+def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
+    """Values (N, M) of the Chebyshev products `indices` (M, k) at `points` (N, k)."""
+    values = np.ones((len(points), len(indices)))
+    for j in range(indices.shape[1]):
+        highest = int(indices[:, j].max()) if len(indices) else 0
+        if highest:
+            values *= chebvander(points[:, j], highest)[:, indices[:, j]]
     return values
 
 
@@ -67,13 +67,4 @@ def lobatto_transform(order: int) -> np.ndarray:
     matrix = 2.0 / order * np.cos(np.arange(order + 1)[:, None] * angle)
     matrix[:, [0, -1]] /= 2
     matrix[[0, -1]] /= 2
-    return matrix
-
-
-def derivative_matrix(order: int) -> np.ndarray:
-    """Matrix (n+1, n+1) from the coefficients of p to those of dp/dx (same length, last row 0)."""
-    matrix = np.zeros((order + 1, order + 1))
-    for i in range(1, order + 1):
-        matrix[i - 1 :: -2, i] = 2.0 * i
-    matrix[0] /= 2
     return matrix

@@ -33,16 +33,16 @@ def compare_bounds(
         integral of the width over that of the reference.
     """
     distance = hausdorff(lower, upper, reference_lower, reference_upper)
-    width = integral(time, reference_upper - reference_lower)
+    width = np.trapezoid(reference_upper - reference_lower, time)
     at = int(np.argmax(distance))
     duration = float(time[-1] - time[0]) or 1.0
     with np.errstate(divide="ignore", invalid="ignore"):
         return {
             "hausdorff_largest": float(distance[at]),
             "hausdorff_largest_time": float(time[at]),
-            "hausdorff_rms": float(np.sqrt(integral(time, distance**2) / duration)),
-            "hausdorff_integrated": float(np.divide(integral(time, distance), width)),
-            "width_ratio": float(np.divide(integral(time, upper - lower), width)),
+            "hausdorff_rms": float(np.sqrt(np.trapezoid(distance**2, time) / duration)),
+            "hausdorff_integrated": float(np.divide(np.trapezoid(distance, time), width)),
+            "width_ratio": float(np.divide(np.trapezoid(upper - lower, time), width)),
         }
 
 
@@ -61,8 +61,3 @@ def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> di
         "coverage": float((outside <= 1e-12 * scale).mean()),
         "worst_violation": float(max(outside.max(), 0.0)),
     }
-
-
-def integral(time: np.ndarray, values: np.ndarray) -> float:
-    """Trapezoidal integral over the last axis."""
-    return float(((values[..., 1:] + values[..., :-1]) / 2 * np.diff(time)).sum(axis=-1))

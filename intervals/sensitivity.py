@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .datasets import match_points, read_samples
-from .designs import Design
-from .line_range import line_range
-from .metrics import integral
-from .partition import SplitDesign
+from .designs import Design, SplitDesign
+from .points import match_points
+from .ranges import line_range
+from .samples import read_samples
 from .surrogate import Surrogate, fit, fit_points
 
 if TYPE_CHECKING:
@@ -92,9 +91,9 @@ def sensitivity_dataset(
     )
     wide, shares = np.zeros((2, *width.shape[:2]))
     for i, variance in enumerate(found.variance):
-        area = np.array([integral(data.time, row) for row in width[i]])
-        weight = integral(data.time, variance)
-        own = np.array([integral(data.time, row * variance) for row in total[i]])
+        area = np.trapezoid(width[i], data.time)
+        weight = np.trapezoid(variance, data.time)
+        own = np.trapezoid(total[i] * variance, data.time)
         wide[i], shares[i] = area / (area.sum() or 1.0), own / (weight or 1.0)
     curve, number = ("response", "parameter", "time"), ("response", "parameter")
     share = {"units": "1"}

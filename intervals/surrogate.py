@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 
-from . import chebyshev
+from .chebyshev import product_basis
 from .designs import Design
-from .exceptions import IntervalError
-from .subsets import product_basis
+from .errors import IntervalError
 
 
 @dataclass(frozen=True)
@@ -46,24 +46,6 @@ class Surrogate:
         values = product_basis(unit, self.multi_indices) @ flat
         return values.reshape(len(unit), *self.coefficients.shape[1:])
 
-    def derivative(self, direction: int) -> Surrogate:
-        """Partial derivative with respect to the unit coordinate of `direction`."""
-        degrees = self.degrees
-        matrix = chebyshev.derivative_matrix(int(degrees[direction]))
-        rows: dict[tuple[int, ...], int] = {}
-        terms: list[tuple[int, int, float]] = []
-        for m, index in enumerate(self.multi_indices):
-            column = matrix[:, index[direction]]
-            for i in np.flatnonzero(column):
-                target = (*index[:direction], int(i), *index[direction + 1 :])
-                row = rows.setdefault(tuple(int(t) for t in target), len(rows))
-                terms.append((row, m, column[i]))
-        indices = np.array(list(rows) or [(0,) * self.dimension], dtype=int)
-        coefficients = np.zeros((len(indices), *self.coefficients.shape[1:]))
-        for row, m, factor in terms:
-            coefficients[row] += factor * self.coefficients[m]
-        return Surrogate(coefficients, indices)
-
     def dense(self) -> np.ndarray:
         """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...), zeros where absent."""
         shape = tuple(int(n) + 1 for n in self.degrees)
@@ -77,7 +59,7 @@ class Surrogate:
         weights = np.ones(len(self.multi_indices))
         for j, x in enumerate(others):
             if j != direction:
-                values = chebyshev.basis(x, int(self.multi_indices[:, j].max()))
+                values = chebvander(x, int(self.multi_indices[:, j].max()))[0]
                 weights *= values[self.multi_indices[:, j]]
         line = np.zeros((int(self.degrees[direction]) + 1, *self.coefficients.shape[1:]))
         scaled = weights.reshape(-1, *[1] * (self.coefficients.ndim - 1)) * self.coefficients
@@ -99,7 +81,7 @@ def fit(design: Design, values: np.ndarray) -> Surrogate:
         raise IntervalError("design", design.method, "a design with an order, to fit a surrogate")
     if not np.isfinite(values).all():
         raise IntervalError("values", "not finite", "finite numbers at every point and instant")
-    if design.is_tensor:
+    if design.transform is not None:
         coefficients = _tensor_coefficients(design, values)
     else:
         coefficients = _solve(design.points, design.multi_indices, values)
@@ -112,16 +94,11 @@ def fit_points(points: np.ndarray, multi_indices: np.ndarray, values: np.ndarray
 
 
 def _tensor_coefficients(design: Design, values: np.ndarray) -> np.ndarray:
-    transform = (
-        chebyshev.roots_transform
-        if design.method == "tensor_roots"
-        else chebyshev.lobatto_transform
-    )
     shape = tuple(n + 1 for n in design.order)
     grid = values.reshape(*shape, -1)
     for j, n in enumerate(design.order):
         if n:
-            grid = np.moveaxis(np.tensordot(transform(n), grid, axes=(1, j)), 0, j)
+            grid = np.moveaxis(np.tensordot(design.transform(n), grid, axes=(1, j)), 0, j)
     return np.ascontiguousarray(grid).reshape(values.shape)
 
 

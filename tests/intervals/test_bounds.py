@@ -4,6 +4,7 @@ import time as clock
 
 import numpy as np
 import pytest
+import xarray as xr
 from datasets_for_tests import samples_of
 
 from intervals import (
@@ -11,11 +12,11 @@ from intervals import (
     IntervalError,
     bounds_dataset,
     make_design,
-    scan_bounds_dataset,
     split_design,
-    stream_bounds,
 )
 from intervals.metrics import hausdorff
+from intervals.models import scan
+from intervals.samples import Samples
 
 TIME = np.linspace(0.0, 1.0, 201)
 
@@ -117,39 +118,31 @@ def test_scan_bounds_are_the_extreme_samples():
     assert (bounds["error"][0].values >= growth).all()
 
 
-def test_streamed_bounds_do_not_depend_on_the_chunks():
-    values = np.random.default_rng(0).standard_normal((57, 3, 11))
-    for size in (1, 8, 57):
-        found = stream_bounds(values[i : i + size] for i in range(0, 57, size))
-        assert (found.low == values.min(axis=0)).all()
-        assert (found.high_run == values.argmax(axis=0)).all()
-
-
-def test_scan_of_a_file_reads_it_in_chunks(tmp_path, monkeypatch):
-    import xarray as xr
-
-    from intervals import scan_bounds
-
+@pytest.mark.parametrize("runs_at_a_time", [1, 10, 1000])
+def test_scan_of_a_file_reads_it_in_chunks(tmp_path, monkeypatch, runs_at_a_time):
     box = Box(["f"], [0.9], [1.1])
     design = make_design("scan", box, samples=64)
     samples = samples_of(wave, box, design, TIME, held_out=0)
     samples.to_netcdf(tmp_path / "samples.nc")
-    monkeypatch.setattr(scan_bounds, "_CHUNK", 10 * len(TIME))
+    monkeypatch.setattr(scan, "_CHUNK", runs_at_a_time * len(TIME))
     sizes = []
-    update = scan_bounds.RunningBounds.update
+    read = Samples.read
 
-    def record(self, values):
-        sizes.append(len(values))
-        update(self, values)
+    def record(self, runs):
+        sizes.append(runs.stop - runs.start)
+        return read(self, runs)
 
-    monkeypatch.setattr(scan_bounds.RunningBounds, "update", record)
+    monkeypatch.setattr(Samples, "read", record)
     with xr.open_dataset(tmp_path / "samples.nc") as file:
-        found = scan_bounds_dataset(file)
-    assert max(sizes) == 10
-    assert sum(sizes) == 65
-    np.testing.assert_array_equal(
-        found["lower"][0].values, samples["values"].values[:, 0].min(axis=0)
-    )
+        found = bounds_dataset(file, None, model="scan")
+    *sizes, nominal = sizes
+    assert max(sizes) == min(runs_at_a_time, 33)
+    assert (sum(sizes), nominal) == (65, 1)
+    values = samples["values"].values[:, 0]
+    np.testing.assert_array_equal(found["lower"][0], values.min(axis=0))
+    np.testing.assert_array_equal(found["upper"][0], values.max(axis=0))
+    best = samples["value"].values[values.argmax(axis=0)]
+    np.testing.assert_allclose(found["argmax"][0], best, rtol=1e-12)
 
 
 def test_ten_responses_of_two_thousand_instants_are_quick():

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from intervals import Box, IntervalError, fit, held_out_points, make_design
-from intervals.chebyshev import lobatto, roots
-from intervals.multi_indices import total_degree
-from intervals.subsets import product_basis
+from intervals.chebyshev import lobatto, product_basis, roots
+from intervals.designs.multi_indices import total_degree
 
 
 def keys(points):

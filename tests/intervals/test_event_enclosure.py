@@ -7,12 +7,12 @@ from datasets_for_tests import ball_samples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from intervals import event_bounds_dataset, make_design
-from intervals.event_bounds import event_range
-from intervals.event_enclosure import _expansions, _window, event_enclosure
-from intervals.event_model import fit_event_model
-from intervals.impacts import add_anchors, anchor_delays
-from intervals.multi_indices import total_degree
+from intervals import bounds_dataset, make_design
+from intervals.designs.multi_indices import total_degree
+from intervals.models.aligned.composed import fit_event_model
+from intervals.models.aligned.enclosure import _expansions, _window, event_enclosure
+from intervals.models.aligned.impacts import add_anchors, anchor_delays
+from intervals.models.aligned.search import event_range
 
 
 def random_model(k, order, jumps, seed, anchors=False):
@@ -132,8 +132,8 @@ def test_large_terms_that_cancel_round_within_the_enclosure():
 def test_bounds_that_enclose_contain_those_that_are_attained():
     design = make_design("tensor_roots", 1, 2)
     samples = ball_samples(design, instants=501)
-    attained = event_bounds_dataset(samples, design)
-    enclosed = event_bounds_dataset(samples, design, enclose=True)
+    attained = bounds_dataset(samples, design, model="aligned")
+    enclosed = bounds_dataset(samples, design, enclose=True, model="aligned")
     for name in ("z", "v"):
         for side in ("lower", "upper"):
             same = enclosed[f"inner_{side}"].sel(response=name) == attained[side].sel(response=name)

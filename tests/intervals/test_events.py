@@ -9,13 +9,12 @@ from intervals import (
     IntervalError,
     bounds_dataset,
     compare_bounds,
-    event_bounds_dataset,
     make_design,
     split_design,
 )
-from intervals.elements import split_elements
-from intervals.event_model import fit_event_model
-from intervals.impacts import add_anchors, anchor_delays, common_prefix, find_impacts
+from intervals.models.aligned.composed import fit_event_model
+from intervals.models.aligned.elements import split_elements
+from intervals.models.aligned.impacts import add_anchors, anchor_delays, common_prefix, find_impacts
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +41,7 @@ def test_orders_hardly_help_the_plain_surrogate(reference):
 
 def test_the_aligned_surrogate_needs_three_runs(reference):
     design = make_design("tensor_roots", 1, 2)
-    bounds = event_bounds_dataset(ball_samples(design), design)
+    bounds = bounds_dataset(ball_samples(design), design, model="aligned")
     assert integrated(bounds, "v", reference) < 1e-4
     assert integrated(bounds, "z", reference) < 1e-4
     assert (bounds["unresolved"] == 0).all()
@@ -51,7 +50,7 @@ def test_the_aligned_surrogate_needs_three_runs(reference):
 
 def test_shifting_instead_of_stretching_gives_the_same_bounds(reference):
     design = make_design("tensor_roots", 1, 2)
-    bounds = event_bounds_dataset(ball_samples(design), design, ["v"], alignment="shift")
+    bounds = bounds_dataset(ball_samples(design), design, ["v"], alignment="shift", model="aligned")
     assert integrated(bounds, "v", reference) < 1e-4
     assert float(bounds["error_share_of_width"].sel(response="v")) < 1e-3
 
@@ -78,7 +77,7 @@ def test_the_error_estimates_see_what_is_wrong(reference):
     design = make_design("tensor_roots", 1, 3)
     samples = ball_samples(design)
     plain = bounds_dataset(samples, design)
-    aligned = event_bounds_dataset(samples, design)
+    aligned = bounds_dataset(samples, design, model="aligned")
     for row, name in enumerate(("z", "v")):
         lower, upper = (plain[key].sel(response=name).values for key in ("lower", "upper"))
         true = np.maximum(np.abs(lower - low[row]), np.abs(upper - high[row]))
@@ -114,7 +113,7 @@ def test_a_late_impact_that_some_runs_lack_splits_the_box_or_is_reported():
     duration = 1.772  # the third impact comes before the end for the lower half of the heights only
     reference = ball_reference(duration)
     design = make_design("tensor_roots", 1, 9)
-    bounds = event_bounds_dataset(ball_samples(design, duration), design)
+    bounds = bounds_dataset(ball_samples(design, duration), design, model="aligned")
     assert bounds.attrs["elements"] == 2
     assert bounds.attrs["unresolved_share_at_end"] == 0
     assert 0 < bounds.attrs["cut_share"] < 0.2
@@ -123,7 +122,7 @@ def test_a_late_impact_that_some_runs_lack_splits_the_box_or_is_reported():
     assert ours < 1e-3 < 0.05 < theirs
 
     few = make_design("tensor_roots", 1, 2)  # three runs cannot be split into two linear fits
-    bounds = event_bounds_dataset(ball_samples(few, duration), few)
+    bounds = bounds_dataset(ball_samples(few, duration), few, model="aligned")
     assert bounds["unresolved"].values[-1] == 1
     assert bounds["unresolved"].values[0] == 0
     late = bounds["unresolved"].values > 0
@@ -142,7 +141,7 @@ def test_two_parameters():
     curves = np.array([ball(time, *value(u))[1] for u in design.points])
     impacts = np.array([bounces(*value(u), duration=1.5) for u in design.points])
     model = fit_event_model(design.points, design.multi_indices, time, curves, impacts)
-    from intervals.event_bounds import event_range
+    from intervals.models.aligned.search import event_range
 
     low, high, at_low, _ = event_range(model, time)
     grid = np.linspace(-1, 1, 41)
@@ -185,10 +184,10 @@ def test_designs_without_order_or_split_are_refused():
     halves = split_design(make_design("tensor_lobatto", 1, 2), [([-1.0], [0.0]), ([0.0], [1.0])])
     for design in (make_design("scan", 1, samples=8), halves):
         with pytest.raises(IntervalError, match="order, of the whole box"):
-            event_bounds_dataset(ball_samples(design, instants=201), design)
+            bounds_dataset(ball_samples(design, instants=201), design, model="aligned")
 
 
 def test_samples_without_events_are_refused():
     design = make_design("tensor_roots", 1, 2)
     with pytest.raises(IntervalError, match="event_time"):
-        event_bounds_dataset(ball_samples(design).drop_vars("event_time"), design)
+        bounds_dataset(ball_samples(design).drop_vars("event_time"), design, model="aligned")

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from numpy.polynomial import chebyshev
 
 from intervals import Surrogate, surrogate_range
-from intervals.ascent import inner_range
-from intervals.bernstein import tighten
-from intervals.enclosures import effects_enclosure, grid_enclosure
-from intervals.line_range import line_range
-from intervals.multi_indices import tensor, total_degree
+from intervals.designs.multi_indices import tensor, total_degree
+from intervals.ranges import line_range
+from intervals.ranges.ascent import inner_range
+from intervals.ranges.bernstein import tighten
+from intervals.ranges.enclosures import effects_enclosure, grid_enclosure
 
 
 def colleague_range(c):

@@ -15,10 +15,9 @@ from intervals import (
     fit_spline,
     hausdorff,
     make_design,
-    spline_bounds_dataset,
     spline_range,
 )
-from intervals.splines import choose_scales
+from intervals.models.spline.spline import choose_scales
 
 
 def points_in(k, count, seed):
@@ -286,7 +285,7 @@ def test_bounds_contain_all_runs_and_the_error_covers():
         scan.max(axis=0) - plain["upper"][0].values,
     )
     assert true.mean() < 0.2 * missing.mean()
-    alone = spline_bounds_dataset(samples)
+    alone = bounds_dataset(samples, None, model="spline")
     assert (alone["upper"][0] == bounds["upper"][0]).all()
     assert bounds.attrs["design_runs"] == len(np.unique(samples["unit"].values, axis=0))
 

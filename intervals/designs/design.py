@@ -1,0 +1,71 @@
+"""What a design is: points in the box, and the polynomials that they determine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Design:
+    """Points (N, k) in unit coordinates and the basis that they determine.
+
+    Attributes
+    ----------
+    points
+        Unit coordinates (N, k).
+    multi_indices
+        Basis (M, k) of Chebyshev products, M <= N; (0, k) for a plain scan without surrogate.
+    method
+        One of `METHODS`.
+    order
+        Order of each direction (k); 0 where the interval has no width.
+    transform
+        For a full tensor grid in the order of `multi_indices`: from an order n to the matrix
+        (n + 1, n + 1) from values at the points of one direction to coefficients.
+    """
+
+    points: np.ndarray
+    multi_indices: np.ndarray
+    method: str = ""
+    order: tuple[int, ...] = ()
+    transform: Callable[[int], np.ndarray] | None = None
+
+    @property
+    def dimension(self) -> int:
+        """Number of directions k."""
+        return self.points.shape[1]
+
+    @property
+    def runs(self) -> int:
+        """Number of points N."""
+        return self.points.shape[0]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A kind of design.
+
+    Attributes
+    ----------
+    make
+        ``make(orders, free, limit, **options)`` gives the points and the basis of a `Design` for
+        orders (k), 0 where a direction is not `free` (k), that is has no width; for no order if
+        `needs_order` is false. It calls `limit` with the number of its points as soon as that is
+        known; its keyword-only arguments are the options that a user has.
+    higher
+        The order to try after this one in one direction, best one that keeps the runs.
+    needs_order
+        Whether a user must give an order.
+    """
+
+    make: Callable[..., Design]
+    higher: Callable[[int], int] = lambda order: order + 1
+    needs_order: bool = True
+
+
+def doubled(order: int) -> int:
+    """The next order of nested Lobatto rules."""
+    return max(2 * order, 2)

@@ -1,0 +1,125 @@
+"""How wrong the bounds may be, from runs that the surrogate has not seen and from its coefficients.
+
+What counts is the point-wise error of the surrogate: if |f - s| <= e over the box, the bounds of s
+are within e of those of f (Hausdorff distance). It is estimated, at every instant, by the larger of
+
+- the largest |f - s| over the held-out runs (blind between them), and
+- the tail that the decay of the Chebyshev coefficients foretells (blind to what the nodes miss),
+
+and then widened in time: the largest estimate within a short window counts. Two oscillations that
+differ in phase agree wherever they cross, so that an instant by itself can look right by accident;
+a window of half a period or more cannot. Neither a comparison of two orders nor a count of samples
+outside the bounds is used: near collisions both saw nothing of errors of a tenth of the width.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .surrogate import Surrogate
+
+WINDOW = 0.01  # share of the duration
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """Estimates of max |f - s| over the box at each instant, (..., T); use `total`.
+
+    `held_out` is what runs that were not fitted showed, `decay` what the coefficients foretell.
+    """
+
+    total: np.ndarray
+    held_out: np.ndarray
+    decay: np.ndarray
+
+
+def error_estimate(
+    time: np.ndarray, held_out: np.ndarray, decay: np.ndarray, window: float | None = None
+) -> ErrorEstimate:
+    """The larger of the estimates (..., T) at each instant of `time` (T), widened (see `widen`)."""
+    return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
+
+
+def held_out_error(surrogate: Surrogate, unit: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Largest |f - s| over the held-out runs, (..., T); zeros without runs."""
+    if not len(unit):
+        return np.zeros(surrogate.coefficients.shape[1:])
+    return np.abs(values - surrogate.evaluate(unit)).max(axis=0)
+
+
+def decay_estimate(
+    surrogate: Surrogate, time: np.ndarray | None = None, window: float | None = None
+) -> np.ndarray:
+    """Size of the first neglected coefficients, extrapolated from the last ones, (..., T).
+
+    In each direction the shells S_l = sum of |c_i| with i_j = l are formed, and the next two are
+    foretold from the shells two and four places before them, S_(n+2) = S_n S_n / S_(n-2): two
+    places at a time, since odd or even functions have every second coefficient zero. Where total
+    degree limits the basis, its shells stand for all directions at once.
+
+    With `time` (T), the last axis, the largest coefficients within `window` count (see `widen`):
+    a coefficient that passes through zero would pretend a decay, or hide one.
+    """
+    indices, c = surrogate.multi_indices, np.abs(surrogate.coefficients)
+    if time is not None:
+        c = widen(time, c, window)
+    degrees = surrogate.degrees
+    if not degrees.any():
+        return np.zeros(c.shape[1:])
+    if len(indices) == np.prod(degrees + 1):
+        return sum(_tail(indices[:, j], c) for j in np.flatnonzero(degrees))
+    scaled = indices / np.where(degrees > 0, degrees, 1)
+    level = np.minimum(np.ceil(scaled.sum(axis=1) * degrees.max() - 1e-9), degrees.max())
+    return _tail(level.astype(int), c)
+
+
+def direction_tails(surrogate: Surrogate) -> np.ndarray:
+    """Extrapolated tail of each direction by itself, (k, ..., T): which needs a higher order."""
+    c = np.abs(surrogate.coefficients)
+    return np.array([_tail(level, c) for level in surrogate.multi_indices.T])
+
+
+def _tail(level: np.ndarray, c: np.ndarray) -> np.ndarray:
+    n = int(level.max())
+    if n == 0:
+        return np.zeros(c.shape[1:])
+    shells = [c[level == i].sum(axis=0) for i in range(n + 1)]
+    if n == 1:
+        return shells[1]  # no decay can be told
+    if n == 2:
+        return shells[2] * _ratio(shells[2], shells[1])
+    after_next = shells[n] * _ratio(shells[n], shells[n - 2])
+    # the constant term says nothing about decay, so n = 3 borrows the ratio of the other parity
+    pair = (n - 1, n - 3) if n > 3 else (3, 1)
+    return after_next + shells[n - 1] * _ratio(shells[pair[0]], shells[pair[1]])
+
+
+def _ratio(last: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """Decay from `before` to `last`, at most 1; 1 where `before` is nothing but rounding."""
+    told = before > 1e-12 * (before.max(initial=0.0) + last)
+    return np.minimum(np.divide(last, before, out=np.ones_like(last), where=told), 1.0)
+
+
+def widen(time: np.ndarray, error: np.ndarray, window: float | None = None) -> np.ndarray:
+    """Largest value within `window` s on either side of each instant; last axis is time (T)."""
+    time = np.asarray(time, dtype=float)
+    if len(time) < 2:
+        return error.copy()
+    half = WINDOW / 2 * (time[-1] - time[0]) if window is None else float(window)
+    first = np.searchsorted(time, time - half * (1 + 1e-12), side="left")
+    last = np.searchsorted(time, time + half * (1 + 1e-12), side="right")
+    # maxima over windows from a table of maxima over powers of two
+    length = last - first
+    level = np.floor(np.log2(length)).astype(int)
+    table = [error]
+    for p in range(int(level.max())):
+        shift = 1 << p
+        table.append(np.maximum(table[-1][..., :-shift], table[-1][..., shift:]))
+    out = np.empty_like(error)
+    for p, row in enumerate(table):
+        at = np.flatnonzero(level == p)
+        if len(at):
+            out[..., at] = np.maximum(row[..., first[at]], row[..., last[at] - (1 << p)])
+    return out

@@ -1,0 +1,77 @@
+"""Splines through all runs as a model."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...designs import Design, SplitDesign
+from ...errors import IntervalError
+from ...estimates import ErrorEstimate, error_estimate
+from ...points import other_runs
+from ...ranges import Range
+from ...samples import Samples
+from ..model import Model
+from .search import spline_range
+from .solve import distinct
+from .spline import fit_spline
+
+MAX_RUNS = 4000  # the spline's matrix is full
+
+
+def check_spline_runs(points: np.ndarray) -> None:
+    """Raise `IntervalError` unless runs at unit points (N, k) give a spline's bounds and error.
+
+    There must be at most `MAX_RUNS`, and there must be a spline through all of them but any one,
+    which takes runs that are not in one plane. One run will do for a box without width.
+    """
+    points = np.asarray(points, dtype=float)
+    if len(points) > MAX_RUNS:
+        raise IntervalError("runs", len(points), f"at most {MAX_RUNS} runs for a spline")
+    points = points[distinct(points)]
+    if len(points) == 1:
+        return
+    free = np.ptp(points, axis=0) > 0
+    linear = np.concatenate([np.ones((len(points), 1)), points[:, free]], axis=1)
+    u, singular, _ = np.linalg.svd(linear, full_matrices=False)
+    least = linear.shape[1] + 1
+    # a run of leverage 1 is the only one outside a plane that holds all the others
+    leverage = (u**2).sum(axis=1)
+    if len(points) < least or singular[-1] < 1e-9 * singular[0] or leverage.max() > 1 - 1e-9:
+        allowed = f"at least {least} runs for a spline, and no plane that holds all but one"
+        raise IntervalError("runs", len(points), allowed)
+
+
+class SplineModel(Model):
+    """One spline through all runs, whatever their design and role.
+
+    Its bounds contain every run, and are attained by the spline or a run; they are no enclosure.
+    The error is the largest difference between a run and the spline through all the others, over
+    the runs inside the box and those that `design`, if given, does not contain (there the spline
+    need not extrapolate), plus the largest difference between a run and the spline through all.
+    """
+
+    kind = "attained range of a spline through all runs"
+
+    def __init__(self, samples: Samples, design: Design | SplitDesign | None = None) -> None:
+        check_spline_runs(samples.unit)
+        self.samples, self.spline = samples, fit_spline(samples.unit, samples.values)
+        points = self.spline.points
+        judged = (np.abs(points) < 1).all(axis=1)
+        if design is not None:
+            judged[other_runs(points, design.points)] = True
+        self.judged = judged if judged.any() else ~judged
+        self.attributes = {
+            "design_runs": len(points),
+            "error_kind": "largest difference of a run and the spline through the others",
+            "spline_scales": self.spline.scales.tolist(),
+        }
+
+    def range(self) -> Range:
+        return spline_range(self.spline)
+
+    def error(self, found: Range, window: float | None) -> ErrorEstimate:
+        left_out = np.abs(self.spline.left_out[self.judged]).max(axis=0) + self.spline.misfit
+        return error_estimate(self.samples.time, left_out, np.zeros_like(left_out), window)
+
+    def centre(self) -> np.ndarray:
+        return self.spline.evaluate(np.zeros((1, self.spline.points.shape[1])))[0]

@@ -1,0 +1,142 @@
+"""Solving for splines: the natural cubic spline on a line, the polyharmonic one elsewhere.
+
+On a line the cubes |x - x_i|^3 of a thousand runs cancel each other down to nothing; there a spline
+is its values and second derivatives at the runs, whose equations are tridiagonal and diagonally
+dominant whatever the spacing (Green and Silverman, Nonparametric Regression, 1994, chapter 2).
+Elsewhere the matrix of the cubes is reduced to the vectors orthogonal to the linear functions, on
+which it is positive definite (Wendland 2005, chapter 8).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...errors import IntervalError
+
+_COLUMNS = 512
+# Runs closer than this, in unit coordinates, count once: the weights of three runs at distances h
+# are of the order 1 / h^3. On a line no weights are needed.
+NEAR, NEAR_ON_LINE = 1e-4, 1e-6
+
+
+def distinct(points: np.ndarray) -> np.ndarray:
+    """Indices, rising, of runs at unit points (N, k) no two of which are nearly the same."""
+    from scipy.spatial import cKDTree
+
+    one = (np.ptp(points, axis=0) > 0).sum() <= 1
+    # equal runs in bulk first: a tree would list all their pairs
+    _, first = np.unique(np.round(points, 9) + 0.0, axis=0, return_index=True)
+    first = np.sort(first)
+    keep = np.ones(len(first), dtype=bool)
+    pairs = cKDTree(points[first]).query_pairs(NEAR_ON_LINE if one else NEAR, output_type="ndarray")
+    for i, j in pairs[np.lexsort(pairs.T[::-1])]:
+        keep[j] &= not keep[i]
+    return first[keep]
+
+
+def line_rows(x: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Indices and factors (P, 4): values at x (P) from N values and then N second derivatives.
+
+    Beyond the outermost knots the spline goes on as a straight line.
+    """
+    order = np.argsort(knots)
+    t, count = knots[order], len(knots)
+    cell = np.clip(np.searchsorted(t, x, side="right") - 1, 0, count - 2)
+    h = t[cell + 1] - t[cell]
+    a, b = (t[cell + 1] - x) / h, (x - t[cell]) / h
+    c, d = a**3 - a, b**3 - b
+    c, d = np.where(b < 0, -2 * b, c), np.where(b < 0, -b, d)
+    c, d = np.where(a < 0, -a, c), np.where(a < 0, -2 * a, d)
+    left, right = order[cell], order[cell + 1]
+    index = np.stack([left, right, left + count, right + count], axis=1)
+    return index, np.stack([a, b, c * h**2 / 6, d * h**2 / 6], axis=1)
+
+
+def solve_line(knots: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Second derivatives (N, T) at knots (N) of the natural spline, and left-out errors (N, T)."""
+    order = np.argsort(knots)
+    h = np.diff(knots[order])
+    second, left_out = np.zeros_like(values), np.full_like(values, np.inf)
+    if len(knots) < 3:
+        return second, left_out
+    band = np.stack([np.append(0.0, h[1:-1] / 6), (h[:-1] + h[1:]) / 3])
+    bend = np.zeros_like(values)
+    slopes = np.diff(values[order], axis=0) / h[:, None]
+    bend[1:-1] = _tridiagonal(band, np.diff(slopes, axis=0))
+    # leaving out run i: the value there that makes the spline's energy f' Q R^-1 Q' f least
+    slope = np.diff(bend, axis=0) / h[:, None]
+    force = np.concatenate([slope[:1], np.diff(slope, axis=0), -slope[-1:]])
+    energy = np.empty(len(h) + 1)
+    inner = np.arange(len(h) - 1)
+    for start in range(0, len(energy), _COLUMNS):
+        part = np.zeros((len(inner), min(_COLUMNS, len(energy) - start)))
+        for shift, factor in ((0, 1 / h[:-1]), (1, -1 / h[:-1] - 1 / h[1:]), (2, 1 / h[1:])):
+            column = inner + shift - start
+            here = (column >= 0) & (column < part.shape[1])
+            part[inner[here], column[here]] = factor[here]
+        energy[start : start + _COLUMNS] = (part * _tridiagonal(band, part)).sum(axis=0)
+    second[order], left_out[order] = bend, force / energy[:, None]
+    return second, left_out
+
+
+def _tridiagonal(band: np.ndarray, right: np.ndarray) -> np.ndarray:
+    from scipy.linalg import solveh_banded
+
+    # LAPACK's routine refuses one equation
+    return right / band[1] if band.shape[1] == 1 else solveh_banded(band, right)
+
+
+class Polyharmonic:
+    """Factorised equations of a spline with cubes `cubes` (N, N), linear functions `linear` (N, m).
+
+    Raises `IntervalError` where the runs lie in one plane or too close together.
+    """
+
+    def __init__(self, cubes: np.ndarray, linear: np.ndarray):
+        from scipy.linalg import LinAlgError, cholesky, qr
+
+        count, extra = linear.shape
+        if count < extra or np.linalg.matrix_rank(linear) < extra:
+            raise IntervalError("runs", count, f"at least {extra} runs that are not in one plane")
+        (raw, self._tau), self._triangle = qr(linear, mode="raw")
+        self._mirrors = np.tril(raw, -1)[:, :extra] + np.eye(count, extra)
+        self._extra, self._cubes = extra, cubes
+        half = self._turned(cubes).T
+        try:
+            self._root = cholesky(self._turned(half)[extra:, extra:], lower=True)
+        except LinAlgError:
+            raise IntervalError("runs", count, "runs that are farther apart") from None
+
+    def _turned(self, x: np.ndarray, back: bool = False) -> np.ndarray:
+        """Q^T x, or Q x: first come the coordinates in the linear functions."""
+        x = np.array(x)
+        numbers = range(self._extra)
+        for j in reversed(numbers) if back else numbers:
+            mirror = self._mirrors[:, j]
+            x -= np.outer(self._tau[j] * mirror, mirror @ x)
+        return x
+
+    def weights(self, values: np.ndarray) -> np.ndarray:
+        """Weights (N + m, T) of the runs and linear functions, from values (N, T)."""
+        from scipy.linalg import cho_solve, solve_triangular
+
+        turned = self._turned(values)
+        if len(turned) > self._extra:
+            turned[self._extra :] = cho_solve((self._root, True), turned[self._extra :])
+        turned[: self._extra] = 0.0
+        weights = self._turned(turned, back=True)
+        rest = self._turned(values - self._cubes @ weights)[: self._extra]
+        return np.concatenate([weights, solve_triangular(self._triangle[: self._extra], rest)])
+
+    def left_out(self, weights: np.ndarray) -> np.ndarray:
+        """Left-out errors (N, T) from weights (N + m, T): a run's weight over that of a unit."""
+        from scipy.linalg import solve_triangular
+
+        count = len(self._cubes)
+        unit = self._turned(np.eye(count))[self._extra :]
+        if not len(unit):
+            return np.full((count, weights.shape[1]), np.inf)
+        unit = (solve_triangular(self._root, unit, lower=True) ** 2).sum(axis=0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = weights[:count] / unit[:, None]
+        return np.where(np.isfinite(found), found, np.inf)

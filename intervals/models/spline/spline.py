@@ -1,0 +1,190 @@
+"""Cubic splines through scattered runs: an interpolant that uses every run.
+
+A polynomial answers a vibration that gets out of step with ripples over the whole box. The
+polyharmonic spline sum_i w_i |x - x_i|^3 + a + b x, in one dimension the natural cubic spline,
+takes its course from the runs nearby; it goes through any set of runs, held-out ones and scans
+included. Where the response is smooth, its error falls slower than a polynomial's; next to a jump
+it overshoots by a tenth of it. Source: Wendland, Scattered Data Approximation (Cambridge 2005),
+chapter 8; left-out errors without refitting: Rippa 1999. How it is solved: solve.py.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...errors import IntervalError
+from .solve import Polyharmonic, distinct, line_rows, solve_line
+
+_TRIED = 400  # runs that choose the scales
+_MISFIT = 1e-6  # of the width of the runs' values at an instant: above it no spline is given
+
+
+@dataclass(frozen=True)
+class Spline:
+    """Interpolant of runs at unit points (N, k).
+
+    Attributes
+    ----------
+    points
+        (N, k), no two nearly the same.
+    scales
+        (k): distances are measured in scales * x; 0 where all the runs agree.
+    weights
+        (N + 1 + f, ...): of the runs, then the constant and the slopes of the f other directions.
+        On a line (2 N, ...): values and second derivatives at the runs.
+    left_out
+        (N, ...): value of each run less that of the spline through all the others; infinite where
+        the others give no spline.
+    values
+        (N, ...): the runs.
+    lowest, highest, argmin, argmax
+        (...) and (..., k): extreme values of all runs given, repeated ones too, and where they are.
+    misfit
+        (...): largest difference of the spline and a run, of all runs given: rounding, and what
+        runs differ by that are nearly the same.
+    """
+
+    points: np.ndarray
+    scales: np.ndarray
+    weights: np.ndarray
+    left_out: np.ndarray
+    values: np.ndarray
+    lowest: np.ndarray
+    highest: np.ndarray
+    argmin: np.ndarray
+    argmax: np.ndarray
+    misfit: np.ndarray
+
+    @property
+    def on_line(self) -> bool:
+        """Whether the runs differ in one direction only."""
+        return len(self.points) > 1 and int((self.scales > 0).sum()) == 1
+
+    def line_rows(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Indices and factors (P, 4) of the weights, on a line, at unit coordinates (P, k)."""
+        j = int(np.argmax(self.scales > 0))
+        return line_rows(np.asarray(unit, dtype=float)[:, j], self.points[:, j])
+
+    def basis(self, unit: np.ndarray):
+        """Rows (P, len(weights)) at unit coordinates (P, k): an array, on a line a sparse one."""
+        if self.on_line:
+            from scipy.sparse import csr_array
+
+            index, factor = self.line_rows(unit)
+            ends = np.arange(0, 4 * len(index) + 1, 4)
+            shape = (len(index), len(self.weights))
+            return csr_array((factor.ravel(), index.ravel(), ends), shape=shape)
+        return _rows(np.asarray(unit, dtype=float), self.points, self.scales)
+
+    def evaluate(self, unit: np.ndarray) -> np.ndarray:
+        """Values (P, ...) at unit coordinates (P, k)."""
+        flat = self.weights.reshape(len(self.weights), -1)
+        return (self.basis(unit) @ flat).reshape(len(unit), *self.weights.shape[1:])
+
+
+def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None = None) -> Spline:
+    """Spline through the values (N, ...) of runs at unit points (N, k).
+
+    Runs that are nearly the same (`solve.distinct`) count once, the first of them. `scales`
+    (k) default to those that `choose_scales` finds. Needs one run more than there are directions in
+    which the runs differ, not all in one plane. Raises `IntervalError` where runs with different
+    values are so close to each other that rounding keeps the spline from going through them.
+    """
+    runs, shape = np.asarray(points, dtype=float), np.shape(values)[1:]
+    given = np.asarray(values, dtype=float).reshape(len(runs), -1)
+    kept = distinct(runs)
+    points, flat = runs[kept], given[kept]
+    scales = choose_scales(points, flat) if scales is None else np.where(_spread(points), scales, 0)
+    weights, left_out = _solve(points, scales, flat)
+    fields = [points, scales, weights.reshape(-1, *shape), left_out.reshape(-1, *shape)]
+    columns = np.arange(flat.shape[1])
+    where = given.argmin(axis=0), given.argmax(axis=0)
+    fields += [flat.reshape(-1, *shape), *(given[at, columns].reshape(shape) for at in where)]
+    fields += [runs[at].reshape(*shape, -1) for at in where]
+    spline = Spline(*fields, misfit=np.zeros(shape))
+    others = np.setdiff1d(np.arange(len(runs)), kept)
+    misfit = np.abs(_rest(spline, points, flat)).max(axis=0)
+    # at an instant at which all runs agree, rounding of their values is all there is
+    allowed = _MISFIT * np.ptp(flat, axis=0) + 1e-12 * np.abs(flat).max(axis=0)
+    if (misfit > allowed).any():
+        told = "runs that are farther apart: rounding keeps the spline from going through these"
+        raise IntervalError("runs", len(runs), told)
+    if len(others):
+        misfit = np.maximum(misfit, np.abs(_rest(spline, runs[others], given[others])).max(axis=0))
+    return replace(spline, misfit=misfit.reshape(shape))
+
+
+def _rest(spline: Spline, points: np.ndarray, flat: np.ndarray) -> np.ndarray:
+    return flat - spline.evaluate(points).reshape(flat.shape)
+
+
+def _solve(points, scales, flat) -> tuple[np.ndarray, np.ndarray]:
+    """Weights and left-out errors (N, T)."""
+    free = scales > 0
+    if len(points) == 1:
+        return flat, np.zeros_like(flat)
+    if free.sum() == 1:
+        second, left_out = solve_line(points[:, free][:, 0], flat)
+        return np.concatenate([flat, second]), left_out
+    system = _system(points, scales)
+    weights = system.weights(flat)
+    return weights, system.left_out(weights)
+
+
+def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Scales (k) with the least left-out errors of values (N, T), by doubling and halving each.
+
+    The response may change over a tenth of one interval and hardly over all of another; distances
+    should tell. Columns count relative to their spread; a few hundred runs and instants choose.
+    """
+    spread = _spread(points)
+    scales = spread.astype(float)
+    if spread.sum() < 2:
+        return scales
+    rows = np.unique(np.linspace(0, len(points) - 1, min(len(points), _TRIED)).astype(int))
+    columns = np.unique(np.linspace(0, values.shape[1] - 1, 200).astype(int))
+    points, values = points[rows], values[rows][:, columns]
+    values = values[:, np.ptp(values, axis=0) > 0]
+    values = values / (np.ptp(values, axis=0) if values.size else 1.0)
+
+    def loss(trial):
+        system = _system(points, trial)
+        return np.abs(system.left_out(system.weights(values))).sum()
+
+    best = loss(scales)
+    for _ in range(3):
+        before = best
+        for j in np.flatnonzero(spread):
+            for factor in (0.5, 2.0):
+                trial = scales.copy()
+                trial[j] *= factor
+                found = loss(trial) if 1 / 16 <= trial[j] <= 16 else np.inf
+                if found < 0.98 * best:
+                    best, scales = found, trial
+        if best == before:
+            break
+    return scales
+
+
+def _spread(points: np.ndarray) -> np.ndarray:
+    return np.ptp(points, axis=0) > 0
+
+
+def _rows(x, points, scales) -> np.ndarray:
+    free = scales > 0
+    x, points = (x * scales)[:, free], (points * scales)[:, free]
+    if len(points) == 1:
+        return np.ones((len(x), 1))
+    square = (x**2).sum(axis=1)[:, None] + (points**2).sum(axis=1) - 2 * x @ points.T
+    square = np.maximum(square, 0.0)
+    return np.concatenate([square * np.sqrt(square), np.ones((len(x), 1)), x], axis=1)
+
+
+def _system(points, scales) -> Polyharmonic:
+    """Equations of the weights that give values at the runs."""
+    rows = _rows(points, points, scales)
+    cubes = rows[:, : len(points)]
+    cubes[np.arange(len(points)), np.arange(len(points))] = 0.0
+    return Polyharmonic((cubes + cubes.T) / 2, rows[:, len(points) :])

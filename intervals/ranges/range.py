@@ -1,0 +1,56 @@
+"""What a range is, of whatever model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Range:
+    """Outer and inner range of a model over the box; arrays have the trailing shape (...) of it.
+
+    Attributes
+    ----------
+    lower, upper
+        The bounds: guaranteed where the model can be enclosed, else the attained ones.
+    inner_lower, inner_upper
+        Attained: the model takes these values at `argmin` and `argmax`.
+    argmin, argmax
+        (..., k) unit coordinates.
+    """
+
+    lower: np.ndarray
+    upper: np.ndarray
+    inner_lower: np.ndarray
+    inner_upper: np.ndarray
+    argmin: np.ndarray
+    argmax: np.ndarray
+
+    @property
+    def gap(self) -> np.ndarray:
+        """By how much the outer range may be too wide, (...): the sum over both sides."""
+        return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
+
+
+def attained(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
+    """The range of attained values (...) and their arguments (..., k), without an enclosure."""
+    return Range(low, high, low, high, argmin, argmax)
+
+
+def union(ranges: Sequence[Range]) -> Range:
+    """The range of a model of several parts, from those of its parts."""
+    whole = ranges[0]
+    for part in ranges[1:]:
+        low, high = part.inner_lower < whole.inner_lower, part.inner_upper > whole.inner_upper
+        whole = Range(
+            np.minimum(whole.lower, part.lower),
+            np.maximum(whole.upper, part.upper),
+            np.minimum(whole.inner_lower, part.inner_lower),
+            np.maximum(whole.inner_upper, part.inner_upper),
+            np.where(low[..., None], part.argmin, whole.argmin),
+            np.where(high[..., None], part.argmax, whole.argmax),
+        )
+    return whole

@@ -1,0 +1,112 @@
+"""Reading samples datasets: values of responses at runs that differ in their parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .errors import IntervalError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Coordinates that every dataset made of a samples dataset takes over, those that are there.
+_COORDINATES = (
+    "time",
+    "response",
+    "response_units",
+    "response_long_name",
+    "parameter",
+    "box_units",
+    "box_lower",
+    "box_upper",
+    "box_nominal",
+)
+
+
+@dataclass(frozen=True)
+class Samples:
+    """What the interval side knows of R runs with n responses at T instants and k parameters.
+
+    Attributes
+    ----------
+    names, rows
+        (n) of the responses, and their places in the dataset `source`.
+    time
+        (T) in s.
+    unit
+        (R, k): unit coordinates.
+    nominal
+        The index of the nominal run, or None.
+    """
+
+    names: list[str]
+    rows: list[int]
+    time: np.ndarray
+    unit: np.ndarray
+    nominal: int | None
+    source: xr.Dataset
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        """Responses (R, n, T), read at first use. IntervalError unless all are finite."""
+        values = np.asarray(self.read(slice(None)), dtype=float)
+        bad = [n for i, n in enumerate(self.names) if not np.isfinite(values[:, i]).all()]
+        if bad:
+            raise IntervalError("samples", ", ".join(bad), "finite responses in every run")
+        return values
+
+    def read(self, runs: slice) -> np.ndarray:
+        """Responses (r, n, T) of some runs as they are stored, and no others in memory."""
+        whole = self.rows == list(range(self.source.sizes["response"]))
+        return self.source["values"][runs, slice(None) if whole else self.rows].values
+
+    def coordinates(self) -> dict:
+        """Coordinates of a dataset of these responses over time and parameter, by name."""
+        found = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
+        return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in found.items()}
+
+    def parameters(self) -> Callable[[np.ndarray], np.ndarray]:
+        """Function from unit coordinates (..., k) to parameter values, as the runs tell it."""
+        value = np.asarray(self.source["value"].values, dtype=float)
+        middle, half = value.mean(axis=0), np.zeros(self.unit.shape[1])
+        for j, column in enumerate(self.unit.T):
+            a, b = column.argmin(), column.argmax()
+            if column[b] > column[a]:
+                half[j] = (value[b, j] - value[a, j]) / (column[b] - column[a])
+                middle[j] = value[a, j] - half[j] * column[a]
+        return lambda unit: middle + half * unit
+
+
+def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:
+    """Check a samples dataset and take out what is small; by default all responses are taken.
+
+    Variables ``values`` (run, response, time), ``unit`` and ``value`` (run, parameter), perhaps
+    ``role`` (run); coordinates ``time`` and ``response``.
+    """
+    for name in ("time", "response", "values", "unit", "value"):
+        if name not in samples:
+            raise IntervalError("samples", list(samples.variables), f"a dataset with {name}")
+    known = [str(name) for name in samples["response"].values]
+    names = known if responses is None else [str(n) for n in responses]
+    for name in names:
+        if name not in known:
+            raise IntervalError("response", name, "one of " + ", ".join(known))
+    if not names:
+        raise IntervalError("responses", names, "at least one")
+    nominal = None
+    if "role" in samples:
+        found = np.flatnonzero(samples["role"].values.astype(str) == "nominal")
+        nominal = int(found[0]) if len(found) else None
+    return Samples(
+        names,
+        [known.index(name) for name in names],
+        np.asarray(samples["time"].values, dtype=float),
+        np.asarray(samples["unit"].values, dtype=float),
+        nominal,
+        samples,
+    )

@@ -1,0 +1,78 @@
+"""Error estimates and metrics."""
+
+import numpy as np
+import pytest
+
+from intervals import Surrogate, fit, hausdorff, make_design
+from intervals.estimates import (
+    decay_estimate,
+    direction_tails,
+    error_estimate,
+    held_out_error,
+    widen,
+)
+from intervals.metrics import compare_bounds, compare_runs
+
+
+def estimated(surrogate, time, unit, values, window=None):
+    held_out = held_out_error(surrogate, unit, values)
+    return error_estimate(time, held_out, decay_estimate(surrogate, time, window), window)
+
+
+@pytest.mark.parametrize("order", [3, 4, 7, 8])
+@pytest.mark.parametrize("function", [np.exp, np.cos, np.sin, lambda x: 1 / (2 - x)])
+def test_decay_foretells_the_error_of_smooth_functions(function, order):
+    design = make_design("tensor_roots", 1, order)
+    surrogate = fit(design, function(design.points))
+    x = np.linspace(-1, 1, 201)[:, None]
+    true = np.abs(surrogate.evaluate(x) - function(x)).max()
+    told = decay_estimate(surrogate)[0]
+    assert true / 10 < told < 100 * true + 1e-14
+
+
+def test_largest_value_in_a_window():
+    time = np.array([0.0, 0.1, 0.2, 0.5, 0.6, 1.0])
+    error = np.array([[0.0, 3.0, 0.0, 1.0, 0.0, 0.0], [5.0, 0, 0, 0, 0, 2.0]])
+    expected = [
+        [max(e for t, e in zip(time, row, strict=True) if abs(t - s) <= 0.1001) for s in time]
+        for row in error
+    ]
+    np.testing.assert_array_equal(widen(time, error, 0.1), expected)
+    np.testing.assert_array_equal(widen(time, error, 0.0), error)
+
+
+def test_a_phase_shift_does_not_slip_through_between():
+    time = np.linspace(0, 1, 1001)
+    surrogate = Surrogate(np.sin(200 * time)[None], np.zeros((1, 1), dtype=int))
+    run = np.sin(200 * time + 0.5)[None]
+    told = estimated(surrogate, time, np.zeros((1, 1)), run, window=np.pi / 200 / 2)
+    assert told.held_out.min() < 1e-3  # the curves cross
+    inside = (time > 0.02) & (time < 0.98)  # at the ends half the window is missing
+    assert told.total[inside].min() > 0.47  # their difference has the amplitude 2 sin(0.25) = 0.495
+
+
+def test_without_held_out_runs_the_decay_is_left():
+    surrogate = Surrogate(np.ones((3, 4)), np.arange(3)[:, None])
+    told = estimated(surrogate, np.arange(4.0), np.zeros((0, 1)), np.zeros((0, 4)))
+    assert (told.total == 1).all()
+
+
+def test_tails_tell_the_direction():
+    design = make_design("tensor_roots", 2, 4)
+    x, y = design.points.T
+    tails = direction_tails(fit(design, (np.exp(2 * x) + np.exp(0.1 * y))[:, None]))
+    assert tails[0, 0] > 100 * tails[1, 0]
+
+
+def test_metrics_of_known_bounds():
+    time = np.linspace(0, 2, 201)
+    zero = np.zeros(201)
+    found = compare_bounds(time, zero - 0.1, zero + 1.0, zero, zero + 1.0)
+    assert found["hausdorff_largest"] == pytest.approx(0.1)
+    assert found["hausdorff_rms"] == pytest.approx(0.1)
+    assert found["hausdorff_integrated"] == pytest.approx(0.1)
+    assert found["width_ratio"] == pytest.approx(1.1)
+    assert hausdorff(np.array(0.0), np.array(1.0), np.array(0.2), np.array(3.0)) == 2.0
+    runs = np.array([np.full(201, 0.5), np.full(201, 1.5)])
+    found = compare_runs(zero, zero + 1, runs)
+    assert found == {"coverage": 0.5, "worst_violation": 0.5}

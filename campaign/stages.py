@@ -142,10 +142,8 @@ _DESIGN = (
     "campaign/config/sections.py",
     "intervals/box.py",
     "intervals/chebyshev.py",
-    "intervals/designs.py",
-    "intervals/multi_indices.py",
-    "intervals/scans.py",
-    "intervals/subsets.py",
+    "intervals/points.py",
+    "intervals/designs/*.py",
 )
 _PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py")
 _BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py")

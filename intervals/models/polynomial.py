@@ -87,8 +87,9 @@ def surrogate_dataset(
         ends = [getattr(part, side) for part in parts]
         variables[f"part_{side}"] = (("part", "parameter"), ends, attributes)
     if len(indices):
-        fitted = [surrogate.coefficients for surrogate in PolynomialModel(data, design).surrogates]
+        # one response after the other: products of larger matrices round in another way
+        fitted = [PolynomialModel(read_samples(samples, [name]), design) for name in data.names]
+        values = [[surrogate.coefficients[:, 0] for surrogate in m.surrogates] for m in fitted]
         axes = ("response", "part", "term", "time")
-        values = np.moveaxis(np.array(fitted), 2, 0)
         variables["coefficient"] = (axes, values, {"long_name": "Chebyshev coefficients"})
     return xr.Dataset(variables, coords=data.coordinates(), attrs=samples.attrs)

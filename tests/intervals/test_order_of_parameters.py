@@ -1,0 +1,83 @@
+"""In which order the parameters are named does not matter, for any design and model."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from datasets_for_tests import samples_of
+
+from intervals import METHODS, MODELS, Box, bounds_dataset, make_design, sensitivity_dataset
+
+TIME = np.linspace(0.0, 1.0, 41)
+NAMES, LOWER, UPPER = ("f", "g", "h"), np.array([0.9, 0.3, 0.0]), np.array([1.1, 0.3, 0.2])
+ORDERS = ([0, 1, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0])  # g has no width, and every place in turn
+OPTIONS = {"scan": {"samples": 24}}
+
+
+def wave(values):
+    f, g, h = (values[name] for name in NAMES)
+    return np.sin(6 * TIME * f) * np.exp(h) + g * TIME
+
+
+def made(method, order):
+    """Box, design and samples of the wave with the parameters in another order."""
+    box = Box([NAMES[j] for j in order], LOWER[order], UPPER[order])
+    design = make_design(method, box, 3, **OPTIONS.get(method, {}))
+    samples = samples_of(lambda v: wave(dict(zip(box.names, v, strict=True))), box, design, TIME)
+    # one impact in every run, later where f is small
+    impact = 0.5 - 0.1 * (samples["value"].sel(parameter="f").values - 1.0)
+    return design, samples.assign(event_time=(("run", "event"), impact[:, None]))
+
+
+def permuted(design, samples, order):
+    """The same runs with the columns of the parameters in another order."""
+    moved = replace(
+        design,
+        points=design.points[:, order],
+        multi_indices=design.multi_indices[:, order],
+        order=tuple(design.order[j] for j in order),
+        transform=None,  # that belongs to the order of the runs
+    )
+    return moved, samples.isel(parameter=order)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_designs_have_as_many_runs_and_the_same_polynomials(method):
+    found = {}
+    for order in ORDERS:
+        design, _ = made(method, order)
+        back = np.argsort(order)
+        basis = sorted(map(tuple, design.multi_indices[:, back]))
+        points = sorted(map(tuple, design.points[:, back])) if method != "total_degree" else None
+        if method == "scan":  # a sequence has no order of its directions
+            points = len(design.points)
+        found[tuple(order)] = (design.runs, basis, points)
+    assert all(other == found[0, 1, 2] for other in found.values())
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("method", METHODS)
+def test_the_same_runs_have_the_same_bounds(method, model):
+    design, samples = made(method, ORDERS[0])
+    first = bounds_dataset(samples, design, model=model)
+    # the scales of a spline are sought one direction after the other, and its range by a sequence
+    slack = (5e-4 if model == "spline" else 1e-6) * float(np.abs(samples["values"]).max())
+    gap = float((first["inner_lower"] - first["lower"]).max())
+    for order in ORDERS[1:]:
+        other = bounds_dataset(*reversed(permuted(design, samples, order)), model=model)
+        assert other["parameter"].values.tolist() == [NAMES[j] for j in order]
+        for name in ("inner_lower", "inner_upper", "error"):
+            np.testing.assert_allclose(other[name], first[name], atol=slack, err_msg=name)
+        for name in ("lower", "upper"):
+            np.testing.assert_allclose(other[name], first[name], atol=gap + slack)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_same_runs_have_the_same_sensitivities(method):
+    design, samples = made(method, ORDERS[0])
+    first = sensitivity_dataset(samples, design)
+    for order in ORDERS[1:]:
+        other = sensitivity_dataset(*reversed(permuted(design, samples, order)))
+        for name in ("width", "total", "width_overall"):
+            wanted = first[name].sel(parameter=other["parameter"])
+            np.testing.assert_allclose(other[name], wanted, atol=1e-9)

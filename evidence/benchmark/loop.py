@@ -1,38 +1,63 @@
-"""Where the benchmark reaches into the time loop; all else uses fpm's public interface."""
+"""The time loop as plain Python, with other operations on lanes than the compiled ones."""
 
 from __future__ import annotations
 
 import sys
 import types
 from collections.abc import Callable, Iterable
+from importlib import import_module
 
 
-def lanes() -> types.ModuleType:
-    """The module with the operations on lanes that the kernels are written in."""
-    from fpm.kernels import lanes as module
-
-    return module
-
-
-def replace_operations(operations: Iterable[Callable], in_part: Callable) -> None:
-    """Run the kernels as plain Python with other operations on lanes, before any kernel is read.
+def run_as_python(operations: Iterable[Callable], in_part: Callable) -> None:
+    """Make fpm run its kernels as Python, with `operations` for those of their names.
 
     in_part(name, function): what each kernel that the loop calls is replaced by. RuntimeError
     if numba compiles.
     """
     import numba
 
-    if not numba.config.DISABLE_JIT:
-        raise RuntimeError("set NUMBA_DISABLE_JIT=1 before this module is used")
-    for operation in operations:
-        setattr(lanes(), operation.__name__, operation)
+    from fpm.kernels import compiled, hooks, lanes, vectors
     from fpm.kernels import run as loop
 
-    for where in [loop, *(x for x in vars(loop).values() if isinstance(x, types.ModuleType))]:
-        for name, function in list(vars(where).items()):
-            if isinstance(function, types.FunctionType) and function is not loop.run:
-                part = f"{function.__module__.rsplit('.', 1)[-1]}.{name}"
-                setattr(where, name, in_part(part, function))
-    compiled = types.ModuleType("fpm.kernels.compiled")
-    compiled.run = loop.run
-    sys.modules["fpm.kernels.compiled"] = compiled
+    for path in (compiled.PACKAGE / "kinds").glob("*_kernels.py"):
+        import_module(f"fpm.kinds.{path.stem}")
+    if not numba.config.DISABLE_JIT:
+        raise RuntimeError("set NUMBA_DISABLE_JIT=1 before this module is used")
+    for key, kernel in hooks.KERNELS.items():
+        hooks.KERNELS[key] = in_part(_name_of(kernel), kernel)
+    for name, value in list(vars(loop).items()):
+        if isinstance(value, types.FunctionType) and value is not loop.run:
+            setattr(loop, name, in_part(_name_of(value), value))
+    instead = {id(compiled.loop_for): lambda arguments: loop.run, **_overloaded()}
+    for operation in operations:
+        name = operation.__name__
+        instead[id(getattr(lanes, name, None) or getattr(vectors, name))] = operation
+    for module in [m for name, m in sys.modules.items() if name.startswith("fpm.")]:
+        for name, value in list(vars(module).items()):
+            if id(value) in instead:
+                setattr(module, name, instead[id(value)])
+
+
+def _name_of(kernel: Callable) -> str:
+    """A kernel as a part of the loop: its module and its name."""
+    module = kernel.__module__.rsplit(".", 1)[-1].removesuffix("_kernels")
+    return f"{module}.{kernel.__name__}"
+
+
+def _overloaded() -> dict[int, Callable]:
+    """For functions that are implemented by the types of their arguments (by id): Python's way."""
+    from numba.core.typing.templates import builtin_registry
+
+    found = {}
+    for template in builtin_registry.functions:
+        choose = getattr(template, "_overload_func", None)
+        if choose and str(getattr(template.key, "__module__", "")).startswith("fpm."):
+            found[id(template.key)] = _chosen(choose)
+    return found
+
+
+def _chosen(choose: Callable) -> Callable:
+    """Call what `choose` gives for the type of the first argument."""
+    from numba import typeof
+
+    return lambda first, *rest: choose(typeof(first), *rest)(first, *rest)

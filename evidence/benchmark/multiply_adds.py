@@ -4,7 +4,6 @@ from functools import partial
 
 import numpy as np
 
-from evidence.benchmark import loop
 from evidence.benchmark.clock import best
 
 
@@ -12,7 +11,7 @@ def functions():
     """Compiled loops over n rounds of 12 independent, or of one dependent, multiply-add."""
     from numba import njit
 
-    load, store = loop.lanes().load, loop.lanes().store
+    from fpm.kernels.lanes import load, store
 
     @njit(error_model="numpy", nogil=True)
     def independent(a, n):

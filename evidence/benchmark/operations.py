@@ -13,7 +13,7 @@ from collections import Counter
 import numpy as np
 
 from evidence.benchmark.kernel import stable
-from evidence.benchmark.loop import replace_operations
+from evidence.benchmark.loop import run_as_python
 from evidence.benchmark.scenes import linkages, runner
 
 TALLY: Counter = Counter()
@@ -31,7 +31,7 @@ def note(kind: str, registers: int) -> None:
 class Lanes:
     """The lanes of one register, or of two, that count what is done with them."""
 
-    __array_priority__ = 1000
+    __array_ufunc__ = None
 
     def __init__(self, value, product=False):
         self.value, self.product = value, product
@@ -62,6 +62,8 @@ class Lanes:
         return self._sum(other, number(other) - self.value)
 
     def __mul__(self, other):
+        if isinstance(other, Vector):
+            return NotImplemented
         self._note("multiply")
         return Lanes(self.value * number(other), product=True)
 
@@ -77,6 +79,24 @@ class Lanes:
 
     def __neg__(self):
         return Lanes(-self.value)  # folded into the operation that follows
+
+
+class Vector:
+    """Three lanes, for `fpm.kernels.vectors.vector`."""
+
+    __array_ufunc__ = None
+
+    def __init__(self, x, y, z):
+        self.x, self.y, self.z = x, y, z
+
+    def __add__(self, other):
+        return Vector(self.x + other.x, self.y + other.y, self.z + other.z)
+
+    def __sub__(self, other):
+        return Vector(self.x - other.x, self.y - other.y, self.z - other.z)
+
+    def __rmul__(self, factor):
+        return Vector(factor * self.x, factor * self.y, factor * self.z)
 
 
 def number(x):
@@ -123,7 +143,11 @@ def absolute(x):
     return Lanes(np.abs(x.value))
 
 
-OPERATIONS = (load, store, sqrt, where_negative, any_negative, floor, absolute)
+def vector(x, y, z):
+    return Vector(x, y, z)
+
+
+OPERATIONS = (load, store, sqrt, where_negative, any_negative, floor, absolute, vector)
 
 
 def in_part(name: str, function):
@@ -161,5 +185,5 @@ def per_step(elements: int = 12, steps: int = 50) -> dict:
 
 
 if __name__ == "__main__":
-    replace_operations(OPERATIONS, in_part)
+    run_as_python(OPERATIONS, in_part)
     print(json.dumps(per_step(*map(int, sys.argv[1:]))))

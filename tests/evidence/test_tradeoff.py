@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from campaign.config.check import check_config
-from campaign.plan.make import make_plan
 from campaign.config.presets import MODEL, PRESETS
+from campaign.plan.make import make_plan
 from evidence.results import write
 from evidence.tradeoff import preset_rows, rows, study
 from evidence.tradeoff.figures import pareto
@@ -209,7 +209,7 @@ def test_presets_are_measured_as_a_campaign_takes_them():
     case = replace(SMALL, levels=(level,), trajectories=())
     choices = preset_choices(level)
     assert [(c.preset, c.model) for c in choices] == [("draft", "polynomial"), ("draft", "spline")]
-    config = check_config(
+    campaign = check_config(
         {
             "campaign": "x",
             "preset": "draft",
@@ -218,9 +218,10 @@ def test_presets_are_measured_as_a_campaign_takes_them():
             "responses": case.responses,
         }
     )
-    assert config["bounds"]["model"] == MODEL
-    assert config["scene"]["parameters"]["elements"] == level.elements
-    planned = {tuple(np.round(run["unit"], 12) + 0.0) for run in make_plan(config)["runs"]}
+    assert campaign.bounds.model == MODEL
+    assert campaign.experiment.scene.parameters["elements"] == level.elements
+    plan = make_plan(campaign.experiment)
+    planned = {tuple(np.round(run.unit, 12) + 0.0) for run in plan.runs}
     for choice in choices:
         design = design_of(case, choice)
         points = np.concatenate([design.points, held_out_of(case, choice, design)])

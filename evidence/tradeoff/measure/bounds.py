@@ -27,20 +27,13 @@ def take_bounds(case: Case, choice: Choice, runs: Runs) -> Band:
     design = design_of(case, choice)
     tested = held_out_of(case, choice, design)
     samples = runs.samples(np.concatenate([design.points, tested]))
+    model = {"model": choice.model}
+    if choice.align != "none":
+        model = {"model": "aligned", "alignment": choice.align, "max_impacts": choice.impacts}
     start = time.process_time()
-    if choice.align == "none":
-        found = intervals.bounds_dataset(samples, design, model=choice.model)
-    else:
-        found = intervals.event_bounds_dataset(
-            samples, design, alignment=choice.align, max_impacts=choice.impacts
-        )
+    found = intervals.bounds_dataset(samples, design, **model)
     cpu = time.process_time() - start
-    names = list(case.responses)
-    lower, upper, error = (
-        np.array([found[f"{name}_{key}"].values for name in names])
-        for key in ("lower", "upper", "error")
-    )
-    return Band(lower, upper, error, cpu)
+    return Band(found["lower"].values, found["upper"].values, found["error"].values, cpu)
 
 
 def phases_of(runs: Runs) -> dict[str, np.ndarray]:

@@ -11,6 +11,7 @@ import numpy as np
 
 import fpm
 import intervals
+from campaign.runs.store import EVENT_VARIABLES
 from evidence.tradeoff.measure.cases import Case
 from evidence.tradeoff.measure.points import box_of, unique_points
 
@@ -71,18 +72,16 @@ class Runs:
         import xarray as xr
 
         rows = intervals.match_points(points, self.unit)
-        axes = ("run", "parameter")
-        value = box_of(self.case).from_unit(self.unit[rows])
-        data = {"unit": (axes, self.unit[rows]), "value": (axes, value)}
-        for i, name in enumerate(self.case.responses):
-            data[name] = (("run", "time"), self.values[rows, i])
-        events = _padded([self.events[row] for row in rows])
-        for name, column in zip(
-            ("event_time", "event_contact", "event_closing"), events, strict=True
-        ):
+        unit, events = self.unit[rows], _padded([self.events[row] for row in rows])
+        data = {
+            "unit": (("run", "parameter"), unit),
+            "value": (("run", "parameter"), box_of(self.case).from_unit(unit)),
+            "values": (("run", "response", "time"), self.values[rows]),
+        }
+        for name, column in zip(EVENT_VARIABLES, events, strict=True):
             data[name] = (("run", "event"), column)
-        coords = {"time": self.time, "parameter": list(self.case.intervals)}
-        return xr.Dataset(data, coords=coords)
+        coords = {"response": list(self.case.responses), "time": self.time}
+        return xr.Dataset(data, {**coords, "parameter": list(self.case.intervals)})
 
 
 def _padded(events: list[np.ndarray]) -> np.ndarray:

@@ -1,0 +1,172 @@
+"""The page's sentences: verdicts first, and how far to trust them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from campaign.report.data import PageData, Parameter, Response
+from campaign.units import pretty
+
+SMALL, LARGE = 0.05, 0.25
+"""Shares of the largest difference below which an estimated error is called small, and from which
+it is called large."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The headline of one response; `grade` is small, noticeable, large or unknown (the error)."""
+
+    response: Response
+    time: float
+    width: str
+    interval: str
+    error: str
+    share: float | None
+    grade: str
+    worst_error: str
+    published: str
+    outside: str
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number as people write it: `0.0618`, `1.2e+09` as `1.2 × 10⁹`."""
+    text = f"{value:.{digits}g}"
+    if "e" not in text:
+        return text.replace("-", "−")
+    mantissa, exponent = text.split("e")
+    raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    head = "" if mantissa == "1" else f"{mantissa} × "
+    return f"{head}10{raised}".replace("-", "−")
+
+
+def quantity(value: float, units: str, digits: int = 3) -> str:
+    """A number with its unit."""
+    unit = pretty(units)
+    return number(value, digits) + ("" if unit == "1" else f" {unit}")
+
+
+def percent(share: float) -> str:
+    """`0.0749` as `7 %`; two digits below one per cent."""
+    return f"{100 * share:.2g} %" if abs(share) < 0.01 else f"{100 * share:.0f} %"
+
+
+def spread(parameter: Parameter) -> str:
+    """How far a parameter is known: `± 1 %`, else its ends."""
+    below, above = parameter.nominal - parameter.lower, parameter.upper - parameter.nominal
+    if parameter.nominal and abs(above - below) < 1e-6 * abs(parameter.nominal):
+        return f"± {100 * above / abs(parameter.nominal):.3g} %"
+    ends = number(parameter.lower, 4), quantity(parameter.upper, parameter.units, 4)
+    return f"{ends[0]} to {ends[1]}"
+
+
+def headline(data: PageData) -> str:
+    """The answer in one sentence."""
+    known = [
+        f"{p.name} known to {spread(p)}" if "±" in spread(p) else f"{p.name} from {spread(p)}"
+        for p in data.parameters
+    ]
+    response = data.responses[0]
+    width = response.upper[response.widest] - response.lower[response.widest]
+    return (
+        f"With {_listed(known)}, the {response.long_name} is uncertain by up to "
+        f"{quantity(width, response.units)}."
+    )
+
+
+def facts(data: PageData) -> str:
+    """What the campaign was, in one line."""
+    runs = len({run.id for run in data.runs})
+    duration = quantity(float(data.time[-1] - data.time[0]), "s")
+    count = len(data.parameters)
+    parameters = "one interval parameter" if count == 1 else f"{count} interval parameters"
+    return f"Scene {data.scene}, {duration} of motion, {parameters}, {runs} runs."
+
+
+def verdict(data: PageData, response: Response) -> Verdict:
+    """The headline numbers of a response."""
+    at, units = response.widest, response.units
+    low, high = float(response.lower[at]), float(response.upper[at])
+    width = high - low
+    error = None if response.error is None else float(response.error[at])
+    share = error / width if error is not None and width > 0 else None
+    grade = "unknown" if share is None else "large" if share >= LARGE else "noticeable"
+    if share is not None and share < SMALL:
+        grade = "small"
+    worst = ""
+    if response.error is not None:
+        where = int(response.error.argmax())
+        worst = f"{quantity(response.error[where], units, 2)} at {data.time[where]:.4g} s"
+    outside = ""
+    if response.outside is not None:
+        outside = "none" if response.outside <= 0 else quantity(response.outside, units, 2)
+    return Verdict(
+        response, float(data.time[at]), quantity(width, units),
+        f"{number(low, 4)} to {quantity(high, units, 4)}",
+        "" if error is None else quantity(error, units, 2),
+        share, grade, worst, _published(response, width, error), outside,
+    )  # fmt: skip
+
+
+def _published(response: Response, width: float, error: float | None) -> str:
+    """Ours beside the published number."""
+    if not response.published:
+        return ""
+    text = quantity(response.published, response.units)
+    apart = width / response.published - 1
+    if abs(apart) < 0.005:
+        return f"{text}; the same to half a per cent"
+    text += f"; ours is {percent(abs(apart))} {'above' if apart > 0 else 'below'}"
+    if error is None:
+        return text
+    within = abs(width - response.published) <= error
+    return f"{text}, {'less' if within else 'more'} than the estimated error"
+
+
+def trust(data: PageData) -> list[tuple[str, str]]:
+    """How far to trust the page: titles with a paragraph each."""
+    unfitted = len(data.unfitted)
+    return [
+        ("What the bounds are", _kind(data.bounds_kind)),
+        (
+            "What the error estimate is",
+            f"An estimate, made from {unfitted} run{'s' if unfitted != 1 else ''} that the fit has "
+            "not seen, or from runs that were left out one at a time. It says how far the drawn "
+            "bounds may be from those of the simulated model. It is usually too large and "
+            "sometimes too small; it proves nothing."
+            if any(r.error is not None for r in data.responses)
+            else "There is none. The bounds are the least and the largest of the runs that were "
+            "made; runs that were not made may lie outside.",
+        ),
+        (
+            "What the model is",
+            "Slender elastic bars, ideal hinges, springs and contacts, moved by a time integration "
+            "that is stopped when its energy does not balance. What the model leaves out (friction, "
+            "play in the hinges, tolerances that are not among the parameters, damage) is not "
+            "in these numbers.",
+        ),
+        (
+            "What follows for a structure",
+            "Nothing on this page is a safety margin, and nothing here promises that a real "
+            "structure stays within the bounds. It shows how the simulated model answers when its "
+            "parameters lie anywhere within the stated intervals, and no statement is made about "
+            "how likely any of these values is.",
+        ),
+    ]  # fmt: skip
+
+
+def _kind(kind: str) -> str:
+    text = f"{kind[:1].upper()}{kind[1:]}. "
+    if kind.startswith("enclosed"):
+        return text + (
+            "A polynomial was fitted to the runs at every instant; its least and largest values "
+            "over the intervals are enclosed by computation. How far the polynomial is from the "
+            "simulated model is not enclosed: it is estimated."
+        )
+    return text + (
+        "They are values that the fitted model or the runs do take somewhere within the "
+        "intervals; values beyond them are possible."
+    )
+
+
+def _listed(texts: list[str]) -> str:
+    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"

@@ -119,24 +119,9 @@ def _measure(
     import xarray as xr
 
     import fpm
-    import intervals as interval_side
-    from intervals.errors import direction_tails
-    from intervals.partition import parts_of
+    from intervals import measure_round
 
     config = plan["config"]
-    names = list(config["responses"])
     named, _ = intervals_of(config, fpm.scenes.get(config["scene"]["name"]))
-    with xr.open_dataset(bounds_path) as bounds:
-        time = bounds["time"].values
-        error = max(float(bounds[f"{n}_error"].attrs["error_share_of_width"]) for n in names)
-        widths = np.stack([(bounds[f"{n}_upper"] - bounds[f"{n}_lower"]).values for n in names])
-    with xr.open_dataset(samples_path) as samples:
-        unit = samples["unit"].values
-        values = np.stack([samples[n].values for n in names], axis=1)
-    areas = np.trapezoid(widths, time)
-    tails = np.zeros(len(plan["names"]))
-    for part in parts_of(make_design(config, named)):
-        rows = interval_side.match_points(part.points, unit)
-        tail = np.trapezoid(direction_tails(interval_side.fit(part.design, values[rows])), time)
-        tails = np.maximum(tails, (tail / np.where(areas > 0, areas, 1.0)).max(axis=1))
-    return error, tails.tolist()
+    with xr.open_dataset(samples_path) as samples, xr.open_dataset(bounds_path) as bounds:
+        return measure_round(samples, bounds, make_design(config, named))

@@ -1,11 +1,9 @@
 """From `samples.nc` to surrogate, bounds and sensitivities, by the `intervals` package.
 
-`bounds.nc` is described at `intervals.bounds_dataset`, `sensitivities.nc` at
-`intervals.sensitivity_dataset`. `surrogate.nc` has the Chebyshev coefficients of every response at
-every instant, for each part of the box (one, unless it was split): `part_lower`, `part_upper`
-(part, parameter) in unit coordinates, `multi_index(term, parameter)` and
-`<response>_coefficient(part, term, time)`. A scan without order has no terms. Surrogate and
-sensitivities are the polynomial's, also where the bounds are a spline's.
+The files are described at `intervals.bounds_dataset`, `intervals.surrogate_dataset` and
+`intervals.sensitivity_dataset`; all have the coordinates `response`, `response_units`,
+`response_long_name`, and of the box `parameter`, `box_lower`, `box_upper`, `box_nominal`,
+`box_units`. Surrogate and sensitivities are the polynomial's, also where the bounds are a spline's.
 """
 
 from __future__ import annotations
@@ -40,22 +38,17 @@ def analyse(
     with xr.open_dataset(samples_path) as samples:
         made_for = json.loads(samples.attrs["config"])
         design = _design(samples, made_for)
-        names = samples.attrs["responses"].split()
-        if how["align"] == "none":
-            bounds = intervals.bounds_dataset(samples, design, names, model=how["model"])
-        else:
-            bounds = intervals.event_bounds_dataset(
-                samples, design, names, alignment=how["align"], enclose=how["enclose"]
-            )
-        for key in ("unit", "lower", "upper", "nominal"):
-            bounds[f"parameter_{key}"] = samples[f"parameter_{key}"]
+        options = {"model": how["model"]}
+        if how["align"] != "none":
+            options = {"model": "aligned", "alignment": how["align"], "enclose": how["enclose"]}
+        bounds = intervals.bounds_dataset(samples, design, **options)
         write_dataset(bounds, bounds_path, "Bounds of the responses")
-        surrogate = surrogate_dataset(samples, design, names)
+        surrogate = intervals.surrogate_dataset(samples, design)
         write_dataset(surrogate, surrogate_path, "Surrogates of the responses")
         if design.method == "scan" and made_for["design"]["order"] is None:
-            sensitivities = xr.Dataset(attrs={**samples.attrs, "responses": ""})
+            sensitivities = xr.Dataset(attrs=samples.attrs)
         else:
-            sensitivities = intervals.sensitivity_dataset(samples, design, names)
+            sensitivities = intervals.sensitivity_dataset(samples, design)
         write_dataset(sensitivities, sensitivities_path, "Influence of each parameter")
 
 
@@ -73,44 +66,6 @@ def _design(samples: Any, made_for: Mapping) -> Any:
         return intervals.Design(points, np.zeros((0, len(none)), dtype=int), "scan", none)
     named, _ = intervals_of(made_for, fpm.scenes.get(made_for["scene"]["name"]))
     return make_design(made_for, named)
-
-
-def surrogate_dataset(samples: Any, design: Any, names: list[str]) -> Any:
-    """The fitted coefficients as a dataset (see the module's text)."""
-    import xarray as xr
-
-    from intervals import fit, match_points
-    from intervals.partition import parts_of
-
-    parts = parts_of(design)
-    indices = parts[0].design.multi_indices  # all parts have the same
-    corner = ("part", "parameter")
-    data: dict[str, tuple] = {
-        "multi_index": (("term", "parameter"), indices, {"units": "1", "long_name": "degree"}),
-        "part_lower": (
-            corner,
-            [p.lower for p in parts],
-            {"units": "1", "long_name": "lower unit coordinate"},
-        ),
-        "part_upper": (
-            corner,
-            [p.upper for p in parts],
-            {"units": "1", "long_name": "upper unit coordinate"},
-        ),
-    }
-    if len(indices):
-        rows = [match_points(part.points, samples["unit"].values) for part in parts]
-        for name in names:
-            values = samples[name].values
-            fitted = [fit(p.design, values[r]) for p, r in zip(parts, rows, strict=True)]
-            attributes = {
-                "units": samples[name].attrs.get("units", ""),
-                "long_name": f"Chebyshev coefficients of {samples[name].attrs['long_name']}",
-            }
-            coefficients = np.stack([surrogate.coefficients for surrogate in fitted])
-            data[f"{name}_coefficient"] = (("part", "term", "time"), coefficients, attributes)
-    coords = {"time": samples["time"], "parameter": samples["parameter"]}
-    return xr.Dataset(data, coords=coords, attrs=samples.attrs)
 
 
 def write_dataset(dataset: Any, path: str | Path, title: str) -> None:

@@ -32,7 +32,7 @@ KINDS = ("png", "pdf")
 def draw_envelopes(bounds_path: str | Path, config: Mapping, folder: str | Path) -> None:
     """Draw `<response>.png` and `.pdf` of all responses into `folder`."""
     with open_netcdf(bounds_path) as bounds:
-        for name in bounds.responses.split():
+        for name in bounds["response"][:]:
             save(envelope(bounds, name, config["error"]["shade_above"]), Path(folder) / name)
 
 
@@ -44,22 +44,22 @@ def envelope(bounds: Any, name: str, shade_above: float) -> Any:
     """
     from matplotlib.figure import Figure
 
-    time, lower, upper = (bounds[key][:] for key in ("time", f"{name}_lower", f"{name}_upper"))
-    units = pretty(getattr(bounds[f"{name}_lower"], "units", "1"))
+    i = list(bounds["response"][:]).index(name)
+    time, lower, upper = bounds["time"][:], bounds["lower"][i], bounds["upper"][i]
+    units = pretty(bounds["response_units"][i])
     figure = Figure(figsize=(6.4, 3.6), layout="constrained")
     ax = figure.subplots()
     ax.fill_between(time, lower, upper, color="0.85", linewidth=0, zorder=1)
     ax.plot(time, lower, zorder=3, **LOWER)
     ax.plot(time, upper, zorder=3, **UPPER)
-    if f"{name}_nominal" in bounds.variables:
-        ax.plot(time, bounds[f"{name}_nominal"][:], zorder=4, **NOMINAL)
-    if f"{name}_error" in bounds.variables:
-        doubtful = bounds[f"{name}_error"][:] > shade_above * (upper - lower).max()
+    if "nominal" in bounds.variables:
+        ax.plot(time, bounds["nominal"][i], zorder=4, **NOMINAL)
+    if "error" in bounds.variables:
+        doubtful = bounds["error"][i] > shade_above * (upper - lower).max()
         _shade(ax, time, doubtful, f"error estimate above {shade_above:.0%} of the largest width")
     _mark_largest(ax, time, lower, upper, units)
-    label = bounds[f"{name}_lower"].long_name.removeprefix("lower bound of ")
     ax.set_xlabel("time (s)")
-    ax.set_ylabel(f"{label} ({units})")
+    ax.set_ylabel(f"{bounds['response_long_name'][i]} ({units})")
     ax.set_xlim(time[0], time[-1])
     ax.margins(y=0.08)
     ax.grid(color="0.9", linewidth=0.5)
@@ -84,19 +84,20 @@ def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
     from matplotlib.figure import Figure
 
     with open_netcdf(path) as data:
-        names, parameters = data.responses.split(), list(data["parameter"][:])
-        time = data["time"][:]
+        names, parameters = list(data["response"][:]), list(data["parameter"][:])
+        time, widths, shares = (data[key][:] for key in ("time", "width", "width_overall"))
+        all_units = data["response_units"][:]
         figure = Figure(figsize=(7.0, 2.2 * len(names) + 0.4), layout="constrained")
         axes = figure.subplots(len(names), 2, width_ratios=(3, 1), squeeze=False)
-        for row, name in zip(axes, names, strict=True):
-            width, share = data[f"{name}_width"], data[f"{name}_width_overall"][:]
-            units = pretty(getattr(width, "units", "1"))
-            for i, (parameter, curve) in enumerate(zip(parameters, width[:], strict=True)):
+        for row, name, units, width, share in zip(
+            axes, names, all_units, widths, shares, strict=True
+        ):
+            for i, (parameter, curve) in enumerate(zip(parameters, width, strict=True)):
                 line, colour = _DASHES[i % len(_DASHES)], _COLOURS[i % len(_COLOURS)]
                 row[0].plot(time, curve, color=colour, linestyle=line, label=parameter, lw=1.0)
                 row[1].barh(parameter, 100 * share[i], color=colour, height=0.6)
                 row[1].text(100 * share[i], i, f" {100 * share[i]:.0f} %", va="center", fontsize=7)
-            row[0].set_ylabel(f"width of {name} ({units})", fontsize=8)
+            row[0].set_ylabel(f"width of {name} ({pretty(units)})", fontsize=8)
             row[0].set_xlim(time[0], time[-1])
             row[0].set_ylim(bottom=0)
             row[0].grid(color="0.9", linewidth=0.5)

@@ -1,14 +1,18 @@
 """Gather the responses of all runs of a plan into one file, `samples.nc`.
 
-    dims   run, time, parameter, event
-    unit(run, parameter)    coordinates in the box, -1 to 1
-    value(run, parameter)   parameter values, in the units parameter_unit(parameter)
-    role(run)               node, nominal or held_out
+    dims   run, response, time, parameter, event
+    values(run, response, time)   in the units response_units(response)
+    response, response_units, response_long_name (response)
+    unit(run, parameter)          coordinates in the box, -1 to 1
+    value(run, parameter)         parameter values, in the units box_units(parameter)
+    parameter_<name>(run)         the same by name, with units
+    box_lower, box_upper, box_nominal (parameter)
+    role(run)                     node, nominal or held_out
     run_id(run)
-    <response>(run, time)   with units and long_name
     event_time, event_contact, event_closing (run, event)   contact events, padded with NaN
 
-This file is all that the interval side needs.
+No variable is named after a response, so that a response may have any name. This file is all that
+the interval side needs.
 """
 
 from __future__ import annotations
@@ -23,7 +27,7 @@ import numpy as np
 from campaign.errors import CampaignError
 from campaign.files import whole_file
 from campaign.run import groups_of
-from campaign.store import EVENT_VARIABLES, Record, open_store, write_names
+from campaign.store import EVENT_VARIABLES, Record, open_store, write_dimension
 
 _CHUNK_RUNS = 64
 
@@ -45,13 +49,14 @@ def gather(
     missing: list[str] = []
     with whole_file(path) as temporary, netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
         _write_runs(file, plan)
+        _write_names(file, store.responses)
         for group in groups:
             found = store.read(group)
             missing += [run["id"] for run in group if run["id"] not in found]
             if missing:
                 continue
             if "time" not in file.variables:
-                _define_responses(file, next(iter(found.values())), store.responses)
+                _define_curves(file, next(iter(found.values())), plan["names"])
             placed = sorted((row, id_) for id_ in found for row in rows[id_])
             _write_rows(file, [row for row, _ in placed], [found[id_] for _, id_ in placed])
         if missing:
@@ -66,8 +71,7 @@ def _write_runs(file: Any, plan: Mapping) -> None:
     runs, config = plan["runs"], plan["config"]
     file.createDimension("run", len(runs))
     file.createDimension("event", None)
-    write_names(file, "parameter", plan["names"])
-    file["parameter"].long_name = "interval parameter"
+    write_dimension(file, "parameter", plan["names"], "interval parameter")
     _text(file, "role", "run", [run["role"] for run in runs], "what the run is for")
     _text(file, "run_id", "run", [run["id"] for run in runs], "name of the trajectory")
     for name, key, long_name in (
@@ -79,11 +83,15 @@ def _write_runs(file: Any, plan: Mapping) -> None:
         variable.long_name = long_name
     file["unit"].units = "1"
     units = parameter_units(config["scene"]["name"], plan["names"])
-    _text(file, "parameter_unit", "parameter", units, "unit of the parameter")
+    _text(file, "box_units", "parameter", units, "units of the parameter")
     for key in ("lower", "upper", "nominal"):
-        variable = file.createVariable(f"parameter_{key}", "f8", ("parameter",))
+        variable = file.createVariable(f"box_{key}", "f8", ("parameter",))
         variable[:] = plan[key]
         variable.long_name = f"{key} value of the parameter"
+    for column, (name, unit) in enumerate(zip(plan["names"], units, strict=True)):
+        variable = file.createVariable(f"parameter_{name}", "f8", ("run",))
+        variable[:] = [run["values"][column] for run in runs]
+        variable.setncatts({"units": unit, "long_name": f"value of {name}"})
     file.setncatts(
         {
             "Conventions": "CF-1.11",
@@ -92,7 +100,6 @@ def _write_runs(file: Any, plan: Mapping) -> None:
             "scene": config["scene"]["name"],
             "config_hash": plan["config_hash"],
             "config": json.dumps(config, sort_keys=True),
-            "responses": " ".join(config["responses"]),
             "time_step": plan["step"],
             "time_step_limit": plan["step_limit"],
             "limiting_element": plan["limiting_element"],
@@ -109,24 +116,24 @@ def parameter_units(scene: str, names: Sequence[str]) -> list[str]:
     return [known[name].unit for name in names]
 
 
-def _define_responses(file: Any, record: Record, responses: Sequence[Any]) -> None:
-    """Define time, responses and events as the first run has them."""
+def _define_curves(file: Any, record: Record, parameters: Sequence[str]) -> None:
+    """Define time, values and events as the first run has them."""
     size = len(record.time)
     file.createDimension("time", size)
     time = file.createVariable("time", "f8", ("time",))
     time[:] = record.time
     time.setncatts({"units": "s", "long_name": "time", "axis": "T"})
-    write_names(file, "contact", record.contacts)
-    file["contact"].long_name = "name of the contact"
+    write_dimension(file, "contact", record.contacts, "name of the contact")
     # Doubles hardly shrink; whoever keeps them has the trajectories beside, a hundred times larger.
     compact = {}
-    if next(iter(record.values.values())).dtype.itemsize == 4:
-        chunk = (min(_CHUNK_RUNS, len(file.dimensions["run"])), size)
+    kind = record.values.dtype.newbyteorder("=")
+    if kind.itemsize == 4:
+        chunk = (min(_CHUNK_RUNS, len(file.dimensions["run"])), 1, size)
         compact = {"zlib": True, "complevel": 4, "shuffle": True, "chunksizes": chunk}
-    for response in responses:
-        kind = record.values[response.name].dtype.newbyteorder("=")
-        variable = file.createVariable(response.name, kind, ("run", "time"), **compact)
-        variable.setncatts({"units": response.unit, "long_name": response.long_name})
+    variable = file.createVariable("values", kind, ("run", "response", "time"), **compact)
+    named = [f"parameter_{name}" for name in parameters]
+    named += ["role", "run_id", "response_units", "response_long_name"]
+    variable.setncatts({"long_name": "value of the response", "coordinates": " ".join(named)})
     for name, units, long_name in (
         ("event_time", "s", "time at which a contact closes or opens"),
         ("event_contact", "1", "index of the contact"),
@@ -136,10 +143,20 @@ def _define_responses(file: Any, record: Record, responses: Sequence[Any]) -> No
         variable.setncatts({"units": units, "long_name": long_name})
 
 
+def _write_names(file: Any, responses: Sequence[Any]) -> None:
+    """Write which responses there are."""
+    write_dimension(file, "response", [r.name for r in responses], "name of the response")
+    for key, values in (
+        ("units", [r.unit for r in responses]),
+        ("long_name", [r.long_name for r in responses]),
+    ):
+        text = f"{key.replace('_', ' ')} of the response"
+        _text(file, f"response_{key}", "response", values, text)
+
+
 def _write_rows(file: Any, rows: list[int], records: Sequence[Record]) -> None:
     """Write the responses and events of some runs."""
-    for name in records[0].values:
-        file[name][rows] = np.stack([record.values[name] for record in records])
+    file["values"][rows] = np.stack([record.values for record in records])
     for row, record in zip(rows, records, strict=True):
         for column, name in enumerate(EVENT_VARIABLES):
             file[name][row, : len(record.events)] = record.events[:, column]

@@ -9,52 +9,7 @@ from typing import Any
 from campaign.parameters import Interval, all_parameters, intervals_of, parameter_problems
 from campaign.schema_checks import did_you_mean, show
 
-# Names that the netCDF files and figures of a campaign give to something else than a response.
-TAKEN = frozenset(
-    [
-        "time",
-        "point",
-        "axis",
-        "hinge",
-        "contact",
-        "event",
-        "run",
-        "parameter",
-        "term",
-        "part",
-        "position",
-        "velocity",
-        "opening",
-        "hinge_gap",
-        "hinge_axis_gap",
-        "contact_event_time",
-        "contact_event_contact",
-        "contact_event_closing",
-        "kinetic_energy",
-        "strain_energy",
-        "spring_energy",
-        "contact_energy",
-        "load_work",
-        "damping_work",
-        "energy_balance",
-        "unit",
-        "value",
-        "role",
-        "run_id",
-        "event_time",
-        "event_contact",
-        "event_closing",
-        "parameter_lower",
-        "parameter_upper",
-        "parameter_nominal",
-        "parameter_unit",
-        "multi_index",
-        "part_lower",
-        "part_upper",
-        "linkage",
-        "sensitivities",
-    ]
-)
+OWN_FIGURES = ("linkage", "sensitivities")  # those of no response
 
 
 def scene_problems(config: Mapping) -> list[str]:
@@ -112,10 +67,9 @@ def _response_problems(config: Mapping, scene_type: Any) -> list[str]:
 
     problems = []
     for name, definition in config["responses"].items():
-        if name in TAKEN:
+        if name in OWN_FIGURES:
             problems.append(
-                f"responses.{name}: the files of a campaign use this name for something else; "
-                "allowed: another name"
+                f"responses.{name}: a figure of every campaign has this name; allowed: another name"
             )
         try:
             fpm.responses.parse(name, definition, scene_type)

@@ -37,11 +37,11 @@ class Result:
 
 @dataclass(frozen=True)
 class Record:
-    """What the interval side needs of a run: time (t,) s, the values (t,) of its responses by
-    name, contact events (e, 3): time (s), contact index, 1 if it closes, and names of contacts."""
+    """What the interval side needs of a run: time (t,) s, the values (n, t) of its n responses,
+    contact events (e, 3): time (s), contact index, 1 if it closes, and names of contacts."""
 
     time: np.ndarray
-    values: Mapping[str, np.ndarray]
+    values: np.ndarray
     events: np.ndarray
     contacts: Sequence[str]
 
@@ -86,7 +86,7 @@ class Trajectories:
         from fpm import trajectory
 
         for result in results:
-            contents = trajectory.contents(result.outcome, self.responses, result.attributes)
+            contents = trajectory.contents(result.outcome, attributes=result.attributes)
             trajectory.write(contents, self.folder / f"{result.id}.nc")
 
     def read(self, group: Sequence[Mapping]) -> dict[str, Record]:
@@ -94,8 +94,7 @@ class Trajectories:
         found = {}
         for run in group:
             if (curves := self._curves(run)) is not None:
-                # Not those in the file: they may be of another config that had the same run.
-                values = {r.name: r.evaluate(curves) for r in self.responses}
+                values = np.stack([r.evaluate(curves) for r in self.responses])
                 found[run["id"]] = Record(curves.time, values, curves.events, curves.contacts)
         return found
 
@@ -129,7 +128,7 @@ class Responses:
 
         try:
             with netCDF4.Dataset(self.path(group)) as file:
-                there = list(file["run_id"][:])
+                there = list(file["run_id"][:]) if "values" in file.variables else []
         except OSError:
             there = []
         return [] if there == [run["id"] for run in group] else list(group)
@@ -154,20 +153,20 @@ class Responses:
             file.createDimension("time", len(first.time))
             file.createDimension("event", max(1, max(map(len, events))))
             file.createVariable("time", "f8", ("time",))[:] = first.time
-            write_names(
-                file, "contact", [first.scene.hinges[c.hinge].name for c in first.scene.contacts]
-            )
+            contacts = [first.scene.hinges[c.hinge].name for c in first.scene.contacts]
+            write_dimension(file, "contact", contacts, "name of the contact")
+            names = [response.name for response in self.responses]
+            write_dimension(file, "response", names, "name of the response")
             ids = np.array([result.id for result in results], dtype=object)
             file.createVariable("run_id", str, ("run",))[:] = ids
-            for response in self.responses:
+            variable = file.createVariable(
+                "values", "f4", ("run", "response", "time"), zlib=True, complevel=1
+            )
+            for i, response in enumerate(self.responses):
                 values = np.stack([response.evaluate(result.outcome) for result in results])
                 if not np.isfinite(values).all():
                     raise ValueError(f"{response.name} has values that are not finite")
-                variable = file.createVariable(
-                    response.name, "f4", ("run", "time"), zlib=True, complevel=1
-                )
-                variable[:] = values
-                variable.setncatts({"units": response.unit, "long_name": response.long_name})
+                variable[:, i] = values
             for column, name in enumerate(EVENT_VARIABLES):
                 variable = file.createVariable(name, "f8", ("run", "event"), fill_value=np.nan)
                 for row, table in enumerate(events):
@@ -179,12 +178,12 @@ class Responses:
             return {}
         with open_netcdf(self.path(group)) as file:
             time, contacts = file["time"][:], list(file["contact"][:])
-            values = {response.name: file[response.name][:] for response in self.responses}
+            values = file["values"][:]
             events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
         return {
             run["id"]: Record(
                 time,
-                {name: table[row] for name, table in values.items()},
+                values[row],
                 events[row][np.isfinite(events[row, :, 0])],
                 contacts,
             )
@@ -192,9 +191,10 @@ class Responses:
         }
 
 
-def write_names(file: Any, dimension: str, names: Sequence[str]) -> None:
+def write_dimension(file: Any, dimension: str, names: Sequence[str], long_name: str) -> None:
     """Define a dimension whose coordinate are names."""
     file.createDimension(dimension, len(names))
     variable = file.createVariable(dimension, str, (dimension,))
+    variable.long_name = long_name
     if len(names):
         variable[:] = np.array([str(name) for name in names], dtype=object)

@@ -37,7 +37,7 @@ def summarise(
 def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
     """The headline numbers as plain numbers and text, from the open `bounds.nc`, `samples.nc`."""
     roles = list(samples["role"][:])
-    names = bounds.responses.split()
+    names = list(bounds["response"][:])
     parameters = [
         {
             "name": name,
@@ -47,9 +47,9 @@ def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
         }
         for name, low, middle, high in zip(
             bounds["parameter"][:],
-            bounds["parameter_lower"][:],
-            bounds["parameter_nominal"][:],
-            bounds["parameter_upper"][:],
+            bounds["box_lower"][:],
+            bounds["box_nominal"][:],
+            bounds["box_upper"][:],
             strict=True,
         )
     ]
@@ -68,7 +68,9 @@ def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
         "bounds": bounds_text(bounds),
         "time_step": float(bounds.time_step),
         "closures": closures(samples, roles.index("nominal")),
-        "responses": [_response(bounds, name, published.get(name)) for name in names],
+        "responses": [
+            _response(bounds, i, name, published.get(name)) for i, name in enumerate(names)
+        ],
     }
 
 
@@ -78,29 +80,28 @@ def bounds_text(bounds: Any) -> str:
     return f"{kind}, not enclosed" if kind.startswith("attained") else kind
 
 
-def _response(bounds: Any, name: str, published: float | None) -> dict:
-    time, lower, upper = (bounds[key][:] for key in ("time", f"{name}_lower", f"{name}_upper"))
+def _response(bounds: Any, i: int, name: str, published: float | None) -> dict:
+    time, lower, upper = bounds["time"][:], bounds["lower"][i], bounds["upper"][i]
     width = upper - lower
     at = int(width.argmax())
     row = {
         "name": name,
-        "long_name": bounds[f"{name}_lower"].long_name.removeprefix("lower bound of "),
-        "units": getattr(bounds[f"{name}_lower"], "units", "1"),
+        "long_name": bounds["response_long_name"][i],
+        "units": bounds["response_units"][i],
         "largest_difference": float(width[at]),
         "time_of_largest_difference": float(time[at]),
         "published": published,
         "ratio_to_published": None if not published else float(width[at] / published),
         "mean_difference": float(np.trapezoid(width, time) / (time[-1] - time[0])),
     }
-    if f"{name}_error" in bounds.variables:
-        error = bounds[f"{name}_error"][:]
+    if "error" in bounds.variables:
+        error = bounds["error"][i]
         worst = int(error.argmax())
         row["largest_error"] = float(error[worst])
         row["time_of_largest_error"] = float(time[worst])
         row["error_at_largest_difference"] = float(error[at])
-    outside = getattr(bounds[f"{name}_lower"], "worst_violation", None)
-    if outside is not None:
-        row["runs_outside_by"] = float(outside)
+    if "worst_violation" in bounds.variables:
+        row["runs_outside_by"] = float(bounds["worst_violation"][i])
     return row
 
 

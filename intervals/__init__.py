@@ -5,7 +5,7 @@ responses into polynomials, and `surrogate_range` or `bounds_dataset` bound them
 The package knows nothing of the model: it takes arrays, or netCDF files as datasets.
 """
 
-from .adaptive import Decision, Progress, Specification, decide
+from .adaptive import Decision, Progress, Specification, decide, measure_round
 from .bounds import bounds_dataset
 from .box import Box
 from .datasets import match_points
@@ -13,7 +13,6 @@ from .designs import METHODS, Design, make_design
 from .errors import error_estimate
 from .events import event_bounds_dataset
 from .exceptions import IntervalError
-from .gather import gather_trajectories
 from .metrics import compare_bounds, compare_runs, hausdorff
 from .partition import SplitDesign, split_design
 from .ranges import Range, surrogate_range
@@ -24,6 +23,7 @@ from .sensitivity import parameter_sensitivity, sensitivity_dataset
 from .spline_bounds import MAX_RUNS, check_spline_runs, spline_bounds_dataset
 from .splines import Spline, fit_spline, spline_range
 from .surrogate import Surrogate, fit, fit_points
+from .surrogate_dataset import surrogate_dataset
 
 __all__ = [
     "MAX_RUNS",
@@ -49,11 +49,11 @@ __all__ = [
     "fit",
     "fit_points",
     "fit_spline",
-    "gather_trajectories",
     "hausdorff",
     "held_out_points",
     "make_design",
     "match_points",
+    "measure_round",
     "parameter_sensitivity",
     "scan_bounds_dataset",
     "seek_points",
@@ -62,5 +62,6 @@ __all__ = [
     "spline_range",
     "split_design",
     "stream_bounds",
+    "surrogate_dataset",
     "surrogate_range",
 ]

@@ -8,12 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .datasets import match_points, read_samples
 from .designs import MAX_ORDER, Design, make_design
+from .errors import direction_tails
 from .exceptions import IntervalError
-from .partition import SplitDesign, split_design
+from .partition import SplitDesign, parts_of, split_design
+from .surrogate import fit
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _NO_GAIN = 0.7  # a raised order that leaves more than this share of the error did not help
 _MAX_PARTS = 64
@@ -103,6 +110,24 @@ class Decision:
     new_runs: int = 0
     met: bool = False
     considered: tuple[str, ...] = field(default=())
+
+
+def measure_round(
+    samples: xr.Dataset, bounds: xr.Dataset, design: Design | SplitDesign
+) -> tuple[float, list[float]]:
+    """What `decide` needs of a round: `error` and `tails` of `Progress`, in the worst response.
+
+    `bounds` are those that `bounds_dataset` makes of `samples` and `design`.
+    """
+    data = read_samples(samples)
+    error = float(bounds["error_share_of_width"].max())
+    areas = np.trapezoid((bounds["upper"] - bounds["lower"]).values, data.time)
+    tails = np.zeros(design.dimension)
+    for part in parts_of(design):
+        surrogate = fit(part.design, data.values[match_points(part.points, data.unit)])
+        tail = np.trapezoid(direction_tails(surrogate), data.time)
+        tails = np.maximum(tails, (tail / np.where(areas > 0, areas, 1.0)).max(axis=1))
+    return error, tails.tolist()
 
 
 def decide(progress: Progress) -> Decision:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import errors
 from .datasets import Bounds, bounds_to_dataset, match_points, other_runs, read_samples
 from .designs import Design
-from .exceptions import check_choice
+from .events import event_bounds_dataset
+from .exceptions import IntervalError, check_choice
 from .partition import SplitDesign, parts_of
 from .ranges import surrogate_range
 from .scan_bounds import scan_bounds_dataset
@@ -20,7 +21,7 @@ from .surrogate import fit
 if TYPE_CHECKING:
     import xarray as xr
 
-MODELS = ("polynomial", "spline")
+MODELS = ("polynomial", "spline", "aligned")
 
 
 def bounds_dataset(
@@ -31,23 +32,27 @@ def bounds_dataset(
     model: str = "polynomial",
     tolerance: float = 1e-3,
     window: float | None = None,
+    **options: Any,
 ) -> xr.Dataset:
     """Bounds of the responses over the box, with an error estimate at each instant.
 
     Parameters
     ----------
     samples
-        Dimensions run, time, parameter; variables ``unit`` and ``value`` (run, parameter), ``role``
-        (run), and one (run, time) for each response.
+        Dimensions run, response, time, parameter; variables ``values`` (run, response, time),
+        ``unit`` and ``value`` (run, parameter), ``role`` (run); coordinates ``time`` (s) and
+        ``response`` (names), and ``response_units``, ``response_long_name`` (response) to be
+        taken over.
     design
         Its points must be among the runs (recognised by their unit coordinates, in any order). All
         other runs, whatever their role, test the surrogate. A scan without order has no surrogate:
         its bounds are the least and the largest sample over all runs.
     responses
-        Names; by default every variable over (run, time).
+        Names; by default all.
     model
-        "polynomial", or "spline": one cubic spline through all runs, those of a scan or held out
-        included (see `spline_bounds_dataset`).
+        "polynomial"; "spline": one cubic spline through all runs, those of a scan or held out
+        included (see `spline_bounds_dataset`); or "aligned": polynomials in the time between
+        events, with further `options` (see `event_bounds_dataset`).
     tolerance
         Gap between outer and inner range at which subdivision stops, as a share of the width.
     window
@@ -55,12 +60,17 @@ def bounds_dataset(
 
     Returns
     -------
-    Dataset over time and parameter with, for each response R: ``R_lower``, ``R_upper`` (guaranteed
-    for the surrogate), ``R_inner_lower``, ``R_inner_upper`` (attained), ``R_argmin``, ``R_argmax``
-    (parameter values where), ``R_nominal``, ``R_error`` (estimate for the bounds). Attributes of
-    ``R_error`` hold the numbers of the summary.
+    Dataset with ``lower``, ``upper`` (guaranteed for the surrogate), ``inner_lower``,
+    ``inner_upper`` (attained), ``nominal`` and ``error`` (estimate for the bounds, with its parts
+    ``error_held_out`` and ``error_decay``), each (response, time) in the units of the response;
+    ``argmin``, ``argmax`` (response, time, parameter), the parameter values where; and the numbers
+    of the summary over response, such as ``largest_width`` and ``error_share_of_width``.
     """
-    if check_choice("model", model, MODELS) == "spline":
+    if check_choice("model", model, MODELS) == "aligned":
+        return event_bounds_dataset(samples, design, responses, window=window, **options)
+    for key in options:
+        raise IntervalError("option", key, f"none for model {model}")
+    if model == "spline":
         return spline_bounds_dataset(samples, design, responses, window=window)
     attrs = {"design_method": design.method, "design_order": list(design.order)}
     if isinstance(design, Design) and not len(design.multi_indices):

@@ -16,20 +16,40 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+# Coordinates that every dataset made of a samples dataset takes over, those that are there.
+_COORDINATES = (
+    "time",
+    "response",
+    "response_units",
+    "response_long_name",
+    "parameter",
+    "box_units",
+    "box_lower",
+    "box_upper",
+    "box_nominal",
+)
+
+
 @dataclass(frozen=True)
 class Samples:
     """The arrays of a samples dataset that the interval side works on.
 
-    `time` (T) in s, `unit` (R, k), `values` (R, n, T) for n responses `names`, `nominal` the index
-    of the nominal run or None, `source` the dataset itself.
+    `names` (n) of the responses and `rows` (n), their places in the dataset `source`; `time` (T)
+    in s, `unit` (R, k), `values` (R, n, T), `nominal` the index of the nominal run or None.
     """
 
     names: list[str]
+    rows: list[int]
     time: np.ndarray
     unit: np.ndarray
     values: np.ndarray
     nominal: int | None
     source: xr.Dataset
+
+    def coordinates(self) -> dict:
+        """Coordinates of a dataset of these responses over time and parameter, by name."""
+        found = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
+        return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in found.items()}
 
 
 @dataclass(frozen=True)
@@ -47,20 +67,29 @@ class Bounds:
 def read_samples(
     samples: xr.Dataset, responses: Sequence[str] | None = None, values: bool = True
 ) -> Samples:
-    """Check a samples dataset and take its arrays out; without `values` the responses stay put."""
-    for name in ("time", "unit", "value"):
+    """Check a samples dataset and take its arrays out; without `values` the responses stay put.
+
+    Variables ``values`` (run, response, time), ``unit`` and ``value`` (run, parameter); coordinates
+    ``time`` and ``response``. By default all responses are taken.
+    """
+    for name in ("time", "response", "values", "unit", "value"):
         if name not in samples:
             raise IntervalError("samples", list(samples.variables), f"a dataset with {name}")
-    known = [str(n) for n, v in samples.data_vars.items() if v.dims == ("run", "time")]
+    known = [str(name) for name in samples["response"].values]
     names = known if responses is None else [str(n) for n in responses]
     for name in names:
         if name not in known:
             raise IntervalError("response", name, "one of " + ", ".join(known))
     if not names:
-        raise IntervalError("samples", list(samples.data_vars), "variables over (run, time)")
-    stacked = np.empty((len(samples["unit"]), len(names), 0))
+        raise IntervalError("responses", names, "at least one")
+    rows = [known.index(name) for name in names]
+    unit = np.asarray(samples["unit"].values, dtype=float)
+    stacked = np.empty((len(unit), len(names), 0))
     if values:
-        stacked = np.stack([samples[name].values for name in names], axis=1).astype(float)
+        stacked = samples["values"].values
+        if names != known:
+            stacked = stacked[:, rows]
+        stacked = np.asarray(stacked, dtype=float)
     bad = [n for i, n in enumerate(names) if not np.isfinite(stacked[:, i]).all()]
     if bad:
         raise IntervalError("samples", ", ".join(bad), "finite responses in every run")
@@ -68,14 +97,8 @@ def read_samples(
     if "role" in samples:
         found = np.flatnonzero(samples["role"].values.astype(str) == "nominal")
         nominal = int(found[0]) if len(found) else None
-    return Samples(
-        names,
-        np.asarray(samples["time"].values, dtype=float),
-        np.asarray(samples["unit"].values, dtype=float),
-        stacked,
-        nominal,
-        samples,
-    )
+    time = np.asarray(samples["time"].values, dtype=float)
+    return Samples(names, rows, time, unit, stacked, nominal, samples)
 
 
 def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
@@ -126,78 +149,81 @@ def bounds_to_dataset(
     tested: np.ndarray,
     attrs: dict,
 ) -> xr.Dataset:
-    """Bounds dataset over time and parameter.
+    """Bounds dataset over response, time and parameter.
 
     `centre` (n, T) is the nominal run, or the model at the centre of the box; `tested` are the
     indices of the runs that did not enter the bounds, `attrs` further attributes.
     """
     import xarray as xr
 
+    text = "nominal run" if samples.nominal is not None else "model at the centre of the box"
+    curves = [
+        ("lower", bounds.lower, "lower bound"),
+        ("upper", bounds.upper, "upper bound"),
+        ("inner_lower", bounds.inner_lower, "attained lower bound"),
+        ("inner_upper", bounds.inner_upper, "attained upper bound"),
+    ]
+    if centre is not None:
+        curves.append(("nominal", centre, text))
+    if error is not None:
+        curves += [
+            ("error", error.total, "estimated error of the bounds"),
+            ("error_held_out", error.held_out, "largest error at the held-out runs"),
+            ("error_decay", error.decay, "error foretold by the coefficients"),
+        ]
     to_value = unit_to_value(samples.source)
-    data: dict = {}
-    for i, name in enumerate(samples.names):
-        own = samples.source[name].attrs
-        label = own.get("long_name", name)
-        units = {"units": own["units"]} if "units" in own else {}
-        curves = {
-            "lower": ("lower bound of", bounds.lower[i]),
-            "upper": ("upper bound of", bounds.upper[i]),
-            "inner_lower": ("attained lower bound of", bounds.inner_lower[i]),
-            "inner_upper": ("attained upper bound of", bounds.inner_upper[i]),
-        }
-        if centre is not None:
-            text = "nominal run of" if samples.nominal is not None else "model at the centre of"
-            curves["nominal"] = (text, centre[i])
-        if error is not None:
-            curves["error"] = ("estimated error of the bounds of", error.total[i])
-            curves["error_held_out"] = ("largest error at the held-out runs of", error.held_out[i])
-            curves["error_decay"] = ("error foretold by the coefficients of", error.decay[i])
-        for suffix, (text, values) in curves.items():
-            data[f"{name}_{suffix}"] = ("time", values, {"long_name": f"{text} {label}", **units})
-        for suffix, side, unit in (
-            ("argmin", "lower", bounds.argmin[i]),
-            ("argmax", "upper", bounds.argmax[i]),
-        ):
-            text = {"long_name": f"parameters at the {side} bound of {label}"}
-            data[f"{name}_{suffix}"] = (("time", "parameter"), to_value(unit), text)
-        numbers = _numbers(samples.time, bounds, i)
-        if len(tested):
-            own_runs = samples.values[tested, i]
-            numbers |= metrics.compare_runs(bounds.lower[i], bounds.upper[i], own_runs)
-        data[f"{name}_lower"][2].update(numbers)
-        data[f"{name}_upper"][2].update(numbers)
-        if error is not None:
-            told = _error_numbers(samples.time, bounds.upper[i] - bounds.lower[i], error.total[i])
-            data[f"{name}_error"][2].update(numbers | told)
-    coords = {"time": samples.source["time"]}
-    if "parameter" in samples.source.coords:
-        coords["parameter"] = samples.source["parameter"]
-    attrs = {
-        **samples.source.attrs,
-        "responses": " ".join(samples.names),
-        "held_out_runs": len(tested),
-        **attrs,
+    data: dict = {
+        name: (("response", "time"), values, {"long_name": text}) for name, values, text in curves
     }
-    return xr.Dataset(data, coords=coords, attrs=attrs)
+    for name, unit, side in (
+        ("argmin", bounds.argmin, "lower"),
+        ("argmax", bounds.argmax, "upper"),
+    ):
+        axes, text = ("response", "time", "parameter"), f"parameters at the {side} bound"
+        data[name] = (axes, to_value(unit), {"long_name": text})
+    rows = [_numbers(samples, bounds, error, tested, i) for i in range(len(samples.names))]
+    for name in rows[0]:
+        long_name, unit = _NUMBERS[name]
+        attributes = {"long_name": long_name} | ({"units": unit} if unit else {})
+        data[name] = ("response", [row[name] for row in rows], attributes)
+    attrs = {**samples.source.attrs, "held_out_runs": len(tested), **attrs}
+    return xr.Dataset(data, coords=samples.coordinates(), attrs=attrs)
 
 
-def _numbers(time, bounds, i) -> dict[str, float]:
-    """Summary numbers of one response: largest width, when, and the gap of the enclosure."""
-    width = bounds.upper[i] - bounds.lower[i]
+# Numbers of a response: long name and unit; without one it is that of the response.
+_NUMBERS = {
+    "largest_width": ("largest difference of the bounds", ""),
+    "largest_width_time": ("time of the largest difference of the bounds", "s"),
+    "gap_share_of_width": ("gap between outer and attained bounds, as a share of the width", "1"),
+    "coverage": ("share of the runs that were not fitted within the bounds", "1"),
+    "worst_violation": ("distance by which such runs leave the bounds at most", ""),
+    "largest_error": ("largest estimated error of the bounds", ""),
+    "largest_error_time": ("time of the largest estimated error of the bounds", "s"),
+    "error_share_of_width": ("estimated error of the bounds, as a share of the width", "1"),
+}
+
+
+def _numbers(
+    samples: Samples, bounds: Bounds, error: ErrorEstimate | None, tested: np.ndarray, i: int
+) -> dict[str, float]:
+    """The summary numbers of response `i`."""
+    time, width = samples.time, bounds.upper[i] - bounds.lower[i]
     inner = bounds.inner_upper[i] - bounds.inner_lower[i]
     at, area = int(np.argmax(width)), metrics.integral(time, width)
-    gap = metrics.integral(time, width - inner)
-    return {
+    numbers = {
         "largest_width": float(width[at]),
         "largest_width_time": float(time[at]),
-        "gap_share_of_width": gap / area if area > 0 else 0.0,
+        "gap_share_of_width": metrics.integral(time, width - inner) / area if area > 0 else 0.0,
     }
-
-
-def _error_numbers(time, width, error) -> dict[str, float]:
-    area, worst = metrics.integral(time, width), int(np.argmax(error))
-    return {
-        "largest_error": float(error[worst]),
-        "largest_error_time": float(time[worst]),
-        "error_share_of_width": metrics.integral(time, error) / area if area > 0 else 0.0,
-    }
+    if len(tested):
+        own = samples.values[tested, i]
+        numbers |= metrics.compare_runs(bounds.lower[i], bounds.upper[i], own)
+    if error is not None:
+        total = error.total[i]
+        worst = int(np.argmax(total))
+        numbers |= {
+            "largest_error": float(total[worst]),
+            "largest_error_time": float(time[worst]),
+            "error_share_of_width": metrics.integral(time, total) / area if area > 0 else 0.0,
+        }
+    return numbers

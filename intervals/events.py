@@ -47,8 +47,8 @@ def event_bounds_dataset(
     the plain surrogate: compare the two error estimates.
 
     The bounds are attained by the composed model, they are not an enclosure of it. With `enclose`,
-    ``R_lower`` and ``R_upper`` are guaranteed not to be left by it, and the attained ones are in
-    ``R_inner_lower`` and ``R_inner_upper`` (see `event_enclosure`, for cost and gap
+    ``lower`` and ``upper`` are guaranteed not to be left by it, and the attained ones are in
+    ``inner_lower`` and ``inner_upper`` (see `event_enclosure`, for cost and gap
     docs/intervals.md). Where the number of impacts differs between runs that no split separates,
     the bounds also contain the runs themselves, and ``unresolved`` (time) tells the share of the
     box that this concerns.

@@ -64,16 +64,16 @@ def scan_bounds_dataset(
 ) -> xr.Dataset:
     """Bounds of all runs of a samples dataset, which may be open lazily and larger than memory."""
     data = read_samples(samples, responses, values=False)
-    names, total = data.names, len(data.unit)
+    total = len(data.unit)
     step = max(_CHUNK // len(data.time), 1)
     half = (total + 1) // 2
     results, errors = [], []
-    for name in names:
+    for i in data.rows:
         running = RunningBounds()
         first = None
         for part in ((0, half), (half, total)):
             for start in range(part[0], part[1], step):
-                running.update(samples[name][start : min(start + step, part[1])].values)
+                running.update(samples["values"][start : min(start + step, part[1]), i].values)
             if first is None:
                 first = (running.low, running.high)
         results.append(running)
@@ -83,7 +83,7 @@ def scan_bounds_dataset(
     at_high = np.array([data.unit[r.high_run] for r in results])
     centre = None
     if data.nominal is not None:
-        centre = np.array([samples[name][data.nominal].values for name in names])
+        centre = samples["values"][data.nominal, data.rows].values
     bounds = Bounds(lower, upper, lower, upper, at_low, at_high)
     growth = np.array(errors)
     error = ErrorEstimate(growth, growth, np.zeros_like(growth))

@@ -70,13 +70,13 @@ def parameter_sensitivity(surrogate: Surrogate, centre: np.ndarray | None = None
 def sensitivity_dataset(
     samples: xr.Dataset, design: Design | SplitDesign, responses: Sequence[str] | None = None
 ) -> xr.Dataset:
-    """Influence of each parameter on each response R, per instant and overall.
+    """Influence of each parameter on each response, per instant and overall.
 
-    Variables over (parameter, time): ``R_width`` in the response's units, ``R_first``, ``R_total``
-    (shares). Over (parameter): ``R_width_overall``, the width integrated over time as a share of
-    the sum over all parameters, and ``R_total_overall``, the variance-weighted mean of the shares.
-    A split design is judged by one polynomial through all its runs (least squares): its parts by
-    themselves would hide what a parameter does from one part to the next.
+    Variables over (response, parameter, time): ``width`` in the response's units, ``first``,
+    ``total`` (shares). Over (response, parameter): ``width_overall``, the width integrated over
+    time as a share of the sum over all parameters, and ``total_overall``, the variance-weighted
+    mean of the shares. A split design is judged by one polynomial through all its runs (least
+    squares): its parts by themselves would hide what a parameter does from one part to the next.
     """
     import xarray as xr
 
@@ -87,32 +87,26 @@ def sensitivity_dataset(
     else:
         surrogate = fit(design, values)
     found = parameter_sensitivity(surrogate)
-    width, first, total, variance = found.width, found.first, found.total, found.variance
-    variables = {}
-    for i, name in enumerate(data.names):
-        own = samples[name].attrs
-        label = own.get("long_name", name)
-        units = {"units": own["units"]} if "units" in own else {}
-        area = np.array([integral(data.time, row) for row in width[:, i]])
-        weight = integral(data.time, variance[i])
-        shares = np.array([integral(data.time, row * variance[i]) for row in total[:, i]])
-        axes = ("parameter", "time")
-        text = f"width of {label} when only this parameter varies"
-        variables[f"{name}_width"] = (axes, width[:, i], {"long_name": text, **units})
-        for key, values, text in (
-            ("first", first[:, i], "share of the variance from this parameter alone"),
-            ("total", total[:, i], "share of the variance in which this parameter takes part"),
-        ):
-            attrs = {"long_name": f"{text}: {label}", "units": "1"}
-            variables[f"{name}_{key}"] = (axes, values, attrs)
-        for key, values in (
-            ("width_overall", area / (area.sum() or 1.0)),
-            ("total_overall", shares / (weight or 1.0)),
-        ):
-            attrs = {"long_name": f"{key.replace('_', ' ')} of {label}", "units": "1"}
-            variables[f"{name}_{key}"] = ("parameter", values, attrs)
-    coords = {"time": samples["time"]}
-    if "parameter" in samples.coords:
-        coords["parameter"] = samples["parameter"]
-    attrs = {**samples.attrs, "responses": " ".join(data.names)}
-    return xr.Dataset(variables, coords=coords, attrs=attrs)
+    width, first, total = (
+        np.moveaxis(array, 0, 1) for array in (found.width, found.first, found.total)
+    )
+    wide, shares = np.zeros((2, *width.shape[:2]))
+    for i, variance in enumerate(found.variance):
+        area = np.array([integral(data.time, row) for row in width[i]])
+        weight = integral(data.time, variance)
+        own = np.array([integral(data.time, row * variance) for row in total[i]])
+        wide[i], shares[i] = area / (area.sum() or 1.0), own / (weight or 1.0)
+    curve, number = ("response", "parameter", "time"), ("response", "parameter")
+    share = {"units": "1"}
+    variables = {
+        "width": (curve, width, "width when only this parameter varies", {}),
+        "first": (curve, first, "share of the variance from this parameter alone", share),
+        "total": (curve, total, "share of the variance in which this parameter takes part", share),
+        "width_overall": (number, wide, "share of the widths, over all time", share),
+        "total_overall": (number, shares, "mean share of the variance, over all time", share),
+    }
+    return xr.Dataset(
+        {n: (axes, v, {"long_name": t, **a}) for n, (axes, v, t, a) in variables.items()},
+        coords=data.coordinates(),
+        attrs=samples.attrs,
+    )

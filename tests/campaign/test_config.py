@@ -51,7 +51,7 @@ REFUSED = [
     ("design.method", "guess", ["design.method", "'guess'", "tensor_roots"]),
     ("responses.BD", {"distance": ["B", "Q"]}, ["responses.BD", "'Q'", "A, B, C, D"]),
     ("responses.BD", {"distance": ["B", "B"]}, ["responses.BD", "two different points"]),
-    ("responses.time", {"opening": "A"}, ["responses.time", "something else"]),
+    ("responses.linkage", {"opening": "A"}, ["responses.linkage", "a figure"]),
     ("responses.x", {"speed": "B"}, ["responses.x", "velocity"]),
     ("responses.x", {"velocity": "B"}, ["responses.x", "component"]),
     ("responses.x", {"opening": "Z"}, ["responses.x", "'Z'"]),

@@ -10,10 +10,13 @@ import xarray as xr
 from numpy.polynomial import chebyshev
 
 from campaign.analyse import analyse
+from campaign.config import check_config
 from campaign.figures import draw_envelopes, envelope
 from campaign.files import open_netcdf
+from campaign.gather import gather
 from campaign.linkage import draw_nominal, moments
-from campaign.scene_checks import TAKEN
+from campaign.nodes import make_plan
+from campaign.run import run_batch
 from campaign.summary import as_text, summarise
 from campaign.units import pretty
 
@@ -27,9 +30,9 @@ def test_the_surrogate_goes_through_its_nodes(finished):
         assert nodes.sum() == 3
         degrees = surrogate["multi_index"].values[:, 0]
         for name in ("BD", "vBz"):
-            values = samples[name].values[nodes]
+            values = samples["values"].sel(response=name).values[nodes]
             coefficients = np.zeros((3, values.shape[1]))
-            coefficients[degrees] = surrogate[f"{name}_coefficient"].values[0]
+            coefficients[degrees] = surrogate["coefficient"].sel(response=name).values[0]
             fitted = chebyshev.chebval(samples["unit"].values[nodes, 0], coefficients)
             np.testing.assert_allclose(fitted.T, values, atol=1e-12 * np.abs(values).max())
 
@@ -43,9 +46,9 @@ def test_the_bounds_are_the_exact_range_of_the_surrogate(finished):
         degrees = surrogate["multi_index"].values[:, 0]
         for name in ("BD", "vBz"):
             coefficients = np.zeros((3, surrogate.sizes["time"]))
-            coefficients[degrees] = surrogate[f"{name}_coefficient"].values[0]
+            coefficients[degrees] = surrogate["coefficient"].sel(response=name).values[0]
             dense = chebyshev.chebval(unit, coefficients)
-            lower, upper = bounds[f"{name}_lower"].values, bounds[f"{name}_upper"].values
+            lower, upper = (bounds[key].sel(response=name).values for key in ("lower", "upper"))
             scale = np.abs(dense).max()
             assert (lower <= dense.min(axis=1) + 1e-14 * scale).all()
             assert (upper >= dense.max(axis=1) - 1e-14 * scale).all()
@@ -65,7 +68,7 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
     )
     summary = json.loads((tmp_path / "s.json").read_text())
     with xr.open_dataset(finished["bounds"]) as bounds:
-        width = bounds["BD_upper"] - bounds["BD_lower"]
+        width = bounds["upper"].sel(response="BD") - bounds["lower"].sel(response="BD")
         row = summary["responses"][0]
         assert row["largest_difference"] == float(width.max())
         assert row["time_of_largest_difference"] == float(width["time"][int(width.values.argmax())])
@@ -76,7 +79,7 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
     outside = {r["name"]: r["runs_outside_by"] for r in summary["responses"]}
     with xr.open_dataset(finished["bounds"]) as bounds:
         for name, most in outside.items():
-            assert most == bounds[f"{name}_lower"].attrs["worst_violation"]
+            assert most == float(bounds["worst_violation"].sel(response=name))
     assert ("leave the bounds by at most" in text) == any(outside.values())
     assert "error estimate there" in text
     for words in (
@@ -107,14 +110,15 @@ def test_a_spline_bounds_all_runs_and_says_that_it_encloses_nothing(finished, tm
         xr.open_dataset(paths["surrogate"]) as surrogate,
     ):
         for name in ("BD", "vBz"):
-            lower, upper = bounds[f"{name}_lower"], bounds[f"{name}_upper"]
+            lower, upper = bounds["lower"].sel(response=name), bounds["upper"].sel(response=name)
             # held-out runs too; rounding aside
-            slack = 1e-12 * float(abs(samples[name]).max())
-            assert (lower <= samples[name].min("run") + slack).all()
-            assert (upper >= samples[name].max("run") - slack).all()
-            assert float(abs(upper - polynomial[f"{name}_upper"]).max()) > 0
-            np.testing.assert_array_equal(bounds[f"{name}_inner_upper"], upper)
-            assert f"{name}_coefficient" in surrogate
+            values = samples["values"].sel(response=name)
+            slack = 1e-12 * float(abs(values).max())
+            assert (lower <= values.min("run") + slack).all()
+            assert (upper >= values.max("run") - slack).all()
+            assert float(abs(upper - polynomial["upper"].sel(response=name)).max()) > 0
+            np.testing.assert_array_equal(bounds["inner_upper"].sel(response=name), upper)
+            assert name in surrogate["coefficient"]["response"]
     text = summarise(
         paths["bounds"], paths["samples"], paths["plan"], {"published": {}},
         tmp_path / "s.json", tmp_path / "s.md",
@@ -138,7 +142,7 @@ def test_aligned_models_are_enclosed_on_demand(finished, tmp_path):
             analysed(finished, folder, align="shift", enclose=enclose)["bounds"]
         ) as b:
             kinds.append(b.attrs["bounds_kind"].split()[0])
-            outer, inner = b["vBz_upper"], b["vBz_inner_upper"]
+            outer, inner = b["upper"].sel(response="vBz"), b["inner_upper"].sel(response="vBz")
             gaps.append(float((outer - inner).max()))
             assert (outer >= inner).all()
     assert kinds == ["attained", "enclosed"]
@@ -165,13 +169,39 @@ def files_of(finished) -> list:
     return [trajectory, *(finished[n] for n in ("samples", "surrogate", "bounds", "sensitivities"))]
 
 
-def test_no_response_can_take_the_name_of_something_else(finished):
-    for path in files_of(finished):
-        with xr.open_dataset(path) as file:
-            names = {str(n) for n in {*file.variables, *file.dims}}
-        own = {n for n in names if n in ("BD", "vBz") or n.startswith(("BD_", "vBz_"))}
-        assert own
-        assert names - own <= TAKEN, path.name
+ODD = ("v", "v_inner", "v_inner_lower", "time", "values", "a", "parameter_a", "lower", "response",
+       "run", "position", "nominal", "box_lower")  # fmt: skip
+
+
+def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
+    kinds = [{"distance": ["B", "D"]}, {"velocity": "B", "component": "z"}, {"opening": "A"},
+             {"energy": "kinetic"}, {"position": "C", "component": "x"}]  # fmt: skip
+    found = {}
+    for names in (ODD, [f"r{i}" for i in range(len(ODD))]):
+        raw["responses"] = {name: kinds[i % 5] for i, name in enumerate(names)}
+        config = check_config(raw)
+        plan = make_plan(config)
+        folder = tmp_path / names[0]
+        run_batch(plan, 0, 1, config["jobs"], folder, folder / "0.json", lambda text: None)
+        paths = {name: folder / f"{name}.nc" for name in
+                 ("samples", "surrogate", "bounds", "sensitivities")}  # fmt: skip
+        gather(plan, 1, config["jobs"], folder, paths["samples"])
+        analyse(paths["samples"], config, *list(paths.values())[1:])
+        for file, path in paths.items():
+            with xr.open_dataset(path) as data:
+                assert data["response"].values.tolist() == list(names)
+                plain = data.load().drop_vars("response").drop_attrs()
+            found.setdefault(file, []).append(plain)
+        with xr.open_dataset(paths["bounds"]) as bounds, xr.open_dataset(paths["samples"]) as runs:
+            nodes = runs["values"].where(runs["role"] == "node", drop=True)
+            slack = 1e-12 * abs(nodes).max()
+            assert (bounds["lower"] <= nodes.min("run") + slack).all()
+            assert (bounds["upper"] >= nodes.max("run") - slack).all()
+            assert (bounds["lower"] == bounds["lower"][2]).all("time").sum() == 3  # of one kind
+        draw_envelopes(paths["bounds"], {"error": {"shade_above": 0.1}}, folder / "figures")
+        assert {p.stem for p in (folder / "figures").iterdir()} == set(names)
+    for odd, plain in found.values():
+        xr.testing.assert_identical(odd, plain)
 
 
 def test_files_tell_what_is_in_them(finished):
@@ -182,12 +212,17 @@ def test_files_tell_what_is_in_them(finished):
             assert file.attrs["Conventions"] == "CF-1.11"
             for name, variable in file.variables.items():
                 assert "long_name" in variable.attrs, (path.name, name)
-                # The values of several parameters have several units: parameter_unit.
-                if variable.dtype.kind in "fiu" and variable.dims[-1:] != ("parameter",):
+                # Those of several responses or parameters are in response_units and box_units.
+                several = {"response", "parameter"} & set(variable.dims)
+                if variable.dtype.kind in "fiu" and not several:
                     assert "units" in variable.attrs, (path.name, name)
     assert len(titles) == 5
     with xr.open_dataset(finished["samples"]) as samples:
-        assert samples["parameter_unit"].values.tolist() == ["m"]
+        assert samples["box_units"].values.tolist() == ["m"]
+        assert samples["parameter_a"].attrs["units"] == "m"
+    for path in files_of(finished)[1:]:
+        with xr.open_dataset(path) as file:
+            assert file["response_units"].values.tolist() == ["m", "m s-1"], path.name
 
 
 def test_moments_go_from_the_start_to_the_first_closure():

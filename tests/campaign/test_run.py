@@ -14,6 +14,8 @@ from campaign.errors import CampaignError
 from campaign.gather import gather
 from campaign.nodes import make_plan, unique_runs
 from campaign.run import Progress, duration_text, run_batch
+from campaign.store import responses_of
+from fpm.trajectory import read_curves
 
 KEEP = ["trajectories", "responses"]
 
@@ -104,6 +106,11 @@ def test_a_trajectory_tells_its_parameters(config, tmp_path):
         assert "numpy" in data.attrs["versions"]
 
 
+def values_in(path, config) -> np.ndarray:
+    """Values (n, t) of the responses, from a trajectory."""
+    return np.array([r.evaluate(read_curves(path)) for r in responses_of(config)])
+
+
 @pytest.mark.parametrize("keep", KEEP)
 def test_samples_hold_the_trajectories_responses(config, tmp_path, keep):
     plan, _ = run_all(config, tmp_path, keep)
@@ -114,12 +121,15 @@ def test_samples_hold_the_trajectories_responses(config, tmp_path, keep):
         for row, run in enumerate(plan["runs"]):
             assert samples["role"].values[row] == run["role"]
             assert samples["value"].values[row].tolist() == run["values"]
-            with xr.open_dataset(tmp_path / "trajectories" / f"{run['id']}.nc") as data:
-                for name in ("BD", "vBz"):
-                    wanted = data[name].values.astype(samples[name].dtype)
-                    np.testing.assert_array_equal(samples[name].values[row], wanted)
-                    assert samples[name].attrs["units"] == data[name].attrs["units"]
-        assert samples["BD"].dtype == (np.float64 if keep == "trajectories" else np.float32)
+            assert samples["parameter_a"].values[row] == run["values"][0]
+            path = tmp_path / "trajectories" / f"{run['id']}.nc"
+            wanted = values_in(path, config).astype(samples["values"].dtype)
+            np.testing.assert_array_equal(samples["values"].values[row], wanted)
+        assert "parameter_a" in samples["values"].coords
+        assert samples["parameter_a"].attrs["units"] == "m"
+        assert samples["response"].values.tolist() == ["BD", "vBz"]
+        assert samples["response_units"].values.tolist() == ["m", "m s-1"]
+        assert samples["values"].dtype == (np.float64 if keep == "trajectories" else np.float32)
 
 
 @pytest.mark.parametrize(("keep", "again"), [("trajectories", 0), ("responses", 5)])
@@ -133,18 +143,18 @@ def test_a_response_is_added_or_changed_without_simulating_again(raw, tmp_path, 
         "zB": {"position": "B", "component": "z"},
         "AC": {"distance": ["A", "C"]},
     }
-    plan, counts = run_all(check_config(raw), tmp_path, keep)
+    config = check_config(raw)
+    plan, counts = run_all(config, tmp_path, keep)
     assert sum(counts) == again
     gather(plan, 2, {"lanes": 2, "keep": keep}, tmp_path / keep, tmp_path / "samples.nc")
     run_all(check_config(raw), tmp_path / "fresh", "trajectories")
     with xr.open_dataset(tmp_path / "samples.nc") as samples:
         for row, run in enumerate(plan["runs"]):
             path = tmp_path / "fresh" / "trajectories" / f"{run['id']}.nc"
-            with xr.open_dataset(path) as data:
-                for name in raw["responses"]:
-                    wanted = data[name].values.astype(samples[name].dtype)
-                    np.testing.assert_array_equal(samples[name].values[row], wanted)
-                    assert samples[name].attrs["long_name"] == data[name].attrs["long_name"]
+            wanted = values_in(path, config).astype(samples["values"].dtype)
+            np.testing.assert_array_equal(samples["values"].values[row], wanted)
+        assert samples["response"].values.tolist() == list(raw["responses"])
+        assert samples["response_long_name"].values[0] == "z-component of the velocity of D"
 
 
 def test_missing_runs_are_told(config, tmp_path):

@@ -18,9 +18,14 @@ def samples_of(function, box, design, time, held_out=4, names=("response",)):
     role = ["node"] * design.runs + ["nominal"] + ["held_out"] * len(extra)
     axes = ("run", "parameter")
     data = {"unit": (axes, unit), "value": (axes, value), "role": ("run", role)}
-    for i, name in enumerate(names):
-        data[name] = (("run", "time"), table[:, i], {"units": "m", "long_name": name})
-    return xr.Dataset(data, coords={"time": time, "parameter": list(box.names)})
+    data["values"] = (("run", "response", "time"), table)
+    coords = {
+        "time": time,
+        "parameter": list(box.names),
+        "response": list(names),
+        "response_units": ("response", ["m"] * len(names)),
+    }
+    return xr.Dataset(data, coords=coords)
 
 
 def ball_samples(design, duration=2.0, held_out=4, instants=2001):

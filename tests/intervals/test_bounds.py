@@ -30,12 +30,12 @@ def test_bounds_agree_with_a_dense_scan_within_the_estimated_error():
     bounds = bounds_dataset(samples_of(wave, box, design, TIME), design)
     scan = np.array([wave(v) for v in np.linspace(0.9, 1.1, 2001)[:, None]])
     distance = hausdorff(
-        bounds["response_lower"], bounds["response_upper"], scan.min(axis=0), scan.max(axis=0)
+        bounds["lower"][0], bounds["upper"][0], scan.min(axis=0), scan.max(axis=0)
     ).values
     # the scan itself misses up to a quarter of its step squared times the curvature
-    assert (distance <= bounds["response_error"].values + 1e-5).all()
-    assert bounds["response_error"].attrs["error_share_of_width"] < 0.02
-    assert bounds["response_lower"].attrs["units"] == "m"
+    assert (distance <= bounds["error"][0].values + 1e-5).all()
+    assert float(bounds["error_share_of_width"][0]) < 0.02
+    assert bounds["response_units"].values.tolist() == ["m"]
     assert bounds.attrs["design_runs"] == 6
     assert bounds.attrs["held_out_runs"] == 5
 
@@ -45,11 +45,11 @@ def test_arguments_are_parameter_values_at_which_the_bound_is_taken():
     design = make_design("tensor_lobatto", box, 6)
     bounds = bounds_dataset(samples_of(wave, box, design, TIME), design)
     for side, where in (("inner_upper", "argmax"), ("inner_lower", "argmin")):
-        values = bounds[f"response_{where}"].values
+        values = bounds[where][0].values
         at = np.array([wave(v)[i] for i, v in enumerate(values)])
-        np.testing.assert_allclose(at, bounds[f"response_{side}"].values, atol=1e-5)
-    assert (bounds["response_lower"] <= bounds["response_inner_lower"]).all()
-    assert bounds["response_lower"].attrs["gap_share_of_width"] < 2e-3
+        np.testing.assert_allclose(at, bounds[side][0].values, atol=1e-5)
+    assert (bounds["lower"][0] <= bounds["inner_lower"][0]).all()
+    assert float(bounds["gap_share_of_width"][0]) < 2e-3
 
 
 def test_order_of_runs_and_a_larger_set_of_runs_do_not_matter():
@@ -58,7 +58,7 @@ def test_order_of_runs_and_a_larger_set_of_runs_do_not_matter():
     samples = samples_of(wave, box, many, TIME)
     shuffled = samples.isel(run=np.random.default_rng(0).permutation(samples.sizes["run"]))
     first, second = bounds_dataset(samples, few), bounds_dataset(shuffled, few)
-    assert (first["response_upper"] == second["response_upper"]).all()
+    assert (first["upper"][0] == second["upper"][0]).all()
     assert first.attrs["held_out_runs"] > 4  # runs of the higher order test the lower one
 
 
@@ -73,11 +73,11 @@ def test_a_split_design_helps_a_kink():
     assert halves.runs == 9
     one = bounds_dataset(samples_of(kink, box, whole, TIME), whole)
     two = bounds_dataset(samples_of(kink, box, halves, TIME), halves)
-    assert one["response_error"].max() > 0.01
-    assert two["response_error"].max() < 1e-12
-    assert two["response_lower"].values == pytest.approx(0.0, abs=1e-12)
-    assert two["response_upper"].values == pytest.approx(1.0)
-    assert two["response_argmin"].values == pytest.approx(0.0, abs=1e-9)
+    assert one["error"][0].max() > 0.01
+    assert two["error"][0].max() < 1e-12
+    assert two["lower"][0].values == pytest.approx(0.0, abs=1e-12)
+    assert two["upper"][0].values == pytest.approx(1.0)
+    assert two["argmin"][0].values == pytest.approx(0.0, abs=1e-9)
 
 
 def test_missing_runs_and_unknown_responses_are_refused():
@@ -89,8 +89,8 @@ def test_missing_runs_and_unknown_responses_are_refused():
     with pytest.raises(IntervalError, match="'BD'"):
         bounds_dataset(samples, design, ["BD"])
     with pytest.raises(IntervalError, match="finite"):
-        late = samples["response"].where(samples["time"] < 0.5)
-        bounds_dataset(samples.assign(response=late), design)
+        late = samples["values"].where(samples["time"] < 0.5)
+        bounds_dataset(samples.assign(values=late), design)
 
 
 def test_zero_width_box_gives_the_run_itself():
@@ -99,8 +99,8 @@ def test_zero_width_box_gives_the_run_itself():
     bounds = bounds_dataset(samples_of(wave, box, design, TIME), design)
     expected = wave(np.array([1.0]))
     for name in ("lower", "upper", "nominal"):
-        assert (bounds[f"response_{name}"].values == expected).all()
-    assert (bounds["response_argmax"].values == 1.0).all()
+        assert (bounds[name][0].values == expected).all()
+    assert (bounds["argmax"][0].values == 1.0).all()
 
 
 def test_scan_bounds_are_the_extreme_samples():
@@ -108,13 +108,13 @@ def test_scan_bounds_are_the_extreme_samples():
     design = make_design("scan", box, samples=100)
     samples = samples_of(wave, box, design, TIME, held_out=0)
     bounds = bounds_dataset(samples, design)
-    values = samples["response"].values
-    assert (bounds["response_lower"].values == values.min(axis=0)).all()
-    assert (bounds["response_upper"].values == values.max(axis=0)).all()
-    at = bounds["response_argmax"].values[150]
-    assert wave(at)[150] == pytest.approx(bounds["response_upper"].values[150], abs=1e-12)
+    values = samples["values"].values[:, 0]
+    assert (bounds["lower"][0].values == values.min(axis=0)).all()
+    assert (bounds["upper"][0].values == values.max(axis=0)).all()
+    at = bounds["argmax"][0].values[150]
+    assert wave(at)[150] == pytest.approx(bounds["upper"][0].values[150], abs=1e-12)
     growth = values[:51].min(axis=0) - values.min(axis=0)
-    assert (bounds["response_error"].values >= growth).all()
+    assert (bounds["error"][0].values >= growth).all()
 
 
 def test_streamed_bounds_do_not_depend_on_the_chunks():
@@ -148,7 +148,7 @@ def test_scan_of_a_file_reads_it_in_chunks(tmp_path, monkeypatch):
     assert max(sizes) == 10
     assert sum(sizes) == 65
     np.testing.assert_array_equal(
-        found["response_lower"].values, samples["response"].values.min(axis=0)
+        found["lower"][0].values, samples["values"].values[:, 0].min(axis=0)
     )
 
 

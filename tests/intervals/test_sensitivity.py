@@ -31,12 +31,12 @@ def test_dataset_per_instant_and_overall():
     design = make_design("total_degree", box, 2)
     samples = samples_of(lambda v: v[0] * (1 - time) + v[1] * time, box, design, time)
     found = sensitivity_dataset(samples, design)
-    np.testing.assert_allclose(found["response_width"].values[0], 1 - time, atol=1e-12)
-    np.testing.assert_allclose(found["response_width"].values[1], time, atol=1e-12)
-    assert found["response_total"].values[:, 0] == pytest.approx([1.0, 0.0], abs=1e-12)
-    assert found["response_width_overall"].values == pytest.approx([0.5, 0.5])
-    assert found["response_total_overall"].values == pytest.approx([0.5, 0.5])
-    assert not np.isnan(found["response_first"]).any()
+    np.testing.assert_allclose(found["width"][0].values[0], 1 - time, atol=1e-12)
+    np.testing.assert_allclose(found["width"][0].values[1], time, atol=1e-12)
+    assert found["total"][0].values[:, 0] == pytest.approx([1.0, 0.0], abs=1e-12)
+    assert found["width_overall"][0].values == pytest.approx([0.5, 0.5])
+    assert found["total_overall"][0].values == pytest.approx([0.5, 0.5])
+    assert not np.isnan(found["first"][0]).any()
 
 
 def test_a_split_design_has_the_shares_of_the_whole_box():
@@ -48,8 +48,8 @@ def test_a_split_design_has_the_shares_of_the_whole_box():
     found = sensitivity_dataset(
         samples_of(lambda v: v[0] + v[1] + 0 * time, box, halves, time), halves
     )
-    np.testing.assert_allclose(found["response_width"].values, 2.0, atol=1e-12)
-    np.testing.assert_allclose(found["response_total"].values, 0.5, atol=1e-12)
+    np.testing.assert_allclose(found["width"][0].values, 2.0, atol=1e-12)
+    np.testing.assert_allclose(found["total"][0].values, 0.5, atol=1e-12)
 
 
 def test_a_constant_response_has_no_shares():

@@ -238,7 +238,7 @@ def test_a_vibration_out_of_step_is_better_than_with_the_polynomial():
         error = {}
         for model in ("polynomial", "spline"):
             bounds = bounds_dataset(samples, design, model=model)
-            lower, upper = bounds["response_lower"].values, bounds["response_upper"].values
+            lower, upper = bounds["lower"][0].values, bounds["upper"][0].values
             found = compare_bounds(time, lower, upper, low, high)
             error[model] = found["hausdorff_integrated"]
         assert error["spline"] < 0.25 * error["polynomial"]
@@ -254,7 +254,9 @@ def test_a_jump_is_overshot_by_a_tenth_and_a_scan_is_not():
     error = {}
     for model in ("polynomial", "spline"):  # a scan has no polynomial: the runs themselves
         bounds = bounds_dataset(samples, design, ["v"], model=model)
-        off = hausdorff(bounds["v_lower"], bounds["v_upper"], low[1], high[1])
+        off = hausdorff(
+            bounds["lower"].sel(response="v"), bounds["upper"].sel(response="v"), low[1], high[1]
+        )
         error[model] = float(off.mean())
     assert error["polynomial"] < 0.2 * error["spline"]
 
@@ -269,23 +271,23 @@ def test_bounds_contain_all_runs_and_the_error_covers():
     design = make_design("scan", box, samples=24)
     samples = samples_of(wave, box, design, time)
     bounds = bounds_dataset(samples, design, model="spline")
-    values = samples["response"].values
-    assert (bounds["response_lower"].values <= values.min(axis=0) + 1e-9).all()
-    assert (bounds["response_upper"].values >= values.max(axis=0) - 1e-9).all()
+    values = samples["values"].values[:, 0]
+    assert (bounds["lower"][0].values <= values.min(axis=0) + 1e-9).all()
+    assert (bounds["upper"][0].values >= values.max(axis=0) - 1e-9).all()
     grid = np.array([(a, b) for a in np.linspace(0.9, 1.1, 41) for b in np.linspace(0, 0.2, 21)])
     scan = np.array([wave(v) for v in grid])
     true = hausdorff(
-        bounds["response_lower"], bounds["response_upper"], scan.min(axis=0), scan.max(axis=0)
+        bounds["lower"][0], bounds["upper"][0], scan.min(axis=0), scan.max(axis=0)
     ).values
-    assert (true <= bounds["response_error"].values + 1e-4).mean() > 0.95
+    assert (true <= bounds["error"][0].values + 1e-4).mean() > 0.95
     plain = bounds_dataset(samples, design)
     missing = np.maximum(
-        plain["response_lower"].values - scan.min(axis=0),
-        scan.max(axis=0) - plain["response_upper"].values,
+        plain["lower"][0].values - scan.min(axis=0),
+        scan.max(axis=0) - plain["upper"][0].values,
     )
     assert true.mean() < 0.2 * missing.mean()
     alone = spline_bounds_dataset(samples)
-    assert (alone["response_upper"] == bounds["response_upper"]).all()
+    assert (alone["upper"][0] == bounds["upper"][0]).all()
     assert bounds.attrs["design_runs"] == len(np.unique(samples["unit"].values, axis=0))
 
 

@@ -65,12 +65,17 @@ def headline(data: PageData) -> str:
         f"{p.name} known to {spread(p)}" if "±" in spread(p) else f"{p.name} from {spread(p)}"
         for p in data.parameters
     ]
-    response = data.responses[0]
+    first, *others = data.responses
+    text = f"With {_listed(known)}, the {first.long_name} is uncertain by up to {_largest(first)}"
+    if len(others) == 1:
+        text += f", and the {others[0].long_name} by up to {_largest(others[0])}"
+    return f"{text}."
+
+
+def _largest(response: Response) -> str:
+    """The largest difference of a response's bounds."""
     width = response.upper[response.widest] - response.lower[response.widest]
-    return (
-        f"With {_listed(known)}, the {response.long_name} is uncertain by up to "
-        f"{quantity(width, response.units)}."
-    )
+    return quantity(width, response.units)
 
 
 def facts(data: PageData) -> str:
@@ -98,7 +103,7 @@ def verdict(data: PageData, response: Response) -> Verdict:
         worst = f"{quantity(response.error[where], units, 2)} at {data.time[where]:.4g} s"
     outside = ""
     if response.outside is not None:
-        outside = "none" if response.outside <= 0 else quantity(response.outside, units, 2)
+        outside = "nothing" if response.outside <= 0 else quantity(response.outside, units, 2)
     return Verdict(
         response, float(data.time[at]), quantity(width, units),
         f"{number(low, 4)} to {quantity(high, units, 4)}",

@@ -26,13 +26,13 @@ class Camera {
   }
 
   // Prepare for a canvas of this size (pixels); `fill` is the share that the radius takes.
-  aim(width, height, fill = 0.47) {
+  aim(width, height, fill = 0.5) {
     const ca = Math.cos(this.azimuth), sa = Math.sin(this.azimuth);
     const ce = Math.cos(this.elevation), se = Math.sin(this.elevation);
     this.right = [-sa, ca, 0];
     this.towards = [ce * ca, ce * sa, se];
     this.up = [-se * ca, -se * sa, ce];
-    this.scale = (this.zoom * fill * Math.min(width * 0.9, height * 1.15)) / this.radius;
+    this.scale = (this.zoom * fill * Math.min(width, 1.1 * height)) / this.radius;
     this.centre = [width / 2 + this.shift[0] * this.zoom, height / 2 + this.shift[1] * this.zoom];
   }
 

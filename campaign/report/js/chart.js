@@ -69,6 +69,7 @@ class Chart {
       group.append(svg("text", { x: left - 8, y: y + 4, "text-anchor": "end" }, text));
     }
     for (const [value, text] of ticks(...this.span, Math.max(3, Math.min(10, this.width / 90)))) {
+      if (this.x(value) > this.width - right - 14) continue; // room for the unit
       group.append(svg("text", { x: this.x(value), y: base + 16, "text-anchor": "middle" }, value === 0 ? "0" : text));
     }
     group.append(svg("text", { x: this.width - right, y: base + 16, "text-anchor": "end", class: "unit" }, "s"));

@@ -5,7 +5,8 @@ const KINDS = { f8: Float64Array, f4: Float32Array, i4: Int32Array, i2: Int16Arr
 function unpack(value) {
   if (value && typeof value === "object") {
     if (typeof value.kind === "string" && typeof value.data === "string") {
-      const bytes = Uint8Array.from(atob(value.data), (letter) => letter.charCodeAt(0));
+      const text = atob(value.data), bytes = new Uint8Array(text.length);
+      for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
       return new KINDS[value.kind](bytes.buffer);
     }
     for (const key of Object.keys(value)) value[key] = unpack(value[key]);
@@ -53,7 +54,7 @@ function digits(value, count = 4) {
   if (!Number.isFinite(value)) return "";
   const text = Number(value.toPrecision(count));
   const size = Math.abs(text);
-  return (size !== 0 && (size < 1e-4 || size >= 1e6) ? text.toExponential(2) : String(text)).replaceAll("-", "−");
+  return (size !== 0 && (size < 1e-5 || size >= 1e6) ? text.toExponential(2) : String(text)).replaceAll("-", "−");
 }
 
 // `m s-1` as `m/s`.

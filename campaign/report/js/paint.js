@@ -41,18 +41,20 @@ class Painter {
     context.clearRect(0, 0, width, height);
     camera.aim(width, height, options.fill);
     this.paintFloor(context, camera, options);
-    const pieces = [];
-    const last = options.shown.lastIndexOf(true);
-    for (let i = last; i >= 0; i--) {
-      if (!options.shown[i]) continue;
-      const pose = this.poses[i].at(time);
-      if (i === 0) this.paintShadow(context, camera, pose);
-      this.addFaces(pieces, camera, pose, i, options.byStress);
-    }
-    if (options.shown[0]) this.addHinges(pieces, camera, this.poses[0]);
-    pieces.sort((one, two) => one.depth - two.depth);
     context.lineCap = context.lineJoin = "round";
-    for (const piece of pieces) this.paintPiece(context, piece);
+    const ghosts = [], solid = [];
+    this.poses.forEach((pose, i) => {
+      if (!options.shown[i]) return;
+      pose.at(time);
+      if (i === 0) this.paintShadow(context, camera, pose);
+      this.addFaces(i ? ghosts : solid, camera, pose, i, options.byStress);
+    });
+    if (options.shown[0]) this.addHinges(solid, camera, this.poses[0]);
+    for (const pieces of [ghosts, solid]) {
+      pieces.sort((one, two) => one.depth - two.depth);
+      for (const piece of pieces) this.paintPiece(context, piece);
+    }
+    for (const piece of ghosts) this.paintEdges(context, piece, 0.3); // shine through
     if (options.names && options.shown[0]) this.paintNames(context, camera);
   }
 
@@ -61,7 +63,7 @@ class Painter {
     for (let i = 0; i < corners.length; i += 3) camera.project(corners[i], corners[i + 1], corners[i + 2], page, i);
     const ghost = run > 0, plain = this.colours[run];
     for (let e = 0; e < MOTION.elements; e++) {
-      const colour = byStress ? scaleColour(pose.stress[e] / this.topShare) : plain;
+      const colour = byStress && !ghost ? scaleColour(pose.stress[e] / this.topShare) : plain;
       const sides = FACES.map((face) => [face, false]);
       this.caps[e].forEach((capped, end) => capped && sides.push([CAPS[end], true]));
       for (const [face, isCap] of sides) {
@@ -102,19 +104,24 @@ class Painter {
     const [a, b, c, d] = piece.outline;
     context.moveTo(...a); context.lineTo(...b); context.lineTo(...c); context.lineTo(...d); context.closePath();
     const colour = `rgb(${piece.fill.join(",")})`;
-    context.globalAlpha = piece.ghost ? 0.3 : 1;
+    context.globalAlpha = piece.ghost ? 0.22 : 1;
     context.fillStyle = context.strokeStyle = colour;
     context.fill();
     context.lineWidth = 0.7;
     if (!piece.ghost) context.stroke(); // closes the seams between elements
+    this.paintEdges(context, piece, piece.ghost ? 0.8 : 0.6);
+  }
+
+  paintEdges(context, piece, alpha) {
+    const [a, b, c, d] = piece.outline;
+    context.strokeStyle = piece.ghost ? `rgb(${piece.fill.join(",")})` : this.edge;
+    context.globalAlpha = alpha;
     context.beginPath();
     if (piece.isCap) {
       context.moveTo(...a); context.lineTo(...b); context.lineTo(...c); context.lineTo(...d); context.closePath();
     } else { // along the bar: corners run a b at one end, c d at the other
       context.moveTo(...b); context.lineTo(...c); context.moveTo(...d); context.lineTo(...a);
     }
-    context.globalAlpha = piece.ghost ? 0.75 : 0.6;
-    if (!piece.ghost) context.strokeStyle = this.edge;
     context.lineWidth = 0.8;
     context.stroke();
     context.globalAlpha = 1;

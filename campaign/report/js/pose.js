@@ -90,8 +90,13 @@ function extent() {
   }
   const metres = (value, k) => MOTION.low[k] + MOTION.unit * (32767 + value);
   const middle = low.map((value, k) => 0.5 * (metres(value, k) + metres(high[k], k)));
-  const radius = 0.5 * MOTION.unit * Math.hypot(...high.map((value, k) => value - low[k])) || 1;
-  let size = 0;
+  let square = 0, size = 0;
+  for (let i = 0; i < place.length; i += 3) {
+    let distance = 0;
+    for (let k = 0; k < 3; k++) distance += (place[i + k] - 0.5 * (low[k] + high[k])) ** 2;
+    square = Math.max(square, distance);
+  }
+  const radius = MOTION.unit * Math.sqrt(square) || 1;
   for (const value of MOTION.runs[0].corners) size = Math.max(size, Math.abs(value));
   return { middle, radius: radius + 0.5 * size, size, floor: metres(low[2], 2) - 1.3 * size };
 }

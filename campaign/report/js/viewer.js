@@ -103,7 +103,7 @@ function viewerControls(viewer) {
     const box = make("input", { type: "checkbox", style: `color:var(${runColour(i)});accent-color:var(${runColour(i)})` });
     box.checked = true;
     box.addEventListener("change", () => { options.shown[i] = box.checked; viewer.draw(); });
-    byId("runs-shown").append(make("label", {}, box, one.label));
+    byId("runs-shown").append(make("label", { title: runText(one) }, box, one.label));
   });
   painter.topShare = 1;
   byId("colour").addEventListener("change", ({ target }) => {
@@ -122,6 +122,12 @@ function viewerControls(viewer) {
   byId("closer").addEventListener("click", () => viewer.magnify(1.25));
   byId("farther").addEventListener("click", () => viewer.magnify(0.8));
   byId("names").addEventListener("change", ({ target }) => { options.names = target.checked; viewer.draw(); });
+}
+
+// What a shown run is, in full.
+function runText({ run, label }) {
+  const values = DATA.parameters.map(({ name, units }, k) => `${name} = ${digits(DATA.runs[run].values[k], 6)} ${pretty(units)}`);
+  return `${label}: run ${DATA.runs[run].id}, ${values.join(", ")}`;
 }
 
 // The share of the largest stress where the colours end: all but one in two hundred values are below.

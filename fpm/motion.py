@@ -15,8 +15,7 @@ from fpm.errors import SceneError
 from fpm.scene import Scene
 from fpm.simulate import Outcome, simulate
 
-MOST_RECORDED = 5e8
-"""Numbers that one pass may record; larger scenes are run in several passes."""
+MOST_RECORDED = 1e8  # numbers of one pass; larger scenes are run in several passes
 
 _ARMS = {"place": (0.0, 0.0, 0.0), "second axis": (0.0, 1.0, 0.0), "third axis": (0.0, 0.0, 1.0)}
 _CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])  # of a section, along y and z

@@ -27,17 +27,18 @@ def moving_runs(samples: xarray.Dataset, bounds: xarray.Dataset) -> dict[int, st
     roles = samples["role"].values.tolist()
     ids = samples["run_id"].values.tolist()
     first = roles.index("nominal") if "nominal" in roles else 0
-    extremes: dict[int, list[str]] = {}
+    extremes: dict[int, dict[str, list[str]]] = {}
     for i, name in enumerate(samples["response"].values.tolist()):
         widest = int((bounds["upper"].values[i] - bounds["lower"].values[i]).argmax())
         there = samples["values"].values[:, i, widest]
         for run, what in ((int(there.argmin()), "least"), (int(there.argmax()), "largest")):
             same = next((r for r in extremes if ids[r] == ids[run]), run)
-            extremes.setdefault(same, []).append(f"{what} {name}")
-    shown = {first: "nominal"}
+            extremes.setdefault(same, {}).setdefault(what, []).append(name)
+    shown = {first: "nominal run" if "nominal" in roles else "first run"}
     for run, texts in extremes.items():
         if ids[run] != ids[first] and len(shown) < MOST_MOVING:
-            shown[run] = ", ".join(texts)
+            parts = [f"{what} {', '.join(names)}" for what, names in texts.items()]
+            shown[run] = f"run of {' and '.join(parts)}"
     return shown
 
 

@@ -1,4 +1,4 @@
-"""Data as the page's script takes them: plain JSON with arrays in base64, as small as looks the same.
+"""Data as the page's script takes them: JSON with arrays in base64, as small as looks the same.
 
 Bounds stay in double precision, thin lines are single; positions and rotations are whole numbers of
 16 bits (a hundredth of a millimetre on a metre). Long curves are thinned, their extremes are kept.
@@ -19,6 +19,9 @@ MOST_INSTANTS = 4001
 
 MOST_LINES = 48
 """Runs that were not fitted, drawn as thin lines."""
+
+MOST_TOLD = 300
+"""Runs up to which the contact events of all are in the page, not only of those that are drawn."""
 
 MOST_FRAME_NUMBERS = 1_500_000
 """Numbers of the motion from which frames are left out."""
@@ -71,16 +74,28 @@ def payload(data: PageData) -> dict[str, Any]:
             }
             for r in data.responses
         ],
-        "runs": [_run(run) for run in data.runs],
+        "runs": _runs(data),
         "lines": _lines(data, keep),
         "moving": [_line(data, m.run, keep) | {"label": m.label} for m in data.moving],
         "motion": _motion(data.moving) if data.moving else None,
     }  # fmt: skip
 
 
-def _run(run) -> dict[str, Any]:
-    events = [{"time": e.time, "contact": e.contact, "closing": e.closing} for e in run.events]
-    return {"id": run.id, "role": run.role, "values": run.values.tolist(), "events": events}
+def _runs(data: PageData) -> list[dict[str, Any]]:
+    drawn = {0, *(moving.run for moving in data.moving)}
+    return [
+        {
+            "id": run.id,
+            "role": run.role,
+            "values": run.values.tolist(),
+            "events": [
+                {"time": e.time, "contact": e.contact, "closing": e.closing}
+                for e in run.events
+                if len(data.runs) <= MOST_TOLD or i in drawn
+            ],
+        }
+        for i, run in enumerate(data.runs)
+    ]
 
 
 def _line(data: PageData, run: int, keep: np.ndarray) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from campaign.files import write_text
 from campaign.report import words
 from campaign.report.data import PageData
 from campaign.report.pack import payload
+from campaign.report.trust import trust
 from campaign.units import pretty
 
 _FOLDER = Path(__file__).parent
@@ -41,9 +42,10 @@ def render(data: PageData) -> str:
         data=data,
         headline=words.headline(data),
         facts=words.facts(data),
+        cautions=words.cautions(data),
         verdicts=[words.verdict(data, response) for response in data.responses],
         spread=words.spread,
-        trust=words.trust(data),
+        trust=trust(data),
         style=_text("style.css"),
         script="\n".join(_text(f"js/{name}.js") for name in SCRIPTS),
         payload=_json(payload(data)),

@@ -1,4 +1,4 @@
-"""The page's sentences: verdicts first, and how far to trust them."""
+"""The page's sentences that tell the answer, and how people write numbers."""
 
 from __future__ import annotations
 
@@ -61,15 +61,31 @@ def spread(parameter: Parameter) -> str:
 
 def headline(data: PageData) -> str:
     """The answer in one sentence."""
-    known = [
-        f"{p.name} known to {spread(p)}" if "±" in spread(p) else f"{p.name} from {spread(p)}"
-        for p in data.parameters
-    ]
+    known = _listed([f"{p.name} to {spread(p)}" for p in data.parameters if "±" in spread(p)])
+    between = _listed(
+        [f"{p.name} from {spread(p)}" for p in data.parameters if "±" not in spread(p)]
+    )
+    given = " and ".join(filter(None, [known.replace(" to ", " known to ", 1), between]))
     first, *others = data.responses
-    text = f"With {_listed(known)}, the {first.long_name} is uncertain by up to {_largest(first)}"
+    text = f"With {given}, the {first.long_name} is uncertain by up to {_largest(first)}"
     if len(others) == 1:
         text += f", and the {others[0].long_name} by up to {_largest(others[0])}"
-    return f"{text}."
+    return f"{text}.".replace("-", "\N{NON-BREAKING HYPHEN}")
+
+
+def cautions(data: PageData) -> list[str]:
+    """What must be said beside the headline: numbers whose estimated error is large or unknown."""
+    sentences = []
+    for v in (verdict(data, response) for response in data.responses):
+        name = v.response.name
+        if v.grade == "large":
+            sentences.append(
+                f"Do not rely on the number for {name}: the estimated error of either bound is "
+                f"{v.error}, {percent(v.share or 0.0)} of the difference."
+            )
+        elif v.grade == "unknown":
+            sentences.append(f"There is no error estimate for {name}.")
+    return sentences
 
 
 def _largest(response: Response) -> str:
@@ -127,51 +143,8 @@ def _published(response: Response, width: float, error: float | None) -> str:
     return f"{text}, {'less' if within else 'more'} than the estimated error"
 
 
-def trust(data: PageData) -> list[tuple[str, str]]:
-    """How far to trust the page: titles with a paragraph each."""
-    unfitted = len(data.unfitted)
-    return [
-        ("What the bounds are", _kind(data.bounds_kind)),
-        (
-            "What the error estimate is",
-            f"An estimate, made from {unfitted} run{'s' if unfitted != 1 else ''} that the fit has "
-            "not seen, or from runs that were left out one at a time. It says how far the drawn "
-            "bounds may be from those of the simulated model. It is usually too large and "
-            "sometimes too small; it proves nothing."
-            if any(r.error is not None for r in data.responses)
-            else "There is none. The bounds are the least and the largest of the runs that were "
-            "made; runs that were not made may lie outside.",
-        ),
-        (
-            "What the model is",
-            "Slender elastic bars, ideal hinges, springs and contacts, moved by a time integration "
-            "that is stopped when its energy does not balance. What the model leaves out (friction, "
-            "play in the hinges, tolerances that are not among the parameters, damage) is not "
-            "in these numbers.",
-        ),
-        (
-            "What follows for a structure",
-            "Nothing on this page is a safety margin, and nothing here promises that a real "
-            "structure stays within the bounds. It shows how the simulated model answers when its "
-            "parameters lie anywhere within the stated intervals, and no statement is made about "
-            "how likely any of these values is.",
-        ),
-    ]  # fmt: skip
-
-
-def _kind(kind: str) -> str:
-    text = f"{kind[:1].upper()}{kind[1:]}. "
-    if kind.startswith("enclosed"):
-        return text + (
-            "A polynomial was fitted to the runs at every instant; its least and largest values "
-            "over the intervals are enclosed by computation. How far the polynomial is from the "
-            "simulated model is not enclosed: it is estimated."
-        )
-    return text + (
-        "They are values that the fitted model or the runs do take somewhere within the "
-        "intervals; values beyond them are possible."
-    )
-
-
 def _listed(texts: list[str]) -> str:
+    """`a, b and c`; nothing for none."""
+    if not texts:
+        return ""
     return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"

@@ -4,9 +4,9 @@ const VIEWS = { free: [-0.95, 0.42], front: [-Math.PI / 2, 0], side: [0, 0], top
 const DISTANCE = 5; // of the eye from the middle, in radii
 
 class Camera {
-  constructor(middle, radius) {
-    this.middle = middle;
-    this.radius = radius;
+  // places: coordinates, three by three, that the views are to hold.
+  constructor({ middle, radius, places }) {
+    Object.assign(this, { middle, radius, places });
     this.look("free");
   }
 
@@ -14,6 +14,22 @@ class Camera {
     [this.azimuth, this.elevation] = VIEWS[name];
     this.zoom = 1;
     this.shift = [0, 0];
+    this.fit();
+  }
+
+  // The middle and the size of all places as they are seen, on a page without scale.
+  fit() {
+    const low = [Infinity, Infinity], high = [-Infinity, -Infinity], page = [0, 0, 0];
+    this.face();
+    Object.assign(this, { scale: 1, centre: [0, 0] });
+    for (let i = 0; i < this.places.length; i += 3) {
+      this.project(this.places[i], this.places[i + 1], this.places[i + 2], page, 0);
+      for (let k = 0; k < 2; k++) {
+        low[k] = Math.min(low[k], page[k]);
+        high[k] = Math.max(high[k], page[k]);
+      }
+    }
+    this.seen = { middle: [0, 1].map((k) => 0.5 * (low[k] + high[k])), size: [0, 1].map((k) => high[k] - low[k] || 1) };
   }
 
   turn(right, up) {
@@ -25,15 +41,21 @@ class Camera {
     this.zoom = Math.min(40, Math.max(0.3, this.zoom * factor));
   }
 
-  // Prepare for a canvas of this size (pixels); `fill` is the share that the radius takes.
-  aim(width, height, fill = 0.5) {
+  // The directions of the page in space.
+  face() {
     const ca = Math.cos(this.azimuth), sa = Math.sin(this.azimuth);
     const ce = Math.cos(this.elevation), se = Math.sin(this.elevation);
     this.right = [-sa, ca, 0];
     this.towards = [ce * ca, ce * sa, se];
     this.up = [-se * ca, -se * sa, ce];
-    this.scale = (this.zoom * fill * Math.min(width, 1.1 * height)) / this.radius;
-    this.centre = [width / 2 + this.shift[0] * this.zoom, height / 2 + this.shift[1] * this.zoom];
+  }
+
+  // Prepare for a canvas of this size (pixels); `fill` is the share that the places take.
+  aim(width, height, fill = 0.78) {
+    const { size, middle } = this.seen;
+    this.face();
+    this.scale = this.zoom * fill * Math.min(width / size[0], height / size[1]);
+    this.centre = [width, height].map((whole, k) => whole / 2 + this.shift[k] * this.zoom - this.scale * middle[k]);
   }
 
   // Page coordinates and depth (larger is nearer) of a place, into out[at..at+2].

@@ -13,7 +13,7 @@ function responseChart(response, r, marks) {
   curves.push({ values: lower, kind: "lower" }, { values: upper, kind: "upper" });
   if (nominal) curves.push({ values: nominal, kind: "nominal" });
   const readout = (i) => [
-    ["bounds", `${digits(lower[i])} to ${digits(upper[i])} ${unit}`],
+    ["bounds", `${digits(lower[i])} to ${digits(upper[i])}`],
     ["width", digits(upper[i] - lower[i], 3)],
     ...(error ? [["error ±", digits(error[i], 2)]] : []),
     ...(nominal ? [["nominal", digits(nominal[i])]] : []),

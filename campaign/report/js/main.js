@@ -11,10 +11,10 @@ if (MOTION) {
   stills = new Stills(viewer);
 }
 
-function repaint(ratio) {
+function repaint(ratio = window.devicePixelRatio || 1, ...size) {
   if (!viewer) return;
   viewer.painter.readColours();
-  viewer.drawNow(ratio ?? (window.devicePixelRatio || 1));
+  viewer.drawNow(ratio, ...size);
   stills.draw(ratio);
 }
 
@@ -95,7 +95,7 @@ darkAsked.addEventListener("change", ({ matches }) => theme(matches ? "dark" : "
 
 // Paper is white, and finer than a screen.
 let before = null;
-addEventListener("beforeprint", () => { before = root.dataset.theme; root.dataset.theme = "light"; repaint(3); });
+addEventListener("beforeprint", () => { before = root.dataset.theme; root.dataset.theme = "light"; repaint(3, 690, 240); });
 addEventListener("afterprint", () => { root.dataset.theme = before; repaint(); });
 
 drawPlayer();

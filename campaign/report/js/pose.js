@@ -98,5 +98,9 @@ function extent() {
   }
   const radius = MOTION.unit * Math.sqrt(square) || 1;
   for (const value of MOTION.runs[0].corners) size = Math.max(size, Math.abs(value));
-  return { middle, radius: radius + 0.5 * size, size, floor: metres(low[2], 2) - 1.3 * size };
+  const every = Math.max(1, Math.ceil(place.length / 12000)), places = [];
+  for (let i = 0; i < place.length / 3; i += every) {
+    for (let k = 0; k < 3; k++) places.push(metres(place[3 * i + k], k));
+  }
+  return { middle, radius: radius + 0.5 * size, size, places, floor: metres(low[2], 2) - 1.3 * size };
 }

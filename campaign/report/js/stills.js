@@ -42,13 +42,13 @@ class Stills {
   }
 
   draw(ratio = window.devicePixelRatio || 1) {
-    const { painter } = this.viewer, camera = new Camera(painter.extent.middle, painter.extent.radius);
+    const { painter } = this.viewer, camera = new Camera(painter.extent);
     for (const { canvas, time } of this.items) {
       const width = canvas.clientWidth, height = canvas.clientHeight;
       Object.assign(canvas, { width: width * ratio, height: height * ratio });
       const context = canvas.getContext("2d");
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
-      painter.paint(context, camera, width, height, time, { ...this.viewer.options, names: false, grid: false, fill: 0.56 });
+      painter.paint(context, camera, width, height, time, { ...this.viewer.options, names: false, grid: false, fill: 0.88 });
     }
   }
 }

@@ -4,7 +4,7 @@ class Viewer {
   constructor(canvas, painter) {
     this.canvas = canvas;
     this.painter = painter;
-    this.camera = new Camera(painter.extent.middle, painter.extent.radius);
+    this.camera = new Camera(painter.extent);
     this.options = { shown: MOTION.runs.map(() => true), byStress: false, names: true };
     this.pointers = new Map();
     this.listen();
@@ -18,8 +18,8 @@ class Viewer {
     requestAnimationFrame(() => { this.waiting = false; this.drawNow(ratio); });
   }
 
-  drawNow(ratio) {
-    const { clientWidth: width, clientHeight: height } = this.canvas;
+  // Draw for a canvas of `width` x `height`; as large as it is on the page, if nothing is said.
+  drawNow(ratio, width = this.canvas.clientWidth, height = this.canvas.clientHeight) {
     if (!width || !height) return;
     const wide = Math.round(width * ratio), high = Math.round(height * ratio);
     if (this.canvas.width !== wide || this.canvas.height !== high) Object.assign(this.canvas, { width: wide, height: high });

@@ -12,6 +12,7 @@ import numpy as np
 
 from fpm.elements.virtual_beam import VirtualBeam
 from fpm.errors import SceneError
+from fpm.motion_dataset import Recorded, elements_of, to_dataset
 from fpm.scene import Scene
 from fpm.simulate import Outcome, simulate
 
@@ -57,9 +58,10 @@ def whole_motion(
         position, velocity, frame = (
             np.concatenate([tracks[k] for tracks, _ in parts], axis=1) for k in range(3)
         )
+        strains = element_strains(scene, position, frame)
+        found = Recorded(scene, parts[0][1], position, velocity, frame, *strains)
         extra = attributes[i] if attributes else {}
-        outcome = parts[0][1]
-        datasets.append(_dataset(scene, outcome, position, velocity, frame, kept, extra))
+        datasets.append(to_dataset(found, section_corners(scene), kept, extra))
     return datasets
 
 
@@ -81,7 +83,7 @@ def element_strains(
     """
     if not scene.beams:
         return np.zeros((len(position), 0)), np.zeros((len(position), 0))
-    nodes, length, half = _elements(scene)
+    nodes, length, half = elements_of(scene)
     chord = position[:, nodes[:, 1]] - position[:, nodes[:, 0]]
     stretched = np.linalg.norm(chord, axis=2)
     chord /= stretched[:, :, None]
@@ -109,7 +111,7 @@ def section_corners(scene: Scene) -> np.ndarray:
     """
     if not scene.beams:
         return np.zeros((0, 2, 4, 3))
-    nodes, _, half = _elements(scene)
+    nodes, _, half = elements_of(scene)
     triads = np.concatenate([beams.triad for beams in scene.beams])
     faces = _contact_faces(scene)
     out = np.zeros((len(nodes), 2, 4, 3))
@@ -124,20 +126,6 @@ def section_corners(scene: Scene) -> np.ndarray:
                     corners = corners + shift[:, None] * axes[:, 0]
             out[e, k] = corners
     return out
-
-
-def _elements(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All elements' nodes (m, 2), lengths (m,) m, and half widths and heights (m, 2) m."""
-    half = [
-        np.tile(np.sqrt(3.0 * np.array([b.section.Iz, b.section.Iy]) / b.section.A), (m, 1))
-        for b in scene.beams
-        if (m := len(b.length))
-    ]
-    return (
-        np.concatenate([b.nodes for b in scene.beams]),
-        np.concatenate([b.length for b in scene.beams]),
-        np.concatenate(half),
-    )
 
 
 def _contact_faces(scene: Scene) -> dict[int, list[tuple[np.ndarray, np.ndarray]]]:
@@ -172,81 +160,3 @@ def _tracks(outcome: Outcome, particles: np.ndarray) -> tuple[np.ndarray, np.nda
     )
     axes = [second[0] - place[0], third[0] - place[0]]
     return place[0], place[1], np.stack([np.cross(*axes), *axes], axis=-1)
-
-
-def _dataset(scene, outcome, position, velocity, frame, kept, attributes):
-    """The motion at the instants `kept` as an xarray.Dataset with CF-like names and units."""
-    import xarray
-
-    import fpm
-
-    axial, bending = element_strains(scene, position, frame)
-    modulus = np.concatenate([np.full(len(b.length), b.material.E) for b in scene.beams] or [[]])
-    stress = modulus * (np.abs(axial) + bending)
-    worst = stress.argmax(axis=0)
-    nodes, length, half = _elements(scene) if scene.beams else (np.zeros((0, 2), int), [], 0)
-    vector, end = ("time", "particle", "axis"), ("element", "end")
-    points, hinges = list(scene.points.values()), scene.hinges
-    named = [outcome.points[name][0][kept] for name in scene.points]
-
-    def rows(values, *shape) -> np.ndarray:
-        return np.array(values, float).reshape(-1, *shape)
-
-    variables = {
-        "position": (vector, position[kept], "m", "position of the particles"),
-        "velocity": (vector, velocity[kept], "m s-1", "velocity of the particles"),
-        "frame": ((*vector, "director"), frame[kept], "1", "particle's own axes, as columns"),
-        "axial_strain": (("time", "element"), axial[kept], "1", "stretch over unstrained length"),
-        "bending_strain": (("time", "element"), bending[kept], "1", "largest at the surface"),
-        "stress": (("time", "element"), stress[kept], "Pa", "largest normal stress of the element"),
-        "largest_stress": ("element", stress.max(axis=0), "Pa", "over all instants of the run"),
-        "largest_stress_time": ("element", outcome.time[worst], "s", "when it is largest"),
-        "element_particle": (end, nodes.astype(np.int32), "1", "particles at its ends"),
-        "element_length": ("element", rows(length), "m", "unstrained length"),
-        "section_size": (("element", "side"), rows(2.0 * half, 2), "m", "width and height"),
-        "section_corner": (
-            (*end, "corner", "axis"), section_corners(scene), "m", "in the particle's frame",
-        ),
-        "point_particle": ("point", rows([p.particle for p in points]).astype(np.int32), "1", ""),
-        "point_arm": (("point", "axis"), rows([p.arm for p in points], 3), "m", "in its frame"),
-        "point_position": (
-            ("time", "point", "axis"),
-            np.stack(named, axis=1) if named else np.zeros((len(kept), 0, 3)),
-            "m", "position of the named points",
-        ),
-        "hinge_particle": (
-            ("hinge", "end"), rows([h.particles for h in hinges], 2).astype(np.int32), "1", "",
-        ),
-        "hinge_arm": (("hinge", "axis"), rows([h.beams[0].arm for h in hinges], 3), "m", ""),
-        "hinge_axis": (("hinge", "axis"), rows([h.axes[0] for h in hinges], 3), "1", ""),
-        "contact_event_time": ("event", outcome.events[:, 0], "s", "when a contact shuts or opens"),
-        "contact_event_contact": ("event", outcome.events[:, 1].astype(np.int32), "1", "index"),
-        "contact_event_closing": ("event", outcome.events[:, 2].astype(np.int8), "1", "1: shuts"),
-    }  # fmt: skip
-    time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
-    contacts = [scene.hinges[c.hinge].name for c in scene.contacts]
-    names = {
-        "element": [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))],
-        "point": list(scene.points),
-        "hinge": [h.name for h in hinges],
-        "contact": contacts,
-    }
-    return xarray.Dataset(
-        {
-            name: (dims, values, {"units": unit, "long_name": text or name.replace("_", " of ")})
-            for name, (dims, values, unit, text) in variables.items()
-        },
-        coords={
-            "time": ("time", outcome.time[kept], time),
-            "axis": ("axis", list("xyz"), {"long_name": "axis, global or of the particle"}),
-            **{n: (n, np.array(v, dtype=str), {"long_name": n}) for n, v in names.items()},
-        },
-        attrs={
-            "Conventions": "CF-1.11",
-            "title": f"whole motion of scene {scene.name}",
-            "source": f"finite particle method, data version {fpm.DATA_VERSION}",
-            "scene": scene.name,
-            "time_step": outcome.step,
-            **attributes,
-        },
-    )

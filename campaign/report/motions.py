@@ -76,7 +76,7 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
     """Write `motions/<run id>.nc` of the runs that the page of a campaign's folder shows."""
     import xarray
 
-    from fpm.trajectory import write
+    from campaign.analyse import write_dataset
 
     folder = Path(folder)
     with (
@@ -86,5 +86,5 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
         runs = list(moving_runs(samples, bounds))
         paths = [folder / MOTIONS / f"{samples['run_id'].values[run]}.nc" for run in runs]
         for motion, path in zip(motions_of(samples, runs, frames), paths, strict=True):
-            write(motion, path)
+            write_dataset(motion, path, "Whole motion of a run")
     return paths

@@ -81,9 +81,11 @@ class Browser:
         """The value of a JavaScript expression."""
         return self.call("POST", "/execute/sync", script=f"return {expression};", args=[])
 
-    def settle(self, seconds: float = 0.3) -> None:
-        """Let the page draw."""
+    def settle(self, seconds: float = 0.0) -> None:
+        """Let the page draw what was asked of it, after `seconds`."""
         time.sleep(seconds)
+        frames = "requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 20)))"
+        self.call("POST", "/execute/async", script=f"const [done] = arguments; {frames};", args=[])
 
     def press(self, *keys: str) -> None:
         """Press keys one after another, where the focus is."""

@@ -134,6 +134,13 @@ def test_the_table_of_bounds_is_exact(window, data):
         assert cells[:3] == [data.time[i], first.lower[i], first.upper[i]]
 
 
+def test_a_still_goes_to_its_moment(window):
+    window.ask("document.querySelector('#stills button').click()")
+    window.settle()
+    assert window.ask(NOW) == 0.0
+    assert window.ask("document.querySelectorAll('#stills [aria-current=true]').length") == 1
+
+
 def test_light_and_dark(window):
     theme = "document.documentElement.dataset.theme"
     before, pixels = window.ask(theme), window.ask(PIXELS)

@@ -83,18 +83,23 @@ def test_a_point_with_a_name_of_ours_is_refused():
         whole.whole_motion([scene], **TIME, step=steps(scene))
 
 
-def test_the_file_is_complete_and_says_what_it_holds(tmp_path, pair):
-    from fpm.trajectory import write
+def test_the_dataset_says_what_it_holds(pair):
+    motion = pair[0][0]
+    assert motion.attrs["Conventions"].startswith("CF-1.")
+    assert motion["time"].attrs["standard_name"] == "time"
+    for name, variable in motion.data_vars.items():
+        assert variable.attrs["long_name"] and variable.attrs["units"], name
+    assert str(motion["element"].values[4]) == "link BC[1]"
+    shut = motion["contact_event_contact"].values
+    assert set(motion["contact"].values[shut]) <= set("ABCD")
 
-    write(pair[0][0], tmp_path / "motion.nc")
-    with xarray.open_dataset(tmp_path / "motion.nc") as file:
-        assert file.attrs["Conventions"].startswith("CF-1.")
-        assert file["time"].attrs["standard_name"] == "time"
-        for name, variable in file.data_vars.items():
-            assert variable.attrs["long_name"], name
-            assert variable.attrs["units"], name
-        assert np.array_equal(file["position"].values, pair[0][0]["position"].values)
-        assert str(file["element"].values[4]) == "link BC[1]"
+
+def test_particles_without_any_element_move_too():
+    scene = fpm.Scene("thrown", gravity=(0, 0, -10.0))
+    scene.add_particles([[0, 0, 0], [1, 0, 0]], 1.0, 1.0, velocity=(0, 0, 1.0))
+    (motion,) = whole.whole_motion([scene], duration=0.2, instants=3, step=0.01)
+    np.testing.assert_allclose(motion["position"].values[-1, :, 2], 0.2 - 5 * 0.04, atol=1e-12)
+    assert motion.sizes["element"] == motion.sizes["hinge"] == motion.sizes["point"] == 0
 
 
 def test_a_cantilevers_bending_stress_is_that_of_the_closed_form(bar, settled):

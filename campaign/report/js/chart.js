@@ -7,7 +7,7 @@ class Chart {
   constructor({ title, units, height = 230, curves, areas = [], marks = [], readout }) {
     Object.assign(this, { title, units, height, curves, areas, marks, readout });
     this.values = make("p", { class: "readout" });
-    this.svg = svg("svg", { role: "img", tabindex: "0", "aria-label": `${title} over time` });
+    this.svg = svg("svg", { role: "img", tabindex: "0", preserveAspectRatio: "xMinYMin", "aria-label": `${title} over time` });
     this.root = make("div", { class: "chart" }, make("h3", {}, title, make("span", {}, `(${units})`)), this.values, this.svg);
     this.zoom = () => {};
     this.span = [FIRST, LAST];

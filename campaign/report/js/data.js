@@ -54,7 +54,7 @@ function digits(value, count = 4) {
   if (!Number.isFinite(value)) return "";
   const text = Number(value.toPrecision(count));
   const size = Math.abs(text);
-  return (size !== 0 && (size < 1e-5 || size >= 1e6) ? text.toExponential(2) : String(text)).replaceAll("-", "−");
+  return (size !== 0 && (size < 1e-5 || size >= 1e6) ? text.toExponential(count - 1) : String(text)).replaceAll("-", "−");
 }
 
 // `m s-1` as `m/s`.

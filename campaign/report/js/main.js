@@ -95,7 +95,7 @@ darkAsked.addEventListener("change", ({ matches }) => theme(matches ? "dark" : "
 
 // Paper is white, and finer than a screen.
 let before = null;
-addEventListener("beforeprint", () => { before = root.dataset.theme; root.dataset.theme = "light"; repaint(3, 690, 240); });
+addEventListener("beforeprint", () => { before = root.dataset.theme; root.dataset.theme = "light"; repaint(3, 690, 205); });
 addEventListener("afterprint", () => { root.dataset.theme = before; repaint(); });
 
 drawPlayer();

@@ -13,7 +13,7 @@ function moments() {
     if (kept.length < MOST_STILLS && kept.every((other) => Math.abs(other.time - one.time) > apart)) kept.push(one);
   }
   kept.sort((one, two) => one.time - two.time);
-  while (kept.length < Math.min(5, MOST_STILLS)) { // halve the longest gaps
+  while (kept.length < MOST_STILLS) { // halve the longest gaps
     const gaps = kept.slice(1).map((one, i) => one.time - kept[i].time);
     const at = gaps.indexOf(Math.max(...gaps));
     kept.splice(at + 1, 0, { time: kept[at].time + 0.5 * gaps[at], name: "" });

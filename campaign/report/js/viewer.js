@@ -30,6 +30,8 @@ class Viewer {
     context.font = "11px system-ui, sans-serif";
     context.textAlign = "left";
     context.fillText(`floor grid ${digits(this.painter.gridStep())} m`, 14, height - 12);
+    context.textAlign = "right";
+    if (width === this.canvas.clientWidth) context.fillText("drag to turn, + − to zoom", width - 14, height - 12);
     this.canvas.dataset.time = clock.time.toFixed(6);
   }
 
@@ -102,7 +104,7 @@ function viewerControls(viewer) {
   DATA.moving.forEach((one, i) => {
     const box = make("input", { type: "checkbox", style: `color:var(${runColour(i)});accent-color:var(${runColour(i)})` });
     box.checked = true;
-    box.addEventListener("change", () => { options.shown[i] = box.checked; viewer.draw(); });
+    box.addEventListener("change", () => { options.shown[i] = box.checked; viewer.draw(); stills.draw(); });
     byId("runs-shown").append(make("label", { title: runText(one) }, box, one.label));
   });
   painter.topShare = 1;
@@ -110,6 +112,7 @@ function viewerControls(viewer) {
     options.byStress = target.value === "stress";
     byId("scale").hidden = !options.byStress;
     viewer.draw();
+    stills.draw();
   });
   const stops = SCALE.map((colour) => `rgb(${colour.join(",")})`).join(",");
   const top = usualTop();

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -50,9 +51,17 @@ def _load(path: Path) -> xarray.Dataset:
 
 
 def _parameters(bounds: xarray.Dataset) -> tuple[Parameter, ...]:
+    import fpm
+
     keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
     rows = zip(*(bounds[key].values.tolist() for key in keys), strict=True)
-    return tuple(Parameter(*row) for row in rows)
+    known = {}
+    with suppress(fpm.SceneError):  # results of a scene that this version no longer has
+        known = fpm.scenes.get(str(bounds.attrs["scene"])).parameters
+    return tuple(
+        Parameter(*row, long_name=known[row[0]].description if row[0] in known else "")
+        for row in rows
+    )
 
 
 def _responses(

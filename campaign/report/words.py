@@ -61,16 +61,27 @@ def spread(parameter: Parameter) -> str:
 
 def headline(data: PageData) -> str:
     """The answer in one sentence."""
-    known = _listed([f"{p.name} to {spread(p)}" for p in data.parameters if "±" in spread(p)])
-    between = _listed(
-        [f"{p.name} from {spread(p)}" for p in data.parameters if "±" not in spread(p)]
-    )
-    given = " and ".join(filter(None, [known.replace(" to ", " known to ", 1), between]))
     first, *others = data.responses
-    text = f"With {given}, the {first.long_name} is uncertain by up to {_largest(first)}"
+    text = f"With {_given(data.parameters)}, the {first.long_name} is uncertain by up to "
+    text += _largest(first)
     if len(others) == 1:
         text += f", and the {others[0].long_name} by up to {_largest(others[0])}"
     return f"{text}.".replace("-", "\N{NON-BREAKING HYPHEN}")
+
+
+def _given(parameters: tuple[Parameter, ...]) -> str:
+    """`a known to ± 1 %, E to ± 5 % and K from 1 to 2 N/m`; a single one by its long name."""
+    parts, verb = [], "known to"
+    for parameter in parameters:
+        # Several long names would bury the answer.
+        single = len(parameters) == 1 and parameter.long_name
+        name, how = f"the {single}" if single else parameter.name, spread(parameter)
+        if how.startswith("±"):
+            parts.append(f"{name} {verb} {how}")
+            verb = "to"
+        else:
+            parts.append(f"{name} from {how}")
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
 
 def cautions(data: PageData) -> list[str]:
@@ -141,10 +152,3 @@ def _published(response: Response, width: float, error: float | None) -> str:
         return text
     within = abs(width - response.published) <= error
     return f"{text}, {'less' if within else 'more'} than the estimated error"
-
-
-def _listed(texts: list[str]) -> str:
-    """`a, b and c`; nothing for none."""
-    if not texts:
-        return ""
-    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"

@@ -144,6 +144,17 @@ def test_trust_never_sounds_like_a_guarantee(data, kind):
     assert "estimate" in text
 
 
+def test_the_headline_names_what_is_known_and_how_far_the_responses_go(data):
+    text = headline(data).replace("\N{NON-BREAKING HYPHEN}", "-")
+    assert text.startswith("With L known to ± 5 % and a to ± 10 %, the x-component of the position")
+    assert " is uncertain by up to " in text and ", and the " in text
+    one = replace(data.parameters[0], long_name="reach to the wall")
+    text = headline(replace(data, parameters=(one,), responses=data.responses[:1]))
+    assert text.startswith("With the reach to the wall known to ± 5 %, the x")
+    wide = replace(one, long_name="", upper=2.0)
+    assert "With L from 0.95 to 2 m, the" in headline(replace(data, parameters=(wide,)))
+
+
 def test_numbers_as_people_write_them():
     assert number(0.0617852) == "0.0618"
     assert number(-2.5) == "−2.5"

@@ -4,9 +4,9 @@ const VIEWS = { free: [-0.95, 0.42], front: [-Math.PI / 2, 0], side: [0, 0], top
 const DISTANCE = 5; // of the eye from the middle, in radii
 
 class Camera {
-  // places: coordinates, three by three, that the views are to hold.
-  constructor({ middle, radius, places }) {
-    Object.assign(this, { middle, radius, places });
+  // places: coordinates, three by three, that the views are to hold; size: of what is around them.
+  constructor({ middle, radius, places, size }) {
+    Object.assign(this, { middle, radius, places, room: 2 * size });
     this.look("free");
   }
 
@@ -29,7 +29,7 @@ class Camera {
         high[k] = Math.max(high[k], page[k]);
       }
     }
-    this.seen = { middle: [0, 1].map((k) => 0.5 * (low[k] + high[k])), size: [0, 1].map((k) => high[k] - low[k] || 1) };
+    this.seen = { middle: [0, 1].map((k) => 0.5 * (low[k] + high[k])), size: [0, 1].map((k) => high[k] - low[k] + this.room || 1) };
   }
 
   turn(right, up) {

@@ -183,8 +183,9 @@ class Painter {
     context.strokeStyle = this.card;
     context.fillStyle = this.ink;
     places.forEach(([x, y], i) => {
-      const dx = x - centre[0], dy = y - centre[1], size = Math.hypot(dx, dy) || 1;
-      const away = 10 + 1.3 * this.extent.size * camera.scale;
+      let dx = x - centre[0], dy = y - centre[1];
+      if (Math.hypot(dx, dy) < 1) [dx, dy] = [0, -1];
+      const size = Math.hypot(dx, dy), away = 10 + 1.3 * this.extent.size * camera.scale;
       context.strokeText(MOTION.points[i], x + (away * dx) / size, y + (away * dy) / size);
       context.fillText(MOTION.points[i], x + (away * dx) / size, y + (away * dy) / size);
     });

@@ -80,6 +80,16 @@ def test_the_extreme_runs_move_beside_the_nominal_one(results, data):
         assert data.runs[extreme].id in ids
 
 
+def test_motions_are_those_of_the_trajectory_files(results, data):
+    for moving in data.moving:
+        with xarray.open_dataset(
+            results / "trajectories" / f"{data.runs[moving.run].id}.nc"
+        ) as trajectory:
+            there = trajectory.sel(time=moving.motion["time"].values)
+            assert np.array_equal(there["position"].values, moving.motion["point_position"].values)
+            assert trajectory.attrs["time_step"] == moving.motion.attrs["time_step"]
+
+
 def test_a_page_without_motions_is_a_page(tmp_path, data):
     write_page(replace(data, moving=()), tmp_path / "still.html")
     text = (tmp_path / "still.html").read_text(encoding="utf-8")

@@ -153,8 +153,10 @@ def _provenance(bounds: xarray.Dataset, samples: xarray.Dataset, folder: Path) -
         f"{roles.count('held_out')} held out",
         "Time step": f"{attributes['time_step']:.6g} s",
         "Largest stable step": limit,
-        "Data version": str(attributes["data_version"]),
     }
+    for key, name in (("data_version", "Data version"), ("mechanics", "Digest of the mechanics")):
+        if key in attributes:
+            facts[name] = str(attributes[key])
     trajectory = folder / "trajectories" / f"{samples['run_id'].values[0]}.nc"
     if trajectory.exists():
         facts["Computed by"] = str(_load(trajectory).attrs.get("versions", ""))

@@ -44,25 +44,23 @@ def moving_runs(samples: xarray.Dataset, bounds: xarray.Dataset) -> dict[int, st
 
 def motions_of(samples: xarray.Dataset, runs: Sequence[int], frames: int = 401) -> list:
     """The whole motion of runs of `samples.nc`, an xarray.Dataset each, made again side by side."""
-    import fpm
-    from campaign.parameters import all_parameters
+    from campaign.config.sections import Experiment, from_data
     from fpm.motion import whole_motion
 
-    config = json.loads(samples.attrs["config"])
-    scene_type = fpm.scenes.get(config["scene"]["name"])
+    experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
     names = samples["parameter"].values.tolist()
     parameters = [
-        all_parameters(config, scene_type, dict(zip(names, row, strict=True)))
+        experiment.parameters(dict(zip(names, row, strict=True)))
         for row in samples["value"].values[list(runs)].tolist()
     ]
-    solver = config["solver"]
+    solver = experiment.solver
     closures = samples["event_time"].values[runs[0]]
     return whole_motion(
-        [scene_type.build(**values) for values in parameters],
-        duration=solver["duration"],
-        instants=solver["instants"],
+        [experiment.scene_type.build(**values) for values in parameters],
+        duration=solver.duration,
+        instants=solver.instants,
         step=float(samples.attrs["time_step"]),
-        energy_tolerance=solver["energy_tolerance"],
+        energy_tolerance=solver.energy_tolerance,
         frames=frames,
         times=closures[np.isfinite(closures)],
         attributes=[
@@ -76,7 +74,7 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
     """Write `motions/<run id>.nc` of the runs that the page of a campaign's folder shows."""
     import xarray
 
-    from campaign.analyse import write_dataset
+    from campaign.results.bounds import write_dataset
 
     folder = Path(folder)
     with (

@@ -10,7 +10,7 @@ from campaign.report import words
 from campaign.report.data import PageData
 from campaign.report.pack import payload
 from campaign.report.trust import trust
-from campaign.units import pretty
+from campaign.results.units import pretty
 
 _FOLDER = Path(__file__).parent
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from campaign.report.data import PageData, Parameter, Response
-from campaign.units import pretty
+from campaign.results.units import pretty
 
 SMALL, LARGE = 0.05, 0.25
 """Shares of the largest difference below which an estimated error is called small, and from which

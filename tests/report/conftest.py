@@ -1,10 +1,11 @@
 """A small campaign's folder of results, and the page made of it."""
 
-import json
+import copy
 
 import numpy as np
 import pytest
 
+import campaign
 from campaign.report import from_results, make_motions, write_page
 
 CONFIG = {
@@ -18,28 +19,16 @@ CONFIG = {
         "x": {"position": "T", "component": "x"},
         "speed": {"velocity": "T", "component": "norm"},
     },
+    "published": {"x": 0.25},
 }
 
 
 @pytest.fixture(scope="session")
 def results(tmp_path_factory):
     """The folder of a campaign with two parameters and two responses, run once."""
-    from campaign.analyse import analyse
-    from campaign.config import check_config
-    from campaign.gather import gather
-    from campaign.nodes import make_plan, read_plan, write_plan
-    from campaign.run import run_batch
-
-    folder = tmp_path_factory.mktemp("swing")
-    config = check_config(json.loads(json.dumps(CONFIG)))
-    write_plan(make_plan(config), folder / "nodes.json")
-    plan = read_plan(folder / "nodes.json")
-    run_batch(plan, 0, 1, config["jobs"], folder / "trajectories", folder / "batches" / "0.json")
-    gather(plan, 1, config["jobs"], folder / "trajectories", folder / "samples.nc")
-    names = ("surrogate", "bounds", "sensitivities")
-    analyse(folder / "samples.nc", config, *(folder / f"{name}.nc" for name in names))
-    row = {"name": "x", "published": 0.25}
-    (folder / "summary.json").write_text(json.dumps({"responses": [row]}))
+    results = tmp_path_factory.mktemp("results")
+    campaign.run(copy.deepcopy(CONFIG), results, figures=False, tell=lambda text: None)
+    folder = results / CONFIG["campaign"]
     make_motions(folder, frames=41)
     return folder
 

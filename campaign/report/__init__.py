@@ -1,0 +1,19 @@
+"""The report of a campaign: one HTML page that moves (`page.py`), from plain data (`data.py`)."""
+
+from campaign.report.data import Event, MovingRun, PageData, Parameter, Response, Run, Work
+from campaign.report.motions import make_motions
+from campaign.report.page import write_page
+from campaign.report.read import from_results
+
+__all__ = [
+    "Event",
+    "MovingRun",
+    "PageData",
+    "Parameter",
+    "Response",
+    "Run",
+    "Work",
+    "from_results",
+    "make_motions",
+    "write_page",
+]

@@ -1,0 +1,121 @@
+"""What the page tells, independent of the files that it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """An interval parameter: its ends and nominal value in `units` (UDUNITS)."""
+
+    name: str
+    units: str
+    lower: float
+    nominal: float
+    upper: float
+    long_name: str = ""
+
+
+@dataclass(frozen=True)
+class Response:
+    """A response with its bounds over time, arrays (t,) in `units`.
+
+    error: estimated error of the bounds; published: a largest difference to be put beside ours;
+    shares (k,) and widths (k, t): what each parameter contributes, overall and at every instant;
+    outside: by how much runs that were not fitted leave the bounds.
+    """
+
+    name: str
+    long_name: str
+    units: str
+    lower: np.ndarray
+    upper: np.ndarray
+    nominal: np.ndarray | None = None
+    error: np.ndarray | None = None
+    published: float | None = None
+    shares: np.ndarray | None = None
+    widths: np.ndarray | None = None
+    outside: float | None = None
+
+    @property
+    def widest(self) -> int:
+        """Index of the instant of the largest difference of the bounds."""
+        return int((self.upper - self.lower).argmax())
+
+
+@dataclass(frozen=True)
+class Event:
+    """A contact that closes, or opens, at a time (s)."""
+
+    time: float
+    contact: str
+    closing: bool
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run: role (nominal, node or held_out), parameter values (k,), curves (response, t)."""
+
+    id: str
+    role: str
+    values: np.ndarray
+    curves: np.ndarray
+    events: tuple[Event, ...] = ()
+
+
+@dataclass(frozen=True)
+class MovingRun:
+    """A run that is shown moving: its index among the runs, why, and its `fpm.motion` dataset."""
+
+    run: int
+    label: str
+    motion: xarray.Dataset
+
+
+@dataclass(frozen=True)
+class Work:
+    """A piece of work: what, seconds of the clock and of the processor (if known)."""
+
+    what: str
+    clock: float
+    cpu: float | None = None
+
+
+@dataclass(frozen=True)
+class PageData:
+    """All that the page tells.
+
+    time (t,) s; bounds_kind: what the bounds are, in words; moving: the nominal run first, then
+    those at which bounds are attained; provenance: name -> text; config: text to start from again.
+    """
+
+    campaign: str
+    scene: str
+    bounds_kind: str
+    time: np.ndarray
+    parameters: tuple[Parameter, ...]
+    responses: tuple[Response, ...]
+    runs: tuple[Run, ...]
+    moving: tuple[MovingRun, ...] = ()
+    work: tuple[Work, ...] = ()
+    provenance: Mapping[str, str] = field(default_factory=dict)
+    config: str = ""
+
+    @property
+    def nominal(self) -> Run | None:
+        """The nominal run, if there is one."""
+        return next((run for run in self.runs if run.role == "nominal"), None)
+
+    @property
+    def unfitted(self) -> tuple[int, ...]:
+        """Indices of the runs that no surrogate was fitted to; the nominal run is among them."""
+        fitted = {run.id for run in self.runs if run.role == "node"}
+        return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted)

@@ -1,0 +1,72 @@
+// The charts of all responses, their legend and their common zoom.
+
+function offset(values, error, sign) {
+  return values.map((value, i) => value + sign * error[i]);
+}
+
+function responseChart(response, r, marks) {
+  const { lower, upper, nominal, error } = response, unit = pretty(response.units);
+  const areas = [{ lower, upper, kind: "band" }];
+  if (error) areas.unshift({ lower: offset(lower, error, -1), upper: offset(upper, error, 1), kind: "doubt" });
+  const curves = DATA.lines.map(({ curves }) => ({ values: curves[r], kind: "thin" }));
+  DATA.moving.slice(1).forEach(({ curves: ours }, i) => curves.push({ values: ours[r], kind: "moving", colour: runColour(i + 1) }));
+  curves.push({ values: lower, kind: "lower" }, { values: upper, kind: "upper" });
+  if (nominal) curves.push({ values: nominal, kind: "nominal" });
+  const readout = (i) => [
+    ["bounds", `${digits(lower[i])} to ${digits(upper[i])}`],
+    ["width", digits(upper[i] - lower[i], 3)],
+    ...(error ? [["error ±", digits(error[i], 2)]] : []),
+    ...(nominal ? [["nominal", digits(nominal[i])]] : []),
+  ];
+  return new Chart({ title: response.longName, units: `${response.name}, ${unit}`, curves, areas, marks, readout });
+}
+
+// One chart for each response: the width of the bounds when one parameter varies alone.
+function widthCharts(marks) {
+  if (!byId("widths")) return [];
+  const charts = DATA.responses.filter((response) => response.widths).map((response) => {
+    const curves = response.widths.map((values, i) => ({ values, kind: "moving", colour: runColour(i + 1) }));
+    const readout = (i) => DATA.parameters.map(({ name }, k) => [name, digits(response.widths[k][i], 3)]);
+    return new Chart({ title: `Width of ${response.name} when one parameter varies alone`, units: pretty(response.units), height: 170, curves, marks, readout });
+  });
+  if (charts.length) byId("widths").append(make("div", { class: "keys" }, ...DATA.parameters.map(({ name }, i) => key(name, `style="stroke:var(${runColour(i + 1)});stroke-width:2"`))));
+  byId("widths").append(...charts.map((chart) => chart.root));
+  return charts;
+}
+
+// A line or a patch with its name.
+function key(name, attributes, patch = false) {
+  const mark = patch ? `<rect width="22" height="10" ${attributes}/>` : `<path d="M0 5H22" ${attributes}/>`;
+  const span = make("span");
+  span.innerHTML = `<svg width="22" height="10" aria-hidden="true">${mark}</svg>`;
+  span.append(name);
+  return span;
+}
+
+function legend() {
+  const items = [key("upper bound", 'class="curve upper"'), key("lower bound", 'class="curve lower"'), key("nominal run", 'class="curve nominal"')];
+  DATA.moving.slice(1).forEach(({ label }, i) => items.push(key(label, `class="curve moving" style="stroke:var(${runColour(i + 1)})"`)));
+  if (DATA.lines.length) items.push(key("runs that were not fitted", 'class="curve thin"'));
+  items.push(key("between the bounds", 'class="band"', true));
+  if (DATA.responses.some(({ error }) => error)) items.push(key("estimated error of the bounds", 'class="doubt"', true));
+  byId("legend").append(...items);
+}
+
+function drawCharts() {
+  const nominal = DATA.runs[DATA.moving.length ? DATA.moving[0].run : 0];
+  const marks = closures(nominal).map(({ time }) => time);
+  legend();
+  const own = DATA.responses.map((response, r) => responseChart(response, r, marks));
+  byId("charts").append(...own.map((chart) => chart.root));
+  const charts = [...own, ...widthCharts(marks)], whole = byId("whole");
+  const zoom = ([from, to]) => {
+    const least = 4 * ((LAST - FIRST) / TIME.length);
+    const span = [Math.max(FIRST, from), Math.min(LAST, to)];
+    if (span[1] - span[0] < least) return;
+    whole.hidden = span[0] === FIRST && span[1] === LAST;
+    for (const chart of charts) { chart.span = span; chart.draw(); }
+  };
+  for (const chart of charts) chart.zoom = zoom;
+  whole.addEventListener("click", () => zoom([FIRST, LAST]));
+  return charts;
+}

@@ -1,0 +1,87 @@
+// The page's data, and small helpers that all files use.
+
+const KINDS = { f8: Float64Array, f4: Float32Array, i4: Int32Array, i2: Int16Array, u2: Uint16Array };
+
+function unpack(value) {
+  if (value && typeof value === "object") {
+    if (typeof value.kind === "string" && typeof value.data === "string") {
+      const text = atob(value.data), bytes = new Uint8Array(text.length);
+      for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
+      return new KINDS[value.kind](bytes.buffer);
+    }
+    for (const key of Object.keys(value)) value[key] = unpack(value[key]);
+  }
+  return value;
+}
+
+const DATA = unpack(JSON.parse(document.getElementById("data").textContent));
+const TIME = DATA.time;
+const FIRST = TIME[0];
+const LAST = TIME[TIME.length - 1];
+
+const byId = (id) => document.getElementById(id);
+
+function make(tag, attributes = {}, ...children) {
+  const node = document.createElement(tag);
+  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  node.append(...children);
+  return node;
+}
+
+const RUN_COLOURS = ["--ink", "--low", "--high", "--third", "--fourth", "--fifth"];
+const runColour = (index) => RUN_COLOURS[index % RUN_COLOURS.length];
+
+const themeColour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+// Index of the last entry of a sorted array that is not above the value.
+function below(sorted, value) {
+  let low = 0, high = sorted.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (sorted[middle] <= value) low = middle; else high = middle - 1;
+  }
+  return low;
+}
+
+// Index of the entry of a sorted array that is nearest to the value.
+function nearest(sorted, value) {
+  const index = below(sorted, value);
+  const next = Math.min(index + 1, sorted.length - 1);
+  return Math.abs(sorted[next] - value) < Math.abs(sorted[index] - value) ? next : index;
+}
+
+function digits(value, count = 4) {
+  if (!Number.isFinite(value)) return "";
+  const text = Number(value.toPrecision(count));
+  const size = Math.abs(text);
+  return (size !== 0 && (size < 1e-5 || size >= 1e6) ? text.toExponential(count - 1) : String(text)).replaceAll("-", "−");
+}
+
+// `m s-1` as `m/s`.
+function pretty(units) {
+  const above = [], under = [];
+  for (const [, name, power] of units.matchAll(/([A-Za-z%]+)(-?\d+)?/g)) {
+    const size = Math.abs(Number(power ?? 1));
+    const text = name + (size === 1 ? "" : size === 2 ? "²" : `^${size}`);
+    (power?.startsWith("-") ? under : above).push(text);
+  }
+  return (above.join(" ") || "1") + (under.length ? `/${under.join("/")}` : "");
+}
+
+// A round step (1, 2 or 5 times a power of ten) that divides a span into about `parts`.
+function roundStep(span, parts) {
+  const raw = span / parts, power = 10 ** Math.floor(Math.log10(raw));
+  return power * [1, 2, 5, 10].find((factor) => factor * power >= raw * 0.999);
+}
+
+// Moments at which contacts shut in a run: [{time, names}], those within a hundredth of the time
+// as one.
+function closures(run) {
+  const moments = [];
+  for (const event of run.events.filter((one) => one.closing)) {
+    const last = moments[moments.length - 1];
+    if (last && event.time - last.time < 0.01 * (LAST - FIRST)) last.names.add(event.contact);
+    else moments.push({ time: event.time, names: new Set([event.contact]) });
+  }
+  return moments.map(({ time, names }) => ({ time, names: [...names].join(", ") }));
+}

@@ -1,0 +1,105 @@
+// The page put together: player, keys, theme, print.
+
+const root = document.documentElement;
+const darkAsked = matchMedia("(prefers-color-scheme: dark)");
+root.dataset.theme = darkAsked.matches ? "dark" : "light";
+
+let viewer = null, stills = null;
+if (MOTION) {
+  viewer = new Viewer(byId("view"), new Painter());
+  viewerControls(viewer);
+  stills = new Stills(viewer);
+}
+
+function repaint(ratio = window.devicePixelRatio || 1, ...size) {
+  if (!viewer) return;
+  viewer.painter.readColours();
+  viewer.drawNow(ratio, ...size);
+  stills.draw(ratio);
+}
+
+function theme(name) {
+  root.dataset.theme = name;
+  repaint();
+}
+
+function drawPlayer() {
+  const slider = byId("time"), play = byId("play"), duration = LAST - FIRST;
+  Object.assign(slider, { min: FIRST, max: LAST });
+  slider.addEventListener("input", () => { clock.play(false); clock.set(Number(slider.value)); });
+  play.addEventListener("click", () => clock.play());
+  clock.listen((time) => {
+    slider.value = time;
+    slider.setAttribute("aria-valuetext", `${digits(time, 4)} seconds`);
+    byId("now").textContent = `${time.toFixed(duration < 10 ? 3 : 2)} s`;
+    if (play.textContent !== (clock.playing ? "❚❚" : "▶")) {
+      play.textContent = clock.playing ? "❚❚" : "▶";
+      play.setAttribute("aria-label", clock.playing ? "Pause" : "Play");
+    }
+  });
+  const speeds = [2, 1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01].filter((s) => duration / s >= 0.5 && duration / s <= 200);
+  const usual = speeds.reduce((best, s) => (Math.abs(Math.log(duration / s / 10)) < Math.abs(Math.log(duration / best / 10)) ? s : best));
+  for (const s of speeds) byId("speed").append(make("option", { value: s }, s >= 1 ? `× ${s}` : `1/${Math.round(1 / s)}`));
+  byId("speed").value = clock.speed = usual;
+  byId("speed").addEventListener("change", ({ target }) => { clock.speed = Number(target.value); });
+}
+
+// Marks of closures above the slider, in the runs' colours, and a list of those of the nominal run.
+function drawEvents() {
+  DATA.moving.forEach(({ run }, i) => {
+    for (const { time } of closures(DATA.runs[run])) {
+      const left = (100 * (time - FIRST)) / (LAST - FIRST);
+      byId("marks").append(make("i", { style: `left:${left}%;background:var(${runColour(i)})` }));
+    }
+  });
+  const first = DATA.runs[DATA.moving.length ? DATA.moving[0].run : 0];
+  const moments = closures(first);
+  if (!moments.length) return;
+  byId("events").append("Contacts that close in the nominal run: ");
+  for (const { time, names } of moments.slice(0, 12)) {
+    const button = make("button", { type: "button" }, `${names} at ${digits(time, 4)} s`);
+    button.addEventListener("click", () => { clock.play(false); clock.set(time); });
+    byId("events").append(button);
+  }
+  if (moments.length > 12) byId("events").append(` and ${moments.length - 12} later moments`);
+}
+
+function stepFrames(count) {
+  const frames = MOTION ? MOTION.time : TIME;
+  clock.play(false);
+  clock.set(frames[Math.min(frames.length - 1, Math.max(0, nearest(frames, clock.time) + count))]);
+}
+
+document.addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (/^(SELECT|BUTTON|SUMMARY|A)$/.test(event.target.tagName) || event.target.type === "checkbox") return;
+  const far = event.shiftKey ? 10 : 1;
+  const actions = {
+    " ": () => clock.play(), ArrowLeft: () => stepFrames(-far), ArrowRight: () => stepFrames(far),
+    Home: () => clock.set(FIRST), End: () => clock.set(LAST),
+  };
+  if (!actions[event.key]) return;
+  event.preventDefault();
+  actions[event.key]();
+});
+
+for (const button of document.querySelectorAll(".jump")) {
+  button.addEventListener("click", () => {
+    clock.play(false);
+    clock.set(Number(button.dataset.time));
+    byId("motion").scrollIntoView();
+  });
+}
+byId("theme").addEventListener("click", () => theme(root.dataset.theme === "dark" ? "light" : "dark"));
+darkAsked.addEventListener("change", ({ matches }) => theme(matches ? "dark" : "light"));
+
+// Paper is white, and finer than a screen.
+let before = null;
+addEventListener("beforeprint", () => { before = root.dataset.theme; root.dataset.theme = "light"; repaint(3, 690, 205); });
+addEventListener("afterprint", () => { root.dataset.theme = before; repaint(); });
+
+drawPlayer();
+drawEvents();
+drawCharts();
+drawTables();
+clock.set(DATA.responses[0].widest);

@@ -1,0 +1,49 @@
+// Tables as CSV files, made from the page's own data when they are asked for.
+
+const quoted = (cell) => (/[",\n]/.test(String(cell)) ? `"${String(cell).replaceAll('"', '""')}"` : String(cell));
+const csv = (rows) => `${rows.map((row) => row.map(quoted).join(",")).join("\n")}\n`;
+
+function boundsTable() {
+  const kinds = ["lower", "upper", "nominal", "error"];
+  const columns = DATA.responses.flatMap((r) => kinds.filter((kind) => r[kind]).map((kind) => [`${r.name}_${kind} (${r.units})`, r[kind]]));
+  const rows = [["time (s)", ...columns.map(([name]) => name)]];
+  TIME.forEach((time, i) => rows.push([time, ...columns.map(([, values]) => values[i])]));
+  return rows;
+}
+
+function headlineTable() {
+  const rows = [["response", "units", "largest difference", "time (s)", "lower", "upper", "estimated error"]];
+  for (const { name, units, widest, lower, upper, error } of DATA.responses) {
+    const i = nearest(TIME, widest);
+    rows.push([name, units, upper[i] - lower[i], TIME[i], lower[i], upper[i], error ? error[i] : ""]);
+  }
+  return rows;
+}
+
+function runsTable() {
+  const rows = [["run", "role", ...DATA.parameters.map(({ name, units }) => `${name} (${units})`)]];
+  for (const { id, role, values } of DATA.runs) rows.push([id, role, ...values]);
+  return rows;
+}
+
+function eventsTable() {
+  const rows = [["run", "time (s)", "contact", "closes"]];
+  for (const { id, events } of DATA.runs) for (const e of events) rows.push([id, e.time, e.contact, e.closing ? 1 : 0]);
+  return rows;
+}
+
+const TABLES = { "Headline numbers": ["headline", headlineTable], Bounds: ["bounds", boundsTable], Runs: ["runs", runsTable], "Contact events": ["events", eventsTable] };
+
+function download(name, text) {
+  const address = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  make("a", { href: address, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 1000);
+}
+
+function drawTables() {
+  for (const [title, [name, table]] of Object.entries(TABLES)) {
+    const button = make("button", { type: "button", "data-table": name }, `${title} (CSV)`);
+    button.addEventListener("click", () => download(`${DATA.campaign}-${name}.csv`, csv(table())));
+    byId("downloads").append(button);
+  }
+}

@@ -1,0 +1,61 @@
+"""The page: one HTML file with style, script and data in it, which asks no network for anything."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from campaign.files import write_text
+from campaign.report import words
+from campaign.report.data import PageData
+from campaign.report.pack import payload
+from campaign.report.trust import trust
+from campaign.results.units import pretty
+
+_FOLDER = Path(__file__).parent
+
+SCRIPTS = (
+    "data", "clock", "camera", "pose", "paint", "viewer", "stills", "axes", "chart", "charts",
+    "tables", "main",
+)  # fmt: skip
+"""The page's script, in the order in which its files are put together."""
+
+
+def write_page(data: PageData, path: str | Path) -> None:
+    """Write the page of a campaign as one HTML file, whole or not at all."""
+    write_text(path, render(data))
+
+
+def render(data: PageData) -> str:
+    """The page as text."""
+    import jinja2
+
+    loader = jinja2.FileSystemLoader(_FOLDER)
+    environment = jinja2.Environment(
+        loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )  # fmt: skip
+    environment.filters.update(
+        number=words.number, quantity=words.quantity, percent=words.percent, pretty=pretty
+    )
+    return environment.get_template("page.html").render(
+        data=data,
+        headline=words.headline(data),
+        facts=words.facts(data),
+        cautions=words.cautions(data),
+        verdicts=[words.verdict(data, response) for response in data.responses],
+        spread=words.spread,
+        trust=trust(data),
+        style=_text("style.css"),
+        script="\n".join(_text(f"js/{name}.js") for name in SCRIPTS),
+        payload=_json(payload(data)),
+    )
+
+
+def _text(name: str) -> str:
+    return (_FOLDER / name).read_text(encoding="utf-8")
+
+
+def _json(value: object) -> str:
+    """JSON that may stand in a script element: `</script>` in a name would end it."""
+    return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")

@@ -1,0 +1,163 @@
+"""The page's data from the files that a campaign leaves: the one place that knows their formats."""
+
+from __future__ import annotations
+
+import json
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from campaign.report.data import Event, MovingRun, PageData, Parameter, Response, Run, Work
+from campaign.report.motions import MOTIONS, moving_runs
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def from_results(folder: str | Path) -> PageData:
+    """The page's data from `samples.nc`, `bounds.nc` and what else there is in a folder of results.
+
+    sensitivities.nc, summary.json (published numbers), batches/*.json (work) and motions/*.nc (what
+    `make_motions` wrote) may be absent.
+    """
+    folder = Path(folder)
+    samples, bounds = _load(folder / "samples.nc"), _load(folder / "bounds.nc")
+    sensitivities = folder / "sensitivities.nc"
+    runs = _runs(samples)
+    return PageData(
+        campaign=str(bounds.attrs["campaign"]),
+        scene=str(bounds.attrs["scene"]),
+        bounds_kind=str(bounds.attrs["bounds_kind"]),
+        time=bounds["time"].values,
+        parameters=_parameters(bounds),
+        responses=_responses(
+            bounds, _load(sensitivities) if sensitivities.exists() else None, _published(folder)
+        ),
+        runs=runs,
+        moving=_moving(folder, samples, runs),
+        work=_work(folder),
+        provenance=_provenance(bounds, samples, folder),
+        config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
+    )
+
+
+def _load(path: Path) -> xarray.Dataset:
+    import xarray
+
+    with xarray.open_dataset(path) as dataset:
+        return dataset.load()
+
+
+def _parameters(bounds: xarray.Dataset) -> tuple[Parameter, ...]:
+    import fpm
+
+    keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
+    rows = zip(*(bounds[key].values.tolist() for key in keys), strict=True)
+    known = {}
+    with suppress(fpm.SceneError):  # results of a scene that this version no longer has
+        known = fpm.scenes.get(str(bounds.attrs["scene"])).parameters
+    return tuple(
+        Parameter(*row, long_name=known[row[0]].description if row[0] in known else "")
+        for row in rows
+    )
+
+
+def _responses(
+    bounds: xarray.Dataset, sensitivities: xarray.Dataset | None, published: dict[str, float]
+) -> tuple[Response, ...]:
+    def values(name: str, i: int, dataset: xarray.Dataset | None = bounds) -> np.ndarray | None:
+        return None if dataset is None or name not in dataset else dataset[name].values[i]
+
+    responses = []
+    for i, name in enumerate(bounds["response"].values.tolist()):
+        outside = values("worst_violation", i)
+        responses.append(
+            Response(
+                name=name,
+                long_name=str(bounds["response_long_name"].values[i]),
+                units=str(bounds["response_units"].values[i]),
+                lower=bounds["lower"].values[i],
+                upper=bounds["upper"].values[i],
+                nominal=values("nominal", i),
+                error=values("error", i),
+                published=published.get(name),
+                shares=values("width_overall", i, sensitivities),
+                widths=values("width", i, sensitivities),
+                outside=None if outside is None else float(outside),
+            )
+        )
+    return tuple(responses)
+
+
+def _published(folder: Path) -> dict[str, float]:
+    path = folder / "summary.json"
+    if not path.exists():
+        return {}
+    rows = json.loads(path.read_text(encoding="utf-8"))["responses"]
+    return {row["name"]: row["published"] for row in rows if row.get("published") is not None}
+
+
+def _runs(samples: xarray.Dataset) -> tuple[Run, ...]:
+    contacts = samples["contact"].values.tolist() if "contact" in samples.coords else []
+    events = [samples[f"event_{key}"].values for key in ("time", "contact", "closing")]
+    roles, ids = samples["role"].values.tolist(), samples["run_id"].values.tolist()
+    curves, values = samples["values"].values, samples["value"].values
+    return tuple(
+        Run(
+            id=ids[i], role=roles[i], values=values[i], curves=curves[i],
+            events=tuple(
+                Event(float(time), contacts[int(contact)], bool(closing))
+                for time, contact, closing in sorted(zip(*(e[i] for e in events), strict=True))
+                if np.isfinite(time)
+            ),
+        )
+        for i in range(len(ids))
+    )  # fmt: skip
+
+
+def _moving(folder: Path, samples: xarray.Dataset, runs: tuple[Run, ...]) -> tuple[MovingRun, ...]:
+    """The moving runs whose motion is there; none without the first, with which all compare."""
+    found = []
+    for run, label in moving_runs(samples, _load(folder / "bounds.nc")).items():
+        path = folder / MOTIONS / f"{runs[run].id}.nc"
+        if path.exists():
+            found.append(MovingRun(run, label, _load(path)))
+        elif not found:
+            return ()
+    return tuple(found)
+
+
+def _work(folder: Path) -> tuple[Work, ...]:
+    """Time in the batches of runs, of all processes together."""
+    manifests = [json.loads(p.read_text("utf-8")) for p in sorted(folder.glob("batches/*.json"))]
+    if not manifests:
+        return ()
+    total = np.sum([m["seconds"] for m in manifests], axis=0)
+    inside = np.sum([m["seconds_integrating"] for m in manifests], axis=0)
+    runs = sum(m["simulated"] for m in manifests)
+    return (
+        Work(f"Integrating {runs} runs", *inside.tolist()),
+        Work("Starting, compiling or loading the kernels, writing", *(total - inside).tolist()),
+    )
+
+
+def _provenance(bounds: xarray.Dataset, samples: xarray.Dataset, folder: Path) -> dict[str, str]:
+    attributes = bounds.attrs
+    roles = samples["role"].values.tolist()
+    limit = f"{attributes['time_step_limit']:.4g} s, by {attributes['limiting_element']}"
+    facts = {
+        "Config digest": str(attributes["config_hash"]),
+        "Design": f"{attributes.get('design_method', '')}, {roles.count('node')} runs fitted, "
+        f"{roles.count('held_out')} held out",
+        "Time step": f"{attributes['time_step']:.6g} s",
+        "Largest stable step": limit,
+    }
+    for key, name in (("data_version", "Data version"), ("mechanics", "Digest of the mechanics")):
+        if key in attributes:
+            facts[name] = str(attributes[key])
+    trajectory = folder / "trajectories" / f"{samples['run_id'].values[0]}.nc"
+    if trajectory.exists():
+        facts["Computed by"] = str(_load(trajectory).attrs.get("versions", ""))
+    return facts

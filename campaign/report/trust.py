@@ -1,0 +1,65 @@
+"""How far to trust the page, in words that nobody can take for a promise about a structure."""
+
+from __future__ import annotations
+
+from campaign.report.data import PageData
+
+
+def trust(data: PageData) -> list[tuple[str, str]]:
+    """Titles with a paragraph each."""
+    kind = data.bounds_kind
+    return [
+        ("What the bounds are", f"{kind[:1].upper()}{kind[1:]}. {_bounds(kind)}"),
+        ("What the error estimate is", _error(data)),
+        ("What the model is", _MODEL),
+        ("What follows for a structure", _STRUCTURE),
+    ]
+
+
+_MODEL = (
+    "Slender elastic bars, ideal hinges, springs and contacts, moved by a time integration that is "
+    "stopped when its energy does not balance. What the model leaves out (friction, play in the "
+    "hinges, tolerances that are not among the parameters, damage) is not in these numbers."
+)
+
+_STRUCTURE = (
+    "Nothing on this page is a safety margin, and nothing here promises that a real structure "
+    "stays within the bounds. The page shows how the simulated model answers when its parameters "
+    "lie anywhere within the stated intervals. It says nothing about how likely any of these "
+    "values is, nor about parameters outside."
+)
+
+
+def _bounds(kind: str) -> str:
+    if kind.startswith("enclosed"):
+        return (
+            "A polynomial was fitted to the runs at every instant; its least and largest values "
+            "over the intervals are enclosed by computation. How far the polynomial is from the "
+            "simulated model is not enclosed: it is estimated."
+        )
+    if kind.startswith("attained"):
+        return (
+            "They are values that a curve fitted to the runs takes somewhere within the intervals. "
+            "Values beyond them are possible, of the fitted curve and of the simulated model."
+        )
+    return (
+        "They are the least and the largest value among the runs that were made. Runs that were "
+        "not made may lie outside."
+    )
+
+
+def _error(data: PageData) -> str:
+    if all(response.error is None for response in data.responses):
+        return "There is none."
+    if data.bounds_kind.startswith("enclosed"):
+        count = len(data.unfitted)
+        source = f"the misfit at {count} run{'s' if count != 1 else ''} that the fit has not seen, "
+        source += "and the decay of its coefficients"
+    elif data.bounds_kind.startswith("attained"):
+        source = "how much the fit misses each run by when that run is left out"
+    else:
+        source = "how much the bounds grew from the first half of the runs to all of them"
+    return (
+        f"An estimate of how far the drawn bounds may be from those of the simulated model, made "
+        f"from {source}. It is often too large and sometimes too small; it proves nothing."
+    )

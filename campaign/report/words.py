@@ -1,0 +1,154 @@
+"""The page's sentences that tell the answer, and how people write numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from campaign.report.data import PageData, Parameter, Response
+from campaign.results.units import pretty
+
+SMALL, LARGE = 0.05, 0.25
+"""Shares of the largest difference below which an estimated error is called small, and from which
+it is called large."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The headline of one response; `grade` is small, noticeable, large or unknown (the error)."""
+
+    response: Response
+    time: float
+    width: str
+    interval: str
+    error: str
+    share: float | None
+    grade: str
+    worst_error: str
+    published: str
+    outside: str
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number as people write it: `0.0618`, `1.2e+09` as `1.2 × 10⁹`."""
+    text = f"{value:.{digits}g}"
+    if "e" not in text:
+        return text.replace("-", "−")
+    mantissa, exponent = text.split("e")
+    raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    head = "" if mantissa == "1" else f"{mantissa} × "
+    return f"{head}10{raised}".replace("-", "−")
+
+
+def quantity(value: float, units: str, digits: int = 3) -> str:
+    """A number with its unit."""
+    unit = pretty(units)
+    return number(value, digits) + ("" if unit == "1" else f" {unit}")
+
+
+def percent(share: float) -> str:
+    """`0.0749` as `7 %`; two digits below one per cent."""
+    return f"{100 * share:.2g} %" if abs(share) < 0.01 else f"{100 * share:.0f} %"
+
+
+def spread(parameter: Parameter) -> str:
+    """How far a parameter is known: `± 1 %`, else its ends."""
+    below, above = parameter.nominal - parameter.lower, parameter.upper - parameter.nominal
+    if parameter.nominal and abs(above - below) < 1e-6 * abs(parameter.nominal):
+        return f"± {100 * above / abs(parameter.nominal):.3g} %"
+    ends = number(parameter.lower, 4), quantity(parameter.upper, parameter.units, 4)
+    return f"{ends[0]} to {ends[1]}"
+
+
+def headline(data: PageData) -> str:
+    """The answer in one sentence."""
+    first, *others = data.responses
+    text = f"With {_given(data.parameters)}, the {first.long_name} is uncertain by up to "
+    text += _largest(first)
+    if len(others) == 1:
+        text += f", and the {others[0].long_name} by up to {_largest(others[0])}"
+    return f"{text}.".replace("-", "\N{NON-BREAKING HYPHEN}")
+
+
+def _given(parameters: tuple[Parameter, ...]) -> str:
+    """`a known to ± 1 %, E to ± 5 % and K from 1 to 2 N/m`; a single one by its long name."""
+    parts, verb = [], "known to"
+    for parameter in parameters:
+        # Several long names would bury the answer.
+        single = len(parameters) == 1 and parameter.long_name
+        name, how = f"the {single}" if single else parameter.name, spread(parameter)
+        if how.startswith("±"):
+            parts.append(f"{name} {verb} {how}")
+            verb = "to"
+        else:
+            parts.append(f"{name} from {how}")
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
+
+
+def cautions(data: PageData) -> list[str]:
+    """What must be said beside the headline: numbers whose estimated error is large or unknown."""
+    sentences = []
+    for v in (verdict(data, response) for response in data.responses):
+        name = v.response.name
+        if v.grade == "large":
+            sentences.append(
+                f"Do not rely on the number for {name}: the estimated error of either bound is "
+                f"{v.error}, {percent(v.share or 0.0)} of the difference."
+            )
+        elif v.grade == "unknown":
+            sentences.append(f"There is no error estimate for {name}.")
+    return sentences
+
+
+def _largest(response: Response) -> str:
+    """The largest difference of a response's bounds."""
+    width = response.upper[response.widest] - response.lower[response.widest]
+    return quantity(width, response.units)
+
+
+def facts(data: PageData) -> str:
+    """What the campaign was, in one line."""
+    runs = len({run.id for run in data.runs})
+    duration = quantity(float(data.time[-1] - data.time[0]), "s")
+    count = len(data.parameters)
+    parameters = "one interval parameter" if count == 1 else f"{count} interval parameters"
+    return f"Scene {data.scene}, {duration} of motion, {parameters}, {runs} runs."
+
+
+def verdict(data: PageData, response: Response) -> Verdict:
+    """The headline numbers of a response."""
+    at, units = response.widest, response.units
+    low, high = float(response.lower[at]), float(response.upper[at])
+    width = high - low
+    error = None if response.error is None else float(response.error[at])
+    share = error / width if error is not None and width > 0 else None
+    grade = "unknown" if share is None else "large" if share >= LARGE else "noticeable"
+    if share is not None and share < SMALL:
+        grade = "small"
+    worst = ""
+    if response.error is not None:
+        where = int(response.error.argmax())
+        worst = f"{quantity(response.error[where], units, 2)} at {data.time[where]:.4g} s"
+    outside = ""
+    if response.outside is not None:
+        outside = "nothing" if response.outside <= 0 else quantity(response.outside, units, 2)
+    return Verdict(
+        response, float(data.time[at]), quantity(width, units),
+        f"{number(low, 4)} to {quantity(high, units, 4)}",
+        "" if error is None else quantity(error, units, 2),
+        share, grade, worst, _published(response, width, error), outside,
+    )  # fmt: skip
+
+
+def _published(response: Response, width: float, error: float | None) -> str:
+    """Ours beside the published number."""
+    if not response.published:
+        return ""
+    text = quantity(response.published, response.units)
+    apart = width / response.published - 1
+    if abs(apart) < 0.005:
+        return f"{text}; the same to half a per cent"
+    text += f"; ours is {percent(abs(apart))} {'above' if apart > 0 else 'below'}"
+    if error is None:
+        return text
+    within = abs(width - response.published) <= error
+    return f"{text}, {'less' if within else 'more'} than the estimated error"

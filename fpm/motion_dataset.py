@@ -1,0 +1,136 @@
+"""The whole motion of a run as a dataset: CF-like names and units (fpm/motion.py makes it)."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from fpm.scene import Scene
+from fpm.simulate import Outcome
+
+if TYPE_CHECKING:
+    import xarray
+
+
+class Recorded(NamedTuple):
+    """A run at all its instants (t) with n particles and m elements.
+
+    position (t, n, 3) m; velocity (t, n, 3) m/s; frame (t, n, 3, 3) axes as columns; axial,
+    bending (t, m): strains. outcome holds the scene's own points and the events.
+    """
+
+    scene: Scene
+    outcome: Outcome
+    position: np.ndarray
+    velocity: np.ndarray
+    frame: np.ndarray
+    axial: np.ndarray
+    bending: np.ndarray
+
+
+def elements_of(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """All elements' nodes (m, 2), lengths (m,) m, and half widths and heights (m, 2) m.
+
+    Width and height are those of a rectangle with the section's area and second moments.
+    """
+    nodes, length, half = [np.zeros((0, 2), int)], [np.zeros(0)], [np.zeros((0, 2))]
+    for beams in scene.beams:
+        nodes.append(beams.nodes)
+        length.append(beams.length)
+        radius = np.sqrt(np.array([beams.section.Iz, beams.section.Iy]) / beams.section.A)
+        half.append(np.tile(np.sqrt(3.0) * radius, (len(beams.length), 1)))
+    return np.concatenate(nodes), np.concatenate(length), np.concatenate(half)
+
+
+def to_dataset(
+    found: Recorded, corners: np.ndarray, kept: np.ndarray, attributes: dict
+) -> "xarray.Dataset":
+    """The motion at the instants `kept`; corners (m, 2, 4, 3) m of the sections at their ends."""
+    import xarray
+
+    import fpm
+
+    scene, outcome = found.scene, found.outcome
+    names = {
+        "element": [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))],
+        "point": list(scene.points),
+        "hinge": [hinge.name for hinge in scene.hinges],
+        "contact": [scene.hinges[contact.hinge].name for contact in scene.contacts],
+    }
+    time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
+    variables = _moving(found, kept) | _fixed(scene, corners) | _events(outcome)
+    return xarray.Dataset(
+        {
+            name: (dims, values, {"units": unit, "long_name": text})
+            for name, (dims, values, unit, text) in variables.items()
+        },
+        coords={
+            "time": ("time", outcome.time[kept], time),
+            "axis": ("axis", list("xyz"), {"long_name": "axis, global or of the particle"}),
+            **{n: (n, np.array(v, dtype=str), {"long_name": n}) for n, v in names.items()},
+        },
+        attrs={
+            "Conventions": "CF-1.11",
+            "title": f"whole motion of scene {scene.name}",
+            "source": f"finite particle method, data version {fpm.DATA_VERSION}",
+            "scene": scene.name,
+            "time_step": outcome.step,
+            **attributes,
+        },
+    )
+
+
+def _moving(found: Recorded, kept: np.ndarray) -> dict[str, tuple]:
+    """What changes in time: name -> dimensions, values, units, long name."""
+    modulus = [np.full(len(b.length), b.material.E) for b in found.scene.beams]
+    stress = np.concatenate([*modulus, []]) * (np.abs(found.axial) + found.bending)
+    vector, element = ("time", "particle", "axis"), ("time", "element")
+    points = [found.outcome.points[name][0][kept] for name in found.scene.points]
+    places = np.stack(points, axis=1) if points else np.zeros((len(kept), 0, 3))
+    when = found.outcome.time[stress.argmax(axis=0)]
+    return {
+        "position": (vector, found.position[kept], "m", "position of the particles"),
+        "velocity": (vector, found.velocity[kept], "m s-1", "velocity of the particles"),
+        "frame": ((*vector, "director"), found.frame[kept], "1", "axes of the particle, columns"),
+        "point_position": (("time", "point", "axis"), places, "m", "position of named points"),
+        "axial_strain": (element, found.axial[kept], "1", "stretch over unstrained length"),
+        "bending_strain": (element, found.bending[kept], "1", "largest bending strain at surface"),
+        "stress": (element, stress[kept], "Pa", "largest normal stress in the element"),
+        "largest_stress": ("element", stress.max(axis=0), "Pa", "largest stress of all instants"),
+        "largest_stress_time": ("element", when, "s", "instant of the largest stress"),
+    }
+
+
+def _fixed(scene: Scene, corners: np.ndarray) -> dict[str, tuple]:
+    """Connections and sizes; vectors in the frames of the particles."""
+    nodes, length, half = elements_of(scene)
+    points, hinges = list(scene.points.values()), scene.hinges
+
+    def rows(values: list, *shape: int) -> np.ndarray:
+        return np.array(values, float).reshape(-1, *shape)
+
+    def whole(values: object) -> np.ndarray:
+        return np.asarray(values).astype(np.int32)
+
+    joined = whole(rows([hinge.particles for hinge in hinges], 2))
+    arms, axes = [hinge.beams[0].arm for hinge in hinges], [hinge.axes[0] for hinge in hinges]
+    corner = ("element", "end", "corner", "axis")
+    return {
+        "element_particle": (("element", "end"), whole(nodes), "1", "particles at its ends"),
+        "element_length": ("element", length, "m", "unstrained length"),
+        "section_size": (("element", "side"), 2.0 * half, "m", "width and height of the section"),
+        "section_corner": (corner, corners, "m", "corner of the section from the particle"),
+        "point_particle": ("point", whole([p.particle for p in points]), "1", "its particle"),
+        "point_arm": (("point", "axis"), rows([p.arm for p in points], 3), "m", "from particle"),
+        "hinge_particle": (("hinge", "end"), joined, "1", "particles that it joins"),
+        "hinge_arm": (("hinge", "axis"), rows(arms, 3), "m", "point from the first particle"),
+        "hinge_axis": (("hinge", "axis"), rows(axes, 3), "1", "axis in the first particle's frame"),
+    }
+
+
+def _events(outcome: Outcome) -> dict[str, tuple]:
+    time, contact, closing = outcome.events.T
+    return {
+        "contact_event_time": ("event", time, "s", "time at which a contact closes or opens"),
+        "contact_event_contact": ("event", contact.astype(np.int32), "1", "index of the contact"),
+        "contact_event_closing": ("event", closing.astype(np.int8), "1", "1: closes, 0: opens"),
+    }

@@ -1,0 +1,173 @@
+"""The page in Chromium: it moves, listens to keys and mouse, and nothing goes wrong."""
+
+import pytest
+from browser import MISSING, Browser
+
+pytestmark = pytest.mark.skipif(
+    bool(MISSING), reason=f"not installed: {', '.join(MISSING)} (apt-get install chromium-driver)"
+)
+
+PIXELS = "document.getElementById('view').toDataURL()"
+NOW = "Number(document.getElementById('view').dataset.time)"
+SLIDE = """(() => {{ const slider = document.getElementById('time'); slider.value = {};
+slider.dispatchEvent(new Event('input')); }})()"""
+PATHS = (
+    "[...document.querySelectorAll('#charts path')].map((path) => path.getAttribute('d')).join()"
+)
+
+
+@pytest.fixture(scope="module")
+def window(page):
+    with Browser() as browser:
+        browser.open(page)
+        browser.settle()
+        yield browser
+
+
+@pytest.fixture(autouse=True)
+def start(window, page):
+    window.open(page)
+    window.settle()
+    yield
+    assert window.errors() == []
+
+
+def test_the_slider_moves_structure_and_cursor(window):
+    cursor = "document.querySelector('#charts .cursor').getAttribute('x1')"
+    seen = set()
+    for time in (0.0, 0.2, 0.4):
+        window.ask(SLIDE.format(time))
+        window.settle()
+        assert window.ask(NOW) == pytest.approx(time, abs=1e-6)
+        seen.add((window.ask(PIXELS), window.ask(cursor)))
+    assert len({pixels for pixels, _ in seen}) == 3
+    assert len({place for _, place in seen}) == 3
+
+
+def test_keys_play_step_and_jump(window):
+    window.press("\ue011")  # Home
+    window.settle()
+    assert window.ask(NOW) == 0.0
+    window.press("\ue014", "\ue014")  # right
+    window.settle()
+    assert window.ask(NOW) == pytest.approx(0.02)  # two frames of 41 in 0.4 s
+    window.press(" ")
+    window.settle(1.0)
+    window.press(" ")
+    window.settle()
+    stopped = window.ask(NOW)
+    assert stopped > 0.02
+    window.settle()
+    assert window.ask(NOW) == stopped
+    window.press("\ue010")  # End
+    window.settle()
+    assert window.ask(NOW) == pytest.approx(0.4)
+
+
+def test_mouse_and_keys_turn_and_zoom_the_structure(window):
+    window.ask(
+        "document.getElementById('view').scrollIntoView({behavior: 'instant', block: 'center'})"
+    )
+    seen = [window.ask(PIXELS)]
+    window.drag("#view", 80, 20)
+    window.settle()
+    seen.append(window.ask(PIXELS))
+    window.ask("document.getElementById('view').focus()")
+    for key in ("\ue012", "+"):  # left
+        window.press(key)
+        window.settle()
+        seen.append(window.ask(PIXELS))
+    window.press("0")
+    window.settle()
+    assert len(set(seen)) == len(seen)
+    assert window.ask(PIXELS) == seen[0]
+
+
+def test_colour_by_stress_and_runs_that_are_hidden(window):
+    seen = [window.ask(PIXELS)]
+    window.ask("(() => { const s = document.getElementById('colour'); s.value = 'stress';"
+               "s.dispatchEvent(new Event('change')); })()")  # fmt: skip
+    window.settle()
+    seen.append(window.ask(PIXELS))
+    assert "MPa" in window.ask("document.getElementById('scale').textContent")
+    window.ask("document.querySelectorAll('#runs-shown input')[1].click()")
+    window.settle()
+    seen.append(window.ask(PIXELS))
+    assert len(set(seen)) == 3
+
+
+def test_dragging_across_a_curve_zooms_all_and_a_button_goes_back(window):
+    window.ask(
+        "document.querySelector('#charts').scrollIntoView({behavior: 'instant', block: 'center'})"
+    )
+    before = window.ask(PATHS)
+    window.drag("#charts svg", 90, 0)
+    window.settle()
+    assert window.ask(PATHS) != before
+    assert window.ask("document.getElementById('whole').hidden") is False
+    window.ask("document.getElementById('whole').click()")
+    window.settle()
+    assert window.ask(PATHS) == before
+
+
+def test_the_cursors_values_are_those_of_the_bounds(window, data):
+    window.ask(SLIDE.format(0.2))
+    window.settle()
+    said = window.ask("document.querySelector('#charts .readout').textContent").replace("−", "-")
+    lower = data.responses[0].lower[100]
+    assert f"{float(f'{lower:.4g}'):g}" in said
+
+
+def test_the_table_of_bounds_is_exact(window, data):
+    window.ask(
+        "URL.createObjectURL = (blob) => {"
+        " blob.text().then((text) => { window.table = text; }); return 'data:,'; }"
+    )
+    window.ask("document.querySelector('[data-table=bounds]').click()")
+    window.settle()
+    head, *rows = window.ask("window.table").strip().split("\n")
+    assert head.split(",")[:3] == ["time (s)", "x_lower (m)", "x_upper (m)"]
+    assert len(rows) == len(data.time)
+    first = data.responses[0]
+    for i in (0, 77, 200):
+        cells = [float(cell) for cell in rows[i].split(",")]
+        assert cells[:3] == [data.time[i], first.lower[i], first.upper[i]]
+
+
+def test_a_still_goes_to_its_moment(window):
+    window.ask("document.querySelector('#stills button').click()")
+    window.settle()
+    assert window.ask(NOW) == 0.0
+    assert window.ask("document.querySelectorAll('#stills [aria-current=true]').length") == 1
+
+
+def test_light_and_dark(window):
+    theme = "document.documentElement.dataset.theme"
+    before, pixels = window.ask(theme), window.ask(PIXELS)
+    window.ask("document.getElementById('theme').click()")
+    window.settle()
+    assert {before, window.ask(theme)} == {"light", "dark"}
+    assert window.ask(PIXELS) != pixels
+
+
+def test_everything_that_can_be_used_has_a_name(window):
+    nameless = window.ask(
+        "[...document.querySelectorAll('button, select, input, canvas#view, svg[role=img]')]"
+        ".filter((node) => !(node.textContent.trim() || node.ariaLabel || node.labels?.length))"
+        ".map((node) => node.outerHTML)"
+    )
+    assert nameless == []
+
+
+def test_a_telephone_needs_no_sideways_scrolling(page):
+    with Browser(390, 844) as browser:
+        browser.open(page)
+        browser.settle()
+        assert browser.ask("document.documentElement.scrollWidth") <= 390
+        assert browser.errors() == []
+
+
+def test_it_prints(window, tmp_path):
+    window.print(tmp_path / "page.pdf")
+    assert (tmp_path / "page.pdf").read_bytes().startswith(b"%PDF")
+    assert window.ask("document.documentElement.dataset.theme") == "light"

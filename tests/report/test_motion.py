@@ -1,0 +1,162 @@
+"""The whole motion is the trajectory's, and its strains are those of beam theory."""
+
+import numpy as np
+import pytest
+import xarray
+
+import fpm
+from fpm import motion as whole
+from fpm.errors import SceneError
+from fpm.scenes.bennett_geometry import bennett_geometry
+
+TIME = {"duration": 0.02, "instants": 41}
+
+
+def scenes(count=2):
+    build = fpm.scenes.get("bennett").build
+    return [
+        build(a=0.035 * (1 + 0.01 * i), elements_per_link=3, start_deg=1.0) for i in range(count)
+    ]
+
+
+def steps(scene):
+    return fpm.divide_time(**TIME, wanted=0.9 * fpm.stable_step(scene).step).step
+
+
+@pytest.fixture(scope="module")
+def pair():
+    """Motions of two linkages side by side, and their trajectories made alone."""
+    two = scenes()
+    step = steps(two[0])
+    motions = whole.whole_motion(two, **TIME, step=step, frames=11, times=[0.0071])
+    return motions, [fpm.simulate(scene, **TIME, step=step)[0] for scene in two]
+
+
+def test_named_points_are_the_trajectorys_bit_for_bit(pair):
+    for motion, outcome in zip(*pair, strict=True):
+        kept = np.searchsorted(outcome.time, motion["time"].values)
+        np.testing.assert_array_equal(motion["time"].values, outcome.time[kept])
+        for i, name in enumerate(motion["point"].values):
+            expected = outcome.points[str(name)][0][kept]
+            assert np.array_equal(motion["point_position"].values[:, i], expected)
+            on, arm = int(motion["point_particle"][i]), motion["point_arm"].values[i]
+            carried = motion["position"].values[:, on] + motion["frame"].values[:, on] @ arm
+            np.testing.assert_allclose(carried, expected, rtol=0, atol=1e-14)
+        assert np.array_equal(motion["contact_event_time"].values, outcome.events[:, 0])
+        np.testing.assert_allclose(
+            motion["position"].values[-1], outcome.final.position, rtol=0, atol=0
+        )
+
+
+def test_frames_are_those_asked_for(pair):
+    time = pair[0][0]["time"].values
+    even = np.linspace(0, TIME["duration"], 11)
+    assert set(np.round(even, 12)) < set(np.round(time, 12))
+    assert len(time) == 12 and np.abs(time - 0.0071).min() <= 0.25e-3 + 1e-12
+
+
+def test_frames_of_particles_are_rotations(pair):
+    frame = pair[0][1]["frame"].values
+    product = np.einsum("tpij,tpik->tpjk", frame, frame)
+    np.testing.assert_allclose(product, np.broadcast_to(np.eye(3), product.shape), atol=1e-9)
+    np.testing.assert_allclose(np.linalg.det(frame), 1.0, atol=1e-9)
+
+
+def test_several_passes_give_the_same(monkeypatch, pair):
+    two = scenes()
+    monkeypatch.setattr(whole, "MOST_RECORDED", 41 * 8 * 18 * 6)
+    again = whole.whole_motion(two, **TIME, step=steps(two[0]), frames=11, times=[0.0071])
+    for one, other in zip(pair[0], again, strict=True):
+        xarray.testing.assert_identical(one, other)
+
+
+def test_a_failing_run_raises_its_failure():
+    scene = scenes(1)[0]
+    with pytest.raises(fpm.InstabilityError):
+        whole.whole_motion([scene], duration=0.02, instants=3, step=40 * steps(scene))
+
+
+def test_a_point_with_a_name_of_ours_is_refused():
+    scene = scenes(1)[0]
+    scene.add_point("place of particle 0", 0)
+    with pytest.raises(SceneError, match="place of particle 0"):
+        whole.whole_motion([scene], **TIME, step=steps(scene))
+
+
+def test_the_dataset_says_what_it_holds(pair):
+    motion = pair[0][0]
+    assert motion.attrs["Conventions"].startswith("CF-1.")
+    assert motion["time"].attrs["standard_name"] == "time"
+    for name, variable in motion.data_vars.items():
+        assert variable.attrs["long_name"] and variable.attrs["units"], name
+    assert str(motion["element"].values[4]) == "link BC[1]"
+    shut = motion["contact_event_contact"].values
+    assert set(motion["contact"].values[shut]) <= set("ABCD")
+
+
+def test_particles_without_any_element_move_too():
+    scene = fpm.Scene("thrown", gravity=(0, 0, -10.0))
+    scene.add_particles([[0, 0, 0], [1, 0, 0]], 1.0, 1.0, velocity=(0, 0, 1.0))
+    (motion,) = whole.whole_motion([scene], duration=0.2, instants=3, step=0.01)
+    np.testing.assert_allclose(motion["position"].values[-1, :, 2], 0.2 - 5 * 0.04, atol=1e-12)
+    assert motion.sizes["element"] == motion.sizes["hinge"] == motion.sizes["point"] == 0
+
+
+def test_a_cantilevers_bending_stress_is_that_of_the_closed_form(bar, settled):
+    _, _, section, material = bar
+    load = 2.0
+    rest = settled((0, 0, load))
+    end = load * 1.0 * 0.02 / section.Iy  # P L (h/2) / I
+    assert rest["stress"].values[0] == pytest.approx(end, rel=2e-3)
+    np.testing.assert_allclose(rest["stress"].values / end, [1.0, 0.75, 0.5, 0.25], rtol=3e-3)
+    assert rest["bending_strain"].values[0] == pytest.approx(end / material.E, rel=2e-3)
+    assert rest["largest_stress"].values[0] >= rest["stress"].values[0]
+
+
+def test_bending_about_the_other_axis_uses_the_other_half(bar, settled):
+    _, _, section, material = bar
+    expected = 2.0 * 0.03 / section.Iz / material.E
+    assert settled((0, 2.0, 0))["bending_strain"].values[0] == pytest.approx(expected, rel=2e-3)
+
+
+def test_a_stretched_bars_strain_is_force_over_stiffness(bar, settled):
+    _, _, section, material = bar
+    rest = settled((500.0, 0, 0))
+    expected = 500.0 / (material.E * section.A)
+    np.testing.assert_allclose(rest["axial_strain"].values, expected, rtol=1e-6)
+    np.testing.assert_allclose(rest["bending_strain"].values, 0.0, atol=1e-12)
+
+
+def test_a_rigid_motion_strains_nothing():
+    from scipy.spatial.transform import Rotation
+
+    scene = scenes(1)[0]
+    turn = Rotation.from_rotvec([0.3, -1.1, 0.7]).as_matrix()
+    position = (scene.position @ turn.T + [3.0, -2.0, 1.0])[None]
+    axial, bending = whole.element_strains(scene, position, (turn @ scene.frame)[None])
+    assert np.abs(axial).max() < 1e-13 and bending.max() < 1e-12
+
+
+def test_mitred_ends_meet_where_the_linkage_is_shut():
+    """At opening 0 the end faces of the two bars of a hinge are one face."""
+    geometry = bennett_geometry(0.45, 0.035, 45.0)
+    folded = float(np.degrees(geometry.folded_opening_b))
+    scene = fpm.scenes.get("bennett").build(start_deg=folded, elements_per_link=3)
+    corners, nodes = whole.section_corners(scene), np.concatenate([b.nodes for b in scene.beams])
+    shut = [hinge for hinge in scene.hinges if abs(hinge.opening) < 1e-6]
+    assert shut
+    for hinge in shut:
+        faces = []
+        for particle in hinge.particles:
+            e, end = np.argwhere(nodes == particle)[0]
+            faces.append(scene.position[particle] + corners[e, end] @ scene.frame[particle].T)
+        apart = np.linalg.norm(faces[0][:, None] - faces[1][None], axis=2)
+        assert apart.min(axis=1).max() < 1e-9
+
+
+def test_corners_of_a_bar_without_contacts_are_its_rectangle(bar):
+    scene, *_ = bar
+    corners = whole.section_corners(scene)
+    np.testing.assert_allclose(np.abs(corners[..., 1]), 0.03)
+    np.testing.assert_allclose(np.abs(corners[..., 2]), 0.02)
+    np.testing.assert_allclose(corners[..., 0], 0.0, atol=1e-15)

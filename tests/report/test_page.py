@@ -1,0 +1,175 @@
+"""The page: complete, honest, and independent of any network."""
+
+import base64
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray
+
+from campaign.report import write_page
+from campaign.report.data import Parameter
+from campaign.report.motions import moving_runs
+from campaign.report.pack import MOST_LINES, payload, thinned
+from campaign.report.trust import trust
+from campaign.report.words import cautions, headline, number, spread, verdict
+
+
+def embedded(path):
+    """The data in a page."""
+    text = path.read_text(encoding="utf-8")
+    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)
+    return json.loads(found.group(1))
+
+
+def unpacked(value):
+    return np.frombuffer(base64.b64decode(value["data"]), dtype=f"<{value['kind']}")
+
+
+def test_the_page_asks_nothing_of_a_network(page):
+    text = page.read_text(encoding="utf-8")
+    text = text.replace("http://www.w3.org/2000/svg", "")  # a name, not an address
+    assert not re.search(r"https?:|//[\w-]+\.\w+/|@import|url\((?!#|\")", text)
+    assert "src=" not in text and '<link rel="stylesheet' not in text
+
+
+def test_the_page_tells_the_answer_first(page, data):
+    text = page.read_text(encoding="utf-8")
+    body = text[text.index("<body>") :]
+    places = [body.index(part) for part in (headline(data), 'id="motion"', 'id="parameters"')]
+    assert places == sorted(places)
+    assert "swing" in text and "data version" not in text
+    assert str(data.provenance["Config digest"]) in body
+
+
+def test_bounds_in_the_page_are_exact(page, data):
+    found = embedded(page)
+    with xarray.open_dataset(page.parent / "bounds.nc") as bounds:
+        for i, response in enumerate(found["responses"]):
+            for key in ("lower", "upper", "nominal", "error"):
+                assert np.array_equal(unpacked(response[key]), bounds[key].values[i])
+        assert np.array_equal(unpacked(found["time"]), bounds["time"].values)
+
+
+def test_places_and_stress_in_the_page_are_those_of_the_motion(page, data):
+    motion = embedded(page)["motion"]
+    for moving, packed in zip(data.moving, motion["runs"], strict=True):
+        expected = moving.motion["position"].values
+        place = unpacked(packed["place"]).reshape(expected.shape).astype(float) + 32767
+        found = np.array(motion["low"]) + motion["unit"] * place
+        assert np.abs(found - expected).max() <= motion["unit"]
+        stress = unpacked(packed["stress"]) / 65535 * motion["largestStress"]
+        expected = moving.motion["stress"].values.ravel()
+        assert np.abs(stress - expected).max() <= 1e-5 * motion["largestStress"]
+
+
+def test_the_extreme_runs_move_beside_the_nominal_one(results, data):
+    with (
+        xarray.open_dataset(results / "samples.nc") as samples,
+        xarray.open_dataset(results / "bounds.nc") as bounds,
+    ):
+        shown = moving_runs(samples, bounds)
+        values = samples["values"].values
+        widest = int((bounds["upper"] - bounds["lower"]).values[0].argmax())
+    assert [m.run for m in data.moving] == list(shown)
+    assert shown[next(iter(shown))] == "nominal run"
+    ids = {data.runs[m.run].id for m in data.moving}
+    for extreme in (values[:, 0, widest].argmin(), values[:, 0, widest].argmax()):
+        assert data.runs[extreme].id in ids
+
+
+def test_motions_are_those_of_the_trajectory_files(results, data):
+    for moving in data.moving:
+        with xarray.open_dataset(
+            results / "trajectories" / f"{data.runs[moving.run].id}.nc"
+        ) as trajectory:
+            there = trajectory.sel(time=moving.motion["time"].values)
+            assert np.array_equal(there["position"].values, moving.motion["point_position"].values)
+            assert trajectory.attrs["time_step"] == moving.motion.attrs["time_step"]
+
+
+def test_a_page_without_motions_is_a_page(tmp_path, data):
+    write_page(replace(data, moving=()), tmp_path / "still.html")
+    text = (tmp_path / "still.html").read_text(encoding="utf-8")
+    assert 'id="view"' not in text and headline(data) in text
+
+
+def test_names_cannot_break_out_of_the_page(tmp_path, data):
+    evil = "</script><script>alert(1)</script>"
+    response = replace(data.responses[0], name=evil, long_name=evil)
+    write_page(replace(data, responses=(response,)), tmp_path / "page.html")
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "<script>alert" not in text
+    assert embedded(tmp_path / "page.html")["responses"][0]["name"] == evil
+
+
+def test_thinned_curves_keep_their_extremes():
+    rng = np.random.default_rng(1)
+    curves = [rng.normal(size=50_000) for _ in range(4)]
+    keep = thinned(curves, most=2000)
+    assert len(keep) <= 2000 + 2 * len(curves) + 2 and keep[0] == 0 and keep[-1] == 49_999
+    for curve in curves:
+        assert curve[keep].max() == curve.max() and curve[keep].min() == curve.min()
+
+
+def test_many_unfitted_runs_become_a_readable_number_of_lines(data):
+    run = data.runs[data.unfitted[-1]]
+    many = replace(data, runs=(*data.runs, *(replace(run, id=str(i)) for i in range(500))))
+    assert len(payload(many)["lines"]) == MOST_LINES
+
+
+@pytest.mark.parametrize(
+    ("share", "grade"), [(0.01, "small"), (0.1, "noticeable"), (0.4, "large"), (None, "unknown")]
+)
+def test_the_verdict_grades_the_estimated_error(data, share, grade):
+    first = data.responses[0]
+    width = first.upper[first.widest] - first.lower[first.widest]
+    error = None if share is None else np.full(len(data.time), share * width)
+    response = replace(first, error=error)
+    assert verdict(data, response).grade == grade
+    said = " ".join(cautions(replace(data, responses=(response,))))
+    assert bool(said) == (grade in ("large", "unknown"))
+
+
+def test_the_published_number_stands_beside_ours(data):
+    first = data.responses[0]
+    width = float(first.upper[first.widest] - first.lower[first.widest])
+    said = verdict(data, replace(first, published=1.25 * width, error=None)).published
+    assert "20 % below" in said
+    said = verdict(data, replace(first, published=1.25 * width, error=0 * data.time)).published
+    assert "more than the estimated error" in said
+    assert verdict(data, replace(first, published=None)).published == ""
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["enclosed range of the polynomial", "attained range of a spline", "least and largest sample"],
+)
+def test_trust_never_sounds_like_a_guarantee(data, kind):
+    text = " ".join(paragraph for _, paragraph in trust(replace(data, bounds_kind=kind)))
+    assert "Nothing on this page is a safety margin" in text
+    assert "guarantee" not in text and "ensure" not in text and "certif" not in text
+    assert "estimate" in text
+
+
+def test_the_headline_names_what_is_known_and_how_far_the_responses_go(data):
+    text = headline(data).replace("\N{NON-BREAKING HYPHEN}", "-")
+    assert text.startswith("With L known to ± 5 % and a to ± 10 %, the x-component of the position")
+    assert " is uncertain by up to " in text and ", and the " in text
+    one = replace(data.parameters[0], long_name="reach to the wall")
+    text = headline(replace(data, parameters=(one,), responses=data.responses[:1]))
+    assert text.startswith("With the reach to the wall known to ± 5 %, the x")
+    wide = replace(one, long_name="", upper=2.0)
+    assert "With L from 0.95 to 2 m, the" in headline(replace(data, parameters=(wide,)))
+
+
+def test_numbers_as_people_write_them():
+    assert number(0.0617852) == "0.0618"
+    assert number(-2.5) == "−2.5"
+    assert number(1.05e9) == "1.05 × 10⁹"
+    assert number(1e9) == "10⁹"
+    assert number(3e-7) == "3 × 10⁻⁷"
+    assert spread(Parameter("a", "m", 0.03465, 0.035, 0.03535)) == "± 1 %"
+    assert spread(Parameter("a", "m", 1.0, 1.0, 1.5)) == "1 to 1.5 m"

@@ -166,7 +166,7 @@ def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarr
 
 
 def _is_coordinate(name: str, variable: classic.Variable) -> bool:
-    text = variable.values.dtype.kind == "U"
+    text = variable.values.dtype.kind in "UO"
     return variable.dims == (name,) or text or name.startswith(_PARAMETER)
 
 
@@ -189,6 +189,9 @@ def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> N
         }
         trajectory = Contents(dict(trajectory.attrs), variables)
     check_finite(trajectory.variables)
+    # By this attribute xarray tells coordinates that are no dimensions.
+    more = [n for n, v in trajectory.variables.items() if _is_coordinate(n, v) and v.dims != (n,)]
+    trajectory.attributes["coordinates"] = " ".join(more)
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")

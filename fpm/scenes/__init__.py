@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 
-from fpm import sources
 from fpm.errors import SceneError
 from fpm.scene import Scene
 
@@ -81,6 +80,8 @@ class SceneType:
 
         It covers all of the mechanics that can change their numbers, and the structure's own files.
         """
+        from fpm import sources
+
         own = sources.own_sources(self.function.__module__)
         return sources.syntax_digest({*sources.mechanics_sources(), *own})
 

@@ -28,7 +28,7 @@ def samples_of(function, box, design, time, held_out=4, names=("response",)):
     return xr.Dataset(data, coords=coords)
 
 
-def ball_samples(design, duration=2.0, held_out=4, instants=2001):
+def ball_samples(design, duration=2.0, held_out=4, instants=1001):
     """Samples of a ball dropped from 1 m, +- 5 %, with its impacts as events."""
     box = Box(["height"], [0.95], [1.05])
     time = np.linspace(0.0, duration, instants)
@@ -42,7 +42,7 @@ def ball_samples(design, duration=2.0, held_out=4, instants=2001):
     return samples.assign(event_time=(("run", "event"), table))
 
 
-def ball_reference(duration=2.0, runs=4001, instants=2001):
+def ball_reference(duration=2.0, runs=4001, instants=1001):
     """Bounds (2, T) from below and above of a dense scan of the ball: position and velocity."""
     time = np.linspace(0.0, duration, instants)
     low, high = np.full((2, instants), np.inf), np.full((2, instants), -np.inf)

@@ -199,7 +199,8 @@ def test_an_automatic_order_is_found_in_rounds(workplace):
     config = config.replace("method: tensor_roots, order: 1", AUTOMATIC)
     config = config.replace("a: {nominal: 0.035, relative: 0.01}", "a: {absolute: 0}")
     path = workplace.config("rounds", config)
-    done = workplace.snakemake("--configfile", path)
+    call = ("results/small/summary.json", "--configfile", path)
+    done = workplace.snakemake(*call)
     assert done.returncode == 0, done.stdout
     results = workplace.folder / "results" / "small"
     summary = json.loads((results / "summary.json").read_text())
@@ -208,8 +209,7 @@ def test_an_automatic_order_is_found_in_rounds(workplace):
     assert rounds[-1]["runs"] <= 6
     assert rounds[-1]["action"] == "stop"
     assert rounds[-1]["reason"] in (results / "summary.md").read_text()
-    assert (results / "figures" / "sensitivities.png").exists()
-    assert "Nothing to be done" in workplace.snakemake("--configfile", path).stdout
+    assert "Nothing to be done" in workplace.snakemake(*call).stdout
 
     campaign.run(path, workplace.folder / "again", figures=False, tell=lambda text: None)
     for name in ("nodes.json", "summary.json", "rounds/1/nodes.json"):

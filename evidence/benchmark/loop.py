@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import sys
 import types
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Mapping
 from importlib import import_module
 
 
-def run_as_python(operations: Iterable[Callable], in_part: Callable) -> None:
-    """Make fpm run its kernels as Python, with `operations` for those of their names.
+def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None:
+    """Make fpm run its kernels as Python, with `operations` in the place of those of their names.
 
     in_part(name, function): what each kernel that the loop calls is replaced by. RuntimeError
     if numba compiles.
@@ -29,9 +29,8 @@ def run_as_python(operations: Iterable[Callable], in_part: Callable) -> None:
         if isinstance(value, types.FunctionType) and value is not loop.run:
             setattr(loop, name, in_part(_name_of(value), value))
     instead = {id(compiled.loop_for): lambda arguments: loop.run, **_overloaded()}
-    for operation in operations:
-        name = operation.__name__
-        instead[id(getattr(lanes, name, None) or getattr(vectors, name))] = operation
+    for name, operation in operations.items():
+        instead[id(getattr(vectors if name == "vector" else lanes, name))] = operation
     for module in [m for name, m in sys.modules.items() if name.startswith("fpm.")]:
         for name, value in list(vars(module).items()):
             if id(value) in instead:

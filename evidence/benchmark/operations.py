@@ -143,11 +143,9 @@ def absolute(x):
     return Lanes(np.abs(x.value))
 
 
-def vector(x, y, z):
-    return Vector(x, y, z)
-
-
-OPERATIONS = (load, store, sqrt, where_negative, any_negative, floor, absolute, vector)
+COUNTING = (load, store, sqrt, where_negative, any_negative, floor, absolute)
+OPERATIONS = {"vector": Vector, **{operation.__name__: operation for operation in COUNTING}}
+"""What stands for the compiled operations of these names."""
 
 
 def in_part(name: str, function):

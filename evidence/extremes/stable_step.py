@@ -36,16 +36,6 @@ def bar(slenderness: float, elements: int, scale: float = 1.0) -> fpm.Scene:
     return scene
 
 
-def element_step(slenderness: float, scale: float) -> float:
-    """Limit (s) of one free element of 1 m with its share of the masses: the smaller of
-
-    (l/c) / sqrt(12 (r/l)² + 3/f) of antisymmetric bending, k = 12 EI/l on the inertias f rho I l/2
-    and masses rho A l/2 of both ends, and l/c of the axial mode; c² = E/rho.
-    """
-    time = np.sqrt(MATERIAL.rho / MATERIAL.E)
-    return time * min(1.0, 1.0 / np.sqrt(12 / slenderness**2 + 3 / scale))
-
-
 def bars(fast: bool) -> Iterator[Case]:
     for slenderness in (0.2, 5.0, 1000.0) if fast else (0.2, 1.0, 2.0, 5.0, 20.0, 100.0, 1000.0):
         for elements in (1, 4) if fast else (1, 2, 4, 16):

@@ -41,7 +41,7 @@ def _least(found: Sequence[float]) -> float | str:
 
 
 def _single_runs(case: dict) -> str:
-    names, phases = case["responses"], list(case["phases"])
+    names, phases = case["responses"], case["phases"]
     header = ["elements", "share of the stable step", "cpu of a run (s)"]
     header += [f"{name} {phase}" for name in names for phase in phases]
     body = [

@@ -119,7 +119,6 @@ def test_rounds_widen_the_reference_more_than_a_longer_scan(monkeypatch):
 def test_the_rest_of_a_geometric_growth():
     found = reference._rest({"hausdorff_integrated": 0.4}, {"hausdorff_integrated": 0.3})
     assert found["hausdorff_integrated"] == pytest.approx(0.9)
-    assert found["last_round"] == 0.3
     found = reference._rest({"hausdorff_integrated": 0.1}, {"hausdorff_integrated": 0.2})
     assert found["hausdorff_integrated"] == pytest.approx(0.2 * 0.95 / 0.05)
 

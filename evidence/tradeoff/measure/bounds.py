@@ -110,24 +110,12 @@ def judge_estimate(
     return found
 
 
-def hull(*runs: Runs, points: np.ndarray | None = None) -> Band:
-    """Least and largest value of all the runs, or of those at `points`: a reference band."""
-    lower, upper = runs[0].lower, runs[0].upper
-    if points is not None:
-        rows = intervals.match_points(points, runs[0].unit)
-        values = runs[0].values[rows]
-        lower, upper = values.min(axis=0), values.max(axis=0)
-    return Band(lower, upper, np.zeros_like(lower))
+def hull(runs: Runs, rows: slice | np.ndarray = slice(None)) -> Band:
+    """Least and largest value of all the runs, or of some: a reference band."""
+    values = runs.values[rows]
+    return Band(values.min(axis=0), values.max(axis=0), np.zeros(values.shape[1:]))
 
 
 def rms(values: np.ndarray, masks: dict[str, np.ndarray]) -> dict[str, float]:
     """Root of the mean square of values (R, T) in each phase."""
     return {name: float(np.sqrt((values[:, m] ** 2).mean())) for name, m in masks.items()}
-
-
-def mean_width(time: np.ndarray, band: Band, phases: dict[str, np.ndarray]) -> list[dict]:
-    """Mean width of a band in each phase, for each response."""
-    return [
-        {name: float((band.upper[i] - band.lower[i])[m].mean()) for name, m in phases.items()}
-        for i in range(len(band.lower))
-    ]

@@ -47,10 +47,8 @@ def measure_case(case: Case, tell: Callable[[str], object] = print) -> dict:
     return {
         "case": case.name,
         "title": case.title,
-        "dimension": len(case.intervals),
         "responses": list(case.responses),
-        "phases": {name: _span(finest.time, mask) for name, mask in phases.items()},
-        "widths": bounds.mean_width(finest.time, reference, phases),
+        "phases": list(phases),
         "reference": {
             "elements": finest_level.elements,
             "runs": len(finest.unit),
@@ -141,7 +139,3 @@ def _measure_lanes(case: Case, level: Level) -> list[dict]:
             best = min(best, time.process_time() - start)
         rows.append({"lanes": count, "cpu": best})
     return rows
-
-
-def _span(time: np.ndarray, mask: np.ndarray) -> list[float]:
-    return [float(time[mask][0]), float(time[mask][-1])]

@@ -35,7 +35,8 @@ def missing(case: Case, level: Level, rounds: list[Runs], phases: dict) -> list[
     if len(rounds) < 3:
         half = scan_of(case, level.scan)
         half = half[::2] if len(case.intervals) == 1 else half[: len(half) // 2]
-        return distance(last.time, hull(last, points=half), hull(last), phases)
+        rows = intervals.match_points(half, last.unit)
+        return distance(last.time, hull(last, rows), hull(last), phases)
     first, second, third = map(hull, rounds[-3:])
     before = distance(last.time, first, second, phases)
     now = distance(last.time, second, third, phases)
@@ -49,4 +50,4 @@ def _rest(before: dict[str, float], now: dict[str, float]) -> dict[str, float]:
     key = "hausdorff_integrated"
     ratio = now[key] / before[key] if before[key] > 0 else 0.5
     ratio = min(max(ratio, 0.5), 0.95)
-    return {key: now[key] * ratio / (1.0 - ratio), "last_round": now[key]}
+    return {key: now[key] * ratio / (1.0 - ratio)}

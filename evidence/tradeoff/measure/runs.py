@@ -36,16 +36,6 @@ class Runs:
     steps: int
     cpu: float
 
-    @property
-    def lower(self) -> np.ndarray:
-        """Least value of all the runs, (n, T)."""
-        return self.values.min(axis=0)
-
-    @property
-    def upper(self) -> np.ndarray:
-        """Largest value of all the runs, (n, T)."""
-        return self.values.max(axis=0)
-
     @cached_property
     def closures(self) -> list[np.ndarray]:
         """Times of the impacts (closures after a time without contact) of each run."""

@@ -91,7 +91,7 @@ def persist(name: str, duration: float, parameters: dict, **more):
         if outcome is not None:
             return rows[:1], full, mesh, outcome
         rows.append(refused(full, error))
-        if isinstance(error, fpm.SceneError) or error.strain is not None:
+        if isinstance(error, fpm.SceneError) or error.cause == "strain":
             break
     return list(dict.fromkeys((rows[0], rows[-1]))), full, mesh, None
 

@@ -93,16 +93,9 @@ def study(fast: bool = False) -> list[Row]:
         for name, scene, tested in cases(fast):
             found = fpm.stable_step(scene)
             limit = true_limit(tested, RESOLUTION)
-            ratio = found.step / limit
-            rows.append(
-                Row(
-                    name=f"stable step: {name}",
-                    value=float(ratio),
-                    sense=f"{LOWEST} to",
-                    reference=HIGHEST,
-                    passed=bool(LOWEST <= ratio <= HIGHEST + 1.5 * RESOLUTION),
-                    source=SOURCE,
-                    note=f"limit {limit:.4g} s, set by {found.element}",
-                )
-            )
+            ratio = float(found.step / limit)
+            passed = LOWEST <= ratio <= HIGHEST + 1.5 * RESOLUTION
+            name, sense = f"stable step: {name}", f"{LOWEST} to"
+            note = f"limit {limit:.4g} s, set by {found.element}"
+            rows.append(Row(name, ratio, "", sense, HIGHEST, None, passed, SOURCE, note))
     return rows

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import intervals
-from evidence.tradeoff.measure.cases import Case, Choice
-from evidence.tradeoff.measure.points import design_of, held_out_of
+from evidence.tradeoff.measure.cases import Choice
 from evidence.tradeoff.measure.runs import Runs
 from intervals.metrics import integral
 
@@ -22,10 +21,8 @@ class Band:
     cpu: float = 0.0
 
 
-def take_bounds(case: Case, choice: Choice, runs: Runs) -> Band:
-    """The bounds as a campaign would take them, from the runs at the choice's points."""
-    design = design_of(case, choice)
-    tested = held_out_of(case, choice, design)
+def take_bounds(choice: Choice, design: intervals.Design, tested: np.ndarray, runs: Runs) -> Band:
+    """The bounds as a campaign would take them, from the runs of the design and at `tested`."""
     samples = runs.samples(np.concatenate([design.points, tested]))
     model = {"model": choice.model}
     if choice.align != "none":

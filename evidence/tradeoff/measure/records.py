@@ -74,9 +74,9 @@ def _measure_level(
     own = bounds.hull(runs) if level.scan else None
     records = []
     for choice in choices:
-        band = bounds.take_bounds(case, choice, runs)
         design = design_of(case, choice)
         tested = held_out_of(case, choice, design)
+        band = bounds.take_bounds(choice, design, tested, runs)
         # a spline goes through the held-out runs too
         used = design.runs + (len(tested) if choice.model == "spline" else 0)
         record = {

@@ -17,7 +17,7 @@ from fpm.timestep import SAFETY, StableStep, stable_step
 from fpm.warming import warm_up
 
 DATA_VERSION = "3"
-"""Changes whenever the same scene gives other numbers; part of a run's identity."""
+"""Deprecated: `fpm.scenes.get(name).digest` tells by itself when numbers may change."""
 
 __all__ = [
     "DATA_VERSION",

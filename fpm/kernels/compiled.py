@@ -2,7 +2,8 @@
 
 Numba's cache looks at the file of the cached function only; the loop is made of many files. So the
 cache folder is named after a digest of all kernel sources, and of the files of kinds from
-elsewhere: an edited kernel never meets old code, and no kind is needed to load a loop without it.
+elsewhere: an edited kernel never meets old code. Every set has a folder of its own, so that no kind
+is needed to load a loop without it.
 """
 
 import fcntl
@@ -56,7 +57,7 @@ def cache_folder(parts: tuple[type, ...] = ()) -> Path:
 
     parts: the named tuples of the kinds in the loop.
     """
-    name = f"numba-{source_digest(parts)}"
+    name = Path(f"numba-{source_digest(parts)}") / "-".join(["loop", *(p.__name__ for p in parts)])
     if numba.config.CACHE_DIR:
         return Path(numba.config.CACHE_DIR) / name
     beside = Path(__file__).parent / "__pycache__"
@@ -72,7 +73,6 @@ def cache_folder(parts: tuple[type, ...] = ()) -> Path:
 LOOPS: dict[tuple[type, ...], Dispatcher] = {}
 """The loop for every set of kinds met so far, by the named tuples of the kinds."""
 
-
 READY: set[tuple] = set()
 """The sets of kinds and precisions for which that was compiled or loaded."""
 
@@ -80,8 +80,7 @@ READY: set[tuple] = set()
 def _loop(parts: tuple[type, ...]) -> Dispatcher:
     """The loop for a set of kinds, cached in its folder without changing numba's own setting."""
     if parts not in LOOPS:
-        before = numba.config.CACHE_DIR
-        folder = cache_folder(parts)
+        before, folder = numba.config.CACHE_DIR, cache_folder(parts)
         numba.config.CACHE_DIR = str(folder)
         try:
             LOOPS[parts] = numba.njit(cache=True, **OPTIONS)(loop.run.py_func)
@@ -100,15 +99,16 @@ def loop_for(arguments: tuple) -> Callable:
     kinds = tuple(map(type, parts))
     run = _loop(kinds)
     if (kinds, world.state.dtype) not in READY:  # to find the whole signature takes milliseconds
-        with _one_at_a_time():
+        with _one_at_a_time(cache_folder(kinds)):
             run.compile(tuple(map(numba.typeof, arguments)))
         READY.add((kinds, world.state.dtype))
     return run
 
 
 @contextmanager
-def _one_at_a_time() -> Iterator[None]:
-    """Hold a lock among all processes of this user."""
-    with open(Path(tempfile.gettempdir()) / f"fpm-{os.getuid()}.lock", "a") as file:
+def _one_at_a_time(folder: Path) -> Iterator[None]:
+    """Hold a lock for a folder among all processes of this user."""
+    name = hashlib.sha256(str(folder).encode()).hexdigest()[:16]
+    with open(Path(tempfile.gettempdir()) / f"fpm-{os.getuid()}-{name}.lock", "a") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield

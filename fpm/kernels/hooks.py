@@ -7,6 +7,7 @@ are, in the order of the kinds. A kind that a scene lacks, or a hook that a kind
 nothing behind.
 """
 
+import functools
 import inspect
 from collections.abc import Callable
 
@@ -72,10 +73,11 @@ def _unrolled(line: str | None = None) -> Callable:
         template = line or f"{{kernel}}({', '.join(['{part}', *arguments])})"
         NAMES.append(name)
 
-        def implement(parts):
+        def unroll(kinds):
+            """The function of (parts, ...) for parts of these kinds."""
             namespace, lines = {"store": store, "ACCOUNTS": ACCOUNTS}, []
-            for i, part in enumerate(parts.types):
-                if found := KERNELS.get((part.instance_class, name)):
+            for i, kind in enumerate(kinds):
+                if found := KERNELS.get((kind, name)):
                     namespace[f"kernel_{i}"] = found
                     names = {"kernel": f"kernel_{i}", "part": f"parts[{i}]", "j": len(lines)}
                     lines.append(template.format(**names))
@@ -83,11 +85,15 @@ def _unrolled(line: str | None = None) -> Callable:
             exec(f"def unrolled(parts, {', '.join(arguments)}):\n    {body}", namespace)
             return namespace["unrolled"]
 
+        @functools.wraps(stub)
+        def call(parts, *rest):  # where nothing is compiled (NUMBA_DISABLE_JIT)
+            return unroll([type(part) for part in parts])(parts, *rest)
+
         # Numba wants to see the same arguments in both functions.
-        namespace = {"implement": implement}
-        exec(f"def choose(parts, {', '.join(arguments)}): return implement(parts)", namespace)
-        overload(stub, jit_options=INLINED)(namespace["choose"])
-        return stub
+        namespace = {"choose": lambda parts: unroll([part.instance_class for part in parts.types])}
+        exec(f"def typed(parts, {', '.join(arguments)}): return choose(parts)", namespace)
+        overload(call, jit_options=INLINED)(namespace["typed"])
+        return call
 
     return declare
 

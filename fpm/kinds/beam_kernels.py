@@ -85,11 +85,16 @@ def _framed_axes(part, state, e):
 
 def end_axes(part, state, e):
     """Axes 2 and 3 of element e as its ends a and b carry them: a2, a3, b2, b3."""
+    return _axes_for(type(part))(part, state, e)
+
+
+def _axes_for(arrays: type):
+    return _framed_axes if arrays is FramedElements else _own_axes
 
 
 @overload(end_axes, jit_options=INLINED)
 def _end_axes(part, state, e):
-    chosen = _framed_axes if part.instance_class is FramedElements else _own_axes
+    chosen = _axes_for(part.instance_class)
     return lambda part, state, e: chosen(part, state, e)
 
 

@@ -43,9 +43,7 @@ class Workflow:
     @property
     def mechanics(self) -> str:
         """Digest of the mechanics and of the structure; another one makes other runs."""
-        from campaign.plan.make import mechanics_of
-
-        return mechanics_of(self.campaign.experiment)
+        return self.campaign.experiment.scene_type.digest
 
     @property
     def plan_rules(self) -> str:

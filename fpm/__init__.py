@@ -16,11 +16,7 @@ from fpm.simulate import divide_time, simulate
 from fpm.timestep import SAFETY, StableStep, stable_step
 from fpm.warming import warm_up
 
-DATA_VERSION = "3"
-"""Deprecated: `fpm.scenes.get(name).digest` tells by itself when numbers may change."""
-
 __all__ = [
-    "DATA_VERSION",
     "SAFETY",
     "InstabilityError",
     "Link",

@@ -47,8 +47,6 @@ def to_dataset(
     """The motion at the instants `kept`; corners (m, 2, 4, 3) m of the sections at their ends."""
     import xarray
 
-    import fpm
-
     scene, outcome = found.scene, found.outcome
     names = {
         "element": [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))],
@@ -71,7 +69,7 @@ def to_dataset(
         attrs={
             "Conventions": "CF-1.11",
             "title": f"whole motion of scene {scene.name}",
-            "source": f"finite particle method, data version {fpm.DATA_VERSION}",
+            "source": "finite particle method",
             "scene": scene.name,
             "time_step": outcome.step,
             **attributes,

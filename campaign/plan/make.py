@@ -31,7 +31,7 @@ def make_plan(experiment: Experiment, tested: Sequence[Sequence[float]] = ()) ->
         points = [*points, *(point for point in tested if tuple(point) not in nodes)]
         rows += [("held_out", unit, box.from_unit(unit)) for unit in points]
 
-    time, mechanics = choose_step(experiment), mechanics_of(experiment)
+    time, mechanics = choose_step(experiment), experiment.scene_type.digest
     runs = []
     for role, unit, row in rows:
         values = tuple(map(float, row))
@@ -39,13 +39,6 @@ def make_plan(experiment: Experiment, tested: Sequence[Sequence[float]] = ()) ->
         name = run_id(experiment, parameters, time.step, mechanics)
         runs.append(Run(name, role, tuple(map(float, unit)), values))
     return Plan(experiment, mechanics, time, tuple(runs))
-
-
-def mechanics_of(experiment: Experiment) -> str:
-    """Digest of the code that a run's numbers come from: the mechanics' and the structure's own."""
-    import fpm
-
-    return getattr(experiment.scene_type, "digest", None) or fpm.DATA_VERSION
 
 
 def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:

@@ -7,6 +7,7 @@ is needed to load a loop without it.
 """
 
 import fcntl
+import functools
 import hashlib
 import os
 import tempfile
@@ -44,6 +45,7 @@ def own_sources(parts: tuple[type, ...]) -> set[Path]:
     return {path for path in found if PACKAGE.resolve() not in path.parents}
 
 
+@functools.cache
 def source_digest(parts: tuple[type, ...] = ()) -> str:
     """Hexadecimal digest of numba's version, the kernel sources, and those of kinds elsewhere."""
     digest = hashlib.sha256(numba.__version__.encode())

@@ -10,7 +10,7 @@ from copy import copy
 
 import numpy as np
 
-from fpm.elements.virtual_beam import VirtualBeam
+from fpm.kinds.virtual_beam import VirtualBeam
 from fpm.errors import SceneError
 from fpm.motion_dataset import Recorded, elements_of, to_dataset
 from fpm.scene import Scene

@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from fpm.elements.beam import triad
-from fpm.elements.lumping import lump
+from fpm.kinds.beam import triad
+from fpm.kinds.lumping import lump
 from fpm.structures.builder import Part
 from fpm.structures.keys import Direction, Each, Many, Number, Reference, Whole
 from fpm.structures.statement import statement

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from structures_for_tests import FOLDER, SMALL, structure
 
 import fpm
+from fpm.kinds.drive import Drive
 from fpm.structures import check, load, loads, report
 
 

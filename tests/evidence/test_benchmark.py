@@ -36,6 +36,7 @@ def check(rows: list[Row]) -> None:
     assert len({row.name for row in rows}) == len(rows)
 
 
+@pytest.mark.slow
 def test_the_report_tells_the_machine_and_draws_what_was_measured(tmp_path):
     found = {
         "kinds": kinds.kinds(20, 1, elements=2),

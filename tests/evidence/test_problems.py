@@ -4,8 +4,13 @@ import pytest
 
 from evidence.verification.study import PARTS
 
+# The others need time loops of their own, for which the kernels are compiled once more each.
+QUICK = ("rigid Bennett linkage", "flexible Bennett linkage", "small tip load", "heavy top")
 
-@pytest.mark.parametrize("name", PARTS)
+
+@pytest.mark.parametrize(
+    "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in PARTS]
+)
 def test_rows_of_a_problem_pass(name):
     bench = PARTS[name](True)
     assert bench.rows

@@ -8,6 +8,7 @@ from evidence.extremes.stable_step import MATERIAL, bar, bennett, study
 from evidence.extremes.true_limit import breaks_down, disturb
 
 
+@pytest.mark.slow
 def test_the_estimate_is_just_below_the_true_limit():
     """Bars stubby and slender, the linkage, stiff contact and stiff arms: 0.7 to 1 everywhere."""
     rows = study(fast=True)

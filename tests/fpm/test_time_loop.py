@@ -151,6 +151,7 @@ def test_held_axes_stay_and_free_ones_move():
     np.testing.assert_allclose(x[-1, :2] - x[0, :2], [0.005, 0.01], rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_single_precision_runs_sixteen_samples_and_is_less_exact():
     scene = linkage()
     double = fpm.simulate(scene, duration=0.1, instants=11, step=5e-5)[0]

@@ -19,7 +19,12 @@ GOLDEN = json.loads((HERE / "values.json").read_text(encoding="utf-8"))
 CONFIGS = HERE.parents[1] / "config"
 
 
-@pytest.mark.parametrize("name", GOLDEN)
+LARGE = ("three", "six")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n in LARGE else n for n in GOLDEN]
+)
 def test_bounds_are_those_of_before(name, tmp_path):
     config = load(CONFIGS / f"{name.removesuffix('64')}.yaml")
     if name == "scan64":

@@ -78,6 +78,7 @@ def test_one_dimension_with_flat_extremes_and_constants(function, order, low, hi
     assert found[1][0] == pytest.approx(high, abs=2e-14 * size)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     st.integers(2, 4),

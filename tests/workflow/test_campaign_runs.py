@@ -194,6 +194,7 @@ def test_a_campaign_that_was_stopped_goes_on(workplace):
     assert {name: after[name] for name in before} == before
 
 
+@pytest.mark.slow
 def test_an_automatic_order_is_found_in_rounds(workplace):
     config = (workplace.folder / "config" / "small.yaml").read_text()
     config = config.replace("method: tensor_roots, order: 1", AUTOMATIC)

@@ -40,7 +40,8 @@ class Draughtsman:
             print(json.dumps(order), file=self.process.stdin, flush=True)
 
     def __exit__(self, kind: type | None, *rest: object) -> None:
-        self.process.stdin.close()
+        with suppress(BrokenPipeError):  # what was asked for is still to be flushed
+            self.process.stdin.close()
         if self.process.wait() and kind is None:
             raise CampaignError("the figures could not be drawn, see above")
 

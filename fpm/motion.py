@@ -10,8 +10,8 @@ from copy import copy
 
 import numpy as np
 
-from fpm.kinds.virtual_beam import VirtualBeam
 from fpm.errors import SceneError
+from fpm.kinds.virtual_beam import VirtualBeam
 from fpm.motion_dataset import Recorded, elements_of, to_dataset
 from fpm.scene import Scene
 from fpm.simulate import Outcome, simulate

@@ -159,7 +159,8 @@ def _energies(batch, record, lane: int, instants: int) -> dict[str, np.ndarray]:
         found[energy.name] = values - values[0] if k < batch.givers else values
     first = at.ACCOUNTS + len(batch.accounts)
     for k, energy in enumerate(kind.stores for kind in batch.kinds if kind.stores):
-        found[energy.name] = table[:, first + k]
+        # Kinds may share a name, as cables and beams may store strain energy.
+        found[energy.name] = found[energy.name] + table[:, first + k]
     return {"kinetic": table[:, at.KINETIC], **found, "balance": table[:, at.BALANCE]}
 
 

@@ -164,7 +164,19 @@ class Batch:
     # -- the whole --------------------------------------------------------------------------------
 
     def parts(self) -> tuple:
-        """The arrays of all kinds, in order."""
+        """The arrays of all kinds, in order.
+
+        TypeError for a kind whose kernels and statement differ about whether it stores energy: the
+        energies would stand in the wrong columns.
+        """
+        from fpm.kernels.hooks import KERNELS
+
+        for kind in self.kinds:
+            if (kind.stores is None) == ((type(self.part(kind)), "stored") in KERNELS):
+                raise TypeError(
+                    f"kind {kind.__name__}: `stores` and a kernel for the hook energy_of or stored; "
+                    "expected both, or neither"
+                )
         return tuple(self.part(kind) for kind in self.kinds)
 
     def world(self) -> World:

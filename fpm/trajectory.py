@@ -7,7 +7,7 @@ kinds give them; all others are fixed.
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -32,8 +32,8 @@ class Curves(NamedTuple):
     """What responses are functions of, as an `fpm.Outcome` has it: time (t,) s; points: name ->
     (position (t, 3) m, velocity (t, 3) m/s); openings: hinge -> (t,) rad; energies: kind -> (t,) J.
 
-    Also events (e, 3): time (s), index of the element, number of its event (a contact's: 1 if it
-    closes); contacts: names of these elements, of contacts that of their hinges.
+    Also events (e, 3) of contacts: time (s), index among the contacts, 1 if it closes; contacts:
+    names of their hinges.
     """
 
     time: np.ndarray
@@ -210,6 +210,17 @@ def read(path: str | os.PathLike) -> "xarray.Dataset":
         return dataset.load()
 
 
+def contact_events(events: np.ndarray, elements: Sequence[str]) -> dict[str, Any]:
+    """Of the events (e, 3) of all elements those of contacts, with indices among these.
+
+    elements: names of all that have events. Returns `events` and `contacts`, as `Curves` has them.
+    """
+    places = [i for i, name in enumerate(elements) if name.startswith("contact ")]
+    found = events[np.isin(events[:, 1], places)]
+    found[:, 1] = np.searchsorted(places, found[:, 1])
+    return {"events": found, "contacts": [elements[i].removeprefix("contact ") for i in places]}
+
+
 def read_curves(path: str | os.PathLike) -> Curves:
     """The curves of a trajectory, a hundred times faster than `read`.
 
@@ -244,8 +255,7 @@ def read_curves(path: str | os.PathLike) -> Curves:
                 for v in variables.values()
                 if "energy" in v.attributes
             },
-            events=events(),
-            contacts=[name.removeprefix("contact ") for name in names("event_element")],
+            **contact_events(events(), names("event_element")),
         )
     except KeyError as missing:
         raise OSError(f"{os.fspath(path)} has no variable {missing}") from None

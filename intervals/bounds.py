@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .designs import Design, SplitDesign
-from .errors import check_choice, check_options
+from .errors import IntervalError, check_choice, check_options
 from .estimates import ErrorEstimate
 from .metrics import compare_runs
 from .models import MODELS, Model
@@ -63,6 +63,8 @@ def bounds_dataset(
     import xarray as xr
 
     kind = MODELS[check_choice("model", model, MODELS)]
+    if model in ("polynomial", "aligned") and design is None:
+        raise IntervalError("design", None, f"the design that the model {model} is fitted to")
     if model == "polynomial" and isinstance(design, Design) and not len(design.multi_indices):
         kind = MODELS["scan"]
     check_options(f"option of model {model}", kind, options)

@@ -135,10 +135,14 @@ class Responses:
         """Write the results that a group has left; ValueError if a number is not finite."""
         import netCDF4
 
+        from fpm.trajectory import contact_events
+
         if not results:
             return
         first = results[0].outcome
-        events = [result.outcome.events for result in results]
+        elements = [element.name for element in first.eventful]
+        found = [contact_events(result.outcome.events, elements) for result in results]
+        events, contacts = [each["events"] for each in found], found[0]["contacts"]
         with (
             whole_file(self.path(group)) as temporary,
             netCDF4.Dataset(temporary, "w", format="NETCDF4") as file,
@@ -147,7 +151,6 @@ class Responses:
             file.createDimension("time", len(first.time))
             file.createDimension("event", max(1, max(map(len, events))))
             file.createVariable("time", "f8", ("time",))[:] = first.time
-            contacts = [first.scene.hinges[c.hinge].name for c in first.scene.contacts]
             write_dimension(file, "contact", contacts, "name of the contact")
             names = [response.name for response in self.responses]
             write_dimension(file, "response", names, "name of the response")

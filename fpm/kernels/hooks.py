@@ -32,10 +32,13 @@ def hook(arrays: type, name: str | None = None) -> Callable:
         if what not in NAMES:
             raise ValueError(f"{what} is no hook; expected one of {', '.join(NAMES)}")
         compiled = function if hasattr(function, "py_func") else kernel(function)
-        KERNELS[arrays, what] = compiled
+        kernels = {what: compiled}
         if what == "energy_of":
-            KERNELS[arrays, "stored"] = _sum(compiled)
-            KERNELS[arrays, "list_energies"] = _list(compiled)
+            kernels |= {"stored": _sum(compiled), "list_energies": _list(compiled)}
+        for each, made in kernels.items():
+            if (arrays, each) in KERNELS:
+                raise ValueError(f"{arrays.__name__} has a kernel for {each} already")
+            KERNELS[arrays, each] = made
         return compiled
 
     return register

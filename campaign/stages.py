@@ -155,7 +155,7 @@ STAGES = {
     for stage in (
         Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN)),
         Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:])),
-        Stage(simulate, ("jobs",), ("campaign/runs/*.py", "fpm/trajectory.py")),
+        Stage(simulate, ("jobs",), ("campaign/runs/*.py", *_READ[1:])),
         Stage(gather, ("jobs",), ("campaign/results/samples.py", *_READ)),
         Stage(bounds, ("bounds",), _BOUNDS),
         Stage(envelopes, ("error",), (*_PLOT, "campaign/results/summary.py")),

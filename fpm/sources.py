@@ -4,42 +4,89 @@ import ast
 import hashlib
 import inspect
 import os
-import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
-IMPORTED = re.compile(r"^\s*(?:from|import) ([\w.]+)", re.MULTILINE)
+from fpm.errors import SceneError
 
 HERE = Path(__file__).parent
 
-OTHER = {"classic.py", "compiled.py", "errors.py", "sources.py", "trajectory.py", "warming.py"}
-"""Files of the mechanics that do not change a run's numbers: how code and files are kept."""
+OTHER = {
+    "classic.py", "compiled.py", "errors.py", "motion.py", "motion_dataset.py", "responses.py",
+    "sources.py", "trajectory.py", "warming.py",
+}  # fmt: skip
+"""Files of the mechanics that do not change a run's numbers: how code and files are kept, and what
+is read off a run."""
+
+VERSION = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
+"""Of this file, so that digests kept on disk by another one are not met."""
 
 
 def mechanics_sources() -> list[Path]:
     """The files of the mechanics that can change a run's numbers, but for the structures'."""
     folders = (HERE, HERE / "kernels", HERE / "kinds")
     paths = [path for folder in folders for path in folder.glob("*.py") if path.name not in OTHER]
-    return [*paths, HERE / "scenes" / "__init__.py"]
+    return [path for path in paths if path != HERE / "__init__.py"]
 
 
-def own_sources(module: str) -> set[Path]:
-    """The file of an imported module, and those beside it that it imports, and so on."""
+def own_sources(*starts: Path) -> set[Path]:
+    """Python files, those beside them that they import, and so on; no `__init__.py`.
+
+    Only files count, not what is imported when. SceneError for a start that is none.
+    """
     found: set[Path] = set()
-    left = [module]
+    left = [path.resolve() for path in starts]
+    for path in left:
+        if not path.is_file():
+            raise _no_file(str(path))
     while left:
-        module = sys.modules.get(left.pop())
-        path = Path(getattr(module, "__file__", None) or "")
-        if path in found or (found and path.parent not in {p.parent for p in found}):
-            continue
-        found.add(path)
-        if path.name == "__init__.py":
-            continue  # all its modules hang on it
-        left += IMPORTED.findall(path.read_text())
-        left += [value.__name__ for value in vars(module).values() if inspect.ismodule(value)]
+        path = left.pop()
+        if path not in found:
+            found.add(path)
+            left += [other for other in _imported(path) if other.is_file()]
     return found
+
+
+def file_of(thing: Callable) -> Path:
+    """The file in which a function or class was written; SceneError if it was typed in."""
+    try:
+        return Path(inspect.getfile(inspect.unwrap(thing))).resolve()
+    except (OSError, TypeError):
+        raise _no_file(repr(thing)) from None
+
+
+def _no_file(found: str) -> SceneError:
+    allowed = "code in a Python file: results and compiled code are named after its content"
+    return SceneError("source of a structure or kind", found, allowed)
+
+
+def _imported(path: Path) -> Iterator[Path]:
+    """Files beside a file that its imports would name, whether they exist or not."""
+    for node in ast.walk(ast.parse(path.read_bytes(), str(path))):
+        if isinstance(node, ast.Import):
+            level, names = 0, [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            level, base = node.level, node.module or ""
+            names = [base, *(f"{base}.{alias.name}".strip(".") for alias in node.names)]
+        else:
+            continue
+        for name in filter(None, names):
+            yield from _beside(path.parent, name.split("."), level)
+
+
+def _beside(folder: Path, parts: list[str], level: int) -> Iterator[Path]:
+    """The files in a folder that an imported name, or a part of it from the left, may stand for."""
+    for count in range(1, len(parts) + 1):
+        *packages, name = parts[:count]
+        if level:  # from the folder itself, or those above it
+            right = folder.parents[level - 2] if level > 1 else folder
+            fits = right.joinpath(*packages) == folder
+        else:
+            fits = list(folder.parts[len(folder.parts) - len(packages) :]) == packages
+        if fits and name != "__init__":
+            yield folder / f"{name}.py"
 
 
 def syntax_digest(paths: Iterable[Path]) -> str:
@@ -60,7 +107,7 @@ def tree_digest(path: Path) -> str:
     """
     content = path.read_bytes()
     version = f"{sys.version_info.major}.{sys.version_info.minor}"
-    memo = _cache() / f"{hashlib.sha256(content).hexdigest()}-{version}"
+    memo = _cache() / f"{hashlib.sha256(content).hexdigest()}-{version}-{VERSION}"
     with suppress(OSError):
         kept = memo.read_text()
         if len(kept) == 64:

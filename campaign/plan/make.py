@@ -54,7 +54,7 @@ def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: 
             "instants": experiment.solver.instants,
             "step": step,
             "energy_tolerance": experiment.solver.energy_tolerance,
-            "data_version": mechanics,
+            "mechanics": mechanics,
         }
     )
 

@@ -154,9 +154,8 @@ def _provenance(bounds: xarray.Dataset, samples: xarray.Dataset, folder: Path) -
         "Time step": f"{attributes['time_step']:.6g} s",
         "Largest stable step": limit,
     }
-    for key, name in (("data_version", "Data version"), ("mechanics", "Digest of the mechanics")):
-        if key in attributes:
-            facts[name] = str(attributes[key])
+    if "mechanics" in attributes:
+        facts["Digest of the mechanics"] = str(attributes["mechanics"])
     trajectory = folder / "trajectories" / f"{samples['run_id'].values[0]}.nc"
     if trajectory.exists():
         facts["Computed by"] = str(_load(trajectory).attrs.get("versions", ""))

@@ -102,11 +102,15 @@ class Responses:
     """One netCDF file per group, with the responses only, in single precision."""
 
     def __init__(self, folder: Path, responses: Sequence[Any]):
+        from fpm import responses as module
+        from fpm.sources import syntax_digest
+
         self.folder, self.responses = folder, responses
-        self._asked = [asdict(response) for response in responses]
+        code = syntax_digest([Path(module.__file__)])
+        self._asked = [code, *(asdict(response) for response in responses)]
 
     def path(self, group: Sequence[Run]) -> Path:
-        """Other runs or responses have another file."""
+        """Other runs or responses, or another way to read responses, have another file."""
         return self.folder / f"{digest([self._asked, *(run.id for run in group)])}.nc"
 
     def missing(self, group: Sequence[Run]) -> list[Run]:

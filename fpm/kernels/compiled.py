@@ -2,8 +2,8 @@
 
 Numba's cache looks at the file of the cached function only; the loop is made of many files. So the
 cache folder is named after a digest of all kernel sources, and of the files of kinds from
-elsewhere: an edited kernel never meets old code. Every set has a folder of its own, so that no kind
-is needed to load a loop without it.
+elsewhere with what they import from beside them: an edited kernel never meets old code. Every set
+has a folder of its own, so that no kind is needed to load a loop without it.
 """
 
 import fcntl
@@ -11,6 +11,7 @@ import functools
 import hashlib
 import os
 import tempfile
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,11 +19,12 @@ from pathlib import Path
 import numba
 from numba.core.dispatcher import Dispatcher
 
+from fpm import sources
 from fpm.kernels import run as loop
 from fpm.kernels.hooks import KERNELS
 from fpm.kernels.vectors import OPTIONS
 
-PACKAGE = Path(__file__).parents[1]
+PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def kernel_sources() -> list[Path]:
@@ -31,18 +33,13 @@ def kernel_sources() -> list[Path]:
 
 
 def own_sources(parts: tuple[type, ...]) -> set[Path]:
-    """The files outside of the mechanics that hold the kernels of kinds with these tuples."""
-    found, left = set(), [k for (arrays, _), k in KERNELS.items() if arrays in parts]
-    seen = set()
-    while left:
-        function = left.pop().py_func
-        if function in seen:
-            continue
-        seen.add(function)
-        found.add(Path(function.__code__.co_filename).resolve())
-        names = (function.__globals__.get(name) for name in function.__code__.co_names)
-        left += [value for value in names if isinstance(value, Dispatcher)]
-    return {path for path in found if PACKAGE.resolve() not in path.parents}
+    """The files outside of the mechanics on which the code of kinds with these tuples depends.
+
+    Those of the tuples and their kernels, and those beside them that they import.
+    """
+    kernels = [kernel.py_func for (arrays, _), kernel in KERNELS.items() if arrays in parts]
+    files = {sources.file_of(thing) for thing in (*parts, *kernels)}
+    return sources.own_sources(*(path for path in files if PACKAGE not in path.parents))
 
 
 @functools.cache
@@ -78,6 +75,9 @@ LOOPS: dict[tuple[type, ...], Dispatcher] = {}
 READY: set[tuple] = set()
 """The sets of kinds and precisions for which that was compiled or loaded."""
 
+THREADS = threading.Lock()
+"""Held by the thread that makes a loop ready."""
+
 
 def _loop(parts: tuple[type, ...]) -> Dispatcher:
     """The loop for a set of kinds, cached in its folder without changing numba's own setting."""
@@ -95,16 +95,17 @@ def loop_for(arguments: tuple) -> Callable:
     """The time loop, compiled or loaded from the cache for these arguments.
 
     numba's cache can break when several processes write it at once, so the first that arrives
-    compiles and the others wait for its lock.
+    compiles and the others wait for its lock; so do threads, which share numba's setting as well.
     """
     parts, world = arguments[:2]
     kinds = tuple(map(type, parts))
-    run = _loop(kinds)
     if (kinds, world.state.dtype) not in READY:  # to find the whole signature takes milliseconds
-        with _one_at_a_time(cache_folder(kinds)):
-            run.compile(tuple(map(numba.typeof, arguments)))
-        READY.add((kinds, world.state.dtype))
-    return run
+        with THREADS:
+            run = _loop(kinds)
+            with _one_at_a_time(cache_folder(kinds)):
+                run.compile(tuple(map(numba.typeof, arguments)))
+            READY.add((kinds, world.state.dtype))
+    return LOOPS[kinds]
 
 
 @contextmanager

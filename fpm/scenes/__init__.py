@@ -1,9 +1,11 @@
 """The scenes that a campaign can name, and what may be set in each."""
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 
+from fpm import sources
 from fpm.errors import SceneError
 from fpm.scene import Scene
 
@@ -75,15 +77,18 @@ class SceneType:
     energies: tuple[str, ...] = ("kinetic", "strain", "spring", "contact", "balance")
 
     @property
+    def content(self) -> str:
+        """Digest of the structure's own files."""
+        return sources.syntax_digest(sources.own_sources(sources.file_of(self.function)))
+
+    @property
     def digest(self) -> str:
         """16 hex digits that change with the code that computes this scene's runs.
 
-        It covers all of the mechanics that can change their numbers, and the structure's own files.
+        It covers all of the mechanics that can change their numbers, and the structure's content.
         """
-        from fpm import sources
-
-        own = sources.own_sources(self.function.__module__)
-        return sources.syntax_digest({*sources.mechanics_sources(), *own})
+        mechanics = sources.syntax_digest(sources.mechanics_sources())
+        return hashlib.sha256(f"{mechanics} {self.content}".encode()).hexdigest()[:16]
 
     def build(self, **parameters) -> Scene:
         """The scene; defaults fill in what is not given. SceneError names what is wrong."""

@@ -4,6 +4,7 @@ A YAML file is data, in the language of docs/structures.md: it is checked before
 runs no code. A Python file has a function `build` and its `PARAMETERS`; loading it runs it.
 """
 
+import functools
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
@@ -13,6 +14,7 @@ from pathlib import Path
 from fpm.errors import SceneError
 from fpm.scene import Scene
 from fpm.scenes import SceneType
+from fpm.sources import syntax_digest
 from fpm.structures.builder import Builder
 from fpm.structures.model import TEXTS, Model
 from fpm.structures.parameters import Given, read_parameters
@@ -24,10 +26,10 @@ __all__ = ["StructureError", "StructureType", "check", "load", "loads"]
 
 @dataclass(frozen=True)
 class StructureType(SceneType):
-    """A scene from a file. mesh: the parameter that sets the mesh, or None; digest: of the file."""
+    """A scene from a file. mesh: the parameter that sets the mesh, or None; content: its digest."""
 
     mesh: str | None = None
-    digest: str = ""
+    content: str = ""
 
 
 class _File:
@@ -99,8 +101,18 @@ def loads(text: str, source: str = "structure") -> StructureType:
         hinges=tuple(hinge.name for hinge in scene.hinges),
         function=file.build,
         mesh=mesh,
-        digest=hashlib.sha256(json.dumps(plain(table)).encode()).hexdigest()[:16],
+        content=hashlib.sha256(f"{_language()} {json.dumps(plain(table))}".encode()).hexdigest()[
+            :16
+        ],
     )
+
+
+@functools.cache
+def _language() -> str:
+    """Digest of the code that makes scenes of texts."""
+    others = {"problems.py", "python_file.py", "report.py", "table.py"}  # what is said of them
+    paths = Path(__file__).parent.rglob("*.py")
+    return syntax_digest(path for path in paths if path.name not in others)
 
 
 def check(scene_type: SceneType, samples: Iterable[Mapping[str, float]]) -> None:

@@ -1,12 +1,13 @@
 """Structures in Python, for whoever needs loops and conditions. Loading such a file runs it."""
 
 import importlib.util
+import sys
 from pathlib import Path
 
 from fpm.errors import SceneError
 from fpm.scene import Scene
 from fpm.scenes import Parameter, SceneType
-from fpm.sources import syntax_digest
+from fpm.sources import own_sources, syntax_digest
 from fpm.structures.problems import Problem, StructureError
 
 
@@ -46,7 +47,7 @@ def load_python(path: Path) -> SceneType:
         hinges=tuple(hinge.name for hinge in scene.hinges),
         function=build,
         mesh=mesh,
-        digest=syntax_digest([path]),
+        content=syntax_digest(own_sources(path)),
     )
 
 
@@ -54,6 +55,7 @@ def _run(path: Path):
     """The module of a file."""
     spec = importlib.util.spec_from_file_location(f"structure_{path.stem}", path)
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # where dataclasses look up annotations
     try:
         spec.loader.exec_module(module)
     except OSError as error:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,8 @@ from campaign.config.check import check_config
 from campaign.config.design import count_runs
 from campaign.plan.make import make_plan
 from campaign.plan.plan import read_plan, share, write_plan
+from campaign.runs.store import open_store
+from campaign.stages import STAGES
 from fpm.scenes import SceneType
 
 
@@ -86,6 +90,25 @@ def test_another_version_of_the_mechanics_gives_other_names(config, monkeypatch)
     before = names(make_plan(config.experiment))
     monkeypatch.setattr(SceneType, "digest", "another")
     assert not before & names(make_plan(config.experiment))
+
+
+def test_responses_kept_alone_are_named_after_the_code_that_reads_them(
+    config, tmp_path, monkeypatch
+):
+    group = make_plan(config.experiment).runs
+
+    def path(keep):
+        store = open_store(keep, tmp_path, config.experiment)
+        return store.path(group if keep == "responses" else group[0])
+
+    before = {keep: path(keep) for keep in ("responses", "trajectories")}
+    assert path("responses") == before["responses"]
+    edited = tmp_path / "responses.py"
+    edited.write_text(Path(fpm.responses.__file__).read_text() + "\nMORE = 1\n")
+    monkeypatch.setattr(fpm.responses, "__file__", str(edited))
+    assert path("responses") != before["responses"]
+    assert path("trajectories") == before["trajectories"]
+    assert "fpm/responses.py" in STAGES["simulate"].code
 
 
 def test_what_changes_no_trajectory_keeps_its_name(raw):

@@ -1,11 +1,20 @@
 """Compiled afresh or loaded from the cache, the solver gives the same bits."""
 
+import importlib
 import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
+from types import SimpleNamespace
+from typing import NamedTuple
 
+import numba
+import numpy as np
 import pytest
+
+from fpm.kernels import compiled
+from fpm.kernels.hooks import KERNELS
 
 PROGRAM = """
 import fpm
@@ -30,3 +39,85 @@ def test_cached_code_gives_the_bits_of_fresh_code(tmp_path):
     ]  # fmt: skip
     assert [int(hits) for _, hits in runs] == [0, 1]
     assert runs[0][0] == runs[1][0]
+
+
+OWN_KIND = {
+    "own_kernels": """
+from typing import NamedTuple
+
+import numpy as np
+import own_functions
+from fpm.kernels.hooks import hook
+from own_numbers import RATE
+
+class Own(NamedTuple):
+    on: np.ndarray
+
+@hook(Own)
+def forces(part, world, now):
+    part.on[0] = RATE * own_functions.twice(part.on[0])
+""",
+    "own_numbers": "RATE = 1.0",
+    "own_functions": """
+from fpm.kernels.vectors import kernel
+
+@kernel
+def twice(x):
+    return 2.0 * x
+""",
+    "not_imported": "RATE = 1.0",
+}
+
+
+@pytest.fixture
+def own(tmp_path, monkeypatch):
+    """The named tuple of a kind of four files in a folder."""
+    for name, text in OWN_KIND.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    yield importlib.import_module("own_kernels").Own
+    for key in [key for key in KERNELS if key[0].__module__ == "own_kernels"]:
+        del KERNELS[key]
+    for name in OWN_KIND:
+        sys.modules.pop(name, None)
+
+
+@pytest.mark.parametrize(("name", "other"), [(name, name != "not_imported") for name in OWN_KIND])
+def test_an_edit_of_what_a_kind_imports_has_another_cache(own, tmp_path, name, other):
+    before = compiled.cache_folder((own,))
+    path = tmp_path / f"{name}.py"
+    path.write_text(path.read_text().replace("1.0", "3.0").replace("2.0", "3.0") + "\nMORE = 1\n")
+    compiled.source_digest.cache_clear()
+    assert (compiled.cache_folder((own,)) != before) == other
+
+
+def test_threads_do_not_mix_up_their_caches(monkeypatch, tmp_path):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(compiled, "LOOPS", {})
+    kinds = [NamedTuple(f"Kind{i}", [("on", np.ndarray)]) for i in range(16)]
+    world, start = SimpleNamespace(state=np.zeros(1)), threading.Barrier(len(kinds))
+    refused = []
+
+    def ask(kind):
+        start.wait()
+        try:
+            compiled.loop_for(((kind(np.zeros(1)),), world))
+        except ValueError as error:  # such a world has no type, so that nothing is compiled
+            refused.append(str(error))
+
+    threads = [threading.Thread(target=ask, args=[kind]) for kind in kinds]
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    finally:
+        sys.setswitchinterval(interval)
+    assert len(refused) == len(kinds)
+    assert all("Cannot determine Numba type" in text for text in refused)
+    assert str(tmp_path) == numba.config.CACHE_DIR
+    for kind in kinds:
+        folder = compiled.cache_folder((kind,))
+        assert Path(compiled.LOOPS[kind,].stats.cache_path).parent == folder

@@ -1,5 +1,6 @@
 """The digest of a scene's sources: what changes numbers counts, how it is written does not."""
 
+import importlib.util
 import shutil
 import time
 
@@ -55,14 +56,23 @@ def test_what_changes_numbers_counts(copied, file, old, new):
     assert all(x != y for x, y in zip(before, after, strict=True))
 
 
+def test_responses_motions_and_other_structures_do_not_count(copied):
+    before = [fpm.scenes.get(name).digest for name in fpm.scenes.names()]
+    for name in ("responses", "motion", "motion_dataset", "__init__", "scenes/__init__"):
+        with open(copied / f"{name}.py", "a") as file:
+            file.write("\nMORE = 1\n")
+    for name in ("scenes/other", "structures/builder", "structures/other"):
+        (copied / f"{name}.py").write_text("MORE = 1\n")
+    assert [fpm.scenes.get(name).digest for name in fpm.scenes.names()] == before
+
+
 def test_a_structure_s_own_files_count_for_it_alone():
     bennett, pendulum = (
-        {path.name for path in sources.own_sources(f"fpm.scenes.{name}")}
+        {path.name for path in sources.own_sources(sources.HERE / "scenes" / f"{name}.py")}
         for name in ("bennett", "pendulum")
     )
-    assert {"bennett.py", "bennett_geometry.py"} <= bennett
-    assert "pendulum.py" in pendulum
-    assert not pendulum & {"bennett.py", "bennett_geometry.py"}
+    assert bennett == {"bennett.py", "bennett_geometry.py"}
+    assert pendulum == {"pendulum.py"}
     assert fpm.scenes.get("bennett").digest != fpm.scenes.get("pendulum").digest
 
 
@@ -82,3 +92,63 @@ def test_a_cache_that_can_not_be_written_does_not_matter(copied, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null")
     assert fpm.scenes.get("pendulum").digest == before
     assert len(before) == 16
+
+
+@pytest.mark.parametrize(
+    "imports",
+    [
+        "import numpy, helper",
+        "import helper as other",
+        "from helper import VALUE",
+        "from . import helper",
+        "from .helper import VALUE",
+        "from ..room import helper",
+        "import house.room.helper",
+        "from house.room import helper",
+        "from house.room.helper import VALUE",
+        "def build():\n    from helper import VALUE",
+        "import between",
+    ],
+)
+def test_own_sources_are_the_files_beside_that_are_imported(tmp_path, imports):
+    room = tmp_path / "house" / "room"
+    room.mkdir(parents=True)
+    others = {"helper": "VALUE = 1", "between": "import helper", "numpy_": "", "__init__": ""}
+    for name, text in others.items():
+        (room / f"{name}.py").write_text(text)
+    (room / "mast.py").write_text(imports)
+    found = {path.name for path in sources.own_sources(room / "mast.py")}
+    assert found - {"between.py"} == {"mast.py", "helper.py"}
+
+
+@pytest.mark.parametrize(
+    "imports", ["from elsewhere import helper", "import elsewhere.helper", "from .. import helper"]
+)
+def test_a_file_beside_of_the_same_name_is_not_one_from_elsewhere(tmp_path, imports):
+    (tmp_path / "helper.py").write_text("")
+    (tmp_path / "mast.py").write_text(imports)
+    assert sources.own_sources(tmp_path / "mast.py") == {(tmp_path / "mast.py").resolve()}
+
+
+def test_code_that_is_in_no_file_is_refused(tmp_path):
+    names = {"__name__": "typed_in"}
+    exec("def build(): pass\nclass Arrays: pass", names)
+    for thing in (names["build"], names["Arrays"]):
+        with pytest.raises(fpm.SceneError, match="expected code in a Python file"):
+            sources.own_sources(sources.file_of(thing))
+    with pytest.raises(fpm.SceneError, match="expected code in a Python file"):
+        sources.own_sources(tmp_path)
+
+
+def test_digests_kept_by_another_version_are_not_met(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    path = tmp_path / "mast.py"
+    path.write_text("VALUE = 1")
+    first = sources.tree_digest(path)
+    other = tmp_path / "sources.py"
+    other.write_text((sources.HERE / "sources.py").read_text())
+    edit(other, "return ast.dump(tree)", "return ast.dump(tree, include_attributes=True)")
+    spec = importlib.util.spec_from_file_location("other_sources", other)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert module.tree_digest(path) != first

@@ -1,6 +1,7 @@
 """Structures from text do what closed forms, and the same structures in Python, do."""
 
 import pickle
+import shutil
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from structures_for_tests import FOLDER, SMALL, structure
 
 import fpm
+from fpm import sources, structures
 from fpm.kinds.drive import Drive
 from fpm.structures import check, load, loads, report
 
@@ -321,6 +323,44 @@ def test_the_digest_follows_what_a_file_says():
     assert loads(SMALL.replace("3 N m/rad", "4 N m/rad")).digest != base
 
 
+@pytest.fixture
+def copied(tmp_path, monkeypatch):
+    """A copy of the mechanics and the language, whose files are digested; returns its folder."""
+    folder = tmp_path / "fpm"
+    shutil.copytree(sources.HERE, folder, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(sources, "HERE", folder)
+    monkeypatch.setattr(structures, "__file__", str(folder / "structures" / "__init__.py"))
+    structures._language.cache_clear()
+    yield folder
+    structures._language.cache_clear()
+
+
+@pytest.mark.parametrize(
+    ("name", "of_text", "of_python"),
+    [
+        ("kernels/run", True, True),
+        ("structures/builder", True, False),
+        ("structures/statements/bars", True, False),
+        ("structures/report", False, False),
+        ("responses", False, False),
+        ("scenes/bennett", False, False),
+    ],
+)
+def test_the_digest_follows_the_code_that_makes_runs(copied, tmp_path, name, of_text, of_python):
+    path = tmp_path / "mast.py"
+    path.write_text((copied / "scenes" / "pendulum.py").read_text())
+
+    def digests():
+        structures._language.cache_clear()
+        return loads(SMALL).digest, load(path).digest
+
+    before = digests()
+    with open(copied / f"{name}.py", "a") as file:
+        file.write("\nMORE = 1\n")
+    text, python = (x != y for x, y in zip(before, digests(), strict=True))
+    assert (text, python) == (of_text, of_python)
+
+
 def test_a_python_file_is_a_structure_too(tmp_path):
     source = (FOLDER.parents[1] / "fpm" / "scenes" / "pendulum.py").read_text()
     path = tmp_path / "mast.py"
@@ -332,6 +372,35 @@ def test_a_python_file_is_a_structure_too(tmp_path):
         "with a smooth response."  # fmt: skip
     same = fpm.scenes.get("pendulum").build(L=2.0)
     np.testing.assert_array_equal(found.build(L=2.0).position, same.position)
+
+
+def test_the_digest_of_a_python_file_follows_what_it_imports_from_beside_it(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    source = (FOLDER.parents[1] / "fpm" / "scenes" / "pendulum.py").read_text()
+    path, helper = tmp_path / "mast.py", tmp_path / "helper_of_mast.py"
+    path.write_text(f"{source}\nimport helper_of_mast\n")
+    helper.write_text("LENGTH = 1")
+    before = load(path).digest
+    helper.write_text("LENGTH = 1  # m")
+    assert load(path).digest == before
+    helper.write_text("LENGTH = 2")
+    assert load(path).digest != before
+
+
+def test_a_python_file_may_have_dataclasses_and_postponed_annotations(tmp_path):
+    source = (FOLDER.parents[1] / "fpm" / "scenes" / "pendulum.py").read_text()
+    path = tmp_path / "mast.py"
+    first, rest = source.split('"""\n', 1)
+    path.write_text(f'''{first}"""
+from __future__ import annotations
+from dataclasses import dataclass
+{rest}
+
+@dataclass
+class Bay:
+    height: float
+''')
+    assert load(path).points == ("O", "T")
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.scene import AXES, Scene
+from fpm.kinds.kind import AXES
+from fpm.scene import Scene
 from fpm.timestep import stable_step
 
 SMALLEST = 1e-9

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from structures_for_tests import FOLDER, SMALL, structure
 
 import fpm
+from fpm.kinds import Drive
 from fpm.structures import check, load, loads, report
 
 
@@ -234,7 +235,7 @@ record:""",
     driven = SMALL.split("joints:")[0] + (
         "drives: {motor: {part: arm, at: A, spin: [0, 1 rad/s, 0]}}\n"
     )
-    particles, _, spins = loads(driven).build().driven(0.0)
+    particles, _, spins = Drive.motion(loads(driven).build(), 0.0)
     np.testing.assert_array_equal(particles, [0])
     np.testing.assert_array_equal(spins, [[0, 1, 0]])
 

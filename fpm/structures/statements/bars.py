@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from fpm.elements.beam import triad
-from fpm.elements.lumping import lump
+from fpm.kinds.beam import triad
+from fpm.kinds.lumping import lump
 from fpm.structures.builder import Part
 from fpm.structures.keys import Direction, Each, Many, Number, Reference, Whole
 from fpm.structures.statement import statement
@@ -84,7 +84,7 @@ def _straight(scene, it, points, directions, up) -> list[int]:
 def _stretches(scene, it, points, directions, up) -> list[int]:
     """A bar through more points, stretch by stretch; the particles at the points.
 
-    Each stretch is lumped by itself (elements/lumping.py); where two meet, masses and inertias add.
+    Each stretch is lumped by itself (kinds/lumping.py); where two meet, masses and inertias add.
     """
     axes = [triad(direction, up) for direction in directions]
     lumped = [

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fpm.elements.hinge import unit
+from fpm.kinds.hinge import unit
 from fpm.structures import today
 from fpm.structures.keys import Direction, Each, Either, Letters, Many, Number, Part, Reference
 from fpm.structures.statement import statement

@@ -2,7 +2,7 @@
 
 import math
 
-from fpm.elements.beam import Material, Section
+from fpm.kinds.beam import Material, Section
 from fpm.structures.keys import Number
 from fpm.structures.statement import statement
 

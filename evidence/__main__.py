@@ -60,8 +60,9 @@ def main(arguments: list[str] | None = None) -> int:
 def measure(parts: Mapping[str, Callable[[bool], Any]], quick: bool = False) -> dict[str, Any]:
     """What the parts measure, by name; prints how long each takes."""
     import fpm
+    from evidence.linkage.runs import build
 
-    fpm.warm_up()  # so that no part is charged for compiling
+    fpm.warm_up(build())  # so that no part is charged for compiling
     found = {}
     for name, part in parts.items():
         start = time.perf_counter()

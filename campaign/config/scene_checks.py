@@ -66,7 +66,7 @@ def _build_problems(experiment: Experiment) -> list[str]:
     places = itertools.chain(["the nominal values"], itertools.repeat("a corner of the intervals"))
     for place, values in zip(places, corners(experiment.intervals), strict=False):
         try:
-            experiment.scene_type.build(**experiment.parameters(values))
+            experiment.build(values)
         except fpm.SceneError as error:
             at = ", ".join(f"{name} = {value:.9g}" for name, value in values.items())
             return [f"scene: at {place} ({at}): {error}"]

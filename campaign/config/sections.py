@@ -106,6 +106,10 @@ class Experiment:
         defaults = {name: p.default for name, p in self.scene_type.parameters.items()}
         return {**defaults, **self.scene.parameters, **values}
 
+    def build(self, values: Mapping[str, float]) -> Any:
+        """The `fpm.Scene` of that run; raises `fpm.SceneError`."""
+        return self.scene_type.build(**self.parameters(values))
+
 
 @dataclass(frozen=True)
 class BoundsChoice:

@@ -68,7 +68,7 @@ def choose_step(experiment: Experiment) -> TimeStep:
     limit, element = math.inf, ""
     for unit in np.vstack([np.zeros((1, box.dimension)), box.corners()]):
         named = dict(zip(box.names, map(float, box.from_unit(unit)), strict=True))
-        stable = fpm.stable_step(experiment.scene_type.build(**experiment.parameters(named)))
+        stable = fpm.stable_step(experiment.build(named))
         if stable.step < limit:
             limit, element = float(stable.step), str(stable.element)
     wanted = solver.safety * limit if solver.step == "auto" else solver.step

@@ -54,7 +54,7 @@ def run_batch(
     failures: list[Failure] = []
     simulated, integrating = 0, np.zeros(2)
     if work:
-        warm_up(tell)
+        warm_up(plan.experiment.build(plan.named(work[0][1][0])), tell)
         name, total = plan.experiment.name, sum(map(len, flat))
         progress = Progress(name, total, lambda: store.count(flat), tell)
         for number, (group, missing) in enumerate(work, start=1):

@@ -6,6 +6,7 @@ import math
 import threading
 import time
 from collections.abc import Callable
+from typing import Any
 
 Tell = Callable[[str], None]
 
@@ -44,12 +45,12 @@ def duration_text(seconds: float) -> str:
     return f"{minutes} min {rest} s" if minutes else f"{rest} s"
 
 
-def warm_up(tell: Tell) -> None:
-    """Compile the kernels, or load them, and tell if that takes a while."""
+def warm_up(scene: Any, tell: Tell) -> None:
+    """Compile the kernels for a scene, or load them, and tell if that takes a while."""
     import fpm
 
     slow = threading.Timer(5.0, tell, ["compiling the kernels, once; this takes about a minute"])
     slow.daemon = True
     slow.start()
-    fpm.warm_up()
+    fpm.warm_up(scene)
     slow.cancel()

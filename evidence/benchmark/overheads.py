@@ -22,14 +22,14 @@ import fpm
 imported = time.perf_counter()
 import numba
 numba_there = time.perf_counter()
-fpm.warm_up()
+fpm.warm_up(fpm.scenes.get("bennett").build())
 print(json.dumps([imported - start, numba_there - imported, time.perf_counter() - numba_there]))
 """
 
 
 def starting(repeats: int) -> list[Row]:
     """Import of fpm, of numba, and loading the compiled kernels, in fresh processes."""
-    fpm.warm_up()
+    fpm.warm_up(linkages(1)[0])
     times = []
     for _ in range(repeats):
         times.append(json.loads(python("-c", START)))

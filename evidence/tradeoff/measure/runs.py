@@ -98,7 +98,7 @@ def simulate(case: Case, elements: int, safety: float, unit: np.ndarray) -> Runs
     ends = np.vstack([np.zeros(box.dimension), box.corners()])
     step = safety * min(fpm.stable_step(scene(point)).step for point in ends)
     unit = unique_points(unit)
-    fpm.warm_up()
+    fpm.warm_up(scene(ends[0]))
     values, events, cpu = [], [], 0.0
     for first in range(0, len(unit), _CHUNK):
         scenes = [scene(point) for point in unit[first : first + _CHUNK]]

@@ -102,6 +102,16 @@ def summary(folder: Folder, tell: Tell, published: dict[str, float]) -> None:
     tell(summarise(folder, published))
 
 
+def report(folder: Folder, tell: Tell) -> None:
+    """Make the page that shows and tells everything, with the motion of some runs."""
+    from campaign.report import from_results, make_motions, words, write_page
+
+    make_motions(folder.path)
+    data = from_results(folder.path)
+    write_page(data, folder.report)
+    tell("\n".join([words.headline(data), *words.cautions(data), f"Open {folder.report}"]))
+
+
 @dataclass(frozen=True)
 class Stage:
     """A stage: its function, the sections of the config that it takes, and its code.
@@ -147,6 +157,7 @@ _DESIGN = (
 )
 _PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py")
 _BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py")
+_PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
 _READ = ("campaign/runs/store.py", "fpm/trajectory.py", "fpm/responses.py")
 
 # Beside the code named here, runs depend on the mechanics, which are part of their names.
@@ -162,6 +173,7 @@ STAGES = {
         Stage(sensitivities, (), _PLOT),
         Stage(linkage, ("figures",), ("campaign/results/linkage.py", *_PLOT)),
         Stage(summary, ("published",), ("campaign/results/summary.py", _PLOT[1])),
+        Stage(report, (), (*_PAGE, _PLOT[1], "fpm/motion*.py")),
     )
 }
 

@@ -1,4 +1,4 @@
-# Figures and headline numbers.
+# Figures, headline numbers, and the page.
 
 
 rule envelopes:
@@ -92,3 +92,27 @@ rule summary:
         "Summing up"
     shell:
         "python -m campaign summary {wildcards.stage} --config {params.config:q} --log {log}"
+
+
+rule report:
+    input:
+        "{stage}/bounds.nc",
+        "{stage}/samples.nc",
+        "{stage}/sensitivities.nc",
+        "{stage}/summary.json",
+    output:
+        report(
+            "{stage}/report.html",
+            caption="../report/page.rst",
+            category="Summary",
+        ),
+    log:
+        "{stage}/logs/report.log",
+    conda:
+        "../envs/campaign.yaml"
+    params:
+        code=code("report"),
+    message:
+        "Making the page"
+    shell:
+        "python -m campaign report {wildcards.stage} --log {log}"

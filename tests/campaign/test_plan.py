@@ -8,9 +8,9 @@ import pytest
 import fpm
 from campaign.config.check import check_config
 from campaign.config.design import count_runs
-from campaign.plan import make
 from campaign.plan.make import make_plan
 from campaign.plan.plan import read_plan, share, write_plan
+from fpm.scenes import SceneType
 
 
 def plan_of(raw):

@@ -30,7 +30,7 @@ def moving_runs(samples: xarray.Dataset, bounds: xarray.Dataset) -> dict[int, st
     extremes: dict[int, dict[str, list[str]]] = {}
     for i, name in enumerate(samples["response"].values.tolist()):
         widest = int((bounds["upper"].values[i] - bounds["lower"].values[i]).argmax())
-        there = samples["values"].values[:, i, widest]
+        there = samples["values"][:, i, widest].values
         for run, what in ((int(there.argmin()), "least"), (int(there.argmax()), "largest")):
             same = next((r for r in extremes if ids[r] == ids[run]), run)
             extremes.setdefault(same, {}).setdefault(what, []).append(name)

@@ -189,5 +189,6 @@ def drawings(campaign: Campaign) -> list[str]:
 
     experiment = campaign.experiment
     several = len(experiment.intervals) > 1 and experiment.design.order is not None
-    kept = campaign.jobs.keep == "trajectories" and experiment.scene.name in BARS
+    known = experiment.scene.name in BARS and not experiment.scene.file
+    kept = campaign.jobs.keep == "trajectories" and known
     return ["envelopes", *["linkage"] * kept, *["sensitivities"] * several]

@@ -58,12 +58,13 @@ def _load(path: Path, but: str = "") -> xarray.Dataset:
 
 def _parameters(bounds: xarray.Dataset) -> tuple[Parameter, ...]:
     import fpm
+    from campaign.config.sections import Experiment, from_data
 
     keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
     rows = zip(*(bounds[key].values.tolist() for key in keys), strict=True)
     known = {}
-    with suppress(fpm.SceneError):  # results of a scene that this version no longer has
-        known = fpm.scenes.get(str(bounds.attrs["scene"])).parameters
+    with suppress(fpm.SceneError):  # results of a scene that is no longer there
+        known = from_data(Experiment, json.loads(bounds.attrs["config"])).scene_type.parameters
     return tuple(
         Parameter(*row, long_name=known[row[0]].description if row[0] in known else "")
         for row in rows

@@ -24,10 +24,19 @@ __all__ = ["StructureError", "StructureType", "check", "load", "loads"]
 
 @dataclass(frozen=True)
 class StructureType(SceneType):
-    """A scene from a file. mesh: the parameter that sets the mesh, or None; digest: of the file."""
+    """A scene from a file. mesh: the parameter that sets the mesh, or None; content: its digest."""
 
     mesh: str | None = None
-    digest: str = ""
+    content: str = ""
+
+    @property
+    def digest(self) -> str:
+        """16 hex digits that change with the file, and with the code that makes runs of it."""
+        from fpm import sources
+
+        language = Path(__file__).parent.rglob("*.py")
+        code = sources.syntax_digest({*sources.mechanics_sources(), *language})
+        return hashlib.sha256(f"{code} {self.content}".encode()).hexdigest()[:16]
 
 
 class _File:
@@ -99,7 +108,7 @@ def loads(text: str, source: str = "structure") -> StructureType:
         hinges=tuple(hinge.name for hinge in scene.hinges),
         function=file.build,
         mesh=mesh,
-        digest=hashlib.sha256(json.dumps(plain(table)).encode()).hexdigest()[:16],
+        content=hashlib.sha256(json.dumps(plain(table)).encode()).hexdigest()[:16],
     )
 
 

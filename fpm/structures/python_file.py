@@ -46,7 +46,7 @@ def load_python(path: Path) -> SceneType:
         hinges=tuple(hinge.name for hinge in scene.hinges),
         function=build,
         mesh=mesh,
-        digest=syntax_digest([path]),
+        content=syntax_digest([path]),
     )
 
 

@@ -106,7 +106,8 @@ def report(folder: Folder, tell: Tell) -> None:
     """Make the page that shows and tells everything, with the motion of some runs."""
     from campaign.report import from_results, make_motions, words, write_page
 
-    make_motions(folder.path)
+    if not make_motions(folder.path):
+        tell("no run is made again: the structure or the mechanics have changed since")
     data = from_results(folder.path)
     write_page(data, folder.report)
     tell("\n".join([words.headline(data), *words.cautions(data), f"Open {folder.report}"]))

@@ -35,8 +35,8 @@ def load_config(
 ) -> Campaign:
     """The campaign of YAML files, later ones and `overrides` winning key by key.
 
-    A structure's file is sought from the folder of the YAML file that names it; one that `overrides`
-    name, from the working folder.
+    A structure's file is sought from the folder of the YAML file that names it, that of `overrides`
+    from the working folder.
 
     Raises `ConfigError` that lists everything that is wrong.
     """

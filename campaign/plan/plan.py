@@ -81,7 +81,7 @@ class Plan:
 
     @cached_property
     def config_hash(self) -> str:
-        """Digest of the experiment, a structure's file by what is in it and not by its path."""
+        """Digest of the experiment; for a structure's path stands the digest of its mechanics."""
         data = plain_data(self.experiment)
         if data["scene"]["file"]:
             data["scene"]["file"] = self.mechanics

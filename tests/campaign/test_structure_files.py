@@ -155,4 +155,4 @@ def test_what_is_wrong_with_a_file_is_told(path):
         {**RAW, "scene": scene, "responses": {"x": {"opening": "hing"}}}
     )
     edit(path, "axis: z", "axis: up")
-    assert "line 30: joints.hinge.axis: 'up' is not allowed" in problems({**RAW, "scene": scene})
+    assert "line 28: joints.hinge.axis: 'up' is not allowed" in problems({**RAW, "scene": scene})

@@ -12,7 +12,7 @@ rule envelopes:
         ),
     log:
         "{stage}/logs/envelopes.log",
-    priority: 1  # the longest of the last jobs
+    priority: 1
     conda:
         "../envs/campaign.yaml"
     params:
@@ -83,6 +83,7 @@ rule summary:
         ),
     log:
         "{stage}/logs/summary.log",
+    priority: 2  # the page waits for it
     conda:
         "../envs/campaign.yaml"
     params:
@@ -108,6 +109,7 @@ rule report:
         ),
     log:
         "{stage}/logs/report.log",
+    priority: 2  # the longest of the last jobs
     conda:
         "../envs/campaign.yaml"
     params:

@@ -23,3 +23,9 @@ rule all:
     default_target: True
     input:
         campaign_results(),
+
+
+# What the page says first, and which file to open.
+onsuccess:
+    if not workflow.dag_settings.targets:
+        print(WORKFLOW.last_words())

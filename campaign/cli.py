@@ -2,6 +2,8 @@
 
     python -m campaign config/paper.yaml          check a file without running anything
     python -m campaign run config/paper.yaml      plan, simulate, bound and draw, without Snakemake
+    python -m campaign structure mast.yaml        check a structure and print what it is
+    python -m campaign report results/paper       make the page again
 
 A stage takes the folder of a campaign's results, `results/<campaign>`, or of one of its rounds, and
 the config as a YAML file (or the sections that it needs, as JSON). `keys` prints docs/config.md.
@@ -23,7 +25,7 @@ def main(arguments: list[str]) -> int:
     """Do what the arguments ask for; the exit status, 0 when all went well."""
     from campaign.stages import STAGES
 
-    known = {"check", "run", "keys", *STAGES}
+    known = {"check", "run", "keys", "structure", *STAGES}
     if not arguments or not (arguments[0] in known or arguments[0].startswith("-")):
         arguments = ["check", *arguments]
     options = _parser().parse_args(arguments)
@@ -51,6 +53,9 @@ def _parser() -> argparse.ArgumentParser:
     whole.add_argument("--results", default="results", help="folder of all results (%(default)s)")
     whole.add_argument("--no-figures", action="store_true", help="draw nothing")
     command("keys", _keys)
+    structure = command("structure", _structure)
+    structure.add_argument("structure", help="file, .yaml or .py (which is run), or known name")
+    structure.add_argument("--duration", type=float, default=1.0, help="of a run (%(default)s s)")
     for name, stage in STAGES.items():
         one = command(name, stage.work)
         one.set_defaults(act=_run_stage, stage=stage)
@@ -98,6 +103,22 @@ def _keys(options: argparse.Namespace) -> int:
     from campaign.config.table import table
 
     print(table(), end="")
+    return 0
+
+
+def _structure(options: argparse.Namespace) -> int:
+    """Check a structure and print its parameters, parts, mobility and what a run costs."""
+    import fpm
+    from campaign.config.scenes import scene_type
+    from fpm.structures.describe import describe
+
+    name = options.structure
+    try:
+        found = scene_type(name, name if Path(name).suffix else "")
+    except fpm.SceneError as error:
+        print(error, file=sys.stderr)
+        return 1
+    print(describe(found, options.duration))
     return 0
 
 

@@ -49,6 +49,11 @@ class Folder:
         return self / "bounds.nc"
 
     @property
+    def report(self) -> Path:
+        """The page to open."""
+        return self / "report.html"
+
+    @property
     def figures(self) -> Path:
         """The folder of the figures."""
         return self / "figures"

@@ -102,6 +102,17 @@ def summary(folder: Folder, tell: Tell, published: dict[str, float]) -> None:
     tell(summarise(folder, published))
 
 
+def report(folder: Folder, tell: Tell) -> None:
+    """Make the page that shows and tells everything, with the motion of some runs."""
+    from campaign.report import from_results, make_motions, words, write_page
+
+    if not make_motions(folder.path):
+        tell("no run is made again: the structure or the mechanics have changed since")
+    data = from_results(folder.path)
+    write_page(data, folder.report)
+    tell("\n".join([words.headline(data), *words.cautions(data), f"Open {folder.report}"]))
+
+
 @dataclass(frozen=True)
 class Stage:
     """A stage: its function, the sections of the config that it takes, and its code.
@@ -147,6 +158,7 @@ _DESIGN = (
 )
 _PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py")
 _BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py")
+_PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
 _READ = ("campaign/runs/store.py", "fpm/trajectory.py", "fpm/responses.py")
 
 # Beside the code named here, runs depend on the mechanics, which are part of their names.
@@ -162,6 +174,7 @@ STAGES = {
         Stage(sensitivities, (), _PLOT),
         Stage(linkage, ("figures",), ("campaign/results/linkage.py", *_PLOT)),
         Stage(summary, ("published",), ("campaign/results/summary.py", _PLOT[1])),
+        Stage(report, (), (*_PAGE, _PLOT[1], "fpm/motion*.py")),
     )
 }
 
@@ -177,5 +190,6 @@ def drawings(campaign: Campaign) -> list[str]:
 
     experiment = campaign.experiment
     several = len(experiment.intervals) > 1 and experiment.design.order is not None
-    kept = campaign.jobs.keep == "trajectories" and experiment.scene.name in BARS
+    known = experiment.scene.name in BARS and not experiment.scene.file
+    kept = campaign.jobs.keep == "trajectories" and known
     return ["envelopes", *["linkage"] * kept, *["sensitivities"] * several]

@@ -49,6 +49,8 @@ def run(
         for name in wanted:
             draughtsman.ask(name, campaign, folder)
         _stage("summary", campaign, folder, tell)
+        if draughtsman:
+            _stage("report", campaign, folder, tell)
         return _open(folder.bounds)
 
 

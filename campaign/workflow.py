@@ -83,7 +83,12 @@ class Workflow:
         """The files that a campaign leaves for its reader."""
         others = self.folder.pictures(drawings(self.campaign)[1:])  # named as their stages are
         summary = [str(self.folder / f"summary.{kind}") for kind in ("json", "md")]
-        return self.envelope_figures(str(self.folder.path)) + others + summary
+        figures = self.envelope_figures(str(self.folder.path)) + others
+        return [*figures, *summary, str(self.folder.report)]
+
+    def last_words(self) -> str:
+        """What was told when the page was made: the answer, and which file to open."""
+        return (self.folder / "logs/report.log").read_text(encoding="utf-8").strip()
 
 
 def _relative(path: str | Path) -> Path:

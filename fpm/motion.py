@@ -13,8 +13,9 @@ import numpy as np
 from fpm.errors import SceneError
 from fpm.kinds.virtual_beam import VirtualBeam
 from fpm.motion_dataset import Recorded, elements_of, to_dataset
+from fpm.outcome import Outcome
 from fpm.scene import Scene
-from fpm.simulate import Outcome, simulate
+from fpm.simulate import simulate
 
 MOST_RECORDED = 1e8  # numbers of one pass; larger scenes are run in several passes
 

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from fpm.outcome import Outcome
 from fpm.scene import Scene
-from fpm.simulate import Outcome
 
 if TYPE_CHECKING:
     import xarray

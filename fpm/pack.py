@@ -174,8 +174,8 @@ class Batch:
         for kind in self.kinds:
             if (kind.stores is None) == ((type(self.part(kind)), "stored") in KERNELS):
                 raise TypeError(
-                    f"kind {kind.__name__}: `stores` and a kernel for the hook energy_of or stored; "
-                    "expected both, or neither"
+                    f"kind {kind.__name__} has `stores` or a kernel for the hook energy_of or stored, "
+                    "not both; expected both, or neither"
                 )
         return tuple(self.part(kind) for kind in self.kinds)
 

@@ -93,19 +93,22 @@ def syntax_digest(paths: Iterable[Path]) -> str:
     """First 16 hex digits of a SHA-256 of the syntax trees of Python files.
 
     Comments, formatting and docstrings do not count, nor where the files lie or in which order they
-    are given; their names and everything that runs does. SyntaxError for a file that is no Python.
+    are given; their names and everything that runs does, and every byte of other files. SyntaxError
+    for a `.py` that is no Python.
     """
     digest = hashlib.sha256(repr(sorted((path.name, tree_digest(path)) for path in paths)).encode())
     return digest.hexdigest()[:16]
 
 
 def tree_digest(path: Path) -> str:
-    """Digest of the syntax tree of a file, without bare strings (docstrings).
+    """Digest of the syntax tree of a file, without bare strings (docstrings), or of its bytes.
 
     To parse takes a hundred times longer than to read, so the digest for a file's bytes is kept on
     disk. A cache that can not be written is done without.
     """
     content = path.read_bytes()
+    if path.suffix != ".py":
+        return hashlib.sha256(content).hexdigest()
     version = f"{sys.version_info.major}.{sys.version_info.minor}"
     memo = _cache() / f"{hashlib.sha256(content).hexdigest()}-{version}-{VERSION}"
     with suppress(OSError):

@@ -17,6 +17,7 @@ from typing import Any
 
 from campaign.config.loader import load
 from campaign.config.presets import with_preset
+from campaign.config.scenes import anchored
 from campaign.config.sections import Campaign
 from campaign.errors import ConfigError
 
@@ -34,12 +35,15 @@ def load_config(
 ) -> Campaign:
     """The campaign of YAML files, later ones and `overrides` winning key by key.
 
+    A structure's file is sought from the folder of the YAML file that names it, that of `overrides`
+    from the working folder.
+
     Raises `ConfigError` that lists everything that is wrong.
     """
     merged: dict = {}
     for path in paths:
-        merge(merged, load(path))
-    merge(merged, overrides or {})
+        merge(merged, anchored(load(path), Path(path).parent))
+    merge(merged, anchored(overrides or {}, "."))
     return check_config(merged, source or ", ".join(str(path) for path in paths))
 
 

@@ -10,6 +10,8 @@ import copy
 from collections.abc import Mapping
 from typing import Any
 
+from campaign.config.scenes import mesh_of
+
 # Smolyak's points on a line are the Lobatto points of the same order; in more directions they grow
 # slowly. One order serves all.
 PRESETS: dict[str, dict[str, Any]] = {
@@ -20,9 +22,6 @@ PRESETS: dict[str, dict[str, Any]] = {
 
 # A design that polynomials can be taken from too; at the same runs a spline is less wrong.
 METHOD, MODEL = "smolyak", "spline"
-
-# What the scenes call their number of elements.
-_MESH = ("elements_per_link", "elements")
 
 
 def with_preset(raw: Mapping) -> dict:
@@ -46,7 +45,7 @@ def with_preset(raw: Mapping) -> dict:
     solver = config.setdefault("solver", {})
     if "step" not in solver:
         solver.setdefault("safety", preset["safety"])
-    mesh = _mesh_of(config["scene"]["name"])
+    mesh = mesh_of(config["scene"])
     if mesh is not None:
         parameters = config["scene"].setdefault("parameters", {})
         parameters.setdefault(mesh, preset["elements"])
@@ -62,14 +61,3 @@ def _spline_takes(config: Mapping) -> bool:
     except IntervalError:
         return False
     return nodes + config["held_out"] + 1 <= MAX_RUNS
-
-
-def _mesh_of(scene: str) -> str | None:
-    """The scene's parameter for the number of elements; None where it or the scene is unknown."""
-    import fpm
-
-    try:
-        known = fpm.scenes.get(scene).parameters
-    except fpm.SceneError:
-        return None
-    return next((name for name in _MESH if name in known), None)

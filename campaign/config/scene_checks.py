@@ -8,6 +8,7 @@ from typing import Any
 
 from campaign.config.design import make_design, start_of
 from campaign.config.parameters import intervals_of, parameter_problems
+from campaign.config.scenes import scene_type
 from campaign.config.schema_checks import did_you_mean, show
 from campaign.config.sections import (
     BoundsChoice,
@@ -27,11 +28,12 @@ def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
 
     scene, own = config["scene"], dict(config)
     try:
-        scene_type = fpm.scenes.get(scene["name"])
+        found = scene_type(scene.get("name", ""), scene.get("file", ""))
     except fpm.SceneError as error:
-        return None, [_sentence(error.key, error)]
-    intervals, trouble = intervals_of(config["intervals"], scene["parameters"], scene_type)
-    problems = parameter_problems(scene["parameters"], scene_type) + trouble
+        return None, _scene_problems(error, "scene.file")
+    intervals, trouble = intervals_of(config["intervals"], scene["parameters"], found)
+    problems = parameter_problems(scene["parameters"], found) + trouble
+    own["scene"] = {**scene, "name": found.name}
     own["intervals"] = {name: plain_data(interval) for name, interval in intervals.items()}
     own["name"] = own.pop("campaign")
     own.pop("preset", None)
@@ -69,7 +71,7 @@ def _build_problems(experiment: Experiment) -> list[str]:
             experiment.build(values)
         except fpm.SceneError as error:
             at = ", ".join(f"{name} = {value:.9g}" for name, value in values.items())
-            return [f"scene: at {place} ({at}): {error}"]
+            return _scene_problems(error, f"scene: at {place} ({at})", str(error))
     return []
 
 
@@ -161,6 +163,13 @@ def _spline_problems(experiment: Experiment, design: Any) -> list[str]:
             f"allowed: polynomial, or {error.allowed}"
         ]
     return []
+
+
+def _scene_problems(error: Any, key: str, text: str = "") -> list[str]:
+    """A scene's error as sentences: all that is wrong with a file, or the one of a known scene."""
+    if problems := getattr(error, "problems", None):
+        return [f"{key}: {error.source}, {problem}" for problem in problems]
+    return [f"{key}: {text}" if text else _sentence(error.key, error)]
 
 
 def _sentence(key: str, error: Any) -> str:

@@ -28,6 +28,7 @@ def schema_problems(raw: Any, schema: Mapping) -> tuple[list[str], dict | None]:
     for error in errors:
         problems += _sentences(error)
         _remove(sound, error)
+    problems = list(dict.fromkeys(problems))  # two rules may say the same of a value
     return problems, None if endless or not validator.is_valid(sound) else sound
 
 

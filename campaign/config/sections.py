@@ -25,10 +25,14 @@ class Interval:
 
 @dataclass(frozen=True)
 class SceneChoice:
-    """The scene, and the parameters in which it differs from the scene's defaults."""
+    """The scene, and the parameters in which it differs from the scene's defaults.
+
+    file: the path of its text, "" for one that `fpm.scenes` knows.
+    """
 
     name: str
     parameters: dict[str, Any]
+    file: str = ""
 
 
 @dataclass(frozen=True)
@@ -77,9 +81,9 @@ class Experiment:
     @cached_property
     def scene_type(self) -> Any:
         """The `fpm.scenes.SceneType`; raises `fpm.SceneError`."""
-        import fpm
+        from campaign.config.scenes import scene_type
 
-        return fpm.scenes.get(self.scene.name)
+        return scene_type(self.scene.name, self.scene.file)
 
     @cached_property
     def curves(self) -> list[Any]:

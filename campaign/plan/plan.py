@@ -18,7 +18,7 @@ from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 
-from campaign.config.sections import Experiment, digest, from_data
+from campaign.config.sections import Experiment, digest, from_data, plain_data
 from campaign.files import write_text
 
 
@@ -81,8 +81,11 @@ class Plan:
 
     @cached_property
     def config_hash(self) -> str:
-        """Digest of the experiment."""
-        return digest(self.experiment)
+        """Digest of the experiment; for a structure's path stands the digest of its mechanics."""
+        data = plain_data(self.experiment)
+        if data["scene"]["file"]:
+            data["scene"]["file"] = self.mechanics
+        return digest(data)
 
     def unique_runs(self) -> list[Run]:
         """The runs, each id once, in their order."""

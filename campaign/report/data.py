@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     import xarray
 
 
+MOST_LINES = 48
+"""Runs that were not fitted, drawn as thin lines."""
+
+
 @dataclass(frozen=True)
 class Parameter:
     """An interval parameter: its ends and nominal value in `units` (UDUNITS)."""
@@ -62,12 +66,15 @@ class Event:
 
 @dataclass(frozen=True)
 class Run:
-    """A run: role (nominal, node or held_out), parameter values (k,), curves (response, t)."""
+    """A run: role (nominal, node or held_out), parameter values (k,), curves (response, t).
+
+    Runs that are not drawn need no curves.
+    """
 
     id: str
     role: str
     values: np.ndarray
-    curves: np.ndarray
+    curves: np.ndarray | None = None
     events: tuple[Event, ...] = ()
 
 
@@ -119,3 +126,10 @@ class PageData:
         """Indices of the runs that no surrogate was fitted to; the nominal run is among them."""
         fitted = {run.id for run in self.runs if run.role == "node"}
         return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted)
+
+    @property
+    def lines(self) -> list[int]:
+        """Indices of the runs drawn as thin lines: unfitted ones, evenly chosen where many are."""
+        runs = [i for i in self.unfitted if self.runs[i].role != "nominal"]
+        chosen = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), MOST_LINES)).round())
+        return [runs[int(i)] for i in chosen] if runs else []

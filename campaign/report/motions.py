@@ -30,7 +30,7 @@ def moving_runs(samples: xarray.Dataset, bounds: xarray.Dataset) -> dict[int, st
     extremes: dict[int, dict[str, list[str]]] = {}
     for i, name in enumerate(samples["response"].values.tolist()):
         widest = int((bounds["upper"].values[i] - bounds["lower"].values[i]).argmax())
-        there = samples["values"].values[:, i, widest]
+        there = samples["values"][:, i, widest].values
         for run, what in ((int(there.argmin()), "least"), (int(there.argmax()), "largest")):
             same = next((r for r in extremes if ids[r] == ids[run]), run)
             extremes.setdefault(same, {}).setdefault(what, []).append(name)
@@ -71,9 +71,13 @@ def motions_of(samples: xarray.Dataset, runs: Sequence[int], frames: int = 401) 
 
 
 def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
-    """Write `motions/<run id>.nc` of the runs that the page of a campaign's folder shows."""
+    """Write `motions/<run id>.nc` of the runs that the page of a campaign's folder shows.
+
+    None if they could not be made again as they were, since the structure or the mechanics changed.
+    """
     import xarray
 
+    from campaign.config.sections import Experiment, from_data
     from campaign.results.bounds import write_dataset
 
     folder = Path(folder)
@@ -81,6 +85,9 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
         xarray.open_dataset(folder / "samples.nc") as samples,
         xarray.open_dataset(folder / "bounds.nc") as bounds,
     ):
+        experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
+        if experiment.scene_type.digest != samples.attrs["mechanics"]:
+            return []
         runs = list(moving_runs(samples, bounds))
         paths = [folder / MOTIONS / f"{samples['run_id'].values[run]}.nc" for run in runs]
         for motion, path in zip(motions_of(samples, runs, frames), paths, strict=True):

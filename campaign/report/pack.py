@@ -17,9 +17,6 @@ from campaign.report.data import MovingRun, PageData
 MOST_INSTANTS = 4001
 """Instants of a curve from which it is thinned."""
 
-MOST_LINES = 48
-"""Runs that were not fitted, drawn as thin lines."""
-
 MOST_TOLD = 300
 """Runs up to which the contact events of all are in the page, not only of those that are drawn."""
 
@@ -75,7 +72,7 @@ def payload(data: PageData) -> dict[str, Any]:
             for r in data.responses
         ],
         "runs": _runs(data),
-        "lines": _lines(data, keep),
+        "lines": [_line(data, run, keep) for run in data.lines],
         "moving": [_line(data, m.run, keep) | {"label": m.label} for m in data.moving],
         "motion": _motion(data.moving) if data.moving else None,
     }  # fmt: skip
@@ -100,13 +97,6 @@ def _runs(data: PageData) -> list[dict[str, Any]]:
 
 def _line(data: PageData, run: int, keep: np.ndarray) -> dict[str, Any]:
     return {"run": run, "curves": [packed(c[keep], "f4") for c in data.runs[run].curves]}
-
-
-def _lines(data: PageData, keep: np.ndarray) -> list[dict[str, Any]]:
-    """Runs that were not fitted, evenly chosen where there are many; the nominal one is drawn."""
-    runs = [i for i in data.unfitted if data.runs[i].role != "nominal"]
-    chosen = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), MOST_LINES)).round())
-    return [_line(data, runs[int(i)], keep) for i in chosen] if runs else []
 
 
 def _motion(moving: Sequence[MovingRun]) -> dict[str, Any]:

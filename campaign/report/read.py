@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from campaign.files import open_netcdf
 from campaign.report.data import Event, MovingRun, PageData, Parameter, Response, Run, Work
 from campaign.report.motions import MOTIONS, moving_runs
 
@@ -23,10 +26,10 @@ def from_results(folder: str | Path) -> PageData:
     `make_motions` wrote) may be absent.
     """
     folder = Path(folder)
-    samples, bounds = _load(folder / "samples.nc"), _load(folder / "bounds.nc")
+    samples, bounds = _load(folder / "samples.nc", "values"), _load(folder / "bounds.nc")
     sensitivities = folder / "sensitivities.nc"
     runs = _runs(samples)
-    return PageData(
+    data = PageData(
         campaign=str(bounds.attrs["campaign"]),
         scene=str(bounds.attrs["scene"]),
         bounds_kind=str(bounds.attrs["bounds_kind"]),
@@ -36,28 +39,32 @@ def from_results(folder: str | Path) -> PageData:
             bounds, _load(sensitivities) if sensitivities.exists() else None, _published(folder)
         ),
         runs=runs,
-        moving=_moving(folder, samples, runs),
+        moving=_moving(folder, runs),
         work=_work(folder),
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
     )
+    drawn = {*data.lines, *(moving.run for moving in data.moving)}
+    return replace(data, runs=_with_curves(runs, folder / "samples.nc", drawn))
 
 
-def _load(path: Path) -> xarray.Dataset:
+def _load(path: Path, but: str = "") -> xarray.Dataset:
+    """A dataset in memory, without one of its variables."""
     import xarray
 
     with xarray.open_dataset(path) as dataset:
-        return dataset.load()
+        return dataset.drop_vars(but, errors="ignore").load()
 
 
 def _parameters(bounds: xarray.Dataset) -> tuple[Parameter, ...]:
     import fpm
+    from campaign.config.sections import Experiment, from_data
 
     keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
     rows = zip(*(bounds[key].values.tolist() for key in keys), strict=True)
     known = {}
-    with suppress(fpm.SceneError):  # results of a scene that this version no longer has
-        known = fpm.scenes.get(str(bounds.attrs["scene"])).parameters
+    with suppress(fpm.SceneError):  # results of a scene that is no longer there
+        known = from_data(Experiment, json.loads(bounds.attrs["config"])).scene_type.parameters
     return tuple(
         Parameter(*row, long_name=known[row[0]].description if row[0] in known else "")
         for row in rows
@@ -103,10 +110,10 @@ def _runs(samples: xarray.Dataset) -> tuple[Run, ...]:
     contacts = samples["contact"].values.tolist() if "contact" in samples.coords else []
     events = [samples[f"event_{key}"].values for key in ("time", "contact", "closing")]
     roles, ids = samples["role"].values.tolist(), samples["run_id"].values.tolist()
-    curves, values = samples["values"].values, samples["value"].values
+    values = samples["value"].values
     return tuple(
         Run(
-            id=ids[i], role=roles[i], values=values[i], curves=curves[i],
+            id=ids[i], role=roles[i], values=values[i],
             events=tuple(
                 Event(float(time), contacts[int(contact)], bool(closing))
                 for time, contact, closing in sorted(zip(*(e[i] for e in events), strict=True))
@@ -117,10 +124,26 @@ def _runs(samples: xarray.Dataset) -> tuple[Run, ...]:
     )  # fmt: skip
 
 
-def _moving(folder: Path, samples: xarray.Dataset, runs: tuple[Run, ...]) -> tuple[MovingRun, ...]:
+def _with_curves(runs: tuple[Run, ...], path: Path, drawn: Iterable[int]) -> tuple[Run, ...]:
+    """The runs, those `drawn` with their curves: a scan may have more than fit into memory."""
+    made = list(runs)
+    with open_netcdf(path) as samples:
+        for run in sorted(drawn):
+            made[run] = replace(runs[run], curves=samples["values"][run])
+    return tuple(made)
+
+
+def _moving(folder: Path, runs: tuple[Run, ...]) -> tuple[MovingRun, ...]:
     """The moving runs whose motion is there; none without the first, with which all compare."""
+    import xarray
+
     found = []
-    for run, label in moving_runs(samples, _load(folder / "bounds.nc")).items():
+    with (
+        xarray.open_dataset(folder / "samples.nc") as samples,
+        xarray.open_dataset(folder / "bounds.nc") as bounds,
+    ):
+        shown = moving_runs(samples, bounds)
+    for run, label in shown.items():
         path = folder / MOTIONS / f"{runs[run].id}.nc"
         if path.exists():
             found.append(MovingRun(run, label, _load(path)))
@@ -129,9 +152,15 @@ def _moving(folder: Path, samples: xarray.Dataset, runs: tuple[Run, ...]) -> tup
     return tuple(found)
 
 
+def _manifests(folder: Path) -> list[Path]:
+    """What the batches left, those of all rounds too."""
+    patterns = ("batches/*.json", "rounds/*/batches/*.json")
+    return sorted(path for pattern in patterns for path in folder.glob(pattern))
+
+
 def _work(folder: Path) -> tuple[Work, ...]:
     """Time in the batches of runs, of all processes together."""
-    manifests = [json.loads(p.read_text("utf-8")) for p in sorted(folder.glob("batches/*.json"))]
+    manifests = [json.loads(p.read_text("utf-8")) for p in _manifests(folder)]
     if not manifests:
         return ()
     total = np.sum([m["seconds"] for m in manifests], axis=0)

@@ -54,6 +54,7 @@ def run_batch(
     failures: list[Failure] = []
     simulated, integrating = 0, np.zeros(2)
     if work:
+        check_structure(plan)
         warm_up(plan.experiment.build(plan.named(work[0][1][0])), tell)
         name, total = plan.experiment.name, sum(map(len, flat))
         progress = Progress(name, total, lambda: store.count(flat), tell)
@@ -75,6 +76,13 @@ def run_batch(
         "seconds_integrating": integrating.round(3).tolist(),
     }
     write_text(manifest, json.dumps(facts, indent=1) + "\n")
+
+
+def check_structure(plan: Plan) -> None:
+    """Raise `CampaignError` if the file of the structure is no longer the one that was planned."""
+    file = plan.experiment.scene.file
+    if file and plan.experiment.scene_type.digest != plan.mechanics:
+        raise CampaignError(f"{file} has changed since the runs were planned; start again")
 
 
 def simulate(

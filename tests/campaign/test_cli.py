@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 import yaml
@@ -10,6 +11,8 @@ import yaml
 from campaign.cli import main
 from campaign.folder import Folder
 from campaign.stages import STAGES
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -40,7 +43,7 @@ def test_nothing_to_check_is_refused_and_help_names_all_commands(capsys):
         main(["--help"])
     assert helped.value.code == 0
     told = capsys.readouterr().out
-    for name in ("check", "run", "keys", *STAGES):
+    for name in ("check", "run", "keys", "structure", *STAGES):
         assert f"\n    {name}" in told
 
 
@@ -54,6 +57,24 @@ def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path,
         assert path.read_bytes() == (finished / path.name).read_bytes()
     assert main(["envelopes", str(folder.path), "--config", '{"error": {"shade_above": 0.2}}']) == 0
     assert (folder.figures / "vBz.pdf").read_bytes().startswith(b"%PDF")
+
+
+@pytest.mark.parametrize("name", ["bennett", "config/structures/scissor.yaml"])
+def test_a_structure_is_told(capsys, name):
+    assert main(["structure", str(ROOT / name) if "/" in name else name]) == 0
+    told = capsys.readouterr().out
+    for words in ("parameter ", "no interval", "points", "joints", "mass ", "redundant", "set by"):
+        assert words in told
+    assert ("the mesh" in told) == ("/" in name)
+
+
+def test_a_wrong_structure_is_refused_with_its_lines(tmp_path, capsys):
+    path = tmp_path / "mast.yaml"
+    path.write_text("sections:\n  tube: {type: tub, diameter: 1 m}\n", encoding="utf-8")
+    assert main(["structure", str(path)]) == 1
+    assert "line 2: sections.tube.type: 'tub' is not allowed" in capsys.readouterr().err
+    assert main(["structure", "sarrus"]) == 1
+    assert "bennett" in capsys.readouterr().err
 
 
 def test_errors_of_users_have_no_traceback(finished, file, tmp_path, capsys):

@@ -42,11 +42,13 @@ def test_a_campaign_returns_its_bounds_and_leaves_all_files(raw, tmp_path):
     with xr.open_dataset(folder.bounds) as written:
         xr.testing.assert_identical(written.load(), bounds)
     promised = Workflow(campaign.check_config(raw)).results()
-    assert len(promised) == 10
+    assert len(promised) == 11
     for name in promised:
         assert (tmp_path / Path(name).relative_to("results")).stat().st_size > 500
     assert "test: 7 of 7 runs done" in said
-    assert "| BD |" in said[-1]
+    assert "| BD |" in said[-2]
+    assert "is uncertain by up to" in said[-1]
+    assert said[-1].endswith(f"Open {folder.report}")
 
 
 def test_the_returned_bounds_do_not_hold_their_file(finished, raw):

@@ -10,9 +10,9 @@ import pytest
 import xarray
 
 from campaign.report import write_page
-from campaign.report.data import Parameter
+from campaign.report.data import MOST_LINES, Parameter
 from campaign.report.motions import moving_runs
-from campaign.report.pack import MOST_LINES, payload, thinned
+from campaign.report.pack import payload, thinned
 from campaign.report.trust import trust
 from campaign.report.words import cautions, headline, number, spread, verdict
 

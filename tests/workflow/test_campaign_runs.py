@@ -32,10 +32,11 @@ ALL_RULES = {
     "sensitivities",
     "linkage",
     "summary",
+    "report",
 }
 
 
-OF_BOUNDS = {"bounds", "envelopes", "sensitivities", "summary"}
+OF_BOUNDS = {"bounds", "envelopes", "sensitivities", "summary", "report"}
 
 
 def planned(output: str) -> set[str]:
@@ -57,6 +58,7 @@ def test_a_campaign_leaves_its_results(small):
 def test_progress_is_visible(small):
     assert "small: 7 of 7 runs done" in small.output
     assert "(100%) done" in small.output
+    assert "Open results/small/report.html" in small.output.split("(100%) done")[1]
 
 
 def test_a_second_call_has_nothing_to_do(small):
@@ -75,7 +77,13 @@ def test_what_runs_no_job_needs_no_number_of_cores(small, arguments):
     assert done.returncode == 0, done.stderr
     if "--report" in arguments:
         report = (small.folder / "report.html").read_text(encoding="utf-8")
-        for words in ("BD.png", "linkage.png", "summary.md", "The arrow marks the largest"):
+        for words in (
+            "BD.png",
+            "linkage.png",
+            "summary.md",
+            "report.html",
+            "The arrow marks the largest",
+        ):
             assert words in report
 
 
@@ -101,7 +109,7 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
     [
         (
             ["error={shade_above: 0.2}", "figures={moments: 4}", "published={BD: 0.1}"],
-            {"envelopes", "linkage", "summary"},
+            {"envelopes", "linkage", "summary", "report"},
         ),
         (["bounds={model: spline}"], OF_BOUNDS),
         (["intervals={a: {nominal: 0.035, relative: 0.02}}"], ALL_RULES),

@@ -1,4 +1,4 @@
-# Figures and headline numbers.
+# Figures, headline numbers, and the page.
 
 
 rule envelopes:
@@ -12,7 +12,7 @@ rule envelopes:
         ),
     log:
         "{stage}/logs/envelopes.log",
-    priority: 1  # the longest of the last jobs
+    priority: 1
     conda:
         "../envs/campaign.yaml"
     params:
@@ -83,6 +83,7 @@ rule summary:
         ),
     log:
         "{stage}/logs/summary.log",
+    priority: 2  # the page waits for it
     conda:
         "../envs/campaign.yaml"
     params:
@@ -92,3 +93,28 @@ rule summary:
         "Summing up"
     shell:
         "python -m campaign summary {wildcards.stage} --config {params.config:q} --log {log}"
+
+
+rule report:
+    input:
+        "{stage}/bounds.nc",
+        "{stage}/samples.nc",
+        "{stage}/sensitivities.nc",
+        "{stage}/summary.json",
+    output:
+        report(
+            "{stage}/report.html",
+            caption="../report/page.rst",
+            category="Summary",
+        ),
+    log:
+        "{stage}/logs/report.log",
+    priority: 2  # the longest of the last jobs
+    conda:
+        "../envs/campaign.yaml"
+    params:
+        code=code("report"),
+    message:
+        "Making the page"
+    shell:
+        "python -m campaign report {wildcards.stage} --log {log}"

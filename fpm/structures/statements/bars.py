@@ -84,7 +84,7 @@ def _straight(scene, it, points, directions, up) -> list[int]:
 def _stretches(scene, it, points, directions, up) -> list[int]:
     """A bar through more points, stretch by stretch; the particles at the points.
 
-    Each stretch is lumped by itself (elements/lumping.py); where two meet, masses and inertias add.
+    Each stretch is lumped by itself (kinds/lumping.py); where two meet, masses and inertias add.
     """
     axes = [triad(direction, up) for direction in directions]
     lumped = [

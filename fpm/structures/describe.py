@@ -1,0 +1,75 @@
+"""A structure in words: what may be set in it, what it is made of, and what a run costs."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from fpm.kinds.virtual_beam import VirtualBeam
+from fpm.scene import Scene
+from fpm.scenes import Parameter, SceneType
+from fpm.structures import report
+
+
+def describe(found: SceneType, duration: float = 1.0) -> str:
+    """All that there is to know before a run, at the default values; a run lasts `duration` s."""
+    scene = found.build()
+    cost, mobility = report.cost(scene, duration), report.mobility(scene)
+    mesh = getattr(found, "mesh", None)
+    rows = [[name, *_row(p, name == mesh)] for name, p in found.parameters.items()]
+    hinges = [f"{h.name} (opening {np.degrees(h.opening):.4g} deg)" for h in scene.hinges]
+    points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
+    lines = [
+        f"{found.name}: {found.description}" if found.description else found.name,
+        "",
+        *_table([["parameter", "default", "unit", "allowed", "description"], *rows]),
+        "",
+        *_listed("points", points),
+        *_listed("joints", hinges),
+        "",
+        f"mass          {report.mass(scene):.6g} kg",
+        f"its centre    {_vector(report.centre(scene))}",
+        f"mobility      {mobility.degrees} ways to move: {mobility.parts} moving parts, "
+        f"{mobility.conditions} conditions, {mobility.redundant} of them redundant",
+        f"stable step   {cost.step:.4g} s, set by {cost.element}",
+        f"a run         {len(scene.elements)} elements, {cost.steps} steps for {duration:g} s, "
+        f"{cost.element_steps:.3g} steps of elements",
+    ]
+    return "\n".join(lines)
+
+
+def _row(parameter: Parameter, is_mesh: bool) -> list[str]:
+    """Default, unit, what is allowed and description of a parameter."""
+    default = "(from others)" if parameter.default is None else _number(parameter.default)
+    unit = "" if parameter.unit == "1" else parameter.unit
+    kind = "" if parameter.kind == "real" else "no interval"
+    notes = "; ".join(filter(None, [parameter.description, "the mesh" if is_mesh else "", kind]))
+    return [default, unit, parameter.allowed.removesuffix(f" ({unit})"), notes]
+
+
+def _number(value: object) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def _place(scene: Scene, beam: VirtualBeam) -> str:
+    """Where a named point is at the start."""
+    at = beam.particle
+    return _vector(scene.position[at] + scene.frame[at] @ beam.arm)
+
+
+def _vector(values: np.ndarray) -> str:
+    """Metres, those that are rounding as zero."""
+    return f"({', '.join(f'{x:.4g}' for x in np.round(values, 9) + 0.0)}) m"
+
+
+def _table(rows: list[list[str]]) -> list[str]:
+    """Rows in columns of equal width."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
+def _listed(title: str, names: Iterable[str]) -> list[str]:
+    """Names under a title, one a line."""
+    return [title, *(f"  {name}" for name in names or ["none"])]

@@ -1,0 +1,158 @@
+"""Campaigns of structures from text files: from the config to the page."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import campaign
+from campaign.config.check import check_config, load_config
+from campaign.config.sections import Campaign, as_json, from_data, plain_data
+from campaign.errors import CampaignError, ConfigError
+from campaign.plan.make import make_plan
+from campaign.runs.batch import check_structure
+from campaign.workflow import Workflow
+
+ROOT = Path(__file__).parents[2]
+
+RAW = {
+    "campaign": "flap",
+    "scene": {"file": "structures/panel.yaml", "parameters": {"elements": 2, "E": 0.1}},
+    "solver": {"duration": 2.0, "instants": 201},
+    "intervals": {"k": {"lower": 0.08, "upper": 0.12}},
+    "design": {"method": "tensor_roots", "order": 4},
+    "held_out": 2,
+    "responses": {"angle": {"opening": "hinge"}, "x": {"position": "tip", "component": "x"}},
+}
+
+
+@pytest.fixture
+def path(tmp_path) -> Path:
+    """A campaign's file, with a structure in a folder beside it."""
+    shutil.copytree(ROOT / "config" / "structures", tmp_path / "structures")
+    path = tmp_path / "flap.yaml"
+    path.write_text(yaml.safe_dump(RAW), encoding="utf-8")
+    return path
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    """Change a panel's text."""
+    panel = path.parent / "structures" / "panel.yaml"
+    text = panel.read_text(encoding="utf-8")
+    assert old in text
+    panel.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def problems(raw: dict) -> str:
+    """What is wrong with a config."""
+    with pytest.raises(ConfigError) as refused:
+        check_config(raw)
+    return "\n".join(refused.value.problems)
+
+
+def test_an_interval_of_a_file_is_bounded_as_the_closed_form_says(path, tmp_path):
+    said = []
+    bounds = campaign.run(path, tmp_path / "results", tell=said.append)
+    inertia = 1 / 3 + 0.1**2 / 12  # kg m², of length and of thickness
+    time = bounds["time"].values
+    for k, found in ((0.08, bounds["lower"]), (0.12, bounds["upper"])):
+        exact = np.pi * (1 - np.cos(np.sqrt(k / inertia) * time))  # it rests at 180 degrees
+        np.testing.assert_allclose(found.sel(response="angle"), exact, atol=2e-4)
+    assert bounds.attrs["scene"] == "panel"
+    folder = tmp_path / "results" / "flap"
+    for name in Workflow(load_config([path])).results():
+        assert (tmp_path / name).stat().st_size > 500
+    assert "Scene panel" in (folder / "summary.md").read_text(encoding="utf-8")
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "the stiffness of the spring" in page  # in the headline, from the file's description
+    assert len(list((folder / "motions").glob("*.nc"))) > 1
+    assert not (folder / "figures" / "linkage.png").exists()
+
+
+def test_the_path_is_relative_to_the_file_that_has_it(path, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert load_config([path]).experiment.scene.file == "structures/panel.yaml"
+    over = {"scene": {"file": "structures/panel.yaml"}}
+    (tmp_path / "else").mkdir()
+    monkeypatch.chdir(tmp_path / "else")
+    assert load_config([path]).experiment.scene.file == str(tmp_path / "structures/panel.yaml")
+    with pytest.raises(ConfigError, match="cannot be read"):
+        load_config([path], over)
+    monkeypatch.chdir(tmp_path)
+    assert Workflow.from_files([path], over).campaign == load_config([path])
+
+
+def test_runs_are_named_after_what_the_file_says(path, tmp_path):
+    def names(path):
+        plan = make_plan(load_config([path]).experiment)
+        return [run.id for run in plan.runs], plan.config_hash
+
+    before = names(path)
+    moved = tmp_path / "moved"
+    shutil.copytree(path.parent / "structures", moved / "structures")
+    shutil.copy(path, moved / "flap.yaml")
+    assert names(moved / "flap.yaml") == before
+    edit(path, "name: panel", "name: panel  # of a wing")
+    assert names(path) == before
+    edit(path, "nu: 0.3", "nu: 0.2")
+    after = names(path)
+    assert not set(after[0]) & set(before[0])
+    assert after[1] != before[1]
+
+
+def test_a_structure_that_was_edited_after_the_plan_is_not_run(path):
+    plan = make_plan(load_config([path]).experiment)
+    check_structure(plan)
+    edit(path, "nu: 0.3", "nu: 0.2")
+    vars(plan.experiment).pop("scene_type")  # as another process finds it
+    with pytest.raises(CampaignError, match="has changed since"):
+        check_structure(plan)
+
+
+def test_sections_carry_the_file_to_other_processes(path):
+    whole = load_config([path])
+    again = from_data(Campaign, json.loads(as_json(whole=plain_data(whole)))["whole"])
+    assert again == whole
+    assert again.experiment.scene_type.hinges == ("hinge",)
+
+
+def test_a_preset_reaches_the_mesh_that_the_file_names(path):
+    raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+    raw["scene"] = {"file": str(path.parent / "structures" / "panel.yaml")}
+    del raw["design"], raw["held_out"]
+    found = check_config({**raw, "preset": "draft"}).experiment
+    assert found.scene.parameters == {"elements": 8}
+
+
+def test_a_structure_in_python_is_a_scene_too(path):
+    raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+    page = (ROOT / "docs" / "structures.md").read_text(encoding="utf-8")
+    text = page.split("```python\n")[-1].split("```")[0]
+    (path.parent / "bar.py").write_text(text, encoding="utf-8")
+    raw["scene"] = {"file": "bar.py"}
+    raw["intervals"] = {"L": {"relative": 0.1}}
+    raw["responses"] = {"z": {"position": "tip", "component": "z"}}
+    path.write_text(yaml.safe_dump(raw), encoding="utf-8")
+    assert load_config([path]).experiment.build({"L": 2.0}).points["tip"].particle > 0
+
+
+def test_what_is_wrong_with_a_file_is_told(path):
+    both = {**RAW, "scene": {"name": "bennett", "file": "x.yaml"}}
+    assert "`name` or the key `file`, not both" in problems(both)
+    assert "`name` or the key `file`, not both" in problems({**RAW, "scene": {}})
+    assert "absent.yaml, the file cannot be read" in problems(
+        {**RAW, "scene": {"file": "absent.yaml"}}
+    )
+    scene = {"file": str(path.parent / "structures" / "panel.yaml")}
+    told = problems({**RAW, "scene": scene, "intervals": {"kk": {"relative": 0.1}}})
+    assert "the scene panel has no such parameter (did you mean k?)" in told
+    assert "allowed: one of hinge" in problems(
+        {**RAW, "scene": scene, "responses": {"x": {"opening": "hing"}}}
+    )
+    edit(path, "axis: z", "axis: up")
+    assert "line 28: joints.hinge.axis: 'up' is not allowed" in problems({**RAW, "scene": scene})

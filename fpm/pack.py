@@ -174,7 +174,7 @@ class Batch:
         for kind in self.kinds:
             if (kind.stores is None) == ((type(self.part(kind)), "stored") in KERNELS):
                 raise TypeError(
-                    f"kind {kind.__name__} has `stores` or a kernel for the hook energy_of or stored, "
+                    f"kind {kind.__name__} has `stores` or a kernel for energy_of or stored, "
                     "not both; expected both, or neither"
                 )
         return tuple(self.part(kind) for kind in self.kinds)

@@ -159,7 +159,7 @@ _DESIGN = (
 _PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py")
 _BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py")
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
-_READ = ("campaign/runs/store.py", "fpm/trajectory.py", "fpm/responses.py")
+_READ = ("campaign/runs/store.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py")
 
 # Beside the code named here, runs depend on the mechanics, which are part of their names.
 STAGES = {
@@ -172,7 +172,7 @@ STAGES = {
         Stage(bounds, ("bounds",), _BOUNDS),
         Stage(envelopes, ("error",), (*_PLOT, "campaign/results/summary.py")),
         Stage(sensitivities, (), _PLOT),
-        Stage(linkage, ("figures",), ("campaign/results/linkage.py", *_PLOT)),
+        Stage(linkage, ("figures",), ("campaign/results/linkage.py", *_PLOT, *_READ[1:3])),
         Stage(summary, ("published",), ("campaign/results/summary.py", _PLOT[1])),
         Stage(report, (), (*_PAGE, _PLOT[1], "fpm/motion*.py")),
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 import json
 from itertools import chain
 from pathlib import Path
@@ -33,6 +35,23 @@ def test_no_file_that_makes_results_is_forgotten():
     made |= files("intervals/**/*.py") - files("intervals/**/__init__.py")
     missing = {str(path.relative_to(ROOT)) for path in made - known if path.name != "__init__.py"}
     assert not missing
+
+
+@pytest.mark.parametrize("name", STAGES)
+def test_a_stage_depends_on_the_modules_that_it_calls(name):
+    tree = ast.parse(inspect.getsource(STAGES[name].work))
+    called = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    if not name.startswith("plan"):
+        called -= {"campaign.plan.plan"}  # the plan is a file that it is given
+    known = set(chain(*map(files, STAGES[name].code)))
+    for module in called:
+        place = ROOT.joinpath(*module.split("."))
+        assert (place.with_suffix(".py") if not place.is_dir() else place / "__init__.py") in known
+
+
+def test_bounds_depend_on_all_of_the_interval_side():
+    known = set(chain(*map(files, STAGES["bounds"].code)))
+    assert files("intervals/**/*.py") <= known
 
 
 @pytest.mark.parametrize("name", STAGES)

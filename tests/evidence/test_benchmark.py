@@ -65,6 +65,7 @@ def test_kernel_rows():
     assert sum("lanes against one sample" in row.name for row in rows) == 2
 
 
+@pytest.mark.slow
 def test_every_element_kind_is_timed():
     rows = kinds.kinds(20, 1, elements=2)
     check(rows)

@@ -11,6 +11,8 @@ from evidence.verification.study import PARTS
 from fpm.kinds import lumping
 from fpm.kinds.beam import Beams
 
+pytestmark = pytest.mark.slow  # problems with time loops of their own
+
 
 def failing_rows(name: str) -> int:
     """Number of failing rows of a problem; a run that breaks down counts as one."""

@@ -39,7 +39,7 @@ class Runs:
     @cached_property
     def closures(self) -> list[np.ndarray]:
         """Times of the impacts (closures after a time without contact) of each run."""
-        from intervals.impacts import GAP, find_impacts
+        from intervals.models.aligned.impacts import GAP, find_impacts
 
         gap = GAP * float(self.time[-1])
         return find_impacts(*_padded(self.events), gap=gap, end=float(self.time[-1]))

@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 
 import campaign
+from campaign.drawing import Draughtsman
 from campaign.errors import CampaignError, ConfigError
 from campaign.folder import Folder
 from campaign.workflow import Workflow
@@ -148,6 +149,14 @@ def test_figures_that_cannot_be_drawn_are_told(raw, tmp_path):
     (tmp_path / "test" / "figures").write_text("not a folder")
     with pytest.raises(CampaignError, match="figures could not be drawn"):
         run(raw, tmp_path, figures=True)
+
+
+def test_a_drawing_process_that_died_is_told(raw, tmp_path):
+    told = pytest.raises(CampaignError, match="figures could not be drawn")
+    with told, Draughtsman() as draughtsman:
+        draughtsman.process.kill()
+        draughtsman.process.wait()
+        draughtsman.ask("envelopes", campaign.check_config(raw), Folder(tmp_path))
 
 
 def test_importing_is_cheap():

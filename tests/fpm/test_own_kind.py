@@ -1,6 +1,8 @@
 """A kind that the mechanics has never heard of: two files beside this one, added by `Scene.add`."""
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from ground_spring import GroundSpring
 
 import fpm
 from fpm.kernels import compiled
+from fpm.kinds.kind import Energy, Kind
 
 MASS, STIFFNESS, REST = 2.0, 50.0, 0.4
 RATE = np.sqrt(STIFFNESS / MASS)  # of its oscillation, rad/s
@@ -114,3 +117,35 @@ def test_hooks_that_do_not_exist_are_refused():
 
     with pytest.raises(ValueError, match="forcse is no hook; expected one of forces"):
         hook(GroundSprings, "forcse")(lambda part, world, now: None)
+
+
+def test_a_kernel_is_not_replaced_in_silence():
+    from ground_spring_kernels import GroundSprings
+
+    from fpm.kernels.hooks import hook
+
+    with pytest.raises(ValueError, match="GroundSprings has a kernel for forces already"):
+        hook(GroundSprings, "forces")(lambda part, world, now: None)
+
+
+class NoArrays(NamedTuple):
+    rows: np.ndarray
+
+
+@dataclass(frozen=True)
+class Boast(Kind):
+    """Says that it stores energy, and has no kernel for it."""
+
+    stores = Energy("boast", "boast_energy", "energy that nobody computes")
+
+    @classmethod
+    def pack(cls, batch):
+        return NoArrays(batch.rows_of(cls))
+
+
+def test_a_kind_that_stores_energy_has_a_kernel_for_it():
+    scene = fpm.Scene()
+    scene.add_particles((0, 0, 0), 1.0, 1.0)
+    scene.add(Boast())
+    with pytest.raises(TypeError, match="kind Boast has `stores` or a kernel"):
+        fpm.simulate(scene, duration=1e-3, instants=2, step=1e-3)

@@ -1,5 +1,7 @@
 """Errors of the mechanics. Each one says what was found, what is allowed and what to change."""
 
+import difflib
+from collections.abc import Iterable
 from math import isfinite
 
 
@@ -56,3 +58,11 @@ class InstabilityError(RuntimeError):
             self.time, self.element, self.step, self.limit, self.balance, self.scale,
             self.cause, self.largest, self.words,
         )  # fmt: skip
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """`" (did you mean x?)"` when a known name is close, else an empty string."""
+    known = list(known)
+    close = [other for other in known if other.lower() == name.lower()]
+    close += difflib.get_close_matches(name, known, n=1)
+    return f" (did you mean {close[0]}?)" if close else ""

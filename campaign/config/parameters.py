@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from campaign.config.schema_checks import did_you_mean, show
+from campaign.config.schema_checks import show
 from campaign.config.sections import Interval
+from fpm.errors import did_you_mean
 
 
 def intervals_of(

@@ -9,7 +9,7 @@ from typing import Any
 from campaign.config.design import make_design, start_of
 from campaign.config.parameters import intervals_of, parameter_problems
 from campaign.config.scenes import scene_type
-from campaign.config.schema_checks import did_you_mean, show
+from campaign.config.schema_checks import show
 from campaign.config.sections import (
     BoundsChoice,
     Campaign,
@@ -19,6 +19,7 @@ from campaign.config.sections import (
     from_data,
     plain_data,
 )
+from fpm.errors import did_you_mean
 
 
 def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:

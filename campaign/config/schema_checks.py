@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import copy
-import difflib
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
+
+from fpm.errors import did_you_mean
 
 
 def schema_problems(raw: Any, schema: Mapping) -> tuple[list[str], dict | None]:
@@ -74,14 +75,6 @@ def _sentences(error: Any) -> list[str]:
         return [f"{dotted}{error.instance}: not a name that can be used; allowed: {allowed}"]
     allowed = error.schema.get("allowed", error.message)
     return [f"{key or 'the file'}: {show(error.instance)} is not allowed; allowed: {allowed}"]
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """`" (did you mean x?)"` when a known name is close, else an empty string."""
-    known = list(known)
-    close = [other for other in known if other.lower() == name.lower()]
-    close += difflib.get_close_matches(name, known, n=1)
-    return f" (did you mean {close[0]}?)" if close else ""
 
 
 def show(value: Any) -> str:

@@ -11,14 +11,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from fpm.errors import SceneError
+from fpm.errors import SceneError, did_you_mean
 from fpm.scene import Scene
 from fpm.scenes import SceneType
 from fpm.sources import syntax_digest
 from fpm.structures.builder import Builder
 from fpm.structures.model import TEXTS, Model
 from fpm.structures.parameters import Given, read_parameters
-from fpm.structures.problems import Problem, Problems, StructureError, among, did_you_mean
+from fpm.structures.problems import Problem, Problems, StructureError, among
 from fpm.structures.reading import Table, Text, plain, read
 
 __all__ = ["StructureError", "StructureType", "check", "load", "loads"]

@@ -7,8 +7,9 @@ Units of a `repeat` see their own names first, then those of the file, and their
 from collections.abc import Container, Iterable
 from dataclasses import dataclass, field
 
+from fpm.errors import did_you_mean
 from fpm.structures.expressions import Expression, ExpressionError
-from fpm.structures.problems import Problems, SkippedError, did_you_mean
+from fpm.structures.problems import Problems, SkippedError
 from fpm.structures.units import Dimension
 
 NEIGHBOURS = ("next", "previous")

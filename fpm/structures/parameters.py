@@ -3,10 +3,10 @@
 import math
 from dataclasses import dataclass
 
-from fpm.errors import SceneError
+from fpm.errors import SceneError, did_you_mean
 from fpm.scenes import Parameter
 from fpm.structures.expressions import ExpressionError, parse
-from fpm.structures.problems import Problems, did_you_mean
+from fpm.structures.problems import Problems
 from fpm.structures.reading import Items, Node, Table, Text, plain
 from fpm.structures.units import Unit, UnitError, unit
 

@@ -4,9 +4,10 @@ import re
 from dataclasses import dataclass
 from keyword import iskeyword
 
+from fpm.errors import did_you_mean
 from fpm.structures.expressions import RESERVED, ExpressionError, parse
 from fpm.structures.names import NEIGHBOURS, Bound, Context, Names
-from fpm.structures.problems import Problems, SkippedError, did_you_mean, show
+from fpm.structures.problems import Problems, SkippedError, show
 from fpm.structures.reading import Node, Table, Text, plain
 from fpm.structures.units import Dimension, is_unit
 

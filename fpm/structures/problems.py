@@ -1,6 +1,5 @@
 """What is wrong with a structure's file: all at once, each with line, key and what is allowed."""
 
-import difflib
 import re
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -70,14 +69,6 @@ class Problems:
         """Raise them as one StructureError, by lines, if there are any."""
         if self._found:
             raise StructureError(self.source, sorted(self._found))
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """`" (did you mean x?)"` when a known name is close, else an empty string."""
-    known = list(known)
-    close = [other for other in known if other.lower() == name.lower()]
-    close += difflib.get_close_matches(name, known, n=1)
-    return f" (did you mean {close[0]}?)" if close else ""
 
 
 def show(value: object) -> str:

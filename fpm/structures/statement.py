@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+from fpm.errors import did_you_mean
 from fpm.structures.keys import REQUIRED, Key
 from fpm.structures.place import Place
-from fpm.structures.problems import SkippedError, among, did_you_mean
+from fpm.structures.problems import SkippedError, among
 from fpm.structures.reading import Table, Text
 from fpm.structures.today import LATER
 

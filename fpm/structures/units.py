@@ -7,7 +7,7 @@ import math
 import re
 from typing import NamedTuple
 
-from fpm.structures.problems import did_you_mean
+from fpm.errors import did_you_mean
 
 
 class Dimension(NamedTuple):

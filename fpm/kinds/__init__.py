@@ -8,12 +8,14 @@ from fpm.kinds.gravity import Gravity
 from fpm.kinds.hinge import Hinge
 from fpm.kinds.kind import Kind
 from fpm.kinds.load import Load
+from fpm.kinds.opening import Opening
 from fpm.kinds.support import Support
 from fpm.kinds.torsion_spring import TorsionSpring
 
 KINDS: tuple[type[Kind], ...] = (
     Gravity,
     Beams,
+    Opening,
     Hinge,
     TorsionSpring,
     Contact,

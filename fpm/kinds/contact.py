@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.kinds.hinge import Hinge, check_stiffness, relative_turn
 from fpm.kinds.kind import Energy, Kind
+from fpm.kinds.opening import Opening, check_stiffness, relative_turn
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Contact(Kind):
 
     stores = Energy("contact", "contact_energy", "energy of the face-to-face contacts")
     events = ("opens", "closes")
-    reads = (Hinge,)
+    reads = (Opening,)
     always_acts = False
 
     def check(self, scene):
@@ -83,7 +83,7 @@ class Contact(Kind):
         return Contacts(
             batch.integers(c.hinge for c in cls.of(batch.one)),
             batch.table(cls, 1, lambda c: [c.stiffness]),
-            batch.part(Hinge),
+            batch.part(Opening),
             batch.rows_of(cls),
             batch.log_of(cls),
         )

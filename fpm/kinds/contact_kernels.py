@@ -8,8 +8,7 @@ from fpm.kernels.events import note_crossing
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, where_negative
 from fpm.kernels.world import Log
-from fpm.kinds.hinge_arrays import BEFORE, NOW, Hinges
-from fpm.kinds.hinge_openings import turn_hinge
+from fpm.kinds.opening_kernels import BEFORE, NOW, Openings, turn
 
 STIFFNESS = 0
 
@@ -24,7 +23,7 @@ class Contacts(NamedTuple):
 
     on: np.ndarray
     contact: np.ndarray
-    hinges: Hinges
+    openings: Openings
     rows: np.ndarray
     log: Log
 
@@ -34,28 +33,28 @@ def forces(part, world, now):
     """Moments that open the hinges whose faces overlap."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
-        psi = load(part.hinges.openings, h, NOW)
+        psi = load(part.openings.angles, h, NOW)
         overlap = where_negative(psi, -psi, 0.0 * psi)
-        turn_hinge(part.hinges, world.state, h, load(part.contact, i, STIFFNESS) * overlap)
+        turn(part.openings, world.state, h, load(part.contact, i, STIFFNESS) * overlap)
 
 
 @hook(Contacts)
 def note_events(part, world, now):
     """Note the contacts that shut or opened since the last step."""
-    openings = part.hinges.openings
+    angles = part.openings.angles
     for c in range(part.on.shape[0]):
         h = part.on[c]
-        after = where_negative(load(openings, h, NOW) + TOUCH, -1.0, 1.0)
-        before = where_negative(load(openings, h, BEFORE) + TOUCH, -1.0, 1.0)
+        after = where_negative(load(angles, h, NOW) + TOUCH, -1.0, 1.0)
+        before = where_negative(load(angles, h, BEFORE) + TOUCH, -1.0, 1.0)
         if any_negative(after * before):
-            for s in range(openings.shape[2]):
-                last, this = openings[h, BEFORE, s] + TOUCH, openings[h, NOW, s] + TOUCH
+            for s in range(angles.shape[2]):
+                last, this = angles[h, BEFORE, s] + TOUCH, angles[h, NOW, s] + TOUCH
                 note_crossing(part.log, s, c, last, this, now)
 
 
 @hook(Contacts)
 def energy_of(part, world, i):
     """Energy of contact i (J)."""
-    psi = load(part.hinges.openings, part.on[i], NOW)
+    psi = load(part.openings.angles, part.on[i], NOW)
     overlap = where_negative(psi, psi, 0.0 * psi)
     return 0.5 * load(part.contact, i, STIFFNESS) * overlap * overlap

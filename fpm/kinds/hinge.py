@@ -13,16 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.kind import AXES, Deformations, Kind, Recorded, Watch, rows_of
+from fpm.kinds.hinge_limits import MOST_GAP, MOST_TILT
+from fpm.kinds.kind import AXES, Kind, Recorded, Watch
+from fpm.kinds.opening import opening_angle
 from fpm.kinds.virtual_beam import VirtualBeam
-
-MOST_GAP = 1e-6
-"""Gap (m) of a hinge point from which a hinge counts as open; it is below 1e-11 m as a rule, and
-1e-7 m in single precision. It gapes when its particles turn too far in a step for its rounds.
-"""
-
-MOST_TILT = 1e-5
-"""The same for the angle between its axes (rad)."""
 
 
 def _gapes(values: dict[str, float]) -> tuple[str, str]:
@@ -129,25 +123,19 @@ class Hinge(Kind):
             hinges=batch.stack(h, HINGE, _places),
             held=batch.integers(held, 3),
             supported=bool(np.any(held)),
-            openings=batch.table(cls, 2, lambda hinge: [hinge.opening] * 2),
-            followed=batch.is_read(cls),
             body_scratch=batch.blank(2 * h, BODY_SCRATCH),
             hinge_scratch=batch.blank(h, HINGE_SCRATCH),
             open=np.zeros(h, bool),
             watched=batch.watched_by(cls),
             rows=batch.rows_of(cls),
-            track=batch.blank(rows * h, 1),
             gaps=batch.blank(rows, 2),
         )
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Openings, and the largest gaps."""
-        names = tuple(hinge.name for hinge in cls.of(scene))
-        openings = part.track[:, 0, lane].reshape(-1, len(names))
+        """The largest gaps."""
         gap, tilt = part.gaps[:, :, lane].T
         return {
-            "opening": Recorded(openings, "rad", "opening of the hinges", "hinge", names),
             "hinge_gap": Recorded(gap, "m", "largest gap between hinge points"),
             "hinge_axis_gap": Recorded(tilt, "rad", "largest angle between hinge axes"),
         }
@@ -180,22 +168,6 @@ def _places(scene) -> np.ndarray:
         place = scene.position[first.particle] + scene.frame[first.particle] @ first.arm
         row[at.PLACE : at.PLACE + 3] = place
     return out
-
-
-def relative_turn(scene, on, stiffness) -> Deformations:
-    """The deformations of elements that are strained by the openings of the hinges `on`."""
-    hinges, zero = [Hinge.of(scene)[h] for h in on], np.zeros(3)
-    values = [np.concatenate([zero, -h.axes[0], zero, h.axes[1]]) for h in hinges]
-    return rows_of([h.particles for h in hinges], values, stiffness)
-
-
-def check_stiffness(scene, what: str, hinge: int, stiffness: float) -> None:
-    """SceneError unless `what` of a stiffness (N m/rad) can act on a hinge of that index."""
-    count = len(Hinge.of(scene))
-    if not 0 <= hinge < count:
-        raise SceneError(f"hinge of {what}", hinge, f"0 to {count - 1}")
-    if not (np.isfinite(stiffness) and stiffness >= 0):
-        raise SceneError(f"{what} stiffness", stiffness, "a finite number >= 0 (N m/rad)")
 
 
 def check_held(hinge: Hinge, fixed: np.ndarray) -> None:
@@ -240,9 +212,3 @@ def unit(vector, what: str) -> np.ndarray:
     if not size > 0 or not np.isfinite(size):
         raise SceneError(what, vector.tolist(), "a finite vector that is not zero")
     return vector / size
-
-
-def opening_angle(axis, first, second, near: float) -> float:
-    """Angle (rad) from `first` to `second` about `axis`, on the turn closest to `near`."""
-    angle = np.arctan2(np.dot(axis, np.cross(first, second)), np.dot(first, second))
-    return float(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))

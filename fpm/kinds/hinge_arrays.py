@@ -42,8 +42,6 @@ OFF = 56  # what is to be closed: gap (3), tilts about p and q, distance from wh
 ONE, TWO, MP = 64, 67, 70  # impulses: force on body 1, against body 2 (3 each), moments p, q on 2
 HINGE_SCRATCH = 72
 
-NOW, BEFORE = 0, 1  # fields of the openings
-
 GAP, TILT = 0, 1  # watched, and recorded
 
 
@@ -55,14 +53,11 @@ class Hinges(NamedTuple):
     hinges: np.ndarray  # (h, HINGE, lanes)
     held: np.ndarray  # (h, 3) 1 where the hinge point is held along a global axis
     supported: bool  # whether any is
-    openings: np.ndarray  # (h, 2, lanes) now and one step ago (rad)
-    followed: bool  # whether the openings are needed in every step
     body_scratch: np.ndarray  # (2h, BODY_SCRATCH, lanes)
     hinge_scratch: np.ndarray  # (h, HINGE_SCRATCH, lanes)
     open: np.ndarray  # (h,) scratch
     watched: np.ndarray  # (1, 2, lanes)
     rows: np.ndarray  # (h, 1, lanes)
-    track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded openings
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)
 
 

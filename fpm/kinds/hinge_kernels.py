@@ -32,7 +32,6 @@ from fpm.kernels.vectors import (
     to_global,
     to_local,
 )
-from fpm.kinds.hinge import MOST_GAP, MOST_TILT
 from fpm.kinds.hinge_arrays import (
     ARM,
     AXIS,
@@ -44,7 +43,6 @@ from fpm.kinds.hinge_arrays import (
     HIJ,
     INVERSE,
     MISSED,
-    NOW,
     OFF,
     OLD_D2,
     OLD_D3,
@@ -57,13 +55,13 @@ from fpm.kinds.hinge_arrays import (
     Hinges,
     get6,
 )
+from fpm.kinds.hinge_limits import MOST_GAP, MOST_TILT
 from fpm.kinds.hinge_matrix import (
     find_impulses,
     prepare_bodies,
     prepare_directions,
     prepare_matrices,
 )
-from fpm.kinds.hinge_openings import update_openings
 from fpm.kinds.hinge_supports import prepare_supports
 
 ROUNDS = 4
@@ -74,13 +72,6 @@ COARSE_GAP = 5e-9
 
 COARSE_TILT = 5e-8
 """The same for the angle between the axes (rad)."""
-
-
-@hook(Hinges)
-def forces(part, world, now):
-    """None; but the kinds that act on openings follow, and need them."""
-    if part.followed:
-        update_openings(part, world.state)
 
 
 @hook(Hinges)
@@ -253,14 +244,11 @@ def watch(part, gap2, tilt2):
 
 @hook(Hinges)
 def record(part, world, row):
-    """Record the openings, and the largest gaps of all hinges."""
-    if not part.followed:
-        update_openings(part, world.state)
+    """Record the largest gaps of all hinges."""
     count = part.hinges.shape[0]
     gap2 = 0.0 * load(world.state, 0, X)
     tilt2 = gap2
     for h in range(count):
-        store(part.track, row * count + h, 0, load(part.openings, h, NOW))
         _, gap, ep, eq = gaps(part, world.state, h)
         size, tilt = dot(gap, gap), ep * ep + eq * eq
         gap2, tilt2 = larger(gap2, size), larger(tilt2, tilt)

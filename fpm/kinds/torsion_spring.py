@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from fpm.kinds.hinge import Hinge, check_stiffness, relative_turn
 from fpm.kinds.kind import Energy, Kind
+from fpm.kinds.opening import Opening, check_stiffness, relative_turn
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class TorsionSpring(Kind):
     rest: float = 0.0
 
     stores = Energy("spring", "spring_energy", "energy of the torsion springs")
-    reads = (Hinge,)
+    reads = (Opening,)
 
     def check(self, scene):
         """Hinge and stiffness."""
@@ -42,6 +42,6 @@ class TorsionSpring(Kind):
         return Springs(
             batch.integers(s.hinge for s in cls.of(batch.one)),
             batch.table(cls, 2, lambda s: [s.stiffness, s.rest]),
-            batch.part(Hinge),
+            batch.part(Opening),
             batch.rows_of(cls),
         )

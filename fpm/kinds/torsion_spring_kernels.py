@@ -6,8 +6,7 @@ import numpy as np
 
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load
-from fpm.kinds.hinge_arrays import NOW, Hinges
-from fpm.kinds.hinge_openings import turn_hinge
+from fpm.kinds.opening_kernels import NOW, Openings, turn
 
 STIFFNESS, REST = 0, 1
 
@@ -17,7 +16,7 @@ class Springs(NamedTuple):
 
     on: np.ndarray
     spring: np.ndarray
-    hinges: Hinges
+    openings: Openings
     rows: np.ndarray
 
 
@@ -26,12 +25,12 @@ def forces(part, world, now):
     """Moments towards the openings at rest."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
-        off = load(part.spring, i, REST) - load(part.hinges.openings, h, NOW)
-        turn_hinge(part.hinges, world.state, h, load(part.spring, i, STIFFNESS) * off)
+        off = load(part.spring, i, REST) - load(part.openings.angles, h, NOW)
+        turn(part.openings, world.state, h, load(part.spring, i, STIFFNESS) * off)
 
 
 @hook(Springs)
 def energy_of(part, world, i):
     """Energy of spring i (J)."""
-    off = load(part.hinges.openings, part.on[i], NOW) - load(part.spring, i, REST)
+    off = load(part.openings.angles, part.on[i], NOW) - load(part.spring, i, REST)
     return 0.5 * load(part.spring, i, STIFFNESS) * off * off

@@ -4,6 +4,7 @@
     python -m campaign run config/paper.yaml      plan, simulate, bound and draw, without Snakemake
     python -m campaign structure mast.yaml        check a structure and print what it is
     python -m campaign report results/paper       make the page again
+    python -m campaign export results/paper --to glb    a run for ParaView, viewers, spreadsheets
 
 A stage takes the folder of a campaign's results, `results/<campaign>`, or of one of its rounds, and
 the config as a YAML file (or the sections that it needs, as JSON). `keys` prints docs/config.md.
@@ -25,7 +26,7 @@ def main(arguments: list[str]) -> int:
     """Do what the arguments ask for; the exit status, 0 when all went well."""
     from campaign.stages import STAGES
 
-    known = {"check", "run", "keys", "structure", *STAGES}
+    known = {"check", "run", "keys", "structure", "export", *STAGES}
     if not arguments or not (arguments[0] in known or arguments[0].startswith("-")):
         arguments = ["check", *arguments]
     options = _parser().parse_args(arguments)
@@ -56,6 +57,7 @@ def _parser() -> argparse.ArgumentParser:
     structure = command("structure", _structure)
     structure.add_argument("structure", help="file, .yaml or .py (which is run), or known name")
     structure.add_argument("--duration", type=float, default=1.0, help="of a run (%(default)s s)")
+    _add_export(command("export", _export))
     for name, stage in STAGES.items():
         one = command(name, stage.work)
         one.set_defaults(act=_run_stage, stage=stage)
@@ -67,6 +69,25 @@ def _parser() -> argparse.ArgumentParser:
             one.add_argument("--batches", type=int, default=1, help="number of batches")
         one.add_argument("--log", type=Path, help="file that messages go to as well")
     return parser
+
+
+def _add_export(export: argparse.ArgumentParser) -> None:
+    from campaign.export import KINDS
+
+    export.add_argument(
+        "what", metavar="RUN",
+        help="folder of a campaign's results, a campaign's config, or a structure's file or name",
+    )  # fmt: skip
+    kinds = "; ".join(f"{name}: {kind.about}" for name, kind in KINDS.items())
+    export.add_argument("--to", required=True, choices=KINDS, help=kinds)
+    export.add_argument("--run", default="nominal", help="of a folder: nominal, or a run's id")
+    export.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE",
+        help="a parameter of a config or structure, in its unit; may be repeated",
+    )  # fmt: skip
+    export.add_argument("--duration", type=float, help="s, of a config's or structure's run")
+    export.add_argument("--frames", type=int, help="number of frames, evenly spread")
+    export.add_argument("--output", type=Path, help="folder (exports, beside a campaign's results)")
 
 
 def _check(options: argparse.Namespace) -> int:
@@ -119,6 +140,23 @@ def _structure(options: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return 1
     print(describe(found, options.duration))
+    return 0
+
+
+def _export(options: argparse.Namespace) -> int:
+    """Write a run for other programs: ParaView, glTF, a moving picture, CSV."""
+    import fpm
+    from campaign.export import choose, export
+
+    settings = dict(pair.partition("=")[::2] for pair in options.set)
+    try:
+        chosen = choose(options.what, options.run, settings, options.duration)
+        place = options.output or Path(chosen.folder.path if chosen.folder else ".", "exports")
+        paths = export(chosen, options.to, place, options.frames)
+    except (CampaignError, fpm.SceneError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    print("\n".join(map(str, paths)))
     return 0
 
 

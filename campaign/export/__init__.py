@@ -1,0 +1,69 @@
+"""Runs for other programs: ParaView, viewers of glTF, moving pictures, tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from campaign.export.chosen import Chosen, choose
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file: what writes it into a folder, and how many frames it has if nothing is said.
+
+    `write(chosen, folder, frames)` returns the files to tell of.
+    """
+
+    write: Callable[[Chosen, Path, int], list[Path]]
+    about: str
+    frames: int
+
+
+def _vtk(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+    from campaign.export.vtk import write_vtk
+
+    return [write_vtk(chosen.motion(frames), folder / f"{chosen.name}.pvd")]
+
+
+def _glb(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+    from campaign.export.glb import write_glb
+
+    return [write_glb(chosen.motion(frames), folder / f"{chosen.name}.glb")]
+
+
+def _picture(kind: str) -> Callable[[Chosen, Path, int], list[Path]]:
+    def write(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+        from campaign.pictures.moving import write_moving
+
+        return [write_moving(chosen.motion(frames), folder / f"{chosen.name}.{kind}")]
+
+    return write
+
+
+def _csv(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+    from campaign.export.tables import write_tables
+
+    return write_tables(chosen, folder)
+
+
+KINDS = {
+    "vtk": Kind(_vtk, "a collection for ParaView: a .pvd, and two .vtu for every frame", 101),
+    "glb": Kind(_glb, "one glTF file that moves, for viewers and Blender", 101),
+    "gif": Kind(_picture("gif"), "a moving picture", 60),
+    "webp": Kind(_picture("webp"), "a moving picture, smaller and with more colours", 60),
+    "csv": Kind(_csv, "curves of the run; of a campaign also its bounds and runs", 0),
+}
+
+
+def export(chosen: Chosen, kind: str, folder: str | Path, frames: int | None = None) -> list[Path]:
+    """Write a run as one of `KINDS` into a folder; returns the files to open.
+
+    frames: number of frames, evenly spread over the run.
+    """
+    how = KINDS[kind]
+    return how.write(chosen, Path(folder), frames or how.frames)
+
+
+__all__ = ["KINDS", "Chosen", "choose", "export"]

@@ -1,0 +1,79 @@
+"""Tables as CSV: curves of a run, and a campaign's bounds and runs. Units are in the headings."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from campaign.files import open_netcdf, write_text
+from campaign.folder import Folder
+
+if TYPE_CHECKING:
+    from campaign.export.chosen import Chosen
+
+_BOUNDS = ("lower", "upper", "nominal", "error")
+
+
+def write_tables(chosen: Chosen, folder: Path) -> list[Path]:
+    """Write the run's curves, and of a campaign with results its bounds and runs."""
+    tables = {f"{chosen.name}.csv": _columns(curves(chosen.outcome(), chosen.responses))}
+    if chosen.folder:
+        tables["bounds.csv"] = _columns(bounds(chosen.folder))
+        tables["runs.csv"] = runs(chosen.folder)
+    for name, rows in tables.items():
+        write_text(folder / name, _text(rows))
+    return [folder / name for name in tables]
+
+
+def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]:
+    """What a run (`fpm.Outcome`) has over time, by heading: responses, points, openings and
+    energies."""
+    found = {"time (s)": outcome.time}
+    found |= {f"{r.name} ({r.unit})": r.evaluate(outcome) for r in responses}
+    for name, tracks in outcome.points.items():
+        for what, unit, track in zip(("", "velocity "), ("m", "m s-1"), tracks, strict=True):
+            for axis, values in zip("xyz", track.T, strict=True):
+                found[f"{what}{axis} of {name} ({unit})"] = values
+    found |= {f"opening of {name} (rad)": turn for name, turn in outcome.openings.items()}
+    found |= {f"{name} energy (J)": values for name, values in outcome.energies.items()}
+    return found
+
+
+def bounds(folder: Folder) -> dict[str, np.ndarray]:
+    """The bounds of a campaign over time, by heading."""
+    with open_netcdf(folder.bounds) as file:
+        found = {"time (s)": file["time"][:]}
+        rows = zip(file["response"][:], file["response_units"][:], strict=True)
+        for i, (name, units) in enumerate(rows):
+            for key in _BOUNDS:
+                if key in file.variables:
+                    found[f"{name}_{key} ({units})"] = file[key][i]
+    return found
+
+
+def runs(folder: Folder) -> list[list]:
+    """The runs of a campaign with their parameters, a row each, headings first."""
+    with open_netcdf(folder.samples) as file:
+        named = zip(file["parameter"][:], file["box_units"][:], strict=True)
+        rows = [["run", "role", *(f"{name} ({units})" for name, units in named)]]
+        keys = ("run_id", "role", "value")
+        for name, role, values in zip(*(file[key][:] for key in keys), strict=True):
+            rows.append([name, role, *values.tolist()])
+    return rows
+
+
+def _columns(found: Mapping[str, np.ndarray]) -> list[list]:
+    columns = [np.asarray(values).tolist() for values in found.values()]
+    return [list(found), *map(list, zip(*columns, strict=True))]
+
+
+def _text(rows: Iterable[Sequence]) -> str:
+    """Rows as CSV; every number has all its digits."""
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerows(rows)
+    return out.getvalue()

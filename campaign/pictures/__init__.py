@@ -1,0 +1,1 @@
+"""Pictures of structures: any structure, still or moving, from its motion."""

@@ -1,0 +1,37 @@
+"""From where a structure is looked at, in parallel projection."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class View:
+    """The eye's direction: `azimuth` about z from x, and `elevation` above the ground (deg)."""
+
+    azimuth: float = -60.0
+    elevation: float = 22.0
+
+    @cached_property
+    def page(self) -> np.ndarray:
+        """Rows (2, 3): unit vectors to the right and upwards on the page."""
+        a = np.radians(self.azimuth)
+        right = np.array([-np.sin(a), np.cos(a), 0.0])
+        return np.stack([right, np.cross(self.towards, right)])
+
+    @cached_property
+    def towards(self) -> np.ndarray:
+        """Unit vector (3,) to the eye."""
+        a, e = np.radians([self.azimuth, self.elevation])
+        return np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+
+
+def nice_length(wanted: float) -> float:
+    """The largest of 1, 2 or 5 times a power of ten that is at most `wanted` (above 0)."""
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return float(
+        max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1 + 1e-9)) * power
+    )

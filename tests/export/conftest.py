@@ -1,0 +1,44 @@
+"""A motion without a simulation, and a small campaign."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from swing import CONFIG
+
+import campaign
+
+FRAMES = 7
+
+
+@pytest.fixture(scope="session")
+def motion():
+    """The Bennett linkage thrown into the air, every particle turning at a rate of its own."""
+    import fpm
+    from fpm.motion import element_strains, section_corners
+    from fpm.motion_dataset import Recorded, to_dataset
+
+    scene = fpm.scenes.get("bennett").build(elements_per_link=3)
+    scene.name = 'a "thrown" linkage & more'
+    count, time = len(scene.position), np.linspace(0.0, 0.6, FRAMES)
+    rate = np.random.default_rng(1).normal(scale=4.0, size=(count, 3))
+    turn = Rotation.from_rotvec((time[:, None, None] * rate).reshape(-1, 3)).as_matrix()
+    frame = turn.reshape(FRAMES, count, 3, 3) @ scene.frame
+    position = scene.position + time[:, None, None] * [1.0, 2.0, 3.0]
+    points = {
+        name: (position[:, p.particle] + frame[:, p.particle] @ p.arm, np.zeros((FRAMES, 3)))
+        for name, p in scene.points.items()
+    }
+    outcome = SimpleNamespace(points=points, time=time, step=0.1, events=np.zeros((0, 3)))
+    strains = element_strains(scene, position, frame)
+    found = Recorded(scene, outcome, position, 0.0 * position + 1.5, frame, *strains)
+    return to_dataset(found, section_corners(scene), np.arange(FRAMES), {"run_id": "abc"})
+
+
+@pytest.fixture(scope="session")
+def results(tmp_path_factory):
+    """The folder of a campaign with one parameter and one response, run once."""
+    results = tmp_path_factory.mktemp("results")
+    campaign.run(CONFIG, results, figures=False, tell=lambda text: None)
+    return results / CONFIG["campaign"]

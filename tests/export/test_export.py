@@ -1,0 +1,107 @@
+"""`python -m campaign export`: which run it is, and what is written where."""
+
+import csv
+
+import numpy as np
+import pytest
+import xarray
+import yaml
+from swing import CONFIG
+
+from campaign.cli import main
+from campaign.errors import CampaignError
+from campaign.export import KINDS, choose, export
+
+
+def read(path):
+    """Headings and numbers (n, k) of a CSV file, text as NaN."""
+    with open(path, newline="") as file:
+        head, *rows = list(csv.reader(file))
+    return head, np.array([[float(cell) for cell in row] for row in rows])
+
+
+def length(scene):
+    """Of the diagonal of the box around a scene's particles: that of a pendulum."""
+    return np.linalg.norm(np.ptp(scene.position, axis=0))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_is_written_beside_the_results(results, capsys, kind):
+    assert main(["export", str(results), "--to", kind, "--frames", "3"]) == 0
+    told = capsys.readouterr().out.splitlines()
+    assert told and told[0].startswith(str(results / "exports"))
+    for line in told:
+        assert (results / "exports" / line.rsplit("/", 1)[1]).stat().st_size > 100
+
+
+def test_any_run_of_a_campaign_is_its_trajectory(results):
+    with xarray.open_dataset(results / "samples.nc") as samples:
+        run = str(samples["run_id"].values[2])
+    motion = choose(str(results), run[:10]).motion(5)
+    assert motion.attrs["run_id"] == run
+    with xarray.open_dataset(results / "trajectories" / f"{run}.nc") as there:
+        kept = there["position"].sel(time=motion["time"].values)
+        assert np.array_equal(kept.values, motion["point_position"].values)
+
+
+def test_tables_are_the_files_numbers_to_the_last_digit(results, tmp_path):
+    export(choose(str(results)), "csv", tmp_path)
+    head, numbers = read(tmp_path / "bounds.csv")
+    assert head == ["time (s)", *(f"x_{k} (m)" for k in ("lower", "upper", "nominal", "error"))]
+    with xarray.open_dataset(results / "bounds.nc") as bounds:
+        expected = [bounds["time"], *(bounds[k].values[0] for k in ("lower", "upper", "nominal"))]
+        assert np.array_equal(numbers[:, :4].T, np.stack(expected))
+        head, numbers = read(tmp_path / "nominal.csv")
+        assert head[:2] == ["time (s)", "x (m)"]
+        assert "x of T (m)" in head and "velocity z of T (m s-1)" in head
+        assert "kinetic energy (J)" in head
+        assert np.array_equal(numbers[:, 1], bounds["nominal"].values[0])
+        assert np.array_equal(numbers[:, head.index("x of T (m)")], numbers[:, 1])
+    rows = (tmp_path / "runs.csv").read_text().splitlines()
+    assert rows[0] == "run,role,L (m)" and len(rows) == 1 + 4
+    assert rows[1].split(",")[1:] == ["nominal", "1.0"]
+
+
+def test_a_configs_nominal_run_is_that_of_its_campaign(results, tmp_path):
+    path = tmp_path / "swing.yaml"
+    path.write_text(yaml.safe_dump(CONFIG), encoding="utf-8")
+    of_config, of_results = choose(str(path)), choose(str(results))
+    assert of_config.step == of_results.step
+    one, other = (chosen.motion(5) for chosen in (of_config, of_results))
+    assert np.array_equal(one["position"].values, other["position"].values)
+    longer = choose(str(path), settings={"L": "1.02"}, duration=0.4)
+    assert (longer.duration, longer.instants) == (0.4, 201)
+    assert length(longer.scene) == pytest.approx(1.02)
+
+
+def test_a_structure_moves_without_a_campaign(tmp_path):
+    chosen = choose("pendulum", settings={"elements": "3", "E": "1e8", "L": "0.8"}, duration=0.02)
+    assert length(chosen.scene) == pytest.approx(0.8)
+    (path,) = export(chosen, "glb", tmp_path, frames=3)
+    assert path == tmp_path / "pendulum.glb"
+
+
+def test_what_cannot_be_exported_is_refused_with_what_is_allowed(results, tmp_path, capsys):
+    for arguments, words in (
+        ([str(results), "--run", "zz"], "there is no run 'zz'; allowed: nominal, or an id of"),
+        ([str(results), "--run", ""], "there is no run ''"),
+        ([str(results), "--set", "L=2"], "the runs of a campaign are as they are"),
+        ([str(tmp_path)], "no samples.nc"),
+        (["pendulum", "--run", "abc"], "needs the folder of a campaign's results"),
+        (["pendulum", "--set", "L=-1"], "L = -1 is not allowed"),
+        (["pendulum", "--set", "M=1"], "parameter M of scene pendulum"),
+        (["pendulum", "--set", "L=["], "this is not YAML"),
+        (["absent.yaml"], "absent.yaml"),
+        (["sarrus"], "bennett, pendulum"),
+    ):
+        assert main(["export", *arguments, "--to", "csv"]) == 1, arguments
+        told = capsys.readouterr().err
+        assert words in told and "Traceback" not in told
+
+
+def test_a_run_that_fails_says_so():
+    from dataclasses import replace
+
+    chosen = choose("pendulum", settings={"elements": "3", "E": "1e8"}, duration=0.2)
+    with pytest.raises(CampaignError, match="the run fails: unstable"):
+        replace(chosen, step=40 * chosen.step, instants=3).motion(3)

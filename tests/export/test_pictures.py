@@ -1,0 +1,92 @@
+"""Pictures show the structure: where it is, how large, and nothing that is behind."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from campaign.pictures.moving import write_moving
+from campaign.pictures.paint import limits_of, visible_faces
+from campaign.pictures.solid import Solid, solid_of_motion, solid_of_scene
+from campaign.pictures.view import View, nice_length
+
+SQUARE = 0.5 * np.array([[0, -1, -1], [0, 1, -1], [0, 1, 1], [0, -1, 1]])
+
+
+def cube():
+    """A cube of 1 m between two particles on the x axis."""
+    return Solid(
+        nodes=np.array([[0, 1]]),
+        sections=np.stack([SQUARE, SQUARE])[None],
+        position=np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]]),
+        frame=np.tile(np.eye(3), (1, 2, 1, 1)),
+        elements=("bar[0]",),
+    )
+
+
+@pytest.mark.parametrize("kind", ["gif", "webp"])
+def test_a_moving_picture_has_all_frames_and_plays_for_ever(motion, tmp_path, kind):
+    path = write_moving(motion, tmp_path / f"run.{kind}")
+    with Image.open(path) as image:
+        assert image.n_frames == motion.sizes["time"]
+        assert image.info["loop"] == 0
+        shown = []
+        for frame in range(image.n_frames):
+            image.seek(frame)
+            shown.append(np.asarray(image.convert("RGB")).astype(int))
+    for one, other in pairwise(shown):
+        assert np.abs(one - other).max() > 50
+    assert max(shown[0].shape) <= 700
+
+
+def test_the_same_motion_gives_the_same_bytes(motion, tmp_path):
+    short = motion.isel(time=slice(0, 3))
+    one, other = (write_moving(short, tmp_path / f"{name}.gif").read_bytes() for name in "ab")
+    assert one == other
+
+
+def test_only_faces_towards_the_eye_are_painted_and_the_nearest_last():
+    view = View(azimuth=-60, elevation=22)
+    faces, colours = visible_faces(cube(), 0, view)
+    assert faces.shape == (3, 4, 2) and colours.shape == (3, 3)
+    area = 0.0
+    for face in faces:
+        d = face[2] - face[0], face[3] - face[1]
+        area += 0.5 * abs(d[0][0] * d[1][1] - d[0][1] * d[1][0])
+    assert area == pytest.approx(np.abs(view.towards).sum(), rel=1e-12)  # shadow of a unit cube
+
+
+def test_the_view_is_orthonormal_and_x_y_z_are_right_handed_on_the_page():
+    view = View()
+    axes = np.vstack([view.page, view.towards])
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-15)
+    assert np.linalg.det(axes) == pytest.approx(1.0)
+    assert view.page[1] @ [0, 0, 1] > 0
+
+
+def test_limits_hold_all_places_with_a_margin():
+    corners, view = cube().corners, View()
+    low, high = limits_of(corners, view)
+    flat = corners.reshape(-1, 3) @ view.page.T
+    assert (flat > low).all() and (flat < high).all()
+    flat_structure = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    low, high = limits_of(flat_structure, View(0.0, 0.0))
+    assert (high > low).all()
+
+
+def test_a_solid_of_a_scene_is_that_of_its_motions_first_frame(motion):
+    import fpm
+
+    still = solid_of_scene(fpm.scenes.get("bennett").build(elements_per_link=3))
+    moving = solid_of_motion(motion)
+    np.testing.assert_allclose(still.corners[0], moving.corners[0], atol=1e-12)
+    assert still.bars == moving.bars == ("link AB", "link BC", "link CD", "link DA")
+    assert still.visible.sum() == 12 * 4 + 4 * 2  # sides of all elements, two ends of each bar
+
+
+@pytest.mark.parametrize(
+    ("wanted", "found"), [(1.0, 1.0), (0.99, 0.5), (0.3, 0.2), (7.0, 5.0), (0.021, 0.02)]
+)
+def test_scales_are_round_lengths(wanted, found):
+    assert nice_length(wanted) == pytest.approx(found)

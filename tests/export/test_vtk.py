@@ -1,0 +1,102 @@
+"""What is written for ParaView, read by readers that are not ours."""
+
+import xml.etree.ElementTree as Xml
+
+import numpy as np
+import pytest
+
+from campaign.export.vtk import write_vtk
+from campaign.pictures.solid import solid_of_motion
+
+
+@pytest.fixture(scope="module")
+def collection(motion, tmp_path_factory):
+    """The collection's file."""
+    return write_vtk(motion, tmp_path_factory.mktemp("vtk") / "run.pvd")
+
+
+def datasets(collection):
+    """Time, name and file of each grid of the collection."""
+    rows = Xml.parse(collection).getroot().find("Collection")
+    return [
+        (float(row.get("timestep")), row.get("name"), collection.parent / row.get("file"))
+        for row in rows
+    ]
+
+
+def test_the_collection_has_two_grids_for_each_frame(collection, motion):
+    rows = datasets(collection)
+    assert all(path.exists() for *_, path in rows)
+    for name in ("axes", "solid"):
+        assert [time for time, other, _ in rows if other == name] == motion["time"].values.tolist()
+
+
+def test_meshio_reads_what_the_motion_is(collection, motion):
+    meshio = pytest.importorskip("meshio", reason="reads .vtu; in the extra `test`")
+    paths = [path for _, name, path in datasets(collection) if name == "axes"]
+    for frame, path in enumerate(paths):
+        grid, now = meshio.read(path), motion.isel(time=frame)
+        np.testing.assert_array_equal(grid.points, now["position"].values)
+        lines = grid.cells_dict["line"]
+        np.testing.assert_array_equal(lines, motion["element_particle"].values)
+        np.testing.assert_array_equal(grid.point_data["velocity"], now["velocity"].values)
+        for k, axis in enumerate("xyz"):
+            expected = now["frame"].values[:, :, k]
+            np.testing.assert_array_equal(grid.point_data[f"axis_{axis}"], expected)
+        for name in ("axial_strain", "bending_strain", "stress"):
+            found = grid.cell_data_dict[name]["line"]
+            np.testing.assert_array_equal(found, now[name].values)
+            assert np.abs(found).max() > 0
+        np.testing.assert_array_equal(
+            grid.cell_data_dict["section_size"]["line"], motion["section_size"].values
+        )
+        alone = set(range(motion.sizes["particle"])) - set(lines.ravel())
+        assert set(grid.cells_dict.get("vertex", np.zeros((0, 1), int)).ravel()) == alone
+
+
+def test_axes_of_sections_are_normal_to_each_other_and_to_the_bar(collection, motion):
+    meshio = pytest.importorskip("meshio", reason="reads .vtu; in the extra `test`")
+    grid = meshio.read(next(path for _, name, path in datasets(collection) if name == "axes"))
+    y, z = (grid.cell_data_dict[f"section_{name}"]["line"] for name in "yz")
+    ends = grid.points[grid.cells_dict["line"]]
+    chord = ends[:, 1] - ends[:, 0]
+    chord /= np.linalg.norm(chord, axis=1, keepdims=True)
+    np.testing.assert_allclose(np.cross(chord, y), z, atol=1e-12)
+    np.testing.assert_allclose(np.sum(y * z, axis=1), 0.0, atol=1e-12)
+
+
+def test_meshio_reads_the_solid_bars(collection, motion):
+    meshio = pytest.importorskip("meshio", reason="reads .vtu; in the extra `test`")
+    expected = solid_of_motion(motion)
+    paths = [path for _, name, path in datasets(collection) if name == "solid"]
+    for frame, path in enumerate(paths):
+        grid = meshio.read(path)
+        corners = grid.points[grid.cells_dict["hexahedron"]]
+        np.testing.assert_array_equal(corners, expected.corners[frame])
+    assert set(grid.cell_data_dict["bar"]["hexahedron"]) == {0, 1, 2, 3}
+
+
+def test_vtk_reads_it_and_no_bar_is_inside_out(collection, motion):
+    vtk = pytest.importorskip("vtk", reason="the library of ParaView is not installed")
+    path = next(path for _, name, path in datasets(collection) if name == "solid")
+    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    grid = reader.GetOutput()
+    assert grid.GetNumberOfCells() == motion.sizes["element"]
+    assert grid.GetFieldData().GetArray("TimeValue").GetValue(0) == 0.0
+    sizes = vtk.vtkCellSizeFilter()
+    sizes.SetInputData(grid)
+    sizes.Update()
+    volumes = sizes.GetOutput().GetCellData().GetArray("Volume")
+    found = sum(volumes.GetValue(i) for i in range(volumes.GetNumberOfTuples()))
+    lengths, sizes = motion["element_length"].values, motion["section_size"].values
+    assert found == pytest.approx(float(lengths @ sizes.prod(axis=1)), rel=1e-6)
+
+
+def test_a_structure_of_particles_alone_is_points(motion, tmp_path):
+    meshio = pytest.importorskip("meshio", reason="reads .vtu; in the extra `test`")
+    bare = motion.isel(element=slice(0, 0), time=[0])
+    write_vtk(bare, tmp_path / "bare.pvd")
+    grid = meshio.read(tmp_path / "bare/axes-0000.vtu")
+    assert len(grid.cells_dict["vertex"]) == len(grid.points) == motion.sizes["particle"]

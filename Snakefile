@@ -15,6 +15,7 @@ include: "workflow/rules/common.smk"
 include: WORKFLOW.plan_rules
 include: "workflow/rules/runs.smk"
 include: "workflow/rules/bounds.smk"
+include: "workflow/rules/answers.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/studies.smk"
 

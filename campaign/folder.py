@@ -49,6 +49,16 @@ class Folder:
         return self / "bounds.nc"
 
     @property
+    def quantities(self) -> Path:
+        """Intervals of the quantities."""
+        return self / "quantities.nc"
+
+    @property
+    def further(self) -> Path:
+        """The further runs that answers took."""
+        return self / "further.nc"
+
+    @property
     def report(self) -> Path:
         """The page to open."""
         return self / "report.html"

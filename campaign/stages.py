@@ -74,6 +74,13 @@ def bounds(folder: Folder, tell: Tell, bounds: Any) -> None:
     analyse(folder, bounds)
 
 
+def quantities(folder: Folder, tell: Tell, verify: Any, jobs: Any, threads: int = 1) -> None:
+    """Find the intervals of the quantities, with further runs at their ends."""
+    from campaign.answers.quantities import answer
+
+    answer(folder, verify, jobs, tell, threads)
+
+
 def envelopes(folder: Folder, tell: Tell, error: Any) -> None:
     """Draw each response with its bounds and the nominal run."""
     from campaign.results.figures import draw_envelopes
@@ -159,7 +166,22 @@ _DESIGN = (
 _PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py")
 _BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py")
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
-_READ = ("campaign/runs/store.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py")
+_READ = (
+    "campaign/runs/store.py",
+    "fpm/trajectory.py",
+    "fpm/classic.py",
+    "fpm/responses.py",
+    "fpm/quantities.py",
+)
+
+_SUMMARY = ("campaign/results/summary.py", "campaign/answers/tables.py")
+_ANSWERS = (
+    "campaign/answers/*.py",
+    "campaign/plan/make.py",
+    "campaign/runs/*.py",
+    *_BOUNDS,
+    *_READ[1:],
+)
 
 # Beside the code named here, runs depend on the mechanics, which are part of their names.
 STAGES = {
@@ -170,10 +192,11 @@ STAGES = {
         Stage(simulate, ("jobs",), ("campaign/runs/*.py", *_READ[1:])),
         Stage(gather, ("jobs",), ("campaign/results/samples.py", *_READ)),
         Stage(bounds, ("bounds",), _BOUNDS),
+        Stage(quantities, ("verify", "jobs"), _ANSWERS),
         Stage(envelopes, ("error",), (*_PLOT, "campaign/results/summary.py")),
         Stage(sensitivities, (), _PLOT),
         Stage(linkage, ("figures",), ("campaign/results/linkage.py", *_PLOT, *_READ[1:3])),
-        Stage(summary, ("published",), ("campaign/results/summary.py", _PLOT[1])),
+        Stage(summary, ("published",), (*_SUMMARY, _PLOT[1])),
         Stage(report, (), (*_PAGE, _PLOT[1], "fpm/motion*.py")),
     )
 }

@@ -46,6 +46,8 @@ def run(
                 wanted.remove("linkage")
                 draughtsman.ask("linkage", campaign, folder)
             _stage("bounds", campaign, folder, tell)
+        if campaign.experiment.quantities:
+            _stage("quantities", campaign, folder, tell, threads=os.cpu_count() or 1)
         for name in wanted:
             draughtsman.ask(name, campaign, folder)
         _stage("summary", campaign, folder, tell)

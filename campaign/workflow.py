@@ -79,6 +79,11 @@ class Workflow:
         """The figures of the responses."""
         return Folder(stage).pictures(self.campaign.experiment.responses)
 
+    def answers(self, stage: str) -> list[str]:
+        """The files with the intervals of quantities, if any are asked for."""
+        folder, asked = Folder(stage), self.campaign.experiment.quantities
+        return [str(folder.quantities), str(folder.further)] if asked else []
+
     def results(self) -> list[str]:
         """The files that a campaign leaves for its reader."""
         others = self.folder.pictures(drawings(self.campaign)[1:])  # named as their stages are

@@ -7,7 +7,7 @@
 Importing is cheap: numba and xarray are loaded when first needed.
 """
 
-from fpm import responses, scenes, trajectory
+from fpm import quantities, responses, scenes, trajectory
 from fpm.errors import InstabilityError, SceneError
 from fpm.kinds.beam import Material, Section
 from fpm.outcome import Outcome
@@ -27,6 +27,7 @@ __all__ = [
     "Section",
     "StableStep",
     "divide_time",
+    "quantities",
     "responses",
     "scenes",
     "simulate",

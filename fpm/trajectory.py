@@ -33,7 +33,8 @@ class Curves(NamedTuple):
     (position (t, 3) m, velocity (t, 3) m/s); openings: hinge -> (t,) rad; energies: kind -> (t,) J.
 
     Also events (e, 3) of contacts: time (s), index among the contacts, 1 if it closes; contacts:
-    names of their hinges.
+    names of their hinges. happened: times (s) by element and event, of all that have events;
+    events_dropped: how many more there were.
     """
 
     time: np.ndarray
@@ -42,6 +43,8 @@ class Curves(NamedTuple):
     energies: dict[str, np.ndarray]
     events: np.ndarray
     contacts: list[str]
+    happened: dict[tuple[str, str], np.ndarray]
+    events_dropped: int
 
 
 def contents(outcome, responses=(), attributes=None, parameters=None) -> Contents:
@@ -221,16 +224,41 @@ def contact_events(events: np.ndarray, elements: Sequence[str]) -> dict[str, Any
     return {"events": found, "contacts": [elements[i].removeprefix("contact ") for i in places]}
 
 
+def happened(
+    events: np.ndarray, eventful: Sequence[tuple[str, Sequence[str]]]
+) -> dict[tuple[str, str], np.ndarray]:
+    """Times (s) by element and event, of events (e, 3); eventful: elements with their events."""
+    return {
+        (name, event): events[(events[:, 1] == i) & (events[:, 2] == number), 0]
+        for i, (name, own) in enumerate(eventful)
+        for number, event in enumerate(own)
+    }
+
+
+def curves_of(outcome) -> Curves:
+    """The curves of an outcome (fpm.Outcome), as `read_curves` finds them in its file."""
+    eventful = outcome.eventful
+    return Curves(
+        time=outcome.time,
+        points=outcome.points,
+        openings=outcome.openings,
+        energies=outcome.energies,
+        **contact_events(outcome.events, [element.name for element in eventful]),
+        happened=happened(outcome.events, eventful),
+        events_dropped=outcome.events_dropped,
+    )
+
+
 def read_curves(path: str | os.PathLike) -> Curves:
     """The curves of a trajectory, a hundred times faster than `read`.
 
     Raises OSError if the file is not there, was cut off, or was not written by `write`.
     """
-    _, variables = classic.read(path)
+    attributes, variables = classic.read(path)
 
-    def names(dimension: str) -> list[str]:
+    def names(name: str) -> list[str]:
         # What has an empty dimension is not in the file.
-        found = variables[dimension].values if dimension in variables else ()
+        found = variables[name].values if name in variables else ()
         return [row.tobytes().rstrip(b"\0").decode() for row in found]
 
     def values(name: str) -> np.ndarray:
@@ -243,6 +271,9 @@ def read_curves(path: str | os.PathLike) -> Curves:
         return np.stack([values(name) for name in columns], axis=1)
 
     try:
+        elements = names("event_element")
+        own = [text.split(" ") for text in names("event_names")]
+        found = events()
         return Curves(
             time=values("time"),
             points={
@@ -255,7 +286,9 @@ def read_curves(path: str | os.PathLike) -> Curves:
                 for v in variables.values()
                 if "energy" in v.attributes
             },
-            **contact_events(events(), names("event_element")),
+            **contact_events(found, elements),
+            happened=happened(found, list(zip(elements, own, strict=True))),
+            events_dropped=int(attributes.get("events_dropped", 0)),
         )
     except KeyError as missing:
         raise OSError(f"{os.fspath(path)} has no variable {missing}") from None

@@ -43,6 +43,8 @@ def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
     if not problems:
         problems += _build_problems(campaign.experiment)
     problems += _response_problems(campaign)
+    if not problems:
+        problems += _quantity_problems(campaign.experiment)
     if not trouble:
         problems += _design_problems(campaign)
     return campaign, problems
@@ -92,6 +94,18 @@ def _response_problems(campaign: Campaign) -> list[str]:
         for name in campaign.published
         if name not in known
     ]
+
+
+def _quantity_problems(experiment: Experiment) -> list[str]:
+    """What of the quantities cannot be read off a run of the scene."""
+    import fpm
+
+    if not experiment.quantities:
+        return []
+    scene = experiment.build(next(corners(experiment.intervals)))
+    elements = fpm.quantities.eventful(scene)
+    _, errors = fpm.quantities.parse(experiment.quantities, experiment.curves, elements)
+    return [_sentence(error.key, error) for error in errors]
 
 
 def _design_problems(campaign: Campaign) -> list[str]:

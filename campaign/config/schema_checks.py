@@ -10,6 +10,9 @@ from typing import Any
 
 from fpm.errors import did_you_mean
 
+# Sections of definitions by name, which are wrong as a whole.
+_WHOLE = ("intervals", "responses", "quantities")
+
 
 def schema_problems(raw: Any, schema: Mapping) -> tuple[list[str], dict | None]:
     """What `schema` finds wrong with `raw`, one sentence each that starts with the key.
@@ -42,8 +45,8 @@ def _remove(data: Any, error: Any) -> None:
     elif "propertyNames" in error.absolute_schema_path:
         paths = [[*path, error.instance]]
     else:
-        # An interval or a response without one of its keys would only raise another complaint.
-        paths = [path[:2] if path[0] in ("intervals", "responses") else path] if path else []
+        # A definition without one of its keys would only raise another complaint.
+        paths = [path[:2] if path[0] in _WHOLE else path] if path else []
     for *parents, last in paths:
         place = data
         for part in parents:

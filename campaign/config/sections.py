@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, is_dataclass
+from dataclasses import asdict, dataclass, field, is_dataclass
 from functools import cached_property
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -77,6 +77,7 @@ class Experiment:
     design: DesignChoice
     held_out: int
     responses: dict[str, dict]
+    quantities: dict[str, dict] = field(default_factory=dict)
 
     @cached_property
     def scene_type(self) -> Any:
@@ -91,6 +92,21 @@ class Experiment:
         import fpm
 
         return [fpm.responses.parse(n, d, self.scene_type) for n, d in self.responses.items()]
+
+    @cached_property
+    def numbers(self) -> list[Any]:
+        """The parsed quantities, `fpm.quantities.Quantity`; raises `fpm.SceneError`."""
+        from fpm import quantities
+
+        if not self.quantities:
+            return []
+        elements = quantities.eventful(
+            self.build(dict(zip(self.intervals, self.nominal, strict=True)))
+        )
+        found, problems = quantities.parse(self.quantities, self.curves, elements)
+        for problem in problems:
+            raise problem
+        return found
 
     @cached_property
     def box(self) -> Any:
@@ -125,6 +141,13 @@ class BoundsChoice:
 
 
 @dataclass(frozen=True)
+class Verify:
+    """How intervals of quantities are verified: at most so many rounds of runs at their ends."""
+
+    rounds: int
+
+
+@dataclass(frozen=True)
 class ErrorDisplay:
     """Which instants figures shade: those with an error above a share of the largest width."""
 
@@ -156,6 +179,7 @@ class Campaign:
     published: dict[str, float]
     error: ErrorDisplay
     figures: FigureChoice
+    verify: Verify
     jobs: Jobs
 
     @property

@@ -10,6 +10,9 @@
     role(run)                     node, nominal or held_out
     run_id(run)
     event_time, event_contact, event_closing (run, event)   contact events, padded with NaN
+    quantities(run, quantity)     in the units quantity_units(quantity), NaN where what is asked for
+                                  does not happen; only in campaigns that have quantities
+    quantity, quantity_units, quantity_long_name (quantity)
 
 No variable is named after a response, so that a response may have any name. This file is all that
 the interval side needs.
@@ -48,7 +51,12 @@ def gather(plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path) -> None
     missing: list[str] = []
     with whole_file(path) as temporary, netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
         _write_runs(file, plan)
-        _write_names(file, store.responses)
+        _write_names(file, "response", store.responses)
+        if store.quantities:
+            _write_names(file, "quantity", store.quantities)
+            none = np.full((len(plan.runs), len(store.quantities)), np.nan)
+            text = "value of the quantity, none where what is asked for does not happen"
+            _numbers(file, "quantities", ("run", "quantity"), none, text)
         for group in groups:
             found = store.read(group)
             missing += [run.id for run in group if run.id not in found]
@@ -128,15 +136,15 @@ def _define_curves(file: Any, record: Record, parameters: Iterable[str]) -> None
         variable.setncatts({"units": units, "long_name": long_name})
 
 
-def _write_names(file: Any, responses: Sequence[Any]) -> None:
-    """Write which responses there are."""
-    write_dimension(file, "response", [r.name for r in responses], "name of the response")
+def _write_names(file: Any, what: str, named: Sequence[Any]) -> None:
+    """Write which responses, or quantities, there are."""
+    write_dimension(file, what, [one.name for one in named], f"name of the {what}")
     for key, values in (
-        ("units", [r.unit for r in responses]),
-        ("long_name", [r.long_name for r in responses]),
+        ("units", [one.unit for one in named]),
+        ("long_name", [one.long_name for one in named]),
     ):
-        text = f"{key.replace('_', ' ')} of the response"
-        _text(file, f"response_{key}", "response", values, text)
+        text = f"{key.replace('_', ' ')} of the {what}"
+        _text(file, f"{what}_{key}", what, values, text)
 
 
 def _write_rows(file: Any, rows: list[int], records: Sequence[Record]) -> None:
@@ -145,6 +153,8 @@ def _write_rows(file: Any, rows: list[int], records: Sequence[Record]) -> None:
     for row, record in zip(rows, records, strict=True):
         for column, name in enumerate(EVENT_VARIABLES):
             file[name][row, : len(record.events)] = record.events[:, column]
+        if len(record.numbers):
+            file["quantities"][row] = record.numbers
 
 
 def _text(file: Any, name: str, dimension: str, values: Sequence[str], long_name: str) -> None:

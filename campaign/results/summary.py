@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from campaign.answers.tables import quantity_lines, quantity_rows
 from campaign.files import open_netcdf, write_text
 from campaign.folder import Folder
 from campaign.plan.plan import read_plan
@@ -19,6 +20,11 @@ def summarise(folder: Folder, published: Mapping[str, float]) -> str:
     """Write both summaries and return the text; `published` are largest differences by response."""
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
         summary = headline(bounds, samples, published)
+        asked = "quantities" in samples.variables
+    if asked:
+        with open_netcdf(folder.quantities) as quantities:
+            summary["quantities"] = quantity_rows(quantities)
+            summary["runs"] = {name: int(quantities.getncattr(name)) for name in _RUNS}
     rounds = read_plan(folder.plan).adaptive
     if rounds is not None:
         summary["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds], "met": rounds.met}
@@ -26,6 +32,9 @@ def summarise(folder: Folder, published: Mapping[str, float]) -> str:
     write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
     write_text(folder / "summary.md", text)
     return text
+
+
+_RUNS = ("runs", "further_runs")
 
 
 def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
@@ -155,6 +164,8 @@ def as_text(summary: Mapping) -> str:
     if "adaptive" in summary:
         rounds = summary["adaptive"]["rounds"]
         lines += ["", f"Order found in {len(rounds)} rounds: {rounds[-1]['reason']}."]
+    if "quantities" in summary:
+        lines += quantity_lines(summary["quantities"], *summary["runs"].values())
     if summary["closures"]:
         lines += ["", f"Contacts that close in the nominal run: {_closure_text(summary)}."]
     return "\n".join(lines) + "\n"

@@ -66,7 +66,7 @@ def run_batch(
             integrating += taken
             progress.report(last=number == len(work))
     if failures:
-        raise CampaignError(_failure_text(plan, failures))
+        raise CampaignError(failure_text(plan, failures))
     facts = {
         "batch": batch,
         "runs": [run.id for group in mine for run in group],
@@ -138,7 +138,8 @@ def versions() -> str:
     return ", ".join(found)
 
 
-def _failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
+def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
+    """Which runs of a plan failed, with their parameters and the reason."""
     lines = [f"{len(failures)} of the runs failed; all others were written:"]
     for run, reason in failures:
         values = ", ".join(f"{name} = {value:.9g}" for name, value in plan.named(run).items())

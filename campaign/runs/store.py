@@ -6,8 +6,8 @@ run, with the same methods:
 
 `Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded;
 `Responses`     one netCDF file per group, `<digest of the group's run ids>.nc`, with the
-                responses and contact events only. Other groups have other files: another
-                design, size of group or response simulates its runs again.
+                responses, contact events and quantities only. Other groups have other files:
+                another design, size of group or response simulates its runs again.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from campaign.config.sections import Experiment, digest
+from campaign.errors import CampaignError
 from campaign.files import open_netcdf, whole_file
 from campaign.plan.plan import Run
 
@@ -39,25 +40,36 @@ class Result:
 @dataclass(frozen=True)
 class Record:
     """What the interval side needs of a run: time (t,) s, the values (n, t) of its n responses,
-    contact events (e, 3): time (s), contact index, 1 if it closes, and names of contacts."""
+    contact events (e, 3): time (s), contact index, 1 if it closes, names of contacts, and numbers
+    (q,) of its quantities, NaN where what is asked for does not happen."""
 
     time: np.ndarray
     values: np.ndarray
     events: np.ndarray
     contacts: Sequence[str]
+    numbers: np.ndarray
 
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Trajectories | Responses:
-    """The store for a config's `jobs.keep` in `folder`; the experiment says which responses."""
+    """The store for a config's `jobs.keep` in `folder`; the experiment says which responses
+    and quantities."""
     kind = {"trajectories": Trajectories, "responses": Responses}[keep]
-    return kind(Path(folder), experiment.curves)
+    return kind(Path(folder), experiment.curves, experiment.numbers)
+
+
+def _numbers(quantities: Sequence[Any], curves: Any) -> np.ndarray:
+    """Numbers (q,) of one run; raises `CampaignError` where they cannot be told."""
+    try:
+        return np.array([quantity.evaluate(curves) for quantity in quantities], dtype=float)
+    except ValueError as error:
+        raise CampaignError(str(error)) from None
 
 
 class Trajectories:
     """One netCDF file per run. It does not depend on the responses: any can be taken from it."""
 
-    def __init__(self, folder: Path, responses: Sequence[Any]):
-        self.folder, self.responses = folder, responses
+    def __init__(self, folder: Path, responses: Sequence[Any], quantities: Sequence[Any] = ()):
+        self.folder, self.responses, self.quantities = folder, responses, quantities
 
     def path(self, run: Run) -> Path:
         return self.folder / f"{run.id}.nc"
@@ -85,7 +97,8 @@ class Trajectories:
         for run in group:
             if (curves := self._curves(run)) is not None:
                 values = np.stack([r.evaluate(curves) for r in self.responses])
-                found[run.id] = Record(curves.time, values, curves.events, curves.contacts)
+                numbers = _numbers(self.quantities, curves)
+                found[run.id] = Record(curves.time, values, curves.events, curves.contacts, numbers)
         return found
 
     def _curves(self, run: Run) -> Any:
@@ -101,13 +114,15 @@ class Trajectories:
 class Responses:
     """One netCDF file per group, with the responses only, in single precision."""
 
-    def __init__(self, folder: Path, responses: Sequence[Any]):
+    def __init__(self, folder: Path, responses: Sequence[Any], quantities: Sequence[Any] = ()):
+        from fpm import quantities as numbers
         from fpm import responses as module
         from fpm.sources import syntax_digest
 
-        self.folder, self.responses = folder, responses
-        code = syntax_digest([Path(module.__file__)])
-        self._asked = [code, *(asdict(response) for response in responses)]
+        self.folder, self.responses, self.quantities = folder, responses, quantities
+        modules = [module, numbers] if quantities else [module]
+        code = syntax_digest(Path(m.__file__) for m in modules)
+        self._asked = [code, *(asdict(one) for one in (*responses, *quantities))]
 
     def path(self, group: Sequence[Run]) -> Path:
         """Other runs or responses, or another way to read responses, have another file."""
@@ -135,7 +150,7 @@ class Responses:
         """Write the results that a group has left; ValueError if a number is not finite."""
         import netCDF4
 
-        from fpm.trajectory import contact_events
+        from fpm.trajectory import contact_events, curves_of
 
         if not results:
             return
@@ -168,6 +183,11 @@ class Responses:
                 variable = file.createVariable(name, "f8", ("run", "event"), fill_value=np.nan)
                 for row, table in enumerate(events):
                     variable[row, : len(table)] = table[:, column]
+            if self.quantities:
+                write_dimension(file, "quantity", [q.name for q in self.quantities], "quantity")
+                variable = file.createVariable("quantities", "f8", ("run", "quantity"))
+                for row, result in enumerate(results):
+                    variable[row] = _numbers(self.quantities, curves_of(result.outcome))
 
     def read(self, group: Sequence[Run]) -> dict[str, Record]:
         """Those runs of a group that are there, by id."""
@@ -177,12 +197,15 @@ class Responses:
             time, contacts = file["time"][:], list(file["contact"][:])
             values = file["values"][:]
             events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
+            none = np.zeros((len(group), 0))
+            numbers = file["quantities"][:] if self.quantities else none
         return {
             run.id: Record(
                 time,
                 values[row],
                 events[row][np.isfinite(events[row, :, 0])],
                 contacts,
+                numbers[row],
             )
             for row, run in enumerate(group)
         }

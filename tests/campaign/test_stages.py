@@ -30,7 +30,12 @@ def test_the_code_of_a_stage_is_there(name):
 def test_no_file_that_makes_results_is_forgotten():
     known = set(chain(*(files(p) for stage in STAGES.values() for p in stage.code)))
     made = set(
-        chain(*(files(f"campaign/{room}/*.py") for room in ("plan", "runs", "results", "report")))
+        chain(
+            *(
+                files(f"campaign/{room}/*.py")
+                for room in ("plan", "runs", "results", "answers", "report")
+            )
+        )
     )
     made |= files("intervals/**/*.py") - files("intervals/**/__init__.py")
     missing = {str(path.relative_to(ROOT)) for path in made - known if path.name != "__init__.py"}

@@ -74,6 +74,7 @@ rule summary:
         "{stage}/bounds.nc",
         "{stage}/samples.nc",
         "{stage}/nodes.json",
+        WORKFLOW.answers("{stage}"),
     output:
         "{stage}/summary.json",
         report(

@@ -1,0 +1,99 @@
+"""What is fitted to a number of runs: the polynomial or spline that foretells left-out runs best.
+
+Every run is left out in turn, without a second fit: for least squares its error is e / (1 - h), h
+the leverage (Allen 1974, the PRESS statistic); for a spline see `models.spline`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..chebyshev import product_basis
+from ..designs.multi_indices import count_total_degree, total_degree
+from ..errors import IntervalError
+from ..models.spline import MAX_RUNS, Spline, check_spline_runs, fit_spline
+from ..models.spline.solve import distinct
+from ..surrogate import Surrogate
+
+_HIGHEST = 12  # degree of a polynomial
+_LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing tests it
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A function of unit coordinates fitted to the values (N) of runs at unit points (N, k).
+
+    left_out (N): value of each run less that of the function fitted to all the others; infinite for
+    a run that nothing else foretells. kind: what it is, in words.
+    """
+
+    points: np.ndarray
+    values: np.ndarray
+    left_out: np.ndarray
+    kind: str
+    function: Surrogate | Spline
+
+    @property
+    def error(self) -> float:
+        """Estimated error: the largest left-out one; infinite where no run tests the function."""
+        return float(np.abs(self.left_out).max(initial=0.0))
+
+    def evaluate(self, unit: np.ndarray) -> np.ndarray:
+        """Values (P) at unit coordinates (P, k)."""
+        return self.function.evaluate(np.asarray(unit, dtype=float))[:, 0]
+
+
+def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
+    """The fit to values (N) of runs at unit points (N, k) with the least left-out errors, by their
+    root mean square.
+
+    Tried are polynomials by least squares, of every total degree that the runs can test, and the
+    spline through all runs. Runs that are nearly the same count once.
+    """
+    points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
+    if not len(values) or not np.isfinite(values).all():
+        raise IntervalError("values", "none or not finite", "a finite number for at least one run")
+    kept = distinct(points)
+    points, values = points[kept], values[kept]
+    tried = [fit for fit in (*_polynomials(points, values), _spline(points, values)) if fit]
+    return min(tried, key=lambda fit: float(np.sqrt(np.mean(fit.left_out**2))))
+
+
+def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
+    """Polynomials of every total degree that leaves runs to test them, the constant among them."""
+    free = np.ptp(points, axis=0) > 0
+    found = []
+    for degree in range(_HIGHEST + 1):
+        order = np.where(free, degree, 0)
+        if degree and (not free.any() or count_total_degree(order) >= len(points)):
+            break
+        indices = total_degree(order)
+        basis = product_basis(points, indices)
+        q, r = np.linalg.qr(basis)
+        size = np.abs(np.diag(r))
+        if size.min() < 1e-9 * size.max():
+            break
+        coefficients = np.linalg.solve(r, q.T @ values)
+        leverage = (q**2).sum(axis=1)
+        tested = leverage < _LEVERAGE
+        rest = values - basis @ coefficients
+        left_out = np.where(tested, rest / np.where(tested, 1 - leverage, 1.0), np.inf)
+        if len(points) == 1 and not free.any():
+            left_out = np.zeros(1)  # a box without width has one run, and nothing to be tested
+        kind = f"polynomial of degree {degree}"
+        found.append(Fit(points, values, left_out, kind, Surrogate(coefficients[:, None], indices)))
+    return found
+
+
+def _spline(points: np.ndarray, values: np.ndarray) -> Fit | None:
+    if len(points) == 1 or len(points) > MAX_RUNS:
+        return None
+    try:
+        check_spline_runs(points)
+        spline = fit_spline(points, values[:, None])
+    except IntervalError:  # too few runs, or in one plane
+        return None
+    left_out = spline.left_out[:, 0]
+    return Fit(spline.points, spline.values[:, 0], left_out, "spline through all runs", spline)

@@ -1,0 +1,118 @@
+"""In which part of the box something happens, told by the nearest runs or by its time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..designs.scan import scan_points
+
+_POINTS = 8192
+_BETWEEN = 3.0  # ratio of the distances to the nearest run with and without it
+
+
+@dataclass(frozen=True)
+class Occurrence:
+    """Runs at unit points (N, k), and whether it happens (N) in each.
+
+    At any other place it is taken to happen if it does in the nearest run. Places that are not much
+    nearer to runs of one kind than to the other are open: nothing is known of them.
+    """
+
+    points: np.ndarray
+    happens: np.ndarray
+
+    @property
+    def mixed(self) -> bool:
+        """Whether it happens in some runs and not in others."""
+        return bool(self.happens.any() and not self.happens.all())
+
+    def evaluate(self, unit: np.ndarray) -> np.ndarray:
+        """Mask (P) of unit coordinates (P, k)."""
+        if not self.mixed:
+            return np.full(len(unit), bool(self.happens.all()))
+        return self.certainty(unit) >= 0
+
+    def certainty(self, unit: np.ndarray) -> np.ndarray:
+        """By how much the nearest run in which it happens is nearer than any other, (P), at unit
+        coordinates (P, k); below 0 where it is farther. Only where runs differ (`mixed`)."""
+        yes, no = self._distances(unit)
+        return no - yes
+
+    def share(self) -> tuple[float, float]:
+        """Share of the box in which it happens, and the share that is open."""
+        if not self.mixed:
+            return float(self.happens.all()), 0.0
+        yes, no = self._distances(self._spread())
+        near, far = np.minimum(yes, no), np.maximum(yes, no)
+        return float((yes <= no).mean()), float((far < _BETWEEN * near).mean())
+
+    def between(self, count: int) -> np.ndarray:
+        """Unit points (at most `count`, k) half way between runs of both kinds, farthest first, for
+        runs that would narrow down where the border is."""
+        if not self.mixed:
+            return np.zeros((0, self.points.shape[1]))
+        spread = self._spread()
+        yes, no = self._distances(spread)
+        chosen: list[np.ndarray] = []
+        gain = np.where(np.maximum(yes, no) < 1.2 * np.minimum(yes, no), np.minimum(yes, no), 0.0)
+        for _ in range(count):
+            best = int(gain.argmax())
+            if gain[best] < 1e-3:
+                break
+            chosen.append(spread[best])
+            apart = np.linalg.norm(spread - spread[best], axis=1)
+            gain = np.where(apart < gain[best], 0.0, gain)
+        return np.array(chosen).reshape(-1, self.points.shape[1])
+
+    def _spread(self) -> np.ndarray:
+        """Points of the box, evenly spread."""
+        free = np.ptp(self.points, axis=0) > 0
+        if free.sum() == 1:
+            points = np.zeros((_POINTS, len(free)))
+            points[:, free] = -1 + (2 * np.arange(_POINTS)[:, None] + 1) / _POINTS
+        else:
+            points = scan_points(free, _POINTS, seed=2, corners=False)
+        points[:, ~free] = self.points[0, ~free]
+        return points
+
+    def _distances(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Distances (P) to the nearest run in which it happens, and in which it does not."""
+        from scipy.spatial import cKDTree
+
+        return tuple(
+            cKDTree(self.points[kind]).query(np.asarray(unit, dtype=float))[0]
+            for kind in (self.happens, ~self.happens)
+        )
+
+
+@dataclass(frozen=True)
+class Until(Occurrence):
+    """It happens wherever a function foretells it by the time `latest`, when runs end.
+
+    That agrees with all runs (`agrees`), and tells the border far better than the nearest runs do.
+    """
+
+    foretold: Callable[[np.ndarray], np.ndarray]
+    error: float
+    latest: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the function foretells of every run what happened in it."""
+        late = self.foretold(self.points) - self.latest
+        return bool((late[self.happens] <= self.error).all() and (late[~self.happens] > 0).all())
+
+    def certainty(self, unit: np.ndarray) -> np.ndarray:
+        return self.latest - self.foretold(np.asarray(unit, dtype=float))
+
+    def share(self) -> tuple[float, float]:
+        if not self.mixed:
+            return super().share()
+        early = self.certainty(self._spread())
+        return float((early >= 0).mean()), float((np.abs(early) < self.error).mean())
+
+    def between(self, count: int) -> np.ndarray:
+        return np.zeros((0, self.points.shape[1]))

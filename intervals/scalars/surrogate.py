@@ -1,0 +1,79 @@
+"""The surrogate of a number over the box: a fit, and where there is such a number at all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .extremes import Extremes, extremes
+from .fits import Fit, best_fit
+from .occurrence import Occurrence, Until
+
+
+@dataclass(frozen=True)
+class ScalarSurrogate:
+    """A number of runs as a function of the box; `fit` is None where no run has the number."""
+
+    fit: Fit | None
+    occurrence: Occurrence
+
+    @property
+    def error(self) -> float:
+        """Estimated error where there is a number; NaN where there is none."""
+        return np.nan if self.fit is None else self.fit.error
+
+    def evaluate(self, unit: np.ndarray) -> np.ndarray:
+        """Values (P) at unit coordinates (P, k), NaN where there is none."""
+        unit = np.asarray(unit, dtype=float)
+        if self.fit is None:
+            return np.full(len(unit), np.nan)
+        values = self.fit.evaluate(unit)
+        return np.where(self.occurrence.evaluate(unit), values, np.nan)
+
+    def range(self, lower: np.ndarray | None = None, upper: np.ndarray | None = None) -> Extremes:
+        """The range attained over the part [lower, upper] (k each) of the unit box, by default the
+        whole; NaN where there is no number anywhere."""
+        ones = np.ones(self.occurrence.points.shape[1])
+        free = np.ptp(self.occurrence.points, axis=0) > 0
+        lower = np.where(free, -ones if lower is None else lower, 0.0)
+        upper = np.where(free, ones if upper is None else upper, 0.0)
+        also = None if self.fit is None else self.fit.points
+        return extremes(self.evaluate, lower, upper, also)
+
+    def nowhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
+        """The place (k) in the part [lower, upper] of the unit box where there is most certainly no
+        number; None if there is one all over it."""
+        return self._where(lower, upper, False)
+
+    def somewhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
+        """The place (k) in the part [lower, upper] where there most certainly is a number; None if
+        there is none in it."""
+        return self._where(lower, upper, True)
+
+    def _where(self, lower: np.ndarray, upper: np.ndarray, wanted: bool) -> np.ndarray | None:
+        if not self.occurrence.mixed:
+            return (lower + upper) / 2 if self.occurrence.happens.all() == wanted else None
+        certainty, points = self.occurrence.certainty, self.occurrence.points
+        found = extremes(certainty, lower, upper, points, climbs=0)
+        if wanted:
+            return found.argmax if found.high >= 0 else None
+        return found.argmin if found.low < 0 else None
+
+
+def fit_scalar(
+    points: np.ndarray, values: np.ndarray, latest: float | None = None
+) -> ScalarSurrogate:
+    """The surrogate of values (N) of runs at unit points (N, k), NaN where a run has none.
+
+    latest: of a time, when runs end. Where that alone tells the runs without one from the others,
+    what is fitted to those tells the border between them.
+    """
+    points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
+    there = np.isfinite(values)
+    fit = best_fit(points[there], values[there]) if there.any() else None
+    occurrence = Occurrence(points, there)
+    if latest is not None and occurrence.mixed and np.isfinite(fit.error):
+        until = Until(points, there, fit.evaluate, fit.error, latest)
+        occurrence = until if until.agrees else occurrence
+    return ScalarSurrogate(fit, occurrence)

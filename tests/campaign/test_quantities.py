@@ -1,0 +1,160 @@
+"""Intervals of quantities, through a whole campaign, against closed forms.
+
+A panel of inertia J about its hinge, turned by a spring k that rests at pi, opens to pi/2 in
+sqrt(J / k) pi / 3: an interval of k, or of the mass, gives that of the time exactly.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import campaign
+from campaign.errors import ConfigError
+from campaign.folder import Folder
+
+ROOT = Path(__file__).parents[2]
+
+PANEL = {
+    "campaign": "panel",
+    "scene": {
+        "file": str(ROOT / "config/structures/panel.yaml"),
+        "parameters": {"elements": 2},
+    },
+    "solver": {"duration": 2.0, "instants": 401},
+    "intervals": {"k": {"nominal": 0.1, "relative": 0.05}},
+    "design": {"method": "tensor_roots", "order": 3},
+    "held_out": 2,
+    "responses": {"psi": {"opening": "hinge"}},
+    "quantities": {
+        "t_open": {"crossing": "psi", "level": float(np.pi / 2), "way": "rising"},
+        "t_late": {"crossing": "psi", "level": float(0.52 * np.pi)},
+        "wide": {"final": "psi"},
+    },
+}
+
+
+def exact_time(k, mass=1.0, opening=np.pi / 2):
+    """Time (s) to an opening, of a panel of 1 m and 0.1 m thickness."""
+    return np.sqrt(mass * (1 / 3 + 0.01 / 12) / k) * np.arccos(1 - opening / np.pi)
+
+
+def panel(**changes) -> dict:
+    return copy.deepcopy({**PANEL, **changes})
+
+
+def run(raw, results) -> Folder:
+    campaign.run(raw, results, figures=False, tell=lambda text: None)
+    return Folder(results / raw["campaign"])
+
+
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory) -> Folder:
+    return run(panel(), tmp_path_factory.mktemp("panel"))
+
+
+def test_every_run_has_its_numbers(opened):
+    with xr.open_dataset(opened.samples) as samples:
+        times = samples["quantities"].sel(quantity="t_open").values
+        np.testing.assert_allclose(times, exact_time(samples["parameter_k"].values), rtol=1e-6)
+        assert samples["quantity_units"].values.tolist() == ["s", "s", "rad"]
+        late = samples["quantities"].sel(quantity="t_late").values
+        exact = exact_time(samples["parameter_k"].values, opening=0.52 * np.pi)
+        np.testing.assert_allclose(late, np.where(exact < 2.0, exact, np.nan), rtol=1e-6)
+
+
+def test_the_interval_of_a_time_is_the_exact_one(opened):
+    with xr.open_dataset(opened.quantities) as found:
+        one = found.sel(quantity="t_open")
+        for side, k in (("lower", 0.105), ("upper", 0.095)):
+            exact = exact_time(k)
+            for kind in ("", "simulated_", "surrogate_"):
+                assert float(one[f"{kind}{side}"]) == pytest.approx(exact, rel=1e-6)
+            assert float(one[f"moving_{side}"]) == 0
+        assert float(one["argmin"].sel(parameter="k")) == pytest.approx(0.105)
+        assert float(one["argmax"].sel(parameter="k")) == pytest.approx(0.095)
+        assert float(one["nominal"]) == pytest.approx(exact_time(0.1), rel=1e-6)
+        assert 0 < float(one["error"]) < 1e-5
+        assert float(one["happens"]) == 1
+
+
+def test_the_share_of_the_box_in_which_it_happens_is_the_exact_one(opened):
+    """It comes too late where sqrt(k) is below that of 2 s."""
+    border = exact_time(1.0, opening=0.52 * np.pi) ** 2 / 4
+    with xr.open_dataset(opened.quantities) as found:
+        late = found.sel(quantity="t_late")
+        assert float(late["happens"]) == pytest.approx((0.105 - border) / 0.01, abs=1e-3)
+        assert 0 < int(late["runs_without"]) < found.attrs["runs"]
+        assert float(late["lower"]) == pytest.approx(exact_time(0.105, opening=0.52 * np.pi))
+        assert float(late["upper"]) == pytest.approx(2.0, abs=1e-3)
+        assert float(late["open"]) < 1e-2
+
+
+def test_the_ends_are_simulated_and_found_again(tmp_path):
+    """No run of the design is at a corner: further ones are made there, once."""
+    raw = panel(
+        held_out=0,
+        intervals={"k": {"nominal": 0.1, "relative": 0.05}, "mass": {"relative": 0.02}},
+        design={"method": "tensor_roots", "order": 2},
+        quantities={"t_open": PANEL["quantities"]["t_open"]},
+    )
+    folder = run(raw, tmp_path)
+    trajectories = set(folder.runs("trajectories").iterdir())
+    with xr.open_dataset(folder.quantities) as found, xr.open_dataset(folder.further) as further:
+        one = found.sel(quantity="t_open")
+        lower, upper = exact_time(0.105, 0.98), exact_time(0.095, 1.02)
+        assert float(one["simulated_lower"]) == pytest.approx(lower, rel=1e-6)
+        assert float(one["simulated_upper"]) == pytest.approx(upper, rel=1e-6)
+        np.testing.assert_allclose(further["value"].values, [[0.105, 0.98], [0.095, 1.02]])
+        np.testing.assert_allclose(further["quantities"].values[:, 0], [lower, upper], rtol=1e-6)
+        assert all(folder.runs("trajectories") / f"{i}.nc" in trajectories
+                   for i in further["run_id"].values)  # fmt: skip
+        # t goes with sqrt(mass / k): what is left when either is known exactly, or twice as well.
+        fixed = [exact_time(0.1, 1.02) - exact_time(0.1, 0.98),
+                 exact_time(0.095) - exact_time(0.105)]  # fmt: skip
+        np.testing.assert_allclose(one["fixed"].values, fixed, rtol=2e-3)
+        halved = exact_time(0.0975, 1.02) - exact_time(0.1025, 0.98)
+        assert float(one["halved"][0]) == pytest.approx(halved, rel=2e-3)
+    before = folder.quantities.read_bytes()
+    again = run(raw, tmp_path)
+    assert set(again.runs("trajectories").iterdir()) == trajectories
+    with xr.open_dataset(again.quantities) as found:
+        assert found.attrs["further_runs"] == 2
+    assert again.quantities.read_bytes() == before
+
+
+def test_runs_that_keep_responses_only_have_the_same_numbers(opened, tmp_path):
+    folder = run(panel(jobs={"keep": "responses"}), tmp_path)
+    with xr.open_dataset(folder.quantities) as ours, xr.open_dataset(opened.quantities) as theirs:
+        np.testing.assert_array_equal(ours["simulated_lower"], theirs["simulated_lower"])
+        np.testing.assert_array_equal(ours["upper"], theirs["upper"])
+
+
+def test_the_summary_tells_the_intervals(opened):
+    summary = json.loads((opened / "summary.json").read_text())
+    rows = {row["name"]: row for row in summary["quantities"]}
+    assert rows["t_open"]["argmax"]["k"] == pytest.approx(0.095)
+    assert rows["t_open"]["verified"]
+    text = (opened / "summary.md").read_text()
+    assert "1.8682 to 1.964 s" in text
+    assert "t_late happens in about" in text
+
+
+@pytest.mark.parametrize(
+    ("definition", "words"),
+    [
+        ({"largest": "phi"}, "quantities.q.largest: 'phi' is not allowed; allowed: one of psi"),
+        ({"event": "closes"}, "none: this scene has no events"),
+        ({"crossing": "psi"}, "quantities.q"),
+        ({}, "quantities.q"),
+        (3, "quantities.q"),
+    ],
+)
+def test_wrong_quantities_are_refused_before_any_run(definition, words):
+    with pytest.raises(ConfigError, match=words):
+        campaign.check_config(panel(quantities={"q": definition}))

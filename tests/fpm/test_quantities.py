@@ -1,0 +1,154 @@
+"""Quantities of curves whose peaks, crossings and events are known."""
+
+import numpy as np
+import pytest
+
+from fpm import SceneError, quantities
+from fpm.outcome import Eventful
+from fpm.responses import Response
+from fpm.trajectory import Curves, happened
+
+TIME = np.linspace(0.0, 2.0, 401)
+ELEMENTS = [Eventful("contact A", ("opens", "closes")), Eventful("latch A", ("locks",)),
+            Eventful("contact C", ("opens", "closes"))]  # fmt: skip
+EVENTS = np.array([[0.5, 0, 1], [0.7, 0, 0], [0.9, 2, 1], [1.3, 0, 1], [1.4, 1, 0]])
+RESPONSE = Response("x", "position", ("P",), "x", "m", "x-component of the position of P")
+
+
+def read(definition, values, time=TIME, dropped=0) -> float:
+    """A quantity of a run whose one response has these values."""
+    track = np.zeros((len(time), 3))
+    track[:, 0] = values
+    curves = Curves(
+        time, {"P": (track, track)}, {}, {}, np.zeros((0, 3)), [],
+        happened(EVENTS, ELEMENTS), dropped,
+    )  # fmt: skip
+    names = {"q": definition, "shut": {"event": "closes"}, "half": {"crossing": "x", "level": 0.5}}
+    (found, *_), problems = quantities.parse(names, [RESPONSE], ELEMENTS)
+    assert not problems
+    return found.evaluate(curves)
+
+
+WAVE = np.exp(-TIME) * np.sin(5 * TIME)
+TOP = np.arctan(5) / 5  # where the wave is largest
+
+
+@pytest.mark.parametrize(
+    ("definition", "exact"),
+    [
+        ({"largest": "x"}, np.exp(-TOP) * np.sin(5 * TOP)),
+        ({"smallest": "x"}, -np.exp(-TOP - np.pi / 5) * np.sin(5 * TOP)),
+        ({"final": "x"}, np.exp(-2) * np.sin(10)),
+        ({"crossing": "x", "level": 0}, 0.0),  # it starts on the level, which counts as below
+        ({"crossing": "x", "level": 0, "way": "falling"}, np.pi / 5),
+        ({"crossing": "x", "level": 0, "number": 3}, 2 * np.pi / 5),
+        ({"crossing": "x", "level": 0, "way": "falling", "number": 2}, 3 * np.pi / 5),
+        ({"value": "x", "at": 1.2345}, np.exp(-1.2345) * np.sin(5 * 1.2345)),
+        ({"value": "x", "at": "shut"}, np.exp(-0.5) * np.sin(2.5)),
+        ({"value": "x", "at": "half"}, 0.5),
+    ],
+)
+def test_numbers_of_a_decaying_wave(definition, exact):
+    assert read(definition, WAVE) == pytest.approx(exact, abs=1e-6)
+
+
+def test_means_overshoot_and_settling():
+    assert read({"mean": "x"}, TIME**2) == pytest.approx(4 / 3, rel=1e-5)
+    assert read({"rms": "x"}, np.sin(np.pi * TIME)) == pytest.approx(np.sqrt(0.5), rel=1e-5)
+    step = 1 - np.exp(-3 * TIME) * np.cos(10 * TIME)
+    # Its first peak: tan 10 t = -3/10.
+    top = (np.pi - np.arctan(0.3)) / 10
+    exact = -np.exp(-3 * top) * np.cos(10 * top)
+    assert read({"overshoot": "x", "about": 1}, step) == pytest.approx(exact, abs=1e-5)
+    assert read({"overshoot": "x", "about": -1}, -step) == pytest.approx(exact, abs=1e-5)
+    assert read({"overshoot": "x"}, TIME) == 0
+    decay = np.exp(-3 * TIME)
+    found = read({"settling": "x", "within": 0.05, "about": 0}, decay)
+    assert found == pytest.approx(np.log(20) / 3, abs=1e-7)
+    assert np.isnan(read({"settling": "x", "within": 1e-3, "about": 0}, decay))
+    assert read({"settling": "x", "within": 2, "about": 0}, decay) == 0
+
+
+def test_a_crossing_is_found_to_the_fourth_order():
+    errors = []
+    for count in (101, 201):
+        time = np.linspace(0, 2, count)
+        found = read({"crossing": "x", "level": 0.3}, np.sin(time + 0.1), time)
+        errors.append(abs(found - (np.arcsin(0.3) - 0.1)))
+    assert errors[0] < 1e-8
+    assert errors[1] < errors[0] / 8
+
+
+def test_a_value_at_an_event_is_the_one_before_it():
+    """The curve breaks at 0.9025 s, between two instants."""
+    events = EVENTS.copy()
+    curve = np.where(TIME < 0.9025, TIME**2, 7.0)
+    assert events[2, 0] == 0.9
+    definition = {"value": "x", "at": "shut"}
+    assert read(definition, curve) == pytest.approx(0.25, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("definition", "time"),
+    [
+        ({"event": "closes"}, 0.5),
+        ({"event": "closes", "number": 2}, 0.9),
+        ({"event": "closes", "number": 3}, 1.3),
+        ({"event": "closes", "of": "A", "number": 2}, 1.3),
+        ({"event": "closes", "of": "contact C"}, 0.9),
+        ({"event": "opens"}, 0.7),
+        ({"event": "locks", "of": "A"}, 1.4),
+        ({"event": "closes", "number": 4}, np.nan),
+        ({"event": "opens", "of": "C"}, np.nan),
+    ],
+)
+def test_events_of_any_kind_are_counted_by_element(definition, time):
+    assert read(definition, WAVE) == pytest.approx(time, nan_ok=True)
+
+
+def test_what_does_not_happen_is_no_number():
+    assert np.isnan(read({"crossing": "x", "level": 2}, WAVE))
+    assert np.isnan(read({"crossing": "x", "level": 0.1, "number": 9}, WAVE))
+    assert np.isnan(read({"value": "x", "at": 3.0}, WAVE))
+    with pytest.raises(ValueError, match="12 events more than are kept"):
+        read({"event": "closes", "number": 9}, WAVE, dropped=12)
+
+
+@pytest.mark.parametrize(
+    ("definition", "words"),
+    [
+        ({"larges": "x"}, "exactly one of largest"),
+        ({"largest": "y"}, "one of x"),
+        ({"largest": ["x"]}, "one of x"),
+        ({"largest": "x", "level": 1}, "largest alone"),
+        ({"crossing": "x"}, "crossing with level"),
+        ({"crossing": "x", "level": "a"}, r"a number \(m\)"),
+        ({"crossing": "x", "level": 1, "way": "up"}, "one of rising"),
+        ({"crossing": "x", "level": 1, "number": 0}, "at least 1"),
+        ({"settling": "x", "within": 0}, "above 0"),
+        ({"value": "x", "at": "later"}, "quantities that are times"),
+        ({"event": "close"}, "did you mean closes"),
+        ({"event": "closes", "of": "B"}, "one of contact A, contact C"),
+        (7, "exactly one of"),
+    ],
+)
+def test_wrong_definitions_are_refused(definition, words):
+    found, (problem,) = quantities.parse({"q": definition}, [RESPONSE], ELEMENTS)
+    assert not found
+    assert isinstance(problem, SceneError)
+    with pytest.raises(SceneError, match=words):
+        raise problem
+
+
+def test_what_is_said_of_quantities():
+    names = {
+        "t": {"event": "closes", "of": "A", "number": 2},
+        "v": {"value": "x", "at": "t"},
+        "c": {"crossing": "x", "level": 0.5, "way": "rising"},
+    }
+    found, _ = quantities.parse(names, [RESPONSE], ELEMENTS)
+    assert [q.name for q in found] == list(names)
+    assert [q.unit for q in found] == ["s", "m", "s"]
+    assert found[0].long_name == "time of the 2nd event 'closes' of contact A"
+    assert found[1].long_name == "x-component of the position of P at t"
+    assert "first crossing of 0.5 rising" in found[2].long_name

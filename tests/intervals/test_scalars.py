@@ -1,0 +1,229 @@
+"""Numbers of runs over the box, on functions whose answers are known."""
+
+import numpy as np
+import pytest
+
+from intervals import make_design
+from intervals.box import Box
+from intervals.points import held_out_points
+from intervals.scalars import (
+    Goal,
+    Limit,
+    best_choice,
+    fit_scalar,
+    influence,
+    largest_share,
+    share_of_box,
+    sub_box,
+)
+
+
+def runs(k: int, order: int = 4, held_out: int = 4) -> np.ndarray:
+    """Unit points (N, k) of a campaign: its nodes and the runs held out."""
+    box = Box([f"p{j}" for j in range(k)], -np.ones(k), np.ones(k))
+    nodes = make_design("smolyak", box, order).points
+    return np.concatenate([nodes, held_out_points(box.free, held_out, nodes)])
+
+
+def fitted(function, k: int, **more):
+    points = runs(k, **more)
+    return fit_scalar(points, function(points))
+
+
+def opening_time(x: np.ndarray) -> np.ndarray:
+    """The panel's: falls as the root of a stiffness that is known to 5 %."""
+    return 1.9 * (1 + 0.05 * x[:, 0]) ** -0.5
+
+
+def two(x: np.ndarray) -> np.ndarray:
+    return np.exp(0.3 * x[:, 0]) * (1 + 0.2 * x[:, 1] ** 2) + 0.5 * x[:, 1]
+
+
+def test_a_smooth_number_is_fitted_to_nine_digits_and_its_error_estimate_covers_that():
+    surrogate = fitted(opening_time, 1)
+    x = np.linspace(-1, 1, 501)[:, None]
+    wrong = np.abs(surrogate.evaluate(x) - opening_time(x)).max()
+    assert wrong < 1e-8
+    assert wrong <= surrogate.error < 1e-6
+    found = surrogate.range()
+    assert found.low == pytest.approx(1.9 / np.sqrt(1.05), rel=1e-8)
+    assert found.high == pytest.approx(1.9 / np.sqrt(0.95), rel=1e-8)
+    assert (found.argmin[0], found.argmax[0]) == (1.0, -1.0)
+
+
+def test_an_extreme_value_inside_the_box_is_found():
+    surrogate = fitted(lambda x: (x[:, 0] - 0.3) ** 2 + 2 * (x[:, 1] + 0.4) ** 2 - 1, 2)
+    found = surrogate.range()
+    assert found.low == pytest.approx(-1, abs=1e-10)
+    np.testing.assert_allclose(found.argmin, [0.3, -0.4], atol=1e-5)
+    assert found.high == pytest.approx(1.3**2 + 2 * 1.4**2 - 1, rel=1e-10)
+    np.testing.assert_array_equal(found.argmax, [-1, 1])
+
+
+def test_a_number_with_a_kink_is_left_to_the_spline():
+    """A polynomial ripples where a number has a kink; the left-out runs tell."""
+    surrogate = fitted(lambda x: np.abs(x[:, 0] - 0.1), 1, order=16, held_out=8)
+    assert surrogate.fit.kind == "spline through all runs"
+    assert surrogate.range().low == pytest.approx(0, abs=0.1)
+
+
+def test_one_run_and_a_box_without_width():
+    fixed = fit_scalar(np.zeros((1, 2)), np.array([3.0]))
+    assert fixed.error == 0
+    assert fixed.range().low == fixed.range().high == 3.0
+    few = fit_scalar(np.array([[-1.0], [1.0]]), np.array([0.0, 2.0]))
+    assert few.error >= 1
+
+
+def test_what_each_parameter_contributes():
+    surrogate = fitted(lambda x: 3 * x[:, 0] + x[:, 1] + 0.5 * x[:, 0] * x[:, 1], 2)
+    found = influence(surrogate, np.array([0.0, 0.5]))
+    assert found.width == pytest.approx(8.0)  # 4.5 at (1, 1), -3.5 at (-1, 1) or (-1, -1)
+    np.testing.assert_allclose(found.alone, [6.5, 2.0])
+    np.testing.assert_allclose(found.share, [6.5 / 8.5, 2 / 8.5])
+    # With the second parameter at 0.5: 3.25 x + 0.5.
+    np.testing.assert_allclose(found.fixed[1], 6.5)
+    # The first one fixed at 0: x2 from -1 to 1.
+    np.testing.assert_allclose(found.fixed[0], 2.0)
+    # The first in [-0.5, 0.5]: from 2.75 at (0.5, 1) to -2.25 at (-0.5, -1).
+    assert found.halved[0] == pytest.approx(5.0)
+    # The second in [-0.25, 0.75]: 4.125 down to -3.125 (x2 = -0.25: -3 - 0.25 + 0.125).
+    assert found.halved[1] == pytest.approx(4.125 + 3.125)
+
+
+def test_what_is_below_the_error_is_no_sensitivity():
+    rng = np.random.default_rng(1)
+    points = runs(2)
+    values = points[:, 0] + 1e-3 * rng.standard_normal(len(points))
+    found = influence(fit_scalar(points, values), np.zeros(2))
+    np.testing.assert_array_equal(found.share, [1.0, 0.0])
+    assert found.alone[1] > 0
+
+
+def test_the_share_of_the_box_that_meets_a_limit():
+    surrogate = fitted(opening_time, 1)
+    level = 1.9 / np.sqrt(1 + 0.05 * 0.123)
+    assert share_of_box([Limit(surrogate, "at_most", level)], np.ones(1)) == pytest.approx(
+        (1 - 0.123) / 2, abs=1e-6
+    )
+    both = [Limit(surrogate, "at_most", level), Limit(surrogate, "at_least", 1.9 / np.sqrt(1.04))]
+    assert share_of_box(both, np.ones(1)) == pytest.approx((0.8 - 0.123) / 2, abs=1e-6)
+
+
+def test_the_share_of_a_box_of_three():
+    """x + y + z <= -1 in the cube is a simplex with legs of 2: 1/6 of the volume."""
+    surrogate = fitted(lambda x: x.sum(axis=1), 3, order=2)
+    found = share_of_box([Limit(surrogate, "at_most", -1.0)], np.ones(3))
+    assert found == pytest.approx(1 / 6, abs=1e-3)
+    # The ball of radius 1 in the cube.
+    surrogate = fitted(lambda x: (x**2).sum(axis=1), 3, order=2)
+    found = share_of_box([Limit(surrogate, "at_most", 1.0)], np.ones(3))
+    assert found == pytest.approx(np.pi / 6, abs=1e-3)
+
+
+def test_the_largest_box_that_meets_a_limit_and_the_nearest_place_that_does_not():
+    surrogate = fitted(lambda x: x[:, 0] + 2 * x[:, 1], 2)
+    limit = Limit(surrogate, "at_most", 1.5)
+    share, which, at = largest_share([limit], np.zeros(2))
+    assert share == pytest.approx(0.5, abs=1e-6)
+    assert which == 0
+    np.testing.assert_allclose(at, [0.5, 0.5], atol=1e-6)
+    # About another nominal point: 0.5 + 0.5 s + 2 s = 1.5.
+    share, _, at = largest_share([limit], np.array([0.5, 0.0]))
+    assert share == pytest.approx(0.4, abs=1e-6)
+    np.testing.assert_allclose(at, [0.7, 0.4], atol=1e-6)
+    assert largest_share([Limit(surrogate, "at_most", 3.1)], np.zeros(2))[:2] == (1.0, None)
+    assert largest_share([Limit(surrogate, "at_most", -0.1)], np.zeros(2))[:2] == (0.0, 0)
+
+
+def landing(x: np.ndarray) -> np.ndarray:
+    """Time of reaching a height that is reached only where the first parameter is above -0.2."""
+    return np.where(x[:, 0] > -0.2, 2.0 - x[:, 0] + 0.1 * x[:, 1], np.nan)
+
+
+def test_what_does_not_happen_everywhere_has_a_share():
+    points = np.linspace(-1, 1, 41)[:, None]
+    values = np.where(points[:, 0] > -0.2 + 1e-9, 2.0 - points[:, 0], np.nan)
+    surrogate = fit_scalar(points, values)
+    share, open_ = surrogate.occurrence.share()
+    # The border is somewhere between the runs at -0.2 and -0.15.
+    assert share == pytest.approx((1 + 0.175) / 2, abs=1e-3)
+    assert open_ == pytest.approx(0.5 * 0.05 / 2, abs=1e-3)
+    np.testing.assert_allclose(surrogate.occurrence.between(2), [[-0.175]], atol=1e-3)
+    found = surrogate.range()
+    assert found.low == pytest.approx(1.0)
+    assert found.high == pytest.approx(2.175, abs=1e-3)
+    never = fit_scalar(points, np.full(41, np.nan))
+    assert never.occurrence.share() == (0.0, 0.0)
+    assert np.isnan(never.range().low)
+    assert np.isnan(never.error)
+
+
+def test_what_only_comes_too_late_is_told_by_its_time():
+    """A time of 2 + x y + x within 2.5 s: where x (1 + y) <= 0.5."""
+    points = runs(2, held_out=8)
+    time = 2 + points[:, 0] * points[:, 1] + points[:, 0]
+    surrogate = fit_scalar(points, np.where(time <= 2.5, time, np.nan), latest=2.5)
+    share, open_ = surrogate.occurrence.share()
+    # Less than the whole square by the area between y = 0.5 / x - 1 and 1, for x from 1/4 to 1.
+    assert share == pytest.approx(1 - (1.5 - 0.5 * np.log(4)) / 4, abs=1e-3)
+    assert open_ < 1e-6
+    assert surrogate.range().high == pytest.approx(2.5, abs=1e-3)
+    # Runs that would have been in time, but in which it does not happen: the nearest runs tell.
+    missed = np.where((time <= 2.5) & (points[:, 0] > -0.5), time, np.nan)
+    other = fit_scalar(points, missed, latest=2.5)
+    assert type(other.occurrence) is type(fit_scalar(points, missed).occurrence)
+    assert other.occurrence.share()[1] > 0.1
+
+
+def test_limits_where_something_does_not_happen():
+    points = runs(2, order=16, held_out=8)
+    surrogate = fit_scalar(points, landing(points))
+    ends = -np.ones(2), np.ones(2)
+    assert Limit(surrogate, "at_most", 5.0).worst(*ends)[0] == -np.inf
+    assert Limit(surrogate, "at_most", 5.0).best(*ends)[0] == pytest.approx(4.1)
+    there = np.array([0.5, -1.0]), np.array([1.0, 1.0])
+    assert Limit(surrogate, "at_most", 5.0).worst(*there)[0] == pytest.approx(3.4)
+    for level, kept in ((1.0, there), (0.0, (-np.ones(2), np.array([-0.5, 1.0])))):
+        limit = Limit(surrogate, "happens", level)
+        assert limit.worst(*kept)[0] == np.inf
+        slack, at = limit.worst(*ends)
+        assert slack == -np.inf
+        assert np.isfinite(landing(at[None])[0]) != bool(level)
+        share = share_of_box([limit], np.ones(2))
+        assert share == pytest.approx(0.6 if level else 0.4, abs=0.05)
+
+
+def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
+    """Opening in at least a time, with the stiffness known to 5 %, as soon as may be at the latest.
+
+    t = c / sqrt(k); the earliest, at 1.05 k, must not be before 1.8: k = (c / 1.8)² / 1.05.
+    """
+    low, high, c = 0.05 * 0.95, 0.2 * 1.05, 0.6
+    points = runs(1, order=16, held_out=4)
+    k = low + (points[:, 0] + 1) / 2 * (high - low)
+    surrogate = fit_scalar(points, c / np.sqrt(k))
+
+    def box(choice):
+        ends = np.array([0.95, 1.05])[:, None] * choice
+        return tuple(2 * (ends - low) / (high - low) - 1)
+
+    limits = [Limit(surrogate, "at_least", 1.8)]
+    best, grid = best_choice([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box)
+    exact = (c / 1.8) ** 2 / 1.05
+    assert best.is_allowed
+    assert best.values[0] == pytest.approx(exact, rel=1e-6)
+    assert best.goals[0] == pytest.approx(1.8 * np.sqrt(1.05 / 0.95), rel=1e-6)
+    assert len(grid) == 33
+    # A window that no choice can keep: the one that breaks it least is in its middle.
+    limits = [Limit(surrogate, "at_least", 1.8), Limit(surrogate, "at_most", 1.85)]
+    best, _ = best_choice([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box)
+    assert not best.is_allowed
+    # c / sqrt(1.05 k) - 1.8 = 1.85 - c / sqrt(0.95 k)
+    exact = (c * (1.05**-0.5 + 0.95**-0.5) / 3.65) ** 2
+    assert best.values[0] == pytest.approx(exact, rel=1e-4)
+
+
+def test_a_box_shrinks_towards_its_nominal_point():
+    lower, upper = sub_box(np.array([0.5]), 0.5)
+    np.testing.assert_allclose((lower[0], upper[0]), (-0.25, 0.75))

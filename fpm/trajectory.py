@@ -18,6 +18,9 @@ from fpm import classic
 if TYPE_CHECKING:
     import xarray
 
+CONVENTIONS = "CF-1.8"
+"""Those that files follow as far as they fit: simulated time begins at no date (docs/data.md)."""
+
 _PARAMETER = "parameter_"
 
 
@@ -53,7 +56,7 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
     if outcome.failure is not None:
         raise outcome.failure
     variables = {
-        "time": _variable("time", outcome.time, "s", "time", axis="T"),
+        "time": _variable("time", outcome.time, "s", "time", standard_name="time", axis="T"),
         **_points(outcome),
         **_energies(outcome),
         **_recorded(outcome),
@@ -66,9 +69,10 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
     }
     limit = outcome.limit
     known = {
-        "Conventions": "CF-1.11",
+        "Conventions": CONVENTIONS,
         "title": f"trajectory of scene {outcome.scene.name}",
         "source": "finite particle method",
+        "history": f"fpm.simulate: {outcome.steps} steps of {outcome.step:.9g} s",
         "scene": outcome.scene.name,
         "responses": " ".join(response.name for response in responses),
         "time_step": outcome.step,

@@ -62,11 +62,15 @@ def _scanned(samples: Any) -> Any:
 def write_dataset(dataset: Any, path: str | Path, title: str) -> None:
     """Write a dataset compressed, whole or not at all; `title` says what it holds."""
     titled = f"{title}, campaign {dataset.attrs['campaign']}"
-    dataset = dataset.assign_attrs(title=titled)
-    encoding = {
-        name: {"zlib": True, "complevel": 1}
-        for name, variable in dataset.variables.items()
-        if variable.dtype.kind == "f" and variable.ndim
-    }
+    history = f"{dataset.attrs.get('history', '')}\n{title}".strip()
+    dataset = dataset.assign_attrs(title=titled, history=history)
+    encoding: dict[str, dict] = {}
+    for name, variable in dataset.variables.items():
+        if variable.dtype.kind == "f" and variable.ndim:
+            encoding[name] = {"zlib": True, "complevel": 1}
+            if variable.dims == (name,):  # no value of a coordinate is ever missing
+                encoding[name]["_FillValue"] = None
+        elif variable.dtype.kind == "i":  # 64 bits are not in the conventions
+            encoding[name] = {"dtype": "int32"}
     with whole_file(path) as temporary:
         dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)

@@ -29,6 +29,7 @@ from campaign.errors import CampaignError
 from campaign.files import whole_file
 from campaign.plan.plan import Plan
 from campaign.runs.store import EVENT_VARIABLES, Record, open_store, write_dimension
+from fpm.trajectory import CONVENTIONS
 
 _CHUNK_RUNS = 64
 
@@ -87,8 +88,10 @@ def _write_runs(file: Any, plan: Plan) -> None:
         _numbers(file, f"parameter_{name}", ("run",), column, f"value of {name}", units=unit)
     file.setncatts(
         {
-            "Conventions": "CF-1.11",
+            "Conventions": CONVENTIONS,
             "title": f"Responses of all runs of the campaign {experiment.name}",
+            "source": "finite particle method",
+            "history": f"campaign gather: {len(plan.unique_runs())} runs by fpm.simulate",
             "campaign": experiment.name,
             "scene": experiment.scene.name,
             "config_hash": plan.config_hash,
@@ -107,7 +110,8 @@ def _define_curves(file: Any, record: Record, parameters: Iterable[str]) -> None
     file.createDimension("time", size)
     time = file.createVariable("time", "f8", ("time",))
     time[:] = record.time
-    time.setncatts({"units": "s", "long_name": "time", "axis": "T"})
+    named = {"long_name": "time", "standard_name": "time", "axis": "T"}
+    time.setncatts({"units": "s", **named})
     write_dimension(file, "contact", record.contacts, "name of the contact")
     # Doubles hardly shrink; whoever keeps them has the trajectories beside, a hundred times larger.
     compact = {}

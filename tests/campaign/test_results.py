@@ -6,6 +6,7 @@ import json
 import shutil
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 import xarray as xr
@@ -21,6 +22,8 @@ from campaign.results.linkage import draw_nominal, moments
 from campaign.results.summary import as_text, summarise
 from campaign.results.units import pretty
 
+ROOT = Path(__file__).parents[2]
+SUMMARY_SCHEMA = ROOT / "campaign/results/summary.schema.json"
 NETCDF = ("samples", "surrogate", "bounds", "sensitivities")
 
 
@@ -194,7 +197,9 @@ def test_files_tell_what_is_in_them(finished):
     for path in files_of(finished):
         with xr.open_dataset(path, decode_times=False) as file:
             titles.add(file.attrs["title"])
-            assert file.attrs["Conventions"] == "CF-1.11"
+            assert file.attrs["Conventions"] == "CF-1.8"
+            assert file.attrs["history"] and file.attrs["source"]
+            assert file["time"].attrs["standard_name"] == "time"
             for name, variable in file.variables.items():
                 assert "long_name" in variable.attrs, (path.name, name)
                 # Those of several responses or parameters are in response_units and box_units.
@@ -208,6 +213,20 @@ def test_files_tell_what_is_in_them(finished):
     for path in files_of(finished)[1:]:
         with xr.open_dataset(path) as file:
             assert file["response_units"].values.tolist() == ["m", "m s-1"], path.name
+
+
+def test_the_summary_is_as_its_schema_says(finished):
+    schema = json.loads(SUMMARY_SCHEMA.read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    found = json.loads((finished / "summary.json").read_text(encoding="utf-8"))
+    jsonschema.validate(found, schema)
+    described = schema["properties"]
+    assert set(found) <= set(described), "describe new keys in summary.schema.json"
+    for row in found["responses"]:
+        assert set(row) <= set(described["responses"]["items"]["properties"])
+    del found["responses"][0]["units"]
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(found, schema)
 
 
 def test_moments_go_from_the_start_to_the_first_closure():

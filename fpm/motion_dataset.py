@@ -6,7 +6,7 @@ import numpy as np
 
 from fpm.outcome import Outcome
 from fpm.scene import Scene
-from fpm.trajectory import CONVENTIONS
+from fpm.trajectory import CONVENTIONS, contact_events
 
 if TYPE_CHECKING:
     import xarray
@@ -128,7 +128,8 @@ def _fixed(scene: Scene, corners: np.ndarray) -> dict[str, tuple]:
 
 
 def _events(outcome: Outcome) -> dict[str, tuple]:
-    time, contact, closing = outcome.events.T
+    names = [element.name for element in outcome.eventful]
+    time, contact, closing = contact_events(outcome.events, names)["events"].T
     return {
         "contact_event_time": ("event", time, "s", "time at which a contact closes or opens"),
         "contact_event_contact": ("event", contact.astype(np.int32), "1", "index of the contact"),

@@ -33,7 +33,8 @@ class Contents(NamedTuple):
 
 class Curves(NamedTuple):
     """What responses are functions of, as an `fpm.Outcome` has it: time (t,) s; points: name ->
-    (position (t, 3) m, velocity (t, 3) m/s); openings: hinge -> (t,) rad; energies: kind -> (t,) J.
+    (position (t, 3) m, velocity (t, 3) m/s); openings: hinge -> (t,) rad; tensions: cable -> (t,)
+    N; energies: kind -> (t,) J.
 
     Also events (e, 3) of contacts: time (s), index among the contacts, 1 if it closes; contacts:
     names of their hinges.
@@ -42,6 +43,7 @@ class Curves(NamedTuple):
     time: np.ndarray
     points: dict[str, tuple[np.ndarray, np.ndarray]]
     openings: dict[str, np.ndarray]
+    tensions: dict[str, np.ndarray]
     energies: dict[str, np.ndarray]
     events: np.ndarray
     contacts: list[str]
@@ -254,6 +256,7 @@ def read_curves(path: str | os.PathLike) -> Curves:
                 for i, name in enumerate(names("point"))
             },
             openings={name: values("opening")[:, i] for i, name in enumerate(names("hinge"))},
+            tensions={n: values("cable_tension")[:, i] for i, n in enumerate(names("cable"))},
             energies={
                 v.attributes["energy"]: v.values
                 for v in variables.values()

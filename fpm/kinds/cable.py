@@ -93,6 +93,11 @@ class Cable(Kind):
                 f"unstrained length {what}", self.shortest(scene), "above 0 m at all times"
             )
 
+    def rest_at(self, scene, time: float) -> float:
+        """The unstrained length (m) at a time (s)."""
+        factor = np.interp(time, *scene.curves[self.curve]) if self.curve >= 0 else 0.0
+        return float(self.rest - self.reel * factor)
+
     def shortest(self, scene) -> float:
         """The least unstrained length (m) at any time."""
         factors = scene.curves[self.curve][1] if self.curve >= 0 else np.zeros(1)

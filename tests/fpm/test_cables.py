@@ -213,7 +213,7 @@ def test_a_cable_on_an_arm_turns_the_body():
 
 
 def test_points_that_meet_under_tension_are_refused():
-    scene = fpm.Scene("meeting")
+    scene = fpm.Scene("meeting", gravity=(0, 0, -1e-3))
     one, two = (int(p) for p in scene.add_particles([(0, 0, 0), (1, 0, 0)], 1.0, np.ones((2, 3))))
     scene.fix(one)
     middle = int(scene.add_particles((0.999, 0.0, 0), 1.0, 1.0)[0])

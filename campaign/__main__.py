@@ -8,4 +8,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from campaign.cli import main
 
-sys.exit(main(sys.argv[1:]))
+try:
+    sys.exit(main(sys.argv[1:]))
+except KeyboardInterrupt:
+    print("stopped; finished runs are kept, the same command goes on from there", file=sys.stderr)
+    sys.exit(130)

@@ -17,6 +17,7 @@ import json
 import sys
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from campaign.errors import CampaignError, ConfigError
@@ -165,18 +166,20 @@ def _run_stage(options: argparse.Namespace) -> int:
     from campaign.folder import Folder
 
     log = None
-    if options.log:
-        options.log.parent.mkdir(parents=True, exist_ok=True)
-        log = options.log.open("w", encoding="utf-8")
+    with suppress(OSError):  # a full disk, say, which the stage tells better
+        if options.log:
+            options.log.parent.mkdir(parents=True, exist_ok=True)
+            log = options.log.open("w", encoding="utf-8")
 
     def tell(text: str) -> None:
         for file in filter(None, (sys.stderr, log)):
-            print(text, file=file, flush=True)
+            with suppress(OSError):
+                print(text, file=file, flush=True)
 
     more = {key: getattr(options, key) for key in ("batch", "batches") if hasattr(options, key)}
     try:
         sections = _sections(options)
-        options.stage.work(Folder(options.folder), tell, **sections, **more)
+        options.stage.run(Folder(options.folder), tell, **sections, **more)
     except CampaignError as error:
         tell(f"error: {error}")
     except Exception:  # a fault of the program, which the log should have

@@ -15,6 +15,7 @@ from typing import Any
 from campaign.config.check import check_config, load_config
 from campaign.config.sections import Campaign
 from campaign.drawing import Draughtsman
+from campaign.files import open_dataset
 from campaign.folder import ROUND_FILES, Folder
 from campaign.runs.progress import Tell
 from campaign.stages import STAGES, batch_count, drawings
@@ -55,9 +56,7 @@ def run(
 
 
 def _open(path: Path) -> Any:
-    import xarray as xr
-
-    with xr.open_dataset(path) as data:
+    with open_dataset(path) as data:
         return data.load()
 
 
@@ -69,7 +68,7 @@ def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
 
 def _stage(name: str, campaign: Campaign, folder: Folder, tell: Tell, **more: Any) -> None:
     stage = STAGES[name]
-    stage.work(folder, tell, **stage.sections_of(campaign), **more)
+    stage.run(folder, tell, **stage.sections_of(campaign), **more)
 
 
 def _sample(campaign: Campaign, folder: Folder, tell: Tell) -> None:

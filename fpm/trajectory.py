@@ -1,4 +1,4 @@
-"""Trajectory files: one netCDF file per run, complete or absent.
+"""Trajectory files: one netCDF file per run, complete or absent, and sealed (`fpm.sealed`).
 
 Written in the classic format, which is quick for files of this kind (`fpm.classic`); to be read by
 any netCDF library, and by `read_curves`. The format has no empty arrays: a run without events has
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fpm import classic
+from fpm import classic, sealed
 
 if TYPE_CHECKING:
     import xarray
@@ -184,9 +184,10 @@ def check_finite(variables: Mapping[str, classic.Variable]) -> None:
 
 
 def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> None:
-    """Write a trajectory, under a temporary name until it is complete.
+    """Write a trajectory, under a temporary name until it is complete, and sealed.
 
-    ValueError if any value is not finite; then, and when the write breaks off, no file is left.
+    Its attribute `run_id`, if it has one, is its name. ValueError if any value is not
+    finite; then, and when the write breaks off, no file is left.
     """
     if not isinstance(trajectory, Contents):
         variables = {
@@ -198,20 +199,20 @@ def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> N
     # By this attribute xarray tells coordinates that are no dimensions.
     more = [n for n, v in trajectory.variables.items() if _is_coordinate(n, v) and v.dims != (n,)]
     trajectory.attributes["coordinates"] = " ".join(more)
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
+    with sealed.whole_file(path, {"name": _name(trajectory.attributes.get("run_id"))}) as temporary:
         classic.write(temporary, *trajectory)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+
+
+def _name(run: str | None) -> str:
+    """What a trajectory is called in its seal."""
+    return f"run {run}" if run else "a trajectory"
 
 
 def read(path: str | os.PathLike) -> "xarray.Dataset":
-    """Read a trajectory into memory."""
+    """Read a trajectory into memory; DamagedError if it is not as it was written."""
     import xarray
 
+    sealed.check(path)
     with xarray.open_dataset(path) as dataset:
         return dataset.load()
 
@@ -227,12 +228,15 @@ def contact_events(events: np.ndarray, elements: Sequence[str]) -> dict[str, Any
     return {"events": found, "contacts": [elements[i].removeprefix("contact ") for i in places]}
 
 
-def read_curves(path: str | os.PathLike) -> Curves:
-    """The curves of a trajectory, a hundred times faster than `read`.
+def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
+    """The curves of a trajectory, a hundred times faster than `read`; `run`: which it must be.
 
-    Raises OSError if the file is not there, was cut off, or was not written by `write`.
+    Raises OSError if the file is not there, `sealed.DamagedError` (which is one) if it is not as
+    `write` left it, or of another run.
     """
-    _, variables = classic.read(path)
+    content = Path(path).read_bytes()
+    sealed.check_content(path, content, run and _name(run))
+    _, variables = classic.read(path, content)
 
     def names(dimension: str) -> list[str]:
         # What has an empty dimension is not in the file.

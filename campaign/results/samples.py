@@ -25,19 +25,24 @@ from typing import Any
 import numpy as np
 
 from campaign.config.sections import Jobs, plain_data
-from campaign.errors import CampaignError
-from campaign.files import whole_file
+from campaign.files import result_file
 from campaign.plan.plan import Plan
+from campaign.provenance import as_attribute
+from campaign.runs.batch import make_again
+from campaign.runs.progress import Tell
 from campaign.runs.store import EVENT_VARIABLES, Record, open_store, write_dimension
 from fpm.trajectory import CONVENTIONS
 
 _CHUNK_RUNS = 64
 
 
-def gather(plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path) -> None:
+def gather(
+    plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
+) -> None:
     """Write `samples.nc` at `path` from the runs in `folder`.
 
-    Memory stays bounded by one group of runs. Raises `CampaignError` when runs are missing.
+    Memory stays bounded by one group of runs. Runs that were lost since they were simulated, or
+    whose files were damaged, are made again. Raises `CampaignError` when they fail.
     """
     import netCDF4
 
@@ -46,24 +51,21 @@ def gather(plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path) -> None
     rows: dict[str, list[int]] = {}
     for row, run in enumerate(plan.runs):
         rows.setdefault(run.id, []).append(row)
-    missing: list[str] = []
-    with whole_file(path) as temporary, netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
+    with (
+        result_file(path, plan=plan.digest) as temporary,
+        netCDF4.Dataset(temporary, "w", format="NETCDF4") as file,
+    ):
         _write_runs(file, plan)
         _write_names(file, store.responses)
         for group in groups:
             found = store.read(group)
-            missing += [run.id for run in group if run.id not in found]
-            if missing:
-                continue
+            if len(found) < len(group):
+                make_again(plan, store, group, tell)
+                found = store.read(group)
             if "time" not in file.variables:
                 _define_curves(file, next(iter(found.values())), plan.experiment.intervals)
             placed = sorted((row, id_) for id_ in found for row in rows[id_])
             _write_rows(file, [row for row, _ in placed], [found[id_] for _, id_ in placed])
-        if missing:
-            raise CampaignError(
-                f"{len(missing)} runs are missing in {folder}, e.g. {missing[0]}; add "
-                "`--forcerun simulate` to the same call of snakemake to simulate them again"
-            )
 
 
 def _write_runs(file: Any, plan: Plan) -> None:
@@ -100,6 +102,7 @@ def _write_runs(file: Any, plan: Plan) -> None:
             "time_step_limit": plan.time.step_limit,
             "limiting_element": plan.time.limiting_element,
             "mechanics": plan.mechanics,
+            "provenance": as_attribute(),
         }
     )
 

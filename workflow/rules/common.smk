@@ -30,6 +30,14 @@ except CampaignError as error:
     sys.exit(1)
 
 
+# Results tell what they were made from, and whether they are whole, wherever they come from.
+if workflow.is_main_process and "--report" not in sys.argv:
+    STALE = WORKFLOW.stale()
+    for reason in STALE.values():
+        print(f"{reason}; it is made again", file=sys.stderr)
+    workflow.dag_settings.forcerun = {*workflow.dag_settings.forcerun, *STALE}
+
+
 wildcard_constraints:
     campaign=WORKFLOW.name,
     stage=WORKFLOW.any_stage,

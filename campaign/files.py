@@ -1,7 +1,7 @@
 """A campaign's files: whole or absent, sealed (`fpm.sealed`), and told apart by what they are of.
 
-The seal of a result says, beside its name, of which `plan` it is (the digest of its runs) and what
-its stage made it from (`basis`, the digest of code and config).
+The seal of a result says, beside its name, of which `plan` it is (the digest of its runs), what
+its stage made it from (`basis`, the digest of code and config), and what computed it when.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
+from campaign.provenance import dated
 from fpm.sealed import check, whole_file
 
 __all__ = ["open_dataset", "open_netcdf", "result_file", "whole_file", "write_result", "write_text"]
@@ -31,7 +32,7 @@ def results_of(facts: Mapping[str, str]) -> Iterator[None]:
 
 def result_file(path: str | Path, **facts: str) -> AbstractContextManager[Path]:
     """A temporary path of a result: sealed and renamed when the block ends without an error."""
-    return whole_file(path, {"name": Path(path).name, **_FACTS.get(), **facts})
+    return whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts})
 
 
 def open_netcdf(path: str | Path) -> Any:

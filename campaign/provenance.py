@@ -1,4 +1,8 @@
-"""Who computed a result: the program, its state, the machine and the packages, for every file."""
+"""What computed a result: the program, its state, the machine and the packages.
+
+netCDF files have it as the attribute `provenance`; seals of all results have it with the moment, so
+that the same results are the same but for their seals.
+"""
 
 from __future__ import annotations
 
@@ -34,15 +38,15 @@ def program() -> dict[str, str]:
     return found
 
 
-def provenance() -> dict[str, str]:
-    """`program()` and the moment, in UTC."""
-    now = datetime.now(UTC).isoformat(timespec="seconds")
-    return {**program(), "made": now}
-
-
-def as_attribute(dated: bool = True) -> str:
+def as_attribute() -> str:
     """That as JSON on one line, for the attribute `provenance` of a file."""
-    return json.dumps(provenance() if dated else program())
+    return json.dumps(program())
+
+
+def dated() -> dict[str, str]:
+    """For the seal of a result: version, commit, processor, and the moment in UTC."""
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    return {key: program()[key] for key in ("program", "commit", "processor")} | {"made": now}
 
 
 def _version() -> str:

@@ -203,7 +203,9 @@ _DESIGN = (
 _PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py", *_FILES)
 _BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py", *_FILES)
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
-_RUNS = ("campaign/runs/*.py", "fpm/trajectory.py", "fpm/classic.py", *_FILES)
+_RUNS = (
+    "campaign/runs/*.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py", *_FILES,
+)  # fmt: skip
 _PLAN, _SAMPLES, _BOX = "nodes.json", "samples.nc", "bounds.nc"
 
 # Beside the code named here, runs depend on the mechanics, which are part of their names.
@@ -213,9 +215,7 @@ STAGES = {
         Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN, *_FILES)),
         Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:])),
         Stage(simulate, ("jobs",), _RUNS, (_PLAN,)),
-        Stage(
-            gather, ("jobs",), ("campaign/results/samples.py", "fpm/responses.py", *_RUNS), (_PLAN,)
-        ),
+        Stage(gather, ("jobs",), ("campaign/results/samples.py", *_RUNS), (_PLAN,)),
         Stage(bounds, ("bounds",), _BOUNDS, (_SAMPLES,)),
         Stage(envelopes, ("error",), (*_PLOT, "campaign/results/summary.py"), (_BOX,)),
         Stage(sensitivities, (), _PLOT, ("sensitivities.nc",)),

@@ -71,18 +71,28 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
     return facts
 
 
+def unsealed(path: str | os.PathLike) -> bytes:
+    """The content of a sealed file as it was before; DamagedError if it is not whole."""
+    content = Path(path).read_bytes()
+    check_content(path, content)
+    return _split(path, content)[1]
+
+
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
     """The same for the whole content of a file that was read already; `path` names it."""
+    facts, rest = _split(path, content)
+    _compare(path, facts, hashlib.sha256(rest), name)
+    return facts
+
+
+def _split(path: str | os.PathLike, content: bytes) -> tuple[dict[str, str], bytes]:
+    """Facts and rest of a file's content."""
     if Path(path).suffix == ".json":
         found = _KEY.match(content)
         facts = _facts(path, found and b'{"seal": ' + found[1] + b"}")
-        rest = b"{\n" + content[found.end() :]
-    else:
-        found = _LINE.search(content, max(0, len(content) - _LONGEST))
-        facts = _facts(path, found and found[1])
-        rest = memoryview(content)[: len(content) - len(found[0])]
-    _compare(path, facts, hashlib.sha256(rest), name)
-    return facts
+        return facts, b"{\n" + content[found.end() :]
+    found = _LINE.search(content, max(0, len(content) - _LONGEST))
+    return _facts(path, found and found[1]), content[: -len(found[0])] if found else b""
 
 
 def _facts(path: str | os.PathLike, text: bytes | None) -> dict[str, str]:
@@ -91,7 +101,7 @@ def _facts(path: str | os.PathLike, text: bytes | None) -> dict[str, str]:
             facts = json.loads(text)["seal"]
             if isinstance(facts, dict) and {"name", "digest"} <= facts.keys():
                 return facts
-    raise DamagedError(path, "it was cut off, or is no file of this program")
+    raise DamagedError(path, "it was cut off or edited, or is no file of this program")
 
 
 def _compare(path: str | os.PathLike, facts: dict[str, str], content, name: str | None) -> None:
@@ -138,7 +148,7 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
 def sweep(folder: str | os.PathLike) -> list[Path]:
     """Remove what processes of this machine that are no more have left half written in a folder."""
     removed = []
-    with suppress(FileNotFoundError):
+    with suppress(FileNotFoundError, NotADirectoryError):
         for entry in os.scandir(folder):
             found = _TEMPORARY.match(entry.name)
             if found and found["host"] == _host() and not _is_alive(int(found["process"])):

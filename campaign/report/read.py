@@ -187,6 +187,6 @@ def _provenance(bounds: xarray.Dataset, samples: xarray.Dataset, folder: Path) -
         facts["Digest of the mechanics"] = str(attributes["mechanics"])
     made = json.loads(attributes["provenance"])
     facts["Program"] = f"{made.pop('program')}, commit {made.pop('commit')}"
-    facts["Made"] = f"{made.pop('made')}, on {made.pop('processor')}"
+    facts["Made"] = f"{check(folder / 'bounds.nc')['made']}, on {made.pop('processor')}"
     facts["Packages"] = ", ".join(f"{name} {version}" for name, version in made.items())
     return facts

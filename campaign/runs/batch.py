@@ -149,7 +149,7 @@ def simulate(
             "config_hash": plan.config_hash,
             "time_step_limit": plan.time.step_limit,
             "limiting_element": plan.time.limiting_element,
-            "provenance": as_attribute(dated=False),
+            "provenance": as_attribute(),
             **{f"parameter_{name}": v for name, v in values.items() if v is not None},
         }
         results.append(Result(run.id, outcome, attributes))

@@ -10,7 +10,8 @@ import yaml
 
 from campaign.cli import main
 from campaign.folder import Folder
-from campaign.stages import STAGES
+from campaign.stages import STAGES, Stage
+from fpm.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
 
@@ -54,7 +55,7 @@ def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path,
         assert log.read_text() == capsys.readouterr().err
     assert "| BD |" in log.read_text()
     for path in (folder.plan, folder / "summary.json"):
-        assert path.read_bytes() == (finished / path.name).read_bytes()
+        assert unsealed(path) == unsealed(finished / path.name)
     assert main(["envelopes", str(folder.path), "--config", '{"error": {"shade_above": 0.2}}']) == 0
     assert (folder.figures / "vBz.pdf").read_bytes().startswith(b"%PDF")
 
@@ -82,9 +83,12 @@ def test_errors_of_users_have_no_traceback(finished, file, tmp_path, capsys):
     folder.path.mkdir()
     folder.plan.write_bytes(finished.plan.read_bytes())
     log = tmp_path / "gather.log"
+    plan = json.loads(folder.plan.read_text())
+    folder.plan.write_text(json.dumps(plan, indent=1))
     assert main(["gather", str(folder.path), "--config", file, "--log", str(log)]) == 1
     for told in (capsys.readouterr().err, log.read_text()):
-        assert told.startswith("error: 5 runs are missing in ")
+        assert told.startswith(f"error: {folder.plan} cannot be used: it was cut off or edited")
+        assert "to make it again" in told
         assert "Traceback" not in told
     assert main(["run", str(tmp_path / "absent.yaml")]) == 1
     told = capsys.readouterr().err
@@ -92,8 +96,17 @@ def test_errors_of_users_have_no_traceback(finished, file, tmp_path, capsys):
     assert "Traceback" not in told
 
 
-def test_a_fault_of_the_program_is_in_the_log(tmp_path):
+JOBS = json.dumps({"jobs": {"nodes_per_job": 1, "group": 1, "keep": "responses"}})
+
+
+def test_a_file_that_is_not_there_is_told_by_name(tmp_path):
     log = tmp_path / "a.log"
-    jobs = json.dumps({"jobs": {"nodes_per_job": 1, "group": 1, "keep": "responses"}})
-    assert main(["gather", str(tmp_path), "--config", jobs, "--log", str(log)]) == 1
-    assert "FileNotFoundError" in log.read_text()
+    assert main(["gather", str(tmp_path), "--config", JOBS, "--log", str(log)]) == 1
+    assert log.read_text() == f"error: {tmp_path}/nodes.json: No such file or directory\n"
+
+
+def test_a_fault_of_the_program_is_in_the_log(tmp_path, monkeypatch):
+    log = tmp_path / "a.log"
+    monkeypatch.setattr(Stage, "basis", lambda *rest: 1 / 0)
+    assert main(["gather", str(tmp_path), "--config", JOBS, "--log", str(log)]) == 1
+    assert "ZeroDivisionError" in log.read_text()

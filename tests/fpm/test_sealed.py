@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from fpm.sealed import DamagedError, check, check_content, seal, sweep, whole_file
+from fpm.sealed import DamagedError, check, check_content, seal, sweep, unsealed, whole_file
 
 CONTENT = {
     ".nc": bytes(range(256)) * 20,
@@ -32,6 +32,7 @@ def test_a_seal_tells_what_a_file_is(path):
     assert facts == check_content(path, path.read_bytes(), "it")
     with pytest.raises(DamagedError, match=rf"{path.name}.*it is it, not another"):
         check(path, "another")
+    assert unsealed(path) == CONTENT[path.suffix]
     if path.suffix == ".json":
         assert json.loads(path.read_text())["b"] == [1, 2]
 
@@ -64,13 +65,18 @@ def test_zeroed_pages_are_noticed(tmp_path):
     seal(path, {"name": "it"})
     whole = path.read_bytes()
     for start in range(0, len(whole), 4096):
-        path.write_bytes(whole[:start] + bytes(len(whole[start : start + 4096])) + whole[start:][4096:])
+        path.write_bytes(
+            whole[:start] + bytes(len(whole[start : start + 4096])) + whole[start:][4096:]
+        )
         with pytest.raises(DamagedError):
             check(path)
 
 
 def test_a_file_that_breaks_off_leaves_nothing(tmp_path):
-    with pytest.raises(ZeroDivisionError), whole_file(tmp_path / "a.nc", {"name": "a"}) as temporary:
+    with (
+        pytest.raises(ZeroDivisionError),
+        whole_file(tmp_path / "a.nc", {"name": "a"}) as temporary,
+    ):
         temporary.write_bytes(b"half")
         raise ZeroDivisionError
     assert list(tmp_path.iterdir()) == []

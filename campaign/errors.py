@@ -21,9 +21,8 @@ def of_files(error: Exception, folder: Path) -> CampaignError | None:
     `folder`: of its results. netCDF's library tells no reason, so that a full disk is guessed.
     """
     if isinstance(error, DamagedError):
-        return CampaignError(
-            f"{error}; call snakemake or `python -m campaign run`: it is made again"
-        )
+        again = "call snakemake or `python -m campaign run` to have it made again"
+        return CampaignError(f"{error}; {again}")
     library = isinstance(error, RuntimeError) and "NetCDF" in str(error)
     if not library and not isinstance(error, OSError):
         return None

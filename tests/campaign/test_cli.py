@@ -88,7 +88,7 @@ def test_errors_of_users_have_no_traceback(finished, file, tmp_path, capsys):
     assert main(["gather", str(folder.path), "--config", file, "--log", str(log)]) == 1
     for told in (capsys.readouterr().err, log.read_text()):
         assert told.startswith(f"error: {folder.plan} cannot be used: it was cut off or edited")
-        assert "to make it again" in told
+        assert "to have it made again" in told
         assert "Traceback" not in told
     assert main(["run", str(tmp_path / "absent.yaml")]) == 1
     told = capsys.readouterr().err

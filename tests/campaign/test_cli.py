@@ -27,7 +27,8 @@ def file(raw, tmp_path) -> str:
 @pytest.mark.parametrize("command", [[], ["check"]])
 def test_files_are_checked_without_running_anything(file, tmp_path, capsys, command):
     assert main([*command, file]) == 0
-    assert "test, at most 6 runs" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "test, at most 6 runs, about " in told and " cores, " in told and "B on disk" in told
     (tmp_path / "bad.yaml").write_text("a: [1", encoding="utf-8")
     assert main([*command, file, str(tmp_path / "bad.yaml")]) == 1
     told = capsys.readouterr()
@@ -46,6 +47,13 @@ def test_nothing_to_check_is_refused_and_help_names_all_commands(capsys):
     told = capsys.readouterr().out
     for name in ("check", "run", "keys", "structure", *STAGES):
         assert f"\n    {name}" in told
+
+
+def test_the_program_tells_its_version(capsys):
+    with pytest.raises(SystemExit) as told:
+        main(["--version"])
+    assert told.value.code == 0
+    assert capsys.readouterr().out.startswith("deployable-intervals ")
 
 
 def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path, capsys):

@@ -22,7 +22,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from campaign.errors import CampaignError, ConfigError
+from campaign.errors import CampaignError, ConfigError, of_files
 
 PROGRAM = "deployable-intervals"
 
@@ -166,12 +166,17 @@ def _export(options: argparse.Namespace) -> int:
     from campaign.export import choose, export
 
     settings = dict(pair.partition("=")[::2] for pair in options.set)
+    place = options.output or Path("exports")
     try:
         chosen = choose(options.what, options.run, settings, options.duration)
-        place = options.output or Path(chosen.folder.path if chosen.folder else ".", "exports")
+        if chosen.folder and not options.output:
+            place = chosen.folder / "exports"
         paths = export(chosen, options.to, place, options.frames)
     except (CampaignError, fpm.SceneError) as error:
         print(f"error: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:  # a damaged result, a full disk
+        print(f"error: {of_files(error, place)}", file=sys.stderr)
         return 1
     print("\n".join(map(str, paths)))
     return 0

@@ -8,4 +8,17 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from campaign.cli import main
 
-sys.exit(main(sys.argv[1:]))
+
+def program() -> int:
+    """The console script `deployable-intervals`."""
+    try:
+        return main(sys.argv[1:])
+    except KeyboardInterrupt:
+        print(
+            "stopped; finished runs are kept, the same command goes on from there", file=sys.stderr
+        )
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(program())

@@ -1,10 +1,12 @@
 """Campaigns in a shell: check them, run them, or one of their stages.
 
-    python -m campaign config/paper.yaml          check a file without running anything
+    python -m campaign check config/paper.yaml    check a file without running anything
     python -m campaign run config/paper.yaml      plan, simulate, bound and draw, without Snakemake
-    python -m campaign structure mast.yaml        check a structure and print what it is
+    python -m campaign structure mast.yaml        check a structure, print what it is, draw it
     python -m campaign report results/paper       make the page again
     python -m campaign export results/paper --to glb    a run for ParaView, viewers, spreadsheets
+
+`deployable-intervals` is the same command, where the package is installed.
 
 A stage takes the folder of a campaign's results, `results/<campaign>`, or of one of its rounds, and
 the config as a YAML file (or the sections that it needs, as JSON). `keys` prints docs/config.md.
@@ -17,9 +19,12 @@ import json
 import sys
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
-from campaign.errors import CampaignError, ConfigError
+from campaign.errors import CampaignError, ConfigError, of_files
+
+PROGRAM = "deployable-intervals"
 
 
 def main(arguments: list[str]) -> int:
@@ -36,9 +41,12 @@ def main(arguments: list[str]) -> int:
 def _parser() -> argparse.ArgumentParser:
     from campaign.stages import STAGES
 
+    started = Path(sys.argv[0]).name
+    program = PROGRAM if started.startswith(PROGRAM) else "python -m campaign"
     parser = argparse.ArgumentParser(
-        "python -m campaign", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+        program, description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
+    parser.add_argument("--version", action="version", version=f"{PROGRAM} {_version()}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
 
     def command(name: str, function: Callable) -> argparse.ArgumentParser:
@@ -71,6 +79,15 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(PROGRAM)
+    except PackageNotFoundError:  # a checkout
+        return "(not installed)"
+
+
 def _add_export(export: argparse.ArgumentParser) -> None:
     from campaign.export import KINDS
 
@@ -91,9 +108,9 @@ def _add_export(export: argparse.ArgumentParser) -> None:
 
 
 def _check(options: argparse.Namespace) -> int:
-    """Check configs without running anything."""
+    """Check configs without running anything, and say how many runs, how long and how much disk."""
     from campaign.config.check import load_config
-    from campaign.config.design import count_runs
+    from campaign.plan.estimate import estimate
 
     status = 0
     for path in options.files:
@@ -103,7 +120,7 @@ def _check(options: argparse.Namespace) -> int:
             print(error, file=sys.stderr)
             status = 1
         else:
-            print(f"{path}: {campaign.name}, at most {count_runs(campaign.experiment)} runs")
+            print(f"{path}: {campaign.name}, {estimate(campaign)}")
     return status
 
 
@@ -149,12 +166,17 @@ def _export(options: argparse.Namespace) -> int:
     from campaign.export import choose, export
 
     settings = dict(pair.partition("=")[::2] for pair in options.set)
+    place = options.output or Path("exports")
     try:
         chosen = choose(options.what, options.run, settings, options.duration)
-        place = options.output or Path(chosen.folder.path if chosen.folder else ".", "exports")
+        if chosen.folder and not options.output:
+            place = chosen.folder / "exports"
         paths = export(chosen, options.to, place, options.frames)
     except (CampaignError, fpm.SceneError) as error:
         print(f"error: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:  # a damaged result, a full disk
+        print(f"error: {of_files(error, place)}", file=sys.stderr)
         return 1
     print("\n".join(map(str, paths)))
     return 0
@@ -163,20 +185,19 @@ def _export(options: argparse.Namespace) -> int:
 def _run_stage(options: argparse.Namespace) -> int:
     """Run one stage; messages go to the log file too, and errors come without a traceback."""
     from campaign.folder import Folder
+    from campaign.runs.progress import Teller
 
     log = None
-    if options.log:
-        options.log.parent.mkdir(parents=True, exist_ok=True)
-        log = options.log.open("w", encoding="utf-8")
+    with suppress(OSError):  # a full disk, say, which the stage tells better
+        if options.log:
+            options.log.parent.mkdir(parents=True, exist_ok=True)
+            log = options.log.open("w", encoding="utf-8")
 
-    def tell(text: str) -> None:
-        for file in filter(None, (sys.stderr, log)):
-            print(text, file=file, flush=True)
-
+    tell = Teller(*filter(None, (sys.stderr, log)))
     more = {key: getattr(options, key) for key in ("batch", "batches") if hasattr(options, key)}
     try:
         sections = _sections(options)
-        options.stage.work(Folder(options.folder), tell, **sections, **more)
+        options.stage.run(Folder(options.folder), tell, **sections, **more)
     except CampaignError as error:
         tell(f"error: {error}")
     except Exception:  # a fault of the program, which the log should have

@@ -56,4 +56,10 @@ def draw() -> None:
         order = json.loads(line)
         stage = STAGES[order["stage"]]
         sections = stage.typed(order["sections"])
-        stage.work(Folder(order["folder"]), lambda text: None, **sections)
+        try:
+            stage.run(Folder(order["folder"]), lambda text: None, **sections)
+        except CampaignError as error:
+            print(f"error: {error}", file=sys.stderr)
+            sys.exit(1)
+        except KeyboardInterrupt:  # the process that asked tells
+            sys.exit(130)

@@ -6,15 +6,19 @@ the workflow. Imports stay inside, so that a stage loads what it needs and no mo
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from campaign.config.sections import Campaign, from_data
+from campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
+from campaign.errors import of_files
+from campaign.files import results_of
 from campaign.folder import Folder
 from campaign.runs.progress import Tell
+from fpm.sealed import DamagedError, check, sweep
 
 
 def plan(folder: Folder, tell: Tell, experiment: Any) -> None:
@@ -64,7 +68,7 @@ def gather(folder: Folder, tell: Tell, jobs: Any) -> None:
     from campaign.plan.plan import read_plan
     from campaign.results.samples import gather
 
-    gather(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples)
+    gather(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples, tell)
 
 
 def bounds(folder: Folder, tell: Tell, bounds: Any) -> None:
@@ -97,8 +101,14 @@ def sensitivities(folder: Folder, tell: Tell) -> None:
 
 def linkage(folder: Folder, tell: Tell, figures: Any) -> None:
     """Draw the structure at some moments of the nominal run."""
+    from campaign.plan.plan import read_plan
     from campaign.results.linkage import draw_nominal
+    from campaign.runs.batch import make_again
+    from campaign.runs.store import open_store
 
+    made, store = read_plan(folder.plan), folder.runs("trajectories")
+    nominal = [run for run in made.runs if run.role == "nominal"]
+    make_again(made, open_store("trajectories", store, made.experiment), nominal, tell)
     draw_nominal(folder.samples, folder.runs("trajectories"), figures.moments, folder.figures)
 
 
@@ -125,17 +135,50 @@ class Stage:
     """A stage: its function, the sections of the config that it takes, and its code.
 
     `code` are patterns of the files, from the folder that the packages are in, in which a change
-    asks for the stage again.
+    asks for the stage again; `takes` are the results that it reads.
     """
 
     work: Callable[..., None]
     sections: tuple[str, ...]
     code: tuple[str, ...]
+    takes: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
         """Name of the stage and of its rule."""
         return self.work.__name__
+
+    def run(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
+        """Do the work on a folder; its arguments are the sections, and those of the batch.
+
+        Raises `CampaignError` for trouble with files, among them those that do not belong together.
+        """
+        sections = {name: arguments[name] for name in self.sections}
+        try:
+            for place in (folder.path, folder.figures, folder / "batches"):
+                sweep(place)
+            facts = {"basis": self.basis(sections), **self._plan(folder)}
+            with results_of(facts):
+                self.work(folder, tell, **arguments)
+        except (OSError, RuntimeError) as error:
+            told = of_files(error, folder.path)
+            if told is None:
+                raise
+            raise told from error
+
+    def basis(self, sections: Mapping[str, Any]) -> str:
+        """Digest of what the stage's results depend on beside the files that it takes."""
+        mechanics = [s.scene_type.digest for s in sections.values() if isinstance(s, Experiment)]
+        return digest([self.digest(), json.loads(as_json(**sections)), mechanics])
+
+    def _plan(self, folder: Folder) -> dict[str, str]:
+        """The plan that all files that the stage takes are of, as a fact for its results."""
+        found = {name: check(folder / name, name).get("plan") for name in self.takes}
+        for name, plan in found.items():
+            if plan != (first := next(iter(found.values()))):
+                told = f"it is of plan {plan}, {next(iter(found))} of {first}"
+                raise DamagedError(folder / name, told)
+        return {"plan": next(iter(found.values()))} if found else {}
 
     def typed(self, data: dict) -> dict[str, Any]:
         """The stage's sections from plain data."""
@@ -155,6 +198,7 @@ class Stage:
         return syntax_digest(file for pattern in self.code for file in root.glob(pattern))
 
 
+_FILES = ("fpm/sealed.py", "campaign/files.py", "campaign/provenance.py")
 _DESIGN = (
     "campaign/config/design.py",
     "campaign/config/sections.py",
@@ -163,41 +207,47 @@ _DESIGN = (
     "intervals/points.py",
     "intervals/designs/*.py",
 )
-_PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py")
-_BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py")
+_PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py", *_FILES)
+_BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py", *_FILES)
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
-_READ = (
-    "campaign/runs/store.py",
-    "fpm/trajectory.py",
-    "fpm/classic.py",
-    "fpm/responses.py",
-    "fpm/quantities.py",
-)
-
 _SUMMARY = ("campaign/results/summary.py", "campaign/answers/tables.py")
-_ANSWERS = (
-    "campaign/answers/*.py",
-    "campaign/plan/make.py",
-    "campaign/runs/*.py",
-    *_BOUNDS,
-    *_READ[1:],
-)
+_RUNS = (
+    "campaign/runs/*.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py",
+    "fpm/quantities.py", *_FILES,
+)  # fmt: skip
+_ANSWERS = ("campaign/answers/*.py", "campaign/plan/make.py", *_BOUNDS, *_RUNS)
+_PLAN, _SAMPLES, _BOX = "nodes.json", "samples.nc", "bounds.nc"
 
 # Beside the code named here, runs depend on the mechanics, which are part of their names.
 STAGES = {
     stage.name: stage
     for stage in (
-        Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN)),
+        Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN, *_FILES)),
         Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:])),
-        Stage(simulate, ("jobs",), ("campaign/runs/*.py", *_READ[1:])),
-        Stage(gather, ("jobs",), ("campaign/results/samples.py", *_READ)),
-        Stage(bounds, ("bounds",), _BOUNDS),
-        Stage(quantities, ("verify", "jobs"), _ANSWERS),
-        Stage(envelopes, ("error",), (*_PLOT, "campaign/results/summary.py")),
-        Stage(sensitivities, (), _PLOT),
-        Stage(linkage, ("figures",), ("campaign/results/linkage.py", *_PLOT, *_READ[1:3])),
-        Stage(summary, ("published",), (*_SUMMARY, _PLOT[1])),
-        Stage(report, (), (*_PAGE, _PLOT[1], "fpm/motion*.py")),
+        Stage(simulate, ("jobs",), _RUNS, (_PLAN,)),
+        Stage(gather, ("jobs",), ("campaign/results/samples.py", *_RUNS), (_PLAN,)),
+        Stage(bounds, ("bounds",), _BOUNDS, (_SAMPLES,)),
+        Stage(quantities, ("verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
+        Stage(envelopes, ("error",), (*_PLOT, "campaign/results/summary.py"), (_BOX,)),
+        Stage(sensitivities, (), _PLOT, ("sensitivities.nc",)),
+        Stage(
+            linkage,
+            ("figures",),
+            ("campaign/results/linkage.py", *_PLOT, *_RUNS),
+            (_PLAN, _SAMPLES),
+        ),
+        Stage(
+            summary,
+            ("published",),
+            (*_SUMMARY, *_PLOT[1:]),
+            (_PLAN, _SAMPLES, _BOX),
+        ),
+        Stage(
+            report,
+            (),
+            (*_PAGE, *_PLOT[1:], "fpm/motion*.py"),
+            (_SAMPLES, _BOX, "sensitivities.nc", "summary.json"),
+        ),
     )
 }
 

@@ -15,8 +15,9 @@ from typing import Any
 from campaign.config.check import check_config, load_config
 from campaign.config.sections import Campaign
 from campaign.drawing import Draughtsman
+from campaign.files import open_dataset
 from campaign.folder import ROUND_FILES, Folder
-from campaign.runs.progress import Tell
+from campaign.runs.progress import Tell, Teller
 from campaign.stages import STAGES, batch_count, drawings
 
 
@@ -24,15 +25,17 @@ def run(
     config: str | Path | Mapping | Campaign,
     results: str | Path = "results",
     figures: bool = True,
-    tell: Tell = lambda text: print(text, file=sys.stderr, flush=True),
+    tell: Tell | None = None,
 ) -> Any:
     """Run a campaign into `results`/<campaign> and return its bounds, an `xarray.Dataset`.
 
     `config` is the name of a YAML file, or what one holds. Runs that are there already are not
-    simulated again; everything else is made anew. `tell` gets messages of progress. Bounds are the
-    workflow's to the last bit with `OMP_NUM_THREADS=1`; threads of linear algebra round otherwise.
+    simulated again; everything else is made anew. `tell` gets messages of progress, which are
+    printed if nothing is said. Bounds are the workflow's to the last bit with `OMP_NUM_THREADS=1`;
+    threads of linear algebra round otherwise.
     Raises `ConfigError` before anything is written, `CampaignError` when runs fail.
     """
+    tell = tell or Teller(sys.stderr)
     campaign = _campaign(config)
     folder = Folder(Path(results, campaign.name))
     with Draughtsman() if figures else nullcontext() as draughtsman:
@@ -57,9 +60,7 @@ def run(
 
 
 def _open(path: Path) -> Any:
-    import xarray as xr
-
-    with xr.open_dataset(path) as data:
+    with open_dataset(path) as data:
         return data.load()
 
 
@@ -71,7 +72,7 @@ def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
 
 def _stage(name: str, campaign: Campaign, folder: Folder, tell: Tell, **more: Any) -> None:
     stage = STAGES[name]
-    stage.work(folder, tell, **stage.sections_of(campaign), **more)
+    stage.run(folder, tell, **stage.sections_of(campaign), **more)
 
 
 def _sample(campaign: Campaign, folder: Folder, tell: Tell) -> None:

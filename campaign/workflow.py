@@ -12,6 +12,7 @@ from campaign.config.loader import retyped
 from campaign.config.sections import Campaign, as_json
 from campaign.folder import Folder
 from campaign.stages import STAGES, batch_count, drawings
+from fpm.sealed import DamagedError, check
 
 
 class Workflow:
@@ -74,6 +75,58 @@ class Workflow:
         from campaign.plan.plan import read_plan
 
         return read_plan(plan_path).is_finished
+
+    def stale(self) -> dict[str, str]:
+        """Results that are there and must be made again, with the reason: damaged or of something
+        else.
+
+        Snakemake knows what it made here itself; the files know it wherever they were made.
+        """
+        found: dict[str, str] = {}
+        if not self.campaign.is_adaptive:
+            self._stale_in(self.folder, "plan", found)
+            return found
+        self._stale_in(self.folder, "plan_round", found, rounds=False)
+        number = 0
+        while (place := self.folder.round(number)).plan.exists():
+            self._stale_in(place, "plan_round", found, figures=False)
+            if str(place.plan) in found or self.is_last(str(place.plan)):
+                break  # what comes after is made again, or of no more use
+            number += 1
+        return found
+
+    def _stale_in(
+        self, folder: Folder, plan: str, found: dict[str, str], rounds=True, figures=True
+    ) -> None:
+        """Add the stale results in the folder of a campaign or of a round."""
+        if not folder.plan.exists():
+            return
+        files = {plan: [folder.plan], "gather": [folder.samples]}
+        files["bounds"] = [folder.bounds, folder.surrogate, folder.sensitivities]
+        if figures and self.campaign.experiment.quantities:
+            files["quantities"] = [folder.quantities, folder.further]
+        if rounds:
+            files["simulate"] = sorted(folder.path.glob("batches/*.json"))
+        if figures:
+            for name in drawings(self.campaign):
+                named = self.campaign.experiment.responses if name == "envelopes" else [name]
+                files[name] = list(map(Path, folder.pictures(named)))
+            files["summary"] = [folder / f"summary.{kind}" for kind in ("json", "md")]
+            files["report"] = [folder.report]
+        of = None
+        for stage, paths in files.items():
+            basis = STAGES[stage].basis(STAGES[stage].sections_of(self.campaign))
+            for path in paths:
+                try:
+                    facts = check(path, path.name)
+                except FileNotFoundError:
+                    continue
+                except DamagedError as error:
+                    found[str(path)] = str(error)
+                    continue
+                of = of or facts.get("plan")
+                if (facts.get("basis"), facts.get("plan")) != (basis, of):
+                    found[str(path)] = f"{path} was made from something else"
 
     def envelope_figures(self, stage: str) -> list[str]:
         """The figures of the responses."""

@@ -8,6 +8,7 @@ reads these files.
 
 import os
 from collections.abc import Mapping
+from io import BytesIO
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,15 +49,17 @@ def write(
             _set_attributes(column, own)
 
 
-def read(path: str | os.PathLike) -> tuple[dict[str, Any], dict[str, Variable]]:
+def read(
+    path: str | os.PathLike, content: bytes | None = None
+) -> tuple[dict[str, Any], dict[str, Variable]]:
     """Attributes and variables of a file in the classic format; text stays characters.
 
-    Raises OSError if it is not such a file, or not whole.
+    `content`: what was read of it already. Raises OSError if it is not such a file, or not whole.
     """
     from scipy.io import netcdf_file
 
     try:
-        with netcdf_file(path, "r", mmap=False) as file:
+        with netcdf_file(path if content is None else BytesIO(content), "r", mmap=False) as file:
             variables = {
                 name: Variable(found.dimensions, found[...], _attributes(found))
                 for name, found in file.variables.items()

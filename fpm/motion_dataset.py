@@ -6,6 +6,7 @@ import numpy as np
 
 from fpm.outcome import Outcome
 from fpm.scene import Scene
+from fpm.trajectory import CONVENTIONS, contact_events
 
 if TYPE_CHECKING:
     import xarray
@@ -67,9 +68,10 @@ def to_dataset(
             **{n: (n, np.array(v, dtype=str), {"long_name": n}) for n, v in names.items()},
         },
         attrs={
-            "Conventions": "CF-1.11",
+            "Conventions": CONVENTIONS,
             "title": f"whole motion of scene {scene.name}",
             "source": "finite particle method",
+            "history": f"fpm.motion.whole_motion: steps of {outcome.step:.9g} s",
             "scene": scene.name,
             "time_step": outcome.step,
             **attributes,
@@ -126,7 +128,8 @@ def _fixed(scene: Scene, corners: np.ndarray) -> dict[str, tuple]:
 
 
 def _events(outcome: Outcome) -> dict[str, tuple]:
-    time, contact, closing = outcome.events.T
+    names = [element.name for element in outcome.eventful]
+    time, contact, closing = contact_events(outcome.events, names)["events"].T
     return {
         "contact_event_time": ("event", time, "s", "time at which a contact closes or opens"),
         "contact_event_contact": ("event", contact.astype(np.int32), "1", "index of the contact"),

@@ -69,10 +69,12 @@ class Outcome:
     @property
     def openings(self) -> dict[str, np.ndarray]:
         """Openings (t,) in rad by the names of the hinges."""
-        if "opening" not in self.recorded:
-            return {}
-        found = self.recorded["opening"]
-        return {name: found.values[:, i] for i, name in enumerate(found.labels)}
+        return self._by_name("opening")
+
+    @property
+    def tensions(self) -> dict[str, np.ndarray]:
+        """Tensions (t,) in N by the names of the cables."""
+        return self._by_name("cable_tension")
 
     @property
     def gap(self) -> np.ndarray:
@@ -93,6 +95,12 @@ class Outcome:
     def largest_strain(self) -> float:
         """The largest strain; 0 without beams."""
         return self.largest.get("strain", 0.0)
+
+    def _by_name(self, name: str) -> dict[str, np.ndarray]:
+        if name not in self.recorded:
+            return {}
+        found = self.recorded[name]
+        return {label: found.values[:, i] for i, label in enumerate(found.labels)}
 
     def _recorded_or_zero(self, name: str) -> np.ndarray:
         return self.recorded[name].values if name in self.recorded else np.zeros(len(self.time))

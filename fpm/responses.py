@@ -16,7 +16,7 @@ COMPONENTS = ("x", "y", "z", "norm")
 
 @dataclass(frozen=True)
 class Response:
-    """A named response: `kind`, the points, hinge or energy it is about, `component` of a vector.
+    """A named response: `kind`, what it is about (points, a hinge, ...), `component` of a vector.
 
     unit (UDUNITS) and long_name are those of the values that `evaluate` returns.
     """
@@ -40,6 +40,8 @@ class Response:
             return track[:, COMPONENTS.index(self.component)]
         if self.kind == "opening":
             return outcome.openings[self.about[0]]
+        if self.kind == "tension":
+            return outcome.tensions[self.about[0]]
         return outcome.energies[self.about[0]]
 
 
@@ -53,9 +55,10 @@ def parse(name: str, definition: dict, scene_type: "SceneType") -> Response:
     """A response from its definition in a config; SceneError names what is wrong.
 
     One of: {distance: [P, Q]}, {position: P, component: z}, {velocity: P, component: z},
-    {opening: H}, {energy: kind}; points P, Q, hinges H and kinds as the scene has them.
+    {opening: H}, {tension: C}, {energy: kind}; points P, Q, hinges H, cables C and kinds as the
+    scene has them.
     """
-    kinds = ("distance", "position", "velocity", "opening", "energy")
+    kinds = ("distance", "position", "velocity", "opening", "tension", "energy")
     if not isinstance(definition, dict) or len(set(definition) & set(kinds)) != 1:
         raise SceneError(f"responses.{name}", definition, f"exactly one of {', '.join(kinds)}")
     kind = next(k for k in kinds if k in definition)
@@ -82,5 +85,8 @@ def parse(name: str, definition: dict, scene_type: "SceneType") -> Response:
     if kind == "opening":
         hinge = _one_of(key, value, scene_type.hinges)
         return Response(name, kind, (hinge,), "", "rad", f"opening of hinge {hinge}")
+    if kind == "tension":
+        cable = _one_of(key, value, scene_type.cables)
+        return Response(name, kind, (cable,), "", "N", f"tension of cable {cable}")
     energy = _one_of(key, value, scene_type.energies)
     return Response(name, kind, (energy,), "", "J", f"{energy} energy")

@@ -13,6 +13,7 @@ import numpy as np
 from fpm.errors import SceneError
 from fpm.kinds import (
     Beams,
+    Cable,
     Contact,
     Damping,
     Drive,
@@ -77,6 +78,7 @@ class Scene:
     springs = _elements(TorsionSpring)
     contacts = _elements(Contact)
     loads = _elements(Load)
+    cables = _elements(Cable)
     drives = _elements(Drive)
 
     @property
@@ -203,6 +205,14 @@ class Scene:
     def add_contact(self, hinge: int, stiffness: float) -> None:
         """Face-to-face contact of `stiffness` (N m/rad) where a hinge's opening is negative."""
         self.add(Contact(int(hinge), float(stiffness)))
+
+    def add_cable(self, name, points, EA, rest=None, preload=None, reel=0.0, curve=-1):
+        """Cable through points, each a particle and a place (3,) m or None; returns its index.
+
+        EA (N); either its unstrained length `rest` (m), or the tension `preload` (N) that it has
+        at the start. A winch takes in the length `reel` (m) times a curve of time.
+        """
+        return self.add(Cable.between(self, name, points, EA, rest, preload, reel, curve))
 
     # -- supports, loads, drives, points ------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""Trajectory files: one netCDF file per run, complete or absent.
+"""Trajectory files: one netCDF file per run, complete or absent, and sealed (`fpm.sealed`).
 
 Written in the classic format, which is quick for files of this kind (`fpm.classic`); to be read by
 any netCDF library, and by `read_curves`. The format has no empty arrays: a run without events has
@@ -13,10 +13,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fpm import classic
+from fpm import classic, sealed
 
 if TYPE_CHECKING:
     import xarray
+
+CONVENTIONS = "CF-1.8"
+"""Those that files follow as far as they fit: simulated time begins at no date (docs/data.md)."""
 
 _PARAMETER = "parameter_"
 
@@ -30,7 +33,8 @@ class Contents(NamedTuple):
 
 class Curves(NamedTuple):
     """What responses are functions of, as an `fpm.Outcome` has it: time (t,) s; points: name ->
-    (position (t, 3) m, velocity (t, 3) m/s); openings: hinge -> (t,) rad; energies: kind -> (t,) J.
+    (position (t, 3) m, velocity (t, 3) m/s); openings: hinge -> (t,) rad; tensions: cable -> (t,)
+    N; energies: kind -> (t,) J.
 
     Also events (e, 3) of contacts: time (s), index among the contacts, 1 if it closes; contacts:
     names of their hinges. happened: times (s) by element and event, of all that have events;
@@ -40,6 +44,7 @@ class Curves(NamedTuple):
     time: np.ndarray
     points: dict[str, tuple[np.ndarray, np.ndarray]]
     openings: dict[str, np.ndarray]
+    tensions: dict[str, np.ndarray]
     energies: dict[str, np.ndarray]
     events: np.ndarray
     contacts: list[str]
@@ -56,7 +61,7 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
     if outcome.failure is not None:
         raise outcome.failure
     variables = {
-        "time": _variable("time", outcome.time, "s", "time", axis="T"),
+        "time": _variable("time", outcome.time, "s", "time", standard_name="time", axis="T"),
         **_points(outcome),
         **_energies(outcome),
         **_recorded(outcome),
@@ -69,9 +74,10 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
     }
     limit = outcome.limit
     known = {
-        "Conventions": "CF-1.11",
+        "Conventions": CONVENTIONS,
         "title": f"trajectory of scene {outcome.scene.name}",
         "source": "finite particle method",
+        "history": f"fpm.simulate: {outcome.steps} steps of {outcome.step:.9g} s",
         "scene": outcome.scene.name,
         "responses": " ".join(response.name for response in responses),
         "time_step": outcome.step,
@@ -181,9 +187,10 @@ def check_finite(variables: Mapping[str, classic.Variable]) -> None:
 
 
 def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> None:
-    """Write a trajectory, under a temporary name until it is complete.
+    """Write a trajectory, under a temporary name until it is complete, and sealed.
 
-    ValueError if any value is not finite; then, and when the write breaks off, no file is left.
+    Its attribute `run_id`, if it has one, is its name. ValueError if any value is not
+    finite; then, and when the write breaks off, no file is left.
     """
     if not isinstance(trajectory, Contents):
         variables = {
@@ -195,20 +202,20 @@ def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> N
     # By this attribute xarray tells coordinates that are no dimensions.
     more = [n for n, v in trajectory.variables.items() if _is_coordinate(n, v) and v.dims != (n,)]
     trajectory.attributes["coordinates"] = " ".join(more)
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
+    with sealed.whole_file(path, {"name": _name(trajectory.attributes.get("run_id"))}) as temporary:
         classic.write(temporary, *trajectory)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+
+
+def _name(run: str | None) -> str:
+    """What a trajectory is called in its seal."""
+    return f"run {run}" if run else "a trajectory"
 
 
 def read(path: str | os.PathLike) -> "xarray.Dataset":
-    """Read a trajectory into memory."""
+    """Read a trajectory into memory; DamagedError if it is not as it was written."""
     import xarray
 
+    sealed.check(path)
     with xarray.open_dataset(path) as dataset:
         return dataset.load()
 
@@ -242,6 +249,7 @@ def curves_of(outcome) -> Curves:
         time=outcome.time,
         points=outcome.points,
         openings=outcome.openings,
+        tensions=outcome.tensions,
         energies=outcome.energies,
         **contact_events(outcome.events, [element.name for element in eventful]),
         happened=happened(outcome.events, eventful),
@@ -249,12 +257,15 @@ def curves_of(outcome) -> Curves:
     )
 
 
-def read_curves(path: str | os.PathLike) -> Curves:
-    """The curves of a trajectory, a hundred times faster than `read`.
+def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
+    """The curves of a trajectory, a hundred times faster than `read`; `run`: which it must be.
 
-    Raises OSError if the file is not there, was cut off, or was not written by `write`.
+    Raises OSError if the file is not there, `sealed.DamagedError` (which is one) if it is not as
+    `write` left it, or of another run.
     """
-    attributes, variables = classic.read(path)
+    content = Path(path).read_bytes()
+    sealed.check_content(path, content, run and _name(run))
+    attributes, variables = classic.read(path, content)
 
     def names(name: str) -> list[str]:
         # What has an empty dimension is not in the file.
@@ -281,6 +292,7 @@ def read_curves(path: str | os.PathLike) -> Curves:
                 for i, name in enumerate(names("point"))
             },
             openings={name: values("opening")[:, i] for i, name in enumerate(names("hinge"))},
+            tensions={n: values("cable_tension")[:, i] for i, n in enumerate(names("cable"))},
             energies={
                 v.attributes["energy"]: v.values
                 for v in variables.values()

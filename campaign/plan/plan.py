@@ -19,7 +19,8 @@ from functools import cached_property
 from pathlib import Path
 
 from campaign.config.sections import Experiment, digest, from_data, plain_data
-from campaign.files import write_text
+from campaign.files import write_result
+from fpm.sealed import check_content
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,11 @@ class Plan:
             data["scene"]["file"] = self.mechanics
         return digest(data)
 
+    @cached_property
+    def digest(self) -> str:
+        """Digest of the experiment and all its runs: what results of the plan are known by."""
+        return digest([self.config_hash, self.mechanics, *map(asdict, self.runs)])
+
     def unique_runs(self) -> list[Run]:
         """The runs, each id once, in their order."""
         return list({run.id: run for run in self.runs}.values())
@@ -120,12 +126,14 @@ def write_plan(plan: Plan, path: str | Path) -> None:
         head["adaptive"] = asdict(plan.adaptive)
     runs = ",\n  ".join(json.dumps(asdict(run)) for run in plan.runs)
     text = json.dumps(head, indent=1)[:-2] + f',\n "runs": [\n  {runs}\n ]\n}}\n'
-    write_text(path, text)
+    write_result(path, text, plan=plan.digest)
 
 
 def read_plan(path: str | Path) -> Plan:
-    """The plan in `nodes.json`."""
-    data = json.loads(Path(path).read_text(encoding="utf-8"))
+    """The plan in `nodes.json`; raises `fpm.sealed.DamagedError` unless it is as it was written."""
+    content = Path(path).read_bytes()
+    check_content(path, content, "nodes.json")
+    data = json.loads(content)
     return Plan(
         from_data(Experiment, data["config"]),
         data["mechanics"],

@@ -28,12 +28,11 @@ def next_plan(
     experiment: Experiment, plan: Plan, samples_path: str | Path, bounds_path: str | Path
 ) -> Plan:
     """The plan after a finished round: a better design, or the same with the reason to stop."""
-    import xarray as xr
-
     import intervals
+    from campaign.files import open_dataset
 
     asked, design, before = experiment.design, plan.experiment.design, plan.adaptive
-    with xr.open_dataset(samples_path) as samples, xr.open_dataset(bounds_path) as bounds:
+    with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
         made = make_design(design, experiment.box)
         error, tails = intervals.measure_round(samples, bounds, made)
     decision = intervals.decide(

@@ -75,15 +75,14 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
 
     None if they could not be made again as they were, since the structure or the mechanics changed.
     """
-    import xarray
-
     from campaign.config.sections import Experiment, from_data
+    from campaign.files import open_dataset
     from campaign.results.bounds import write_dataset
 
     folder = Path(folder)
     with (
-        xarray.open_dataset(folder / "samples.nc") as samples,
-        xarray.open_dataset(folder / "bounds.nc") as bounds,
+        open_dataset(folder / "samples.nc") as samples,
+        open_dataset(folder / "bounds.nc") as bounds,
     ):
         experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
         if experiment.scene_type.digest != samples.attrs["mechanics"]:

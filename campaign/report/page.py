@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from campaign.files import write_text
+from campaign.files import write_result
 from campaign.report import words
 from campaign.report.data import PageData
 from campaign.report.pack import payload
@@ -23,7 +23,7 @@ SCRIPTS = (
 
 def write_page(data: PageData, path: str | Path) -> None:
     """Write the page of a campaign as one HTML file, whole or not at all."""
-    write_text(path, render(data))
+    write_result(path, render(data))
 
 
 def render(data: PageData) -> str:

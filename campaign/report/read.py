@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from campaign.files import open_netcdf
+from campaign.files import open_dataset, open_netcdf
 from campaign.report.data import Event, MovingRun, PageData, Parameter, Response, Run, Work
 from campaign.report.motions import MOTIONS, moving_runs
+from fpm.sealed import DamagedError, check
 
 if TYPE_CHECKING:
     import xarray
@@ -50,9 +51,7 @@ def from_results(folder: str | Path) -> PageData:
 
 def _load(path: Path, but: str = "") -> xarray.Dataset:
     """A dataset in memory, without one of its variables."""
-    import xarray
-
-    with xarray.open_dataset(path) as dataset:
+    with open_dataset(path) as dataset:
         return dataset.drop_vars(but, errors="ignore").load()
 
 
@@ -135,20 +134,19 @@ def _with_curves(runs: tuple[Run, ...], path: Path, drawn: Iterable[int]) -> tup
 
 def _moving(folder: Path, runs: tuple[Run, ...]) -> tuple[MovingRun, ...]:
     """The moving runs whose motion is there; none without the first, with which all compare."""
-    import xarray
-
     found = []
     with (
-        xarray.open_dataset(folder / "samples.nc") as samples,
-        xarray.open_dataset(folder / "bounds.nc") as bounds,
+        open_dataset(folder / "samples.nc") as samples,
+        open_dataset(folder / "bounds.nc") as bounds,
     ):
         shown = moving_runs(samples, bounds)
     for run, label in shown.items():
         path = folder / MOTIONS / f"{runs[run].id}.nc"
-        if path.exists():
+        try:
             found.append(MovingRun(run, label, _load(path)))
-        elif not found:
-            return ()
+        except (FileNotFoundError, DamagedError):  # of a structure that has changed since
+            if not found:
+                return ()
     return tuple(found)
 
 
@@ -160,6 +158,8 @@ def _manifests(folder: Path) -> list[Path]:
 
 def _work(folder: Path) -> tuple[Work, ...]:
     """Time in the batches of runs, of all processes together."""
+    for path in _manifests(folder):
+        check(path)
     manifests = [json.loads(p.read_text("utf-8")) for p in _manifests(folder)]
     if not manifests:
         return ()
@@ -185,7 +185,8 @@ def _provenance(bounds: xarray.Dataset, samples: xarray.Dataset, folder: Path) -
     }
     if "mechanics" in attributes:
         facts["Digest of the mechanics"] = str(attributes["mechanics"])
-    trajectory = folder / "trajectories" / f"{samples['run_id'].values[0]}.nc"
-    if trajectory.exists():
-        facts["Computed by"] = str(_load(trajectory).attrs.get("versions", ""))
+    made = json.loads(attributes["provenance"])
+    facts["Program"] = f"{made.pop('program')}, commit {made.pop('commit')}"
+    facts["Made"] = f"{check(folder / 'bounds.nc')['made']}, on {made.pop('processor')}"
+    facts["Packages"] = ", ".join(f"{name} {version}" for name, version in made.items())
     return facts

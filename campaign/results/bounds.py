@@ -16,8 +16,9 @@ import numpy as np
 
 from campaign.config.design import make_design
 from campaign.config.sections import BoundsChoice, Experiment, from_data
-from campaign.files import whole_file
+from campaign.files import open_dataset, result_file
 from campaign.folder import Folder
+from campaign.provenance import as_attribute
 
 
 def analyse(folder: Folder, how: BoundsChoice) -> None:
@@ -29,7 +30,7 @@ def analyse(folder: Folder, how: BoundsChoice) -> None:
 
     import intervals
 
-    with xr.open_dataset(folder.samples) as samples:
+    with open_dataset(folder.samples) as samples:
         experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
         is_plain_scan = experiment.design.method == "scan" and experiment.design.order is None
         design = (
@@ -62,11 +63,15 @@ def _scanned(samples: Any) -> Any:
 def write_dataset(dataset: Any, path: str | Path, title: str) -> None:
     """Write a dataset compressed, whole or not at all; `title` says what it holds."""
     titled = f"{title}, campaign {dataset.attrs['campaign']}"
-    dataset = dataset.assign_attrs(title=titled)
-    encoding = {
-        name: {"zlib": True, "complevel": 1}
-        for name, variable in dataset.variables.items()
-        if variable.dtype.kind == "f" and variable.ndim
-    }
-    with whole_file(path) as temporary:
+    history = f"{dataset.attrs.get('history', '')}\n{title}".strip()
+    dataset = dataset.assign_attrs(title=titled, history=history, provenance=as_attribute())
+    encoding: dict[str, dict] = {}
+    for name, variable in dataset.variables.items():
+        if variable.dtype.kind == "f" and variable.ndim:
+            encoding[name] = {"zlib": True, "complevel": 1}
+            if variable.dims == (name,):  # no value of a coordinate is ever missing
+                encoding[name]["_FillValue"] = None
+        elif variable.dtype.kind == "i":  # 64 bits are not in the conventions
+            encoding[name] = {"dtype": "int32"}
+    with result_file(path) as temporary:
         dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)

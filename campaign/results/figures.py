@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from campaign.files import open_netcdf, whole_file
+from campaign.files import open_netcdf, result_file
 from campaign.folder import PICTURES
 from campaign.results.summary import bounds_text
 from campaign.results.units import pretty
@@ -165,7 +165,7 @@ def save(figure: Any, path: Path, **options: Any) -> None:
     `options` are those of matplotlib's `savefig`.
     """
     for kind in PICTURES:
-        with whole_file(path.with_name(f"{path.name}.{kind}")) as temporary:
+        with result_file(path.with_name(f"{path.name}.{kind}")) as temporary:
             metadata = {"CreationDate": None} if kind == "pdf" else {"Software": None}
             fast = {"pil_kwargs": {"compress_level": 3}} if kind == "png" else {}
             figure.savefig(temporary, dpi=200, metadata=metadata, **fast, **options)

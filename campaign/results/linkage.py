@@ -47,10 +47,12 @@ def draw_nominal(samples_path: str | Path, folder: Path, count: int, out: Path) 
 
 def draw(trajectory_path: str | Path, count: int) -> Any:
     """A figure of the structure at `count` moments; its scene is one of `BARS`."""
+    import netCDF4
+
     from fpm.trajectory import read_curves
 
     curves = read_curves(trajectory_path)
-    with open_netcdf(trajectory_path) as file:
+    with netCDF4.Dataset(trajectory_path) as file:
         attributes = dict(file.__dict__)
     opening = curves.openings["B"]
     closures = curves.events[curves.events[:, 2] == 1, 0]

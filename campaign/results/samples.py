@@ -28,18 +28,24 @@ from typing import Any
 import numpy as np
 
 from campaign.config.sections import Jobs, plain_data
-from campaign.errors import CampaignError
-from campaign.files import whole_file
+from campaign.files import result_file
 from campaign.plan.plan import Plan
+from campaign.provenance import as_attribute
+from campaign.runs.batch import make_again
+from campaign.runs.progress import Tell
 from campaign.runs.store import EVENT_VARIABLES, Record, open_store, write_dimension
+from fpm.trajectory import CONVENTIONS
 
 _CHUNK_RUNS = 64
 
 
-def gather(plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path) -> None:
+def gather(
+    plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
+) -> None:
     """Write `samples.nc` at `path` from the runs in `folder`.
 
-    Memory stays bounded by one group of runs. Raises `CampaignError` when runs are missing.
+    Memory stays bounded by one group of runs. Runs that were lost since they were simulated, or
+    whose files were damaged, are made again. Raises `CampaignError` when they fail.
     """
     import netCDF4
 
@@ -48,8 +54,10 @@ def gather(plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path) -> None
     rows: dict[str, list[int]] = {}
     for row, run in enumerate(plan.runs):
         rows.setdefault(run.id, []).append(row)
-    missing: list[str] = []
-    with whole_file(path) as temporary, netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
+    with (
+        result_file(path, plan=plan.digest) as temporary,
+        netCDF4.Dataset(temporary, "w", format="NETCDF4") as file,
+    ):
         _write_runs(file, plan)
         _write_names(file, "response", store.responses)
         if store.quantities:
@@ -59,18 +67,13 @@ def gather(plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path) -> None
             _numbers(file, "quantities", ("run", "quantity"), none, text)
         for group in groups:
             found = store.read(group)
-            missing += [run.id for run in group if run.id not in found]
-            if missing:
-                continue
+            if len(found) < len(group):
+                make_again(plan, store, group, tell)
+                found = store.read(group)
             if "time" not in file.variables:
                 _define_curves(file, next(iter(found.values())), plan.experiment.intervals)
             placed = sorted((row, id_) for id_ in found for row in rows[id_])
             _write_rows(file, [row for row, _ in placed], [found[id_] for _, id_ in placed])
-        if missing:
-            raise CampaignError(
-                f"{len(missing)} runs are missing in {folder}, e.g. {missing[0]}; add "
-                "`--forcerun simulate` to the same call of snakemake to simulate them again"
-            )
 
 
 def _write_runs(file: Any, plan: Plan) -> None:
@@ -95,8 +98,10 @@ def _write_runs(file: Any, plan: Plan) -> None:
         _numbers(file, f"parameter_{name}", ("run",), column, f"value of {name}", units=unit)
     file.setncatts(
         {
-            "Conventions": "CF-1.11",
+            "Conventions": CONVENTIONS,
             "title": f"Responses of all runs of the campaign {experiment.name}",
+            "source": "finite particle method",
+            "history": f"campaign gather: {len(plan.unique_runs())} runs by fpm.simulate",
             "campaign": experiment.name,
             "scene": experiment.scene.name,
             "config_hash": plan.config_hash,
@@ -105,6 +110,7 @@ def _write_runs(file: Any, plan: Plan) -> None:
             "time_step_limit": plan.time.step_limit,
             "limiting_element": plan.time.limiting_element,
             "mechanics": plan.mechanics,
+            "provenance": as_attribute(),
         }
     )
 
@@ -115,7 +121,8 @@ def _define_curves(file: Any, record: Record, parameters: Iterable[str]) -> None
     file.createDimension("time", size)
     time = file.createVariable("time", "f8", ("time",))
     time[:] = record.time
-    time.setncatts({"units": "s", "long_name": "time", "axis": "T"})
+    named = {"long_name": "time", "standard_name": "time", "axis": "T"}
+    time.setncatts({"units": "s", **named})
     write_dimension(file, "contact", record.contacts, "name of the contact")
     # Doubles hardly shrink; whoever keeps them has the trajectories beside, a hundred times larger.
     compact = {}

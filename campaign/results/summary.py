@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from campaign.answers.tables import quantity_lines, quantity_rows
-from campaign.files import open_netcdf, write_text
+from campaign.files import open_netcdf, write_result
 from campaign.folder import Folder
 from campaign.plan.plan import read_plan
 from campaign.results.units import pretty
@@ -29,8 +29,8 @@ def summarise(folder: Folder, published: Mapping[str, float]) -> str:
     if rounds is not None:
         summary["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds], "met": rounds.met}
     text = as_text(summary)
-    write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
-    write_text(folder / "summary.md", text)
+    write_result(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
+    write_result(folder / "summary.md", text)
     return text
 
 

@@ -8,22 +8,23 @@ does not harm the others: they are written, and the failures are listed at the e
 from __future__ import annotations
 
 import json
-import platform
 import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from campaign.config.sections import Jobs
 from campaign.errors import CampaignError
-from campaign.files import write_text
+from campaign.files import write_result
 from campaign.plan.plan import Plan, Run, share
+from campaign.provenance import as_attribute
 from campaign.runs.progress import Progress, Tell, warm_up
 from campaign.runs.store import Result, open_store
+from fpm.sealed import sweep
 
 Failure = tuple[Run, str]
 
@@ -46,10 +47,12 @@ def run_batch(
     """
     started = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
+    sweep(folder)
     all_groups = plan.groups(batches, jobs.group)
     mine = all_groups[batch]
     flat = [group for groups in all_groups for group in groups]
     work = [(group, missing) for group in mine if (missing := store.missing(group))]
+    tell_damaged(store, tell)
 
     failures: list[Failure] = []
     simulated, integrating = 0, np.zeros(2)
@@ -75,14 +78,41 @@ def run_batch(
         "seconds": (clocks() - started).round(3).tolist(),
         "seconds_integrating": integrating.round(3).tolist(),
     }
-    write_text(manifest, json.dumps(facts, indent=1) + "\n")
+    write_result(manifest, json.dumps(facts, indent=1) + "\n")
 
 
 def check_structure(plan: Plan) -> None:
-    """Raise `CampaignError` if the file of the structure is no longer the one that was planned."""
-    file = plan.experiment.scene.file
-    if file and plan.experiment.scene_type.digest != plan.mechanics:
-        raise CampaignError(f"{file} has changed since the runs were planned; start again")
+    """Raise `CampaignError` if the structure or the mechanics are no longer those of the plan.
+
+    The runs would be others under the names of the planned ones.
+    """
+    if plan.experiment.scene_type.digest != plan.mechanics:
+        what = plan.experiment.scene.file or f"the code of the scene {plan.experiment.scene.name}"
+        raise CampaignError(f"{what} has changed since the runs were planned; start again")
+
+
+def tell_damaged(store: Any, tell: Tell) -> None:
+    """Tell which files of a store can not be used, and will be made again; each once."""
+    for error in store.damaged.values():
+        tell(f"{error}; its runs are made again")
+    store.damaged.clear()
+
+
+def make_again(plan: Plan, store: Any, group: Sequence[Run], tell: Tell) -> None:
+    """Simulate the runs of a group that were there and are no longer, or are damaged.
+
+    Raises `CampaignError` that lists those that failed.
+    """
+    missing = store.missing(group)
+    tell_damaged(store, tell)
+    if not missing:
+        return
+    check_structure(plan)
+    tell(f"{plan.experiment.name}: {len(missing)} runs are missing and made again")
+    results, failures, _ = simulate(plan, missing)
+    store.write(group, results)
+    if failures:
+        raise CampaignError(failure_text(plan, failures))
 
 
 def simulate(
@@ -119,23 +149,11 @@ def simulate(
             "config_hash": plan.config_hash,
             "time_step_limit": plan.time.step_limit,
             "limiting_element": plan.time.limiting_element,
-            "versions": versions(),
+            "provenance": as_attribute(),
             **{f"parameter_{name}": v for name, v in values.items() if v is not None},
         }
         results.append(Result(run.id, outcome, attributes))
     return results, failed, seconds
-
-
-@cache
-def versions() -> str:
-    """What computes the runs, as one line for their files."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    found = [f"Python {platform.python_version()}"]
-    for package in ("deployable-intervals", "numpy", "numba"):
-        with suppress(PackageNotFoundError):  # a checkout that was not installed
-            found.append(f"{package} {version(package)}")
-    return ", ".join(found)
 
 
 def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:

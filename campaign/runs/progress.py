@@ -6,9 +6,40 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from typing import Any
+from contextlib import suppress
+from typing import Any, TextIO
 
 Tell = Callable[[str], None]
+
+
+class Teller:
+    """Prints messages to files; `move` is one line that changes, on files that are terminals.
+
+    Elsewhere every state of the line is a line of its own.
+    """
+
+    def __init__(self, *files: TextIO):
+        self.files = files
+        self.is_open = False  # whether the cursor stands behind a line that moves
+
+    def __call__(self, text: str) -> None:
+        for file in self.files:
+            start = "\n" if self.is_open and file.isatty() else ""
+            self._print(f"{start}{text}\n", file)
+        self.is_open = False
+
+    def move(self, text: str, last: bool = False) -> None:
+        """Say how things stand; `last`: and go on to the next line."""
+        end = "\n" if last else ""
+        for file in self.files:
+            self._print(f"\r\x1b[2K{text}{end}" if file.isatty() else f"{text}\n", file)
+        self.is_open = not last
+
+    @staticmethod
+    def _print(text: str, file: TextIO) -> None:
+        with suppress(OSError):  # a log on a full disk, which the stage tells better
+            file.write(text)
+            file.flush()
 
 
 class Progress:
@@ -33,7 +64,10 @@ class Progress:
         if done < self.total and gained > 0:
             left = (time.monotonic() - self.start_time) / gained * (self.total - done)
             text += f", about {duration_text(left)} left"
-        self.tell(text)
+        if isinstance(self.tell, Teller):
+            self.tell.move(text, last)
+        else:
+            self.tell(text)
 
 
 def duration_text(seconds: float) -> str:

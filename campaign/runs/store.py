@@ -1,8 +1,9 @@
 """Where the results of runs are kept, under names that follow from their content.
 
 A finished run is found again by a campaign that was killed, and by any later design that asks for
-it if its trajectory was kept. Files that the power failed for may be broken. Two ways to keep a
-run, with the same methods:
+it if its trajectory was kept. A file that is not as it was written, or is another run's, counts as
+absent, and is noted in `damaged` until it is written again. Two ways to keep a run, with the same
+methods:
 
 `Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded;
 `Responses`     one netCDF file per group, `<digest of the group's run ids>.nc`, with the
@@ -21,8 +22,9 @@ import numpy as np
 
 from campaign.config.sections import Experiment, digest
 from campaign.errors import CampaignError
-from campaign.files import open_netcdf, whole_file
+from campaign.files import whole_file
 from campaign.plan.plan import Run
+from fpm.sealed import DamagedError, check
 
 # Contact events as the interval side gets them, in the order of the columns of `Record.events`.
 EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
@@ -70,6 +72,7 @@ class Trajectories:
 
     def __init__(self, folder: Path, responses: Sequence[Any], quantities: Sequence[Any] = ()):
         self.folder, self.responses, self.quantities = folder, responses, quantities
+        self.damaged: dict[Path, DamagedError] = {}
 
     def path(self, run: Run) -> Path:
         return self.folder / f"{run.id}.nc"
@@ -106,9 +109,12 @@ class Trajectories:
         from fpm import trajectory
 
         try:
-            return trajectory.read_curves(self.path(run))
-        except OSError:
-            return None
+            return trajectory.read_curves(self.path(run), run.id)
+        except DamagedError as error:
+            self.damaged[error.path] = error
+        except FileNotFoundError:
+            pass
+        return None
 
 
 class Responses:
@@ -120,6 +126,7 @@ class Responses:
         from fpm.sources import syntax_digest
 
         self.folder, self.responses, self.quantities = folder, responses, quantities
+        self.damaged: dict[Path, DamagedError] = {}
         modules = [module, numbers] if quantities else [module]
         code = syntax_digest(Path(m.__file__) for m in modules)
         self._asked = [code, *(asdict(one) for one in (*responses, *quantities))]
@@ -135,11 +142,16 @@ class Responses:
         """
         import netCDF4
 
+        path = self.path(group)
         try:
-            with netCDF4.Dataset(self.path(group)) as file:
-                there = list(file["run_id"][:]) if "values" in file.variables else []
-        except OSError:
-            there = []
+            check(path, _name(path))
+        except DamagedError as error:
+            self.damaged[path] = error
+            return list(group)
+        except FileNotFoundError:
+            return list(group)
+        with netCDF4.Dataset(path) as file:
+            there = list(file["run_id"][:])
         return [] if there == [run.id for run in group] else list(group)
 
     def count(self, groups: Sequence[Sequence[Run]]) -> int:
@@ -158,8 +170,9 @@ class Responses:
         elements = [element.name for element in first.eventful]
         found = [contact_events(result.outcome.events, elements) for result in results]
         events, contacts = [each["events"] for each in found], found[0]["contacts"]
+        path = self.path(group)
         with (
-            whole_file(self.path(group)) as temporary,
+            whole_file(path, {"name": _name(path)}) as temporary,
             netCDF4.Dataset(temporary, "w", format="NETCDF4") as file,
         ):
             file.createDimension("run", len(results))
@@ -191,9 +204,12 @@ class Responses:
 
     def read(self, group: Sequence[Run]) -> dict[str, Record]:
         """Those runs of a group that are there, by id."""
+        import netCDF4
+
         if self.missing(group):
             return {}
-        with open_netcdf(self.path(group)) as file:
+        with netCDF4.Dataset(self.path(group)) as file:
+            file.set_auto_mask(False)
             time, contacts = file["time"][:], list(file["contact"][:])
             values = file["values"][:]
             events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
@@ -209,6 +225,11 @@ class Responses:
             )
             for row, run in enumerate(group)
         }
+
+
+def _name(path: Path) -> str:
+    """What the file of a group is called in its seal."""
+    return f"runs {path.stem}"
 
 
 def write_dimension(file: Any, dimension: str, names: Sequence[str], long_name: str) -> None:

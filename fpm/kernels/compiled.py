@@ -9,11 +9,12 @@ has a folder of its own, so that no kind is needed to load a loop without it.
 import fcntl
 import functools
 import hashlib
+import json
 import os
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numba
@@ -102,10 +103,40 @@ def loop_for(arguments: tuple) -> Callable:
     if (kinds, world.state.dtype) not in READY:  # to find the whole signature takes milliseconds
         with THREADS:
             run = _loop(kinds)
-            with _one_at_a_time(cache_folder(kinds)):
+            with _one_at_a_time(folder := cache_folder(kinds)):
+                if not _is_intact(folder):
+                    for path in _kept(folder):
+                        path.unlink(missing_ok=True)
                 run.compile(tuple(map(numba.typeof, arguments)))
+                with suppress(OSError):  # a cache that can not be written is done without
+                    (folder / DIGESTS).write_text(json.dumps(_digests(folder)), encoding="utf-8")
             READY.add((kinds, world.state.dtype))
     return LOOPS[kinds]
+
+
+DIGESTS = "digests.json"
+"""In a cache folder, digests of the files in it: numba loads, and runs, whatever is there."""
+
+
+def _kept(folder: Path) -> list[Path]:
+    """numba's files: indices and compiled code."""
+    return sorted(folder.rglob("*.nb[ci]"))
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in _kept(folder)
+    }
+
+
+def _is_intact(folder: Path) -> bool:
+    """Whether compiled code is as it was written; True where there is none yet."""
+    found = _digests(folder)
+    try:
+        return not found or json.loads((folder / DIGESTS).read_text(encoding="utf-8")) == found
+    except (OSError, ValueError):
+        return False
 
 
 @contextmanager

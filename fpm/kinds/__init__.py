@@ -1,6 +1,7 @@
 """What a scene is made of: one kind of element per definition file, with its kernels beside it."""
 
 from fpm.kinds.beam import Beams
+from fpm.kinds.cable import Cable
 from fpm.kinds.contact import Contact
 from fpm.kinds.damping import Damping
 from fpm.kinds.drive import Drive
@@ -20,6 +21,7 @@ KINDS: tuple[type[Kind], ...] = (
     TorsionSpring,
     Contact,
     Load,
+    Cable,
     Drive,
     Support,
     Damping,

@@ -75,6 +75,7 @@ class SceneType:
     hinges: tuple[str, ...]
     function: Callable[..., Scene]
     energies: tuple[str, ...] = ("kinetic", "strain", "spring", "contact", "balance")
+    cables: tuple[str, ...] = ()
 
     @property
     def content(self) -> str:

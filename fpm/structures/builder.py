@@ -97,6 +97,17 @@ class Builder:
         except KeyError:
             raise SkippedError(name) from None
 
+    def only_part_with(self, point: str, key: str) -> Part:
+        """The part that has a point, and is the only one."""
+        parts = [made for (group, _), made in self._made.items() if group == "parts"]
+        found = [part for part in parts if point in part.points]
+        if len(found) != 1:
+            allowed = "a point that one part has, or {part: ..., at: " + f"{point}}}"
+            if found:
+                allowed += f" with one of {', '.join(part.name for part in found)}"
+            self.refuse(key, point, allowed)
+        return found[0]
+
     def refuse(self, key: str, value: object, allowed: str, size: float = 0.0) -> None:
         """Raise that a value is not allowed. size: how far it is off."""
         error = RefusedError(key, value, allowed)
@@ -175,7 +186,7 @@ class Builder:
             if not (np.isin(particles, list(self.joined)).any() or scene.fixed[particles].any()):
                 self.problems.say(
                     entry.line, f"{entry.key}: nothing joins it to anything; allowed: parts with a "
-                    "joint, a support or a drive"
+                    "joint, a cable, a support or a drive"
                 )  # fmt: skip
 
     def _note(self, line: int, key: str, error: SceneError) -> None:

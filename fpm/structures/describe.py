@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from fpm.kinds.cable import Cable, length_through
 from fpm.kinds.virtual_beam import VirtualBeam
 from fpm.scene import Scene
 from fpm.scenes import Parameter, SceneType
@@ -17,6 +18,7 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
     mesh = getattr(found, "mesh", None)
     rows = [[name, *_row(p, name == mesh)] for name, p in found.parameters.items()]
     hinges = [f"{h.name} (opening {np.degrees(h.opening):.4g} deg)" for h in scene.hinges]
+    cables = [_cable(scene, cable) for cable in scene.cables]
     points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
     lines = [
         f"{found.name}: {found.description}" if found.description else found.name,
@@ -25,6 +27,7 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
         "",
         *_listed("points", points),
         *_listed("joints", hinges),
+        *(_listed("cables", cables) if cables else ()),
         "",
         f"mass          {report.mass(scene):.6g} kg",
         f"its centre    {_vector(report.centre(scene))}",
@@ -48,6 +51,14 @@ def _row(parameter: Parameter, is_mesh: bool) -> list[str]:
 
 def _number(value: object) -> str:
     return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def _cable(scene: Scene, cable: Cable) -> str:
+    """Length and tension of a cable at the start."""
+    length, rest = length_through(scene, cable.beams), cable.rest_at(scene, 0.0)
+    tension = cable.stiffness * max(length / rest - 1, 0.0)
+    state = f"tension {tension:.4g} N" if tension else f"slack by {rest - length:.4g} m"
+    return f"{cable.name} ({length:.4g} m, {state})"
 
 
 def _place(scene: Scene, beam: VirtualBeam) -> str:

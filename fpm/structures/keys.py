@@ -185,6 +185,32 @@ class Part(Reference):
 
 
 @dataclass(frozen=True)
+class PointOfPart(Key):
+    """A point of a part: both names, or the point's alone where only one part has it."""
+
+    ground: bool = False
+
+    @property
+    def allowed(self) -> str:
+        part = Part(ground=self.ground).allowed
+        return f"{{part: {part}, at: one of its points}}, or a point that only one part has"
+
+    def read(self, node: Node, place: Place) -> tuple[str, str]:
+        if isinstance(node, Table) and node.entries.keys() == {"part", "at"}:
+            part = Part(ground=self.ground).read(node.entries["part"], place.inside("part"))
+            return part, place.inside("at").reference(node.entries["at"], "points")
+        if not isinstance(node, Text):
+            place.refuse(node, self.allowed)
+        return "", place.reference(node, "points")
+
+    def value(self, read: tuple[str, str], build: "Builder", key: str) -> tuple:
+        part, point = read
+        if part:
+            return build.made("parts", part), build.made("points", point)
+        return build.only_part_with(point, key), build.made("points", point)
+
+
+@dataclass(frozen=True)
 class Many(Key):
     """A list of values of one kind, `least` to `most` of them, no two the same name."""
 

@@ -12,7 +12,7 @@ LATER = frozenset(
 )
 """Groups and types that are planned."""
 
-LATER_KEYS = frozenset(["bodies", "cables", "masses", "assemble"])
+LATER_KEYS = frozenset(["bodies", "assemble"])
 """Keys of a file that are planned."""
 
 

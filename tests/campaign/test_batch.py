@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -102,7 +103,7 @@ def test_a_trajectory_tells_its_parameters(config, tmp_path):
         assert data.attrs["parameter_supports"] == "plane"
         assert data.attrs["config_hash"] == plan.config_hash
         assert data.attrs["time_step_limit"] == plan.time.step_limit
-        assert "numpy" in data.attrs["versions"]
+        assert "numpy" in json.loads(data.attrs["provenance"])
 
 
 def values_in(path, config) -> np.ndarray:
@@ -156,13 +157,33 @@ def test_a_response_is_added_or_changed_without_simulating_again(raw, tmp_path, 
         assert samples["response_long_name"].values[0] == "z-component of the velocity of D"
 
 
-def test_missing_runs_are_told(config, tmp_path):
-    plan, _ = run_all(config, tmp_path, "trajectories")
-    next((tmp_path / "trajectories").glob("*.nc")).unlink()
-    with pytest.raises(CampaignError, match=r"1 runs are missing .*--forcerun simulate"):
-        jobs = Jobs(512, 2, "trajectories")
-        gather(plan, jobs, tmp_path / "trajectories", tmp_path / "samples.nc")
-    assert not (tmp_path / "samples.nc").exists()
+@pytest.mark.parametrize("keep", KEEP)
+@pytest.mark.parametrize("harm", ["lost", "flipped", "swapped"])
+def test_runs_that_were_lost_or_damaged_are_told_and_made_again(config, tmp_path, keep, harm):
+    plan, _ = run_all(config, tmp_path, keep)
+    jobs, whole, said = Jobs(512, 2, keep), tmp_path / "whole.nc", []
+    gather(plan, jobs, tmp_path / keep, whole)
+    path, other = sorted((tmp_path / keep).glob("*.nc"))[:2]
+    content = path.read_bytes()
+    if harm == "lost":
+        path.unlink()
+    elif harm == "flipped":
+        middle = len(content) // 2
+        path.write_bytes(content[:middle] + bytes([content[middle] ^ 4]) + content[middle + 1 :])
+    else:
+        path.write_bytes(other.read_bytes())
+    gather(plan, jobs, tmp_path / keep, tmp_path / "samples.nc", said.append)
+    assert any("made again" in text for text in said)
+    assert harm == "lost" or path.name in said[0]
+    with xr.open_dataset(whole) as first, xr.open_dataset(tmp_path / "samples.nc") as second:
+        xr.testing.assert_identical(first, second)
+
+
+def test_nothing_is_simulated_by_other_mechanics_than_was_planned(config, tmp_path):
+    plan = replace(make_plan(config.experiment), mechanics="0123456789abcdef")
+    with pytest.raises(CampaignError, match="has changed since the runs were planned"):
+        run_batch(plan, 0, 1, config.jobs, tmp_path, tmp_path / "0.json", lambda text: None)
+    assert not list(tmp_path.glob("*.nc"))
 
 
 def test_events_are_gathered_in_their_rows(raw, tmp_path):

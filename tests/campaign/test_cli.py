@@ -10,7 +10,8 @@ import yaml
 
 from campaign.cli import main
 from campaign.folder import Folder
-from campaign.stages import STAGES
+from campaign.stages import STAGES, Stage
+from fpm.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
 
@@ -26,7 +27,8 @@ def file(raw, tmp_path) -> str:
 @pytest.mark.parametrize("command", [[], ["check"]])
 def test_files_are_checked_without_running_anything(file, tmp_path, capsys, command):
     assert main([*command, file]) == 0
-    assert "test, at most 6 runs" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "test, at most 6 runs, about " in told and " cores, " in told and "B on disk" in told
     (tmp_path / "bad.yaml").write_text("a: [1", encoding="utf-8")
     assert main([*command, file, str(tmp_path / "bad.yaml")]) == 1
     told = capsys.readouterr()
@@ -47,6 +49,13 @@ def test_nothing_to_check_is_refused_and_help_names_all_commands(capsys):
         assert f"\n    {name}" in told
 
 
+def test_the_program_tells_its_version(capsys):
+    with pytest.raises(SystemExit) as told:
+        main(["--version"])
+    assert told.value.code == 0
+    assert capsys.readouterr().out.startswith("deployable-intervals ")
+
+
 def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path, capsys):
     folder, log = Folder(tmp_path / "stages"), tmp_path / "logs" / "a.log"
     for name in ("plan", "simulate", "gather", "bounds", "summary"):
@@ -54,7 +63,7 @@ def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path,
         assert log.read_text() == capsys.readouterr().err
     assert "| BD |" in log.read_text()
     for path in (folder.plan, folder / "summary.json"):
-        assert path.read_bytes() == (finished / path.name).read_bytes()
+        assert unsealed(path) == unsealed(finished / path.name)
     assert main(["envelopes", str(folder.path), "--config", '{"error": {"shade_above": 0.2}}']) == 0
     assert (folder.figures / "vBz.pdf").read_bytes().startswith(b"%PDF")
 
@@ -82,9 +91,12 @@ def test_errors_of_users_have_no_traceback(finished, file, tmp_path, capsys):
     folder.path.mkdir()
     folder.plan.write_bytes(finished.plan.read_bytes())
     log = tmp_path / "gather.log"
+    plan = json.loads(folder.plan.read_text())
+    folder.plan.write_text(json.dumps(plan, indent=1))
     assert main(["gather", str(folder.path), "--config", file, "--log", str(log)]) == 1
     for told in (capsys.readouterr().err, log.read_text()):
-        assert told.startswith("error: 5 runs are missing in ")
+        assert told.startswith(f"error: {folder.plan} cannot be used: it was cut off or edited")
+        assert "to have it made again" in told
         assert "Traceback" not in told
     assert main(["run", str(tmp_path / "absent.yaml")]) == 1
     told = capsys.readouterr().err
@@ -92,8 +104,17 @@ def test_errors_of_users_have_no_traceback(finished, file, tmp_path, capsys):
     assert "Traceback" not in told
 
 
-def test_a_fault_of_the_program_is_in_the_log(tmp_path):
+JOBS = json.dumps({"jobs": {"nodes_per_job": 1, "group": 1, "keep": "responses"}})
+
+
+def test_a_file_that_is_not_there_is_told_by_name(tmp_path):
     log = tmp_path / "a.log"
-    jobs = json.dumps({"jobs": {"nodes_per_job": 1, "group": 1, "keep": "responses"}})
-    assert main(["gather", str(tmp_path), "--config", jobs, "--log", str(log)]) == 1
-    assert "FileNotFoundError" in log.read_text()
+    assert main(["gather", str(tmp_path), "--config", JOBS, "--log", str(log)]) == 1
+    assert log.read_text() == f"error: {tmp_path}/nodes.json: No such file or directory\n"
+
+
+def test_a_fault_of_the_program_is_in_the_log(tmp_path, monkeypatch):
+    log = tmp_path / "a.log"
+    monkeypatch.setattr(Stage, "basis", lambda *rest: 1 / 0)
+    assert main(["gather", str(tmp_path), "--config", JOBS, "--log", str(log)]) == 1
+    assert "ZeroDivisionError" in log.read_text()

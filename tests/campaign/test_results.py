@@ -6,6 +6,7 @@ import json
 import shutil
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 import xarray as xr
@@ -20,7 +21,10 @@ from campaign.results.figures import draw_envelopes, envelope
 from campaign.results.linkage import draw_nominal, moments
 from campaign.results.summary import as_text, summarise
 from campaign.results.units import pretty
+from fpm.sealed import unsealed
 
+ROOT = Path(__file__).parents[2]
+SUMMARY_SCHEMA = ROOT / "campaign/results/summary.schema.json"
 NETCDF = ("samples", "surrogate", "bounds", "sensitivities")
 
 
@@ -76,7 +80,7 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
         assert row["ratio_to_published"] == pytest.approx(float(width.max()) / 0.063)
     assert summary["responses"][1]["published"] is None
     assert summary["design"]["runs"] == 5
-    assert text == (tmp_path / "summary.md").read_text() == as_text(summary)
+    assert text == unsealed(tmp_path / "summary.md").decode() == as_text(summary)
     outside = {r["name"]: r["runs_outside_by"] for r in summary["responses"]}
     with xr.open_dataset(finished.bounds) as bounds:
         for name, most in outside.items():
@@ -149,8 +153,8 @@ def test_figures_are_drawn_as_png_and_pdf_and_are_the_same_again(finished, tmp_p
     names = sorted(path.name for path in (tmp_path / "first").iterdir())
     assert names == sorted(f"{n}.{k}" for n in ("BD", "vBz", "linkage") for k in ("png", "pdf"))
     for name in names:
-        first = (tmp_path / "first" / name).read_bytes()
-        assert first == (tmp_path / "second" / name).read_bytes()
+        first, second = (unsealed(tmp_path / folder / name) for folder in ("first", "second"))
+        assert first == second
         assert first.startswith(b"\x89PNG" if name.endswith("png") else b"%PDF")
         assert len(first) > 5000
 
@@ -194,7 +198,9 @@ def test_files_tell_what_is_in_them(finished):
     for path in files_of(finished):
         with xr.open_dataset(path, decode_times=False) as file:
             titles.add(file.attrs["title"])
-            assert file.attrs["Conventions"] == "CF-1.11"
+            assert file.attrs["Conventions"] == "CF-1.8"
+            assert file.attrs["history"] and file.attrs["source"]
+            assert file["time"].attrs["standard_name"] == "time"
             for name, variable in file.variables.items():
                 assert "long_name" in variable.attrs, (path.name, name)
                 # Those of several responses or parameters are in response_units and box_units.
@@ -208,6 +214,20 @@ def test_files_tell_what_is_in_them(finished):
     for path in files_of(finished)[1:]:
         with xr.open_dataset(path) as file:
             assert file["response_units"].values.tolist() == ["m", "m s-1"], path.name
+
+
+def test_the_summary_is_as_its_schema_says(finished):
+    schema = json.loads(SUMMARY_SCHEMA.read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    found = json.loads((finished / "summary.json").read_text(encoding="utf-8"))
+    jsonschema.validate(found, schema)
+    described = schema["properties"]
+    assert set(found) <= set(described), "describe new keys in summary.schema.json"
+    for row in found["responses"]:
+        assert set(row) <= set(described["responses"]["items"]["properties"])
+    del found["responses"][0]["units"]
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(found, schema)
 
 
 def test_moments_go_from_the_start_to_the_first_closure():

@@ -30,7 +30,9 @@ def motion():
         name: (position[:, p.particle] + frame[:, p.particle] @ p.arm, np.zeros((FRAMES, 3)))
         for name, p in scene.points.items()
     }
-    outcome = SimpleNamespace(points=points, time=time, step=0.1, events=np.zeros((0, 3)))
+    outcome = SimpleNamespace(
+        points=points, time=time, step=0.1, events=np.zeros((0, 3)), eventful=()
+    )
     strains = element_strains(scene, position, frame)
     found = Recorded(scene, outcome, position, 0.0 * position + 1.5, frame, *strains)
     return to_dataset(found, section_corners(scene), np.arange(FRAMES), {"run_id": "abc"})

@@ -1,6 +1,7 @@
 """`python -m campaign export`: which run it is, and what is written where."""
 
 import csv
+import shutil
 
 import numpy as np
 import pytest
@@ -97,6 +98,16 @@ def test_what_cannot_be_exported_is_refused_with_what_is_allowed(results, tmp_pa
         assert main(["export", *arguments, "--to", "csv"]) == 1, arguments
         told = capsys.readouterr().err
         assert words in told and "Traceback" not in told
+
+
+def test_a_damaged_result_is_told_in_one_sentence(results, tmp_path, capsys):
+    copy = shutil.copytree(results, tmp_path / "swing")
+    with open(copy / "samples.nc", "r+b") as file:
+        file.seek(2000)
+        file.write(b"damaged")
+    assert main(["export", str(copy), "--to", "csv"]) == 1
+    told = capsys.readouterr().err
+    assert told.startswith("error: ") and "samples.nc cannot be used" in told
 
 
 def test_a_run_that_fails_says_so():

@@ -20,7 +20,7 @@ def read(definition, values, time=TIME, dropped=0) -> float:
     track = np.zeros((len(time), 3))
     track[:, 0] = values
     curves = Curves(
-        time, {"P": (track, track)}, {}, {}, np.zeros((0, 3)), [],
+        time, {"P": (track, track)}, {}, {}, {}, np.zeros((0, 3)), [],
         happened(EVENTS, ELEMENTS), dropped,
     )  # fmt: skip
     names = {"q": definition, "shut": {"event": "closes"}, "half": {"crossing": "x", "level": 0.5}}

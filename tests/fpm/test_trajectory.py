@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import fpm
+from fpm.sealed import DamagedError, seal
 
 BENNETT = fpm.scenes.get("bennett")
 DEFINITIONS = {
@@ -139,9 +140,10 @@ def test_curves_are_refused_of_what_is_not_a_whole_trajectory(outcome, tmp_path)
     whole = path.read_bytes()
     for part in (b"", whole[:3], whole[:200], whole[: len(whole) // 2], b"\x89HDF" + whole[4:]):
         path.write_bytes(part)
-        with pytest.raises(OSError, match="not a whole file"):
+        with pytest.raises(DamagedError, match=r"run\.nc cannot be used"):
             fpm.trajectory.read_curves(path)
     fpm.classic.write(path, {}, {})
+    seal(path, {"name": "a trajectory"})
     with pytest.raises(OSError, match="no variable 'time'"):
         fpm.trajectory.read_curves(path)
 

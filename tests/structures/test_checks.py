@@ -125,8 +125,8 @@ def test_a_part_that_nothing_joins_is_refused():
         "  loose: {through: [B, C], section: tube, material: steel, elements: 2}\njoints:",
     ).replace("points:", "points:\n  C: [3, 3, 3]")
     assert problems_of(text) == [
-        "line 19: bars.loose: nothing joins it to anything; allowed: parts with a joint, a support "
-        "or a drive"
+        "line 19: bars.loose: nothing joins it to anything; allowed: parts with a joint, a cable, "
+        "a support or a drive"
     ]
 
 

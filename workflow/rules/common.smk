@@ -30,6 +30,12 @@ except CampaignError as error:
     sys.exit(1)
 
 
+# Results tell what they were made from, and whether they are whole, wherever they come from.
+STALE = WORKFLOW.stale() if workflow.is_main_process else {}
+for reason in STALE.values():
+    print(f"{reason}; it is made again", file=sys.stderr)
+
+
 wildcard_constraints:
     campaign=WORKFLOW.name,
     stage=WORKFLOW.any_stage,
@@ -40,6 +46,15 @@ wildcard_constraints:
 def campaign_results():
     """The files that a campaign leaves for its reader."""
     return WORKFLOW.results()
+
+
+def no_files(wildcards):
+    """No input for the rules that begin; has the results made again that are stale.
+
+    As `--forcerun` does, for which it is too late when the Snakefile is read.
+    """
+    workflow.dag.forcefiles.update(STALE)
+    return []
 
 
 def sections(stage):
@@ -72,7 +87,7 @@ def batches(wildcards):
 def previous_round(wildcards):
     """The files of the round before, which decide about this one; none for the first."""
     before = WORKFLOW.folder.round(int(wildcards.round)).previous()
-    return [before.plan, before.samples, before.bounds] if before else []
+    return [before.plan, before.samples, before.bounds] if before else no_files(wildcards)
 
 
 def last_round(wildcards):

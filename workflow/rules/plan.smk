@@ -2,6 +2,8 @@
 
 
 rule plan:
+    input:
+        no_files,
     output:
         "{stage}/nodes.json",
     log:

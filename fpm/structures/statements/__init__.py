@@ -5,7 +5,17 @@ this one and put it into the list.
 """
 
 from fpm.structures.statement import Statement
-from fpm.structures.statements import acting, bars, held, joints, moved, recorded, sections
+from fpm.structures.statements import (
+    acting,
+    bars,
+    cables,
+    held,
+    joints,
+    masses,
+    moved,
+    recorded,
+    sections,
+)
 
 STATEMENTS: tuple[Statement, ...] = (
     sections.material,
@@ -15,12 +25,14 @@ STATEMENTS: tuple[Statement, ...] = (
     sections.tube,
     sections.general,
     bars.bar,
+    masses.mass,
     held.support,
     joints.revolute,
     acting.torsion_spring,
     acting.contact,
     moved.curve,
     moved.load,
+    cables.cable,
     moved.drive,
     moved.motion,
     recorded.recorded,

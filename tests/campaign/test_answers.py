@@ -17,6 +17,7 @@ import xarray as xr
 import campaign
 from campaign.errors import ConfigError
 from campaign.folder import Folder
+from fpm.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
 
@@ -120,12 +121,12 @@ def test_the_ends_are_simulated_and_found_again(tmp_path):
         np.testing.assert_allclose(one["fixed"].values, fixed, rtol=2e-3)
         halved = exact_time(0.0975, 1.02) - exact_time(0.1025, 0.98)
         assert float(one["halved"][0]) == pytest.approx(halved, rel=2e-3)
-    before = folder.quantities.read_bytes()
+    before = unsealed(folder.quantities)
     again = run(raw, tmp_path)
     assert set(again.runs("trajectories").iterdir()) == trajectories
     with xr.open_dataset(again.quantities) as found:
         assert found.attrs["further_runs"] == 2
-    assert again.quantities.read_bytes() == before
+    assert unsealed(again.quantities) == before
 
 
 def test_runs_that_keep_responses_only_have_the_same_numbers(opened, tmp_path):

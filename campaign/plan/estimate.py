@@ -1,0 +1,76 @@
+"""What a campaign will take, before it runs: runs, time, disk."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+
+from campaign.config.design import count_runs
+from campaign.config.sections import Campaign
+from campaign.plan.make import choose_step
+from campaign.runs.progress import duration_text
+
+ELEMENT_STEP = 10e-9
+"""Seconds of a core for a step of an element in one of eight runs side by side: what the Bennett
+linkage takes with its hinges (docs/benchmark.md has 7.9 ns without writing)."""
+
+LANES = 8
+"""Runs that are integrated side by side; fewer take as long."""
+
+STARTING = 4.0
+"""Seconds to start, take bounds, draw and write the page."""
+
+_OTHER_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
+_BOUNDS_CURVES = 12  # of a response in bounds, surrogate and sensitivities, compressed
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """runs: at most; seconds on all cores of this machine, compilation apart; bytes on disk."""
+
+    runs: int
+    seconds: float
+    bytes: float
+
+    def __str__(self) -> str:
+        return (
+            f"at most {self.runs} runs, about {duration_text(_rounded(self.seconds))} on "
+            f"{cores()} cores, {size_text(self.bytes)} on disk"
+        )
+
+
+def estimate(campaign: Campaign) -> Estimate:
+    """What a campaign takes; time is right to a factor of two or so on a recent core."""
+    experiment, solver = campaign.experiment, campaign.experiment.solver
+    runs = count_runs(experiment)
+    scene = experiment.build(dict(zip(experiment.box.names, experiment.nominal, strict=True)))
+    steps = choose_step(experiment).steps_per_instant * (solver.instants - 1)
+    whole = math.ceil(runs / LANES) * LANES
+    seconds = whole * steps * len(scene.elements) * ELEMENT_STEP / cores() + STARTING
+    responses = len(experiment.responses)
+    kept = 4 * responses + 4 * responses  # each run's, and in samples.nc
+    if campaign.jobs.keep == "trajectories":
+        kept = 8 * (6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + responses)
+    gathered = runs * kept + 8 * _BOUNDS_CURVES * responses
+    return Estimate(runs, seconds, float(solver.instants * gathered))
+
+
+def cores() -> int:
+    """Cores of this machine."""
+    return os.cpu_count() or 1
+
+
+def size_text(size: float) -> str:
+    """A number of bytes as people write it: `5.5 MB`."""
+    for unit in ("kB", "MB"):
+        size /= 1000
+        if size < 1000:
+            return f"{size:.2g} {unit}" if size < 10 else f"{size:.0f} {unit}"
+    return f"{size / 1000:.3g} GB"
+
+
+def _rounded(seconds: float) -> float:
+    """To two digits."""
+    power = 10.0 ** (math.floor(math.log10(max(seconds, 1.0))) - 1)
+    return max(1.0, round(seconds / power) * power)

@@ -1,0 +1,168 @@
+"""Cables against closed forms: slack and tight, running over points, static, reeled in."""
+
+import numpy as np
+
+import fpm
+from evidence.verification.bench import Bench
+
+G = 9.81
+
+
+def hung(mass: float, EA: float, rest: float, start: float) -> fpm.Scene:
+    """A mass let go `start` m below the point from which a cable of `rest` m hangs."""
+    scene = fpm.Scene("hung", gravity=(0, 0, -G))
+    top = int(scene.add_particles((0, 0, 0), 1.0, 1.0)[0])
+    scene.fix(top)
+    body = int(scene.add_particles((0, 0, -start), mass, 1.0)[0])
+    scene.add_cable("rope", [(top, None), (body, None)], EA, rest=rest)
+    scene.add_point("mass", body)
+    return scene
+
+
+def bounce(bench: Bench) -> None:
+    """A mass that falls into a slack cable, again and again."""
+    mass, rest, drop = 2.0, 1.0, 0.2
+    stiffnesses = (1e3, 1e4, 1e5)
+    fall = np.sqrt(2 * drop / G)
+    figure = bench.figure("A mass falls into a cable", "time (s)", "tension (N)")
+    scenes = [hung(mass, EA, rest, rest - drop) for EA in stiffnesses]
+    outcomes = bench.simulate(scenes, duration=2.0, instants=4001, step=1e-4)
+    for EA, outcome in zip(stiffnesses, outcomes, strict=True):
+        rate = np.sqrt(EA / rest / mass)
+        held = 2 / rate * (np.pi - np.arctan(G * fall * rate / G))
+        name, times = f"EA = {EA:.0e} N", outcome.events[:, 0]
+        bench.check(f"tight at, {name} (s)", times[0], fall, 1e-4, "free fall, √(2 d / g)")
+        bench.check(f"time tight, {name} (s)", times[1] - times[0], held, 2e-3,
+                    "2 (π - atan(v ω / g)) / ω")  # fmt: skip
+        turns = (len(times) - 1) // 2
+        period = (times[2 * turns] - times[0]) / turns
+        bench.check(f"period of {turns}, {name} (s)", period, 2 * fall + held, 1e-3,
+                    "free flight and part of a swing")  # fmt: skip
+        tension = outcome.recorded["cable_tension"].values[:, 0]
+        most = mass * G + np.hypot(mass * G, mass * rate * G * fall)
+        bench.check(f"largest tension, {name} (N)", tension.max(), most, 1e-3,
+                    "m g + √((m g)² + m k v²)")  # fmt: skip
+        worst = np.abs(outcome.energies["balance"]).max() / (mass * G * drop)
+        bench.check_small(f"energy balance, {name}", worst, 1e-3, "no damping", "m g d")
+        figure.curve(outcome.time[:2000], tension[:2000], name)
+
+
+def atwood(bench: Bench) -> None:
+    """Two masses on one cable over a fixed point."""
+    pairs = ((3.0, 2.0), (2.0, 1.9), (1.0, 0.1))
+    scenes = []
+    for one, two in pairs:
+        scene = fpm.Scene("atwood", gravity=(0, 0, -G))
+        places = [(0.0, 0, 0), (0, 0, -1.0), (0, 0, -4.0)]
+        top, left, right = (int(p) for p in scene.add_particles(places, [1, one, two], 1.0))
+        scene.fix(top)
+        tension = 2 * one * two * G / (one + two)
+        scene.add_cable("rope", [(p, None) for p in (left, top, right)], 1e6, preload=tension)
+        scene.add_point("left", left)
+        scenes.append(scene)
+    outcomes = bench.simulate(scenes, duration=0.5, instants=101, step=1e-4)
+    for (one, two), outcome in zip(pairs, outcomes, strict=True):
+        name, exact = f"{one:g} and {two:g} kg", G * (one - two) / (one + two)
+        drop = outcome.points["left"][0][0, 2] - outcome.points["left"][0][-1, 2]
+        bench.check(f"acceleration, {name} (m/s²)", 8 * drop, exact, 1e-4, "g (m₁-m₂)/(m₁+m₂)")
+        tension = outcome.recorded["cable_tension"].values[:, 0]
+        exact = 2 * one * two * G / (one + two)
+        worst = np.abs(tension / exact - 1).max()
+        bench.check_small(f"tension, {name}", worst, 1e-4, "2 m₁ m₂ g/(m₁+m₂)", "it")
+
+
+def vee(bench: Bench) -> None:
+    """A weight on a V of two cables, and on one that runs through it, settled by damping."""
+    mass, EA, spans = 5.0, 1e4, ((0.6, 0.8), (0.3, 1.0))
+    for running in (False, True):
+        scenes = []
+        for span in spans:
+            scene = fpm.Scene("vee", gravity=(0, 0, -G), damping=5.0)
+            left, right = -span[0], span[1]
+            ends = scene.add_particles([(left, 0, 0), (right, 0, 0)], 1.0, 1.0)
+            scene.fix(ends)
+            body = int(scene.add_particles((0, 0, -0.7), mass, 1.0)[0])
+            if running:
+                points = [(int(p), None) for p in (ends[0], body, ends[1])]
+                scene.add_cable("rope", points, EA, rest=2.0)
+            else:
+                for name, end in zip("ab", ends, strict=True):
+                    rest = np.hypot(span["ab".index(name)], 0.7)
+                    scene.add_cable(name, [(int(end), None), (body, None)], EA, rest=rest)
+            scene.add_point("mass", body)
+            scenes.append(scene)
+        outcomes = bench.simulate(scenes, duration=24.0, instants=3, step=5e-4)
+        for span, outcome in zip(spans, outcomes, strict=True):
+            name = f"{'running through' if running else 'two cables'}, {span[0]} + {span[1]} m"
+            tensions = outcome.recorded["cable_tension"].values[-1]
+            place = outcome.points["mass"][0][-1]
+            exact = _hangs_in_one(span, mass, EA, 2.0) if running else _hangs(span, mass, EA, 0.7)
+            for label, value, wanted in zip(("x", "z"), place[[0, 2]], exact[0], strict=True):
+                bench.check(f"{name}: {label} (m)", value, wanted, 1e-6, "statics", 1.0, "absolute")
+            for k, (value, wanted) in enumerate(zip(tensions, exact[1], strict=True)):
+                bench.check(f"{name}: tension {k + 1} (N)", value, wanted, 1e-5, "statics")
+
+
+def _hangs(span, mass, EA, depth) -> tuple[tuple[float, float], list[float]]:
+    """Place (x, z) m and tensions (N) where two cables hold a weight."""
+    from scipy.optimize import root
+
+    anchors = np.array([[-span[0], 0.0], [span[1], 0.0]])
+    rests = np.hypot(span, depth)
+
+    def pulls(place):
+        ways = anchors - place
+        lengths = np.linalg.norm(ways, axis=1)
+        return EA * (lengths / rests - 1), ways / lengths[:, None]
+
+    def force(place):
+        tension, units = pulls(place)
+        return tension @ units - [0.0, mass * G]
+
+    place = root(force, [0.0, -depth], tol=1e-12).x
+    return tuple(place), list(pulls(place)[0])
+
+
+def _hangs_in_one(span, mass, EA, rest) -> tuple[tuple[float, float], list[float]]:
+    """The same for one cable that runs through it: both halves at the same slope, cos a = w/L."""
+    from scipy.optimize import brentq
+
+    wide = sum(span)
+    longer = brentq(
+        lambda L: 2 * EA * (L / rest - 1) * np.sqrt(1 - (wide / L) ** 2) - mass * G,
+        rest * (1 + 1e-9), 2 * rest, xtol=1e-14,
+    )  # fmt: skip
+    depth = np.sqrt(longer**2 - wide**2) / 2  # supports are level: the weight hangs in the middle
+    return (0.5 * (span[1] - span[0]), -depth), [EA * (longer / rest - 1)]
+
+
+def reeling(bench: Bench) -> None:
+    """A winch lifts a mass: height, and the work that it gives."""
+    mass, EA, reel, duration = 2.0, 1e4, 0.5, 2.0
+    scene = fpm.Scene("winch", gravity=(0, 0, -G), damping=0.0)
+    top, body = (int(p) for p in scene.add_particles([(0, 0, 0), (0, 0, -1.0)], [1.0, mass], 1.0))
+    scene.fix(top)
+    time = np.linspace(0, duration, 401)
+    curve = scene.add_curve(time, 0.5 - 0.5 * np.cos(np.pi * time / duration))
+    points = [(top, None), (body, None)]
+    scene.add_cable("rope", points, EA, preload=mass * G, reel=reel, curve=curve)
+    scene.add_point("mass", body)
+    (outcome,) = bench.simulate(scene, duration=duration, instants=401, step=2e-4)
+    strain = mass * G / EA
+    z = outcome.points["mass"][0][:, 2]
+    lifted = z[-1] - z[0]
+    bench.check("lifted (m)", lifted, reel * (1 + strain), 1e-3, "reel (1 + m g / EA)")
+    # The strain energy that leaves on the drum is not the structure's: m g reel (1 + e/2).
+    exact = mass * G * reel * (1 + strain / 2)
+    bench.check("work of the winch (J)", outcome.energies["reel"][-1], exact, 1e-3,
+                "m g reel (1 + m g / 2 EA), slowly")  # fmt: skip
+    worst = np.abs(outcome.energies["balance"]).max() / exact
+    bench.check_small("energy balance", worst, 1e-5, "no damping", "the work")
+
+
+PROBLEMS = {
+    "mass on a cable": bounce,
+    "Atwood's machine": atwood,
+    "weight in a V": vee,
+    "winch": reeling,
+}

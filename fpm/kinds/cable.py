@@ -1,0 +1,197 @@
+"""Cables: tension only, between two points or running through several without friction.
+
+A cable of unstrained length R and stiffness EA runs straight from each of its points to the next;
+with the length L of them all,
+
+    strain e = (L - R) / R,   tension T = EA max(e, 0),   energy EA R max(e, 0)²/2
+
+Points between its ends are pulleys of no radius: the tension is one all along. The unstrained
+length may change with a curve of time, as when a winch takes cable in; the winch gives
+-T (1 + e/2) dR/dt, the pull on the strained cable less the strain energy that leaves with it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.errors import SceneError
+from fpm.kinds.kind import Deformations, Energy, Kind, Recorded, Watch
+from fpm.kinds.virtual_beam import VirtualBeam
+
+REEL_WORK = Energy("reel", "reel_work", "work of reeling cables in")
+
+TURNED = 2.0
+"""Most by which a cable's length can change with a point between its ends: there and back again."""
+
+
+def _crowded(values: dict[str, float]) -> tuple[str, str]:
+    return (
+        f"a cable is longer than at rest by {values['crowding']:.2g} times its shortest stretch",
+        "points that meet under tension need a pulley's size: keep them apart",
+    )
+
+
+@dataclass(frozen=True)
+class Cable(Kind):
+    """A cable through the free ends of two or more virtual beams.
+
+    stiffness: EA (N); rest: its unstrained length R (m); reel: length (m) taken from that, times
+    the curve of that index (-1: none).
+    """
+
+    name: str
+    beams: tuple[VirtualBeam, ...]
+    stiffness: float
+    rest: float
+    reel: float = 0.0
+    curve: int = -1
+
+    stores = Energy("cable", "cable_energy", "strain energy of the cables")
+    gives = REEL_WORK
+    events = ("tightens", "slackens")
+    watches = (Watch("crowding", 1.0, True, _crowded),)
+
+    @staticmethod
+    def between(scene, name, points, stiffness, rest, preload, reel, curve) -> "Cable":
+        """A cable through points of a scene, as it stands (Scene.add_cable)."""
+        count = len(scene.position)
+        particles = [particle for particle, _ in points]
+        if len(points) < 2 or not all(0 <= p < count for p in particles):
+            raise SceneError(f"points of cable {name}", particles, "two or more, on particles")
+        if (rest is None) == (preload is None):
+            found = (rest, preload)
+            raise SceneError(f"rest, preload of cable {name}", found, "one of the two")
+        beams = tuple(
+            scene.arm_to(int(p), scene.position[p] if place is None else place)
+            for p, place in points
+        )
+        curve, reel, stiffness = int(curve), float(reel), float(stiffness)
+        if rest is None:
+            if not (stiffness > 0 and 0 <= preload < np.inf):
+                found, allowed = (stiffness, preload), "EA > 0 and a preload >= 0 (N)"
+                raise SceneError(f"EA, preload of cable {name}", found, allowed)
+            taken = reel * np.interp(0.0, *scene.curves[curve]) if curve >= 0 else 0.0
+            rest = length_through(scene, beams) / (1 + preload / stiffness) + taken
+        return Cable(name, beams, stiffness, float(rest), reel, curve)
+
+    def check(self, scene):
+        """Stiffness and lengths, also while it is reeled; names are for messages and files."""
+        what = f"of cable {self.name}"
+        if self.name in Cable.names_of(scene):
+            raise SceneError("cable", self.name, "a name that no other cable has")
+        if not (np.isfinite(self.stiffness) and self.stiffness > 0):
+            raise SceneError(f"EA {what}", self.stiffness, "a finite number > 0 (N)")
+        if not -1 <= self.curve < len(scene.curves):
+            raise SceneError(f"curve {what}", self.curve, f"-1 to {len(scene.curves) - 1}")
+        if not np.isfinite(self.reel) or (self.reel and self.curve < 0):
+            raise SceneError(f"reel {what}", self.reel, "a finite length (m), with a curve")
+        if len({beam.particle for beam in self.beams}) < 2:
+            raise SceneError(f"points {what}", self.beams[0].particle, "points of two particles")
+        if not (np.isfinite(self.rest) and self.shortest(scene) > 0):
+            raise SceneError(
+                f"unstrained length {what}", self.shortest(scene), "above 0 m at all times"
+            )
+
+    def rest_at(self, scene, time: float) -> float:
+        """The unstrained length (m) at a time (s)."""
+        factor = np.interp(time, *scene.curves[self.curve]) if self.curve >= 0 else 0.0
+        return float(self.rest - self.reel * factor)
+
+    def shortest(self, scene) -> float:
+        """The least unstrained length (m) at any time."""
+        factors = scene.curves[self.curve][1] if self.curve >= 0 else np.zeros(1)
+        return float(self.rest - np.max(self.reel * factors))
+
+    def topology(self):
+        """Name, particles and curve."""
+        return self.name, tuple(beam.particle for beam in self.beams), self.curve
+
+    @classmethod
+    def names_of(cls, scene) -> tuple[str, ...]:
+        """The cables' own names."""
+        return tuple(cable.name for cable in cls.of(scene))
+
+    @classmethod
+    def names(cls, scene):
+        return [f"cable {name}" for name in cls.names_of(scene)]
+
+    @classmethod
+    def deformations(cls, scene):
+        """Bounds that hold wherever the cables' points move to.
+
+        A cable's length changes by sum c_i · y_i with the motions y_i of its points, |c_i| = 1 at
+        the ends and at most 2 between. By Cauchy and Schwarz (sum c_i · y_i)² is at most the sum of
+        |c_i|² |y_i|² / s_i for any shares s_i that add up to 1: springs from each point to the
+        ground, along all axes. With s_i ~ |c_i|² w_i, w_i being the inverse masses, nothing is lost
+        for free points. These springs bear the tension's stiffness across, T/l for a stretch l, as
+        well, as long as T/l <= EA/R: what is watched as crowding.
+        """
+        rows, frame = [], scene.frame if scene.unstrained is None else scene.unstrained
+        inertia = np.column_stack([scene.mass] * 3 + [scene.inertia])
+        inverse = np.where(scene.fixed, 0.0, 1.0 / inertia)
+        for number, cable in enumerate(cls.of(scene)):
+            stiffness = cable.stiffness / cable.shortest(scene)
+            found = []
+            for i, beam in enumerate(cable.beams):
+                turned = frame[beam.particle] @ _turns(beam.arm)
+                values = np.hstack([np.eye(3), turned, np.zeros((3, 6))])
+                moved = (values[:, :6] * inverse[beam.particle]) @ values[:, :6].T
+                most = 1.0 if i in (0, len(cable.beams) - 1) else TURNED
+                found.append((beam.particle, values, most**2, np.linalg.eigvalsh(moved)[-1]))
+            total = sum(most * moved for _, _, most, moved in found)
+            for particle, values, _, moved in found:
+                if moved > 0:  # |c|²/s = total / w
+                    dofs = np.tile(6 * particle + np.arange(6), (3, 2))
+                    rows.append((dofs, values, np.full(3, stiffness * total / moved),
+                                 np.full(3, number)))  # fmt: skip
+        return Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True))) if rows else None
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.kinds.cable_kernels import CABLE, STATE, STRETCH, Cables
+
+        cables = cls.of(batch.one)
+        count, ends = len(cables), np.cumsum([0, *(len(cable.beams) for cable in cables)])
+        return Cables(
+            start=batch.integers(ends),
+            on=batch.integers(beam.particle for cable in cables for beam in cable.beams),
+            curve=batch.integers(cable.curve for cable in cables),
+            arms=batch.stack(ends[-1], 3, lambda s: [b.arm for c in cls.of(s) for b in c.beams]),
+            cables=batch.table(cls, CABLE, lambda c: [c.stiffness, c.rest, c.reel]),
+            stretches=batch.blank(ends[-1], STRETCH),
+            now=batch.blank(count, STATE),
+            account=batch.given_by(cls),
+            watched=batch.watched_by(cls),
+            rows=batch.rows_of(cls),
+            log=batch.log_of(cls),
+            track=batch.blank((batch.instants + 1) * count, 2),
+        )
+
+    @classmethod
+    def rounding(cls, part):
+        """EA R of all cables."""
+        from fpm.kinds.cable_kernels import EA, REST
+
+        return np.sum(part.cables[:, EA] * part.cables[:, REST], 0)
+
+    @classmethod
+    def recorded(cls, part, scene, lane):
+        """Tensions and lengths."""
+        names = cls.names_of(scene)
+        tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
+        return {
+            "cable_tension": Recorded(tension, "N", "tension of the cables", "cable", names),
+            "cable_length": Recorded(length, "m", "length of the cables, strained", "cable", names),
+        }
+
+
+def _turns(arm: np.ndarray) -> np.ndarray:
+    """The matrix (3, 3) that gives the motion of an arm's free end from a small turn."""
+    return -np.array([np.cross(arm, e) for e in np.eye(3)]).T
+
+
+def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
+    """The way (m) from each beam's free end to the next, as the scene stands."""
+    places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
+    return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

@@ -1,0 +1,79 @@
+"""What is told before and while a campaign runs."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+
+import campaign
+from campaign.plan.estimate import estimate, size_text
+from campaign.runs.progress import Progress, Teller
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_on_a_terminal_progress_is_one_line_that_moves():
+    terminal, file = Terminal(), io.StringIO()
+    tell = Teller(terminal, file)
+    tell("plan")
+    for state in ("1 of 3", "2 of 3"):
+        tell.move(state)
+    tell.move("3 of 3", last=True)
+    tell("bounds")
+    clear = "\r\x1b[2K"
+    assert terminal.getvalue() == f"plan\n{clear}1 of 3{clear}2 of 3{clear}3 of 3\nbounds\n"
+    assert file.getvalue() == "plan\n1 of 3\n2 of 3\n3 of 3\nbounds\n"
+
+
+def test_a_message_goes_below_a_line_that_has_not_ended():
+    terminal = Terminal()
+    tell = Teller(terminal)
+    tell.move("1 of 3")
+    tell("compiling")
+    assert terminal.getvalue().endswith("1 of 3\ncompiling\n")
+
+
+def test_the_line_tells_how_long_it_will_take(monkeypatch):
+    now, done, terminal = [100.0], [10], Terminal()
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    progress = Progress("mast", 110, lambda: done[0], Teller(terminal))
+    now[0], done[0] = 120.0, 30  # one a second
+    progress.report(last=False)
+    assert terminal.getvalue().endswith("mast: 30 of 110 runs done, about 1 min 20 s left")
+    now[0] += 0.5
+    progress.report(last=False)
+    assert terminal.getvalue().count("done") == 1
+    done[0] = 110
+    progress.report()
+    assert terminal.getvalue().endswith("mast: 110 of 110 runs done\n")
+
+
+@pytest.mark.parametrize("keep", ["trajectories", "responses"])
+def test_the_disk_space_told_is_what_is_used(raw, tmp_path, keep):
+    """To 30 %: enough to know whether it fits."""
+    raw["solver"] = {"duration": 0.01, "instants": 3001}
+    raw["jobs"] |= {"keep": keep}
+    told = estimate(campaign.check_config(raw))
+    campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    used = sum(path.stat().st_size for path in tmp_path.rglob("*.nc"))
+    assert told.bytes == pytest.approx(used, rel=0.3)
+    assert told.runs == 6
+
+
+def test_the_time_told_grows_with_runs_and_steps(raw):
+    few = estimate(campaign.check_config(raw))
+    raw["design"] = {"method": "scan", "samples": 100_000}
+    raw["solver"] |= {"duration": 10.0}
+    many = estimate(campaign.check_config(raw))
+    assert few.seconds < 10 and "min" not in str(few)
+    assert many.seconds > 100 * few.seconds and " min " in str(many)
+
+
+def test_sizes_as_people_write_them():
+    assert size_text(2345) == "2.3 kB"
+    assert size_text(61.2e6) == "61 MB"
+    assert size_text(4.81e9) == "4.81 GB"

@@ -1,0 +1,250 @@
+"""Cables against closed forms: slack and tight, running, reeled in; what they refuse."""
+
+import numpy as np
+import pytest
+
+import fpm
+
+G, MASS, EA, REST = 9.81, 2.0, 4000.0, 1.0
+RATE = np.sqrt(EA / REST / MASS)  # of a mass on the cable, rad/s
+
+
+def hung(start=0.8, arm=0.0, **more) -> fpm.Scene:
+    """A mass that is let go `start` m below the point from which a cable of 1 m hangs."""
+    scene = fpm.Scene("hung", gravity=(0, 0, -G))
+    top = int(scene.add_particles((0, 0, 0), 1.0, 1.0)[0])
+    scene.fix(top)
+    mass = int(scene.add_particles((0, 0, -start - arm), MASS, 1.0)[0])
+    scene.add_cable("rope", [(top, None), (mass, (0, 0, -start))], EA, **(more or {"rest": REST}))
+    scene.add_point("mass", mass)
+    return scene
+
+
+@pytest.fixture(scope="module")
+def bounce():
+    return fpm.simulate(hung(), duration=3.0, instants=3001, step=1e-3)[0]
+
+
+def test_a_mass_falls_free_and_bounces_in_the_cable(bounce):
+    fall = np.sqrt(2 * (REST - 0.8) / G)
+    speed = G * fall
+    held = 2 / RATE * (np.pi - np.arctan(speed * RATE / G))
+    times, which = bounce.events[:, 0], bounce.events[:, 2]
+    assert which.tolist() == [k % 2 for k in range(len(times))]
+    assert bounce.eventful == (("cable rope", ("tightens", "slackens")),)
+    period = 2 * fall + held
+    exact = np.sort(
+        [fall + k * period for k in range(7)] + [fall + held + k * period for k in range(7)]
+    )
+    np.testing.assert_allclose(times, exact[: len(times)], atol=2e-4)
+    tension = bounce.recorded["cable_tension"].values[:, 0]
+    most = MASS * G + np.hypot(MASS * G, np.sqrt(MASS * EA / REST) * speed)
+    # Leapfrog's amplitudes are off by (rate · step)²/8, 2.5e-4 here.
+    assert tension.max() == pytest.approx(most, rel=3e-4)
+    assert tension.min() == 0.0
+    length = bounce.recorded["cable_length"]
+    assert (length.dimension, length.labels, length.unit) == ("cable", ("rope",), "m")
+    np.testing.assert_allclose(length.values[:, 0], -bounce.points["mass"][0][:, 2], atol=1e-12)
+
+
+def test_energy_is_kept_through_turns_from_slack_to_tight(bounce):
+    fallen = MASS * G * (REST - 0.8)
+    assert len(bounce.events) >= 10
+    assert np.abs(bounce.energies["balance"]).max() < 1e-3 * fallen
+    assert np.array_equal(bounce.energies["reel"], np.zeros(3001))
+    stored = bounce.energies["cable"]
+    np.testing.assert_allclose(
+        stored, bounce.recorded["cable_tension"].values[:, 0] ** 2 * REST / (2 * EA), atol=1e-12
+    )
+
+
+def test_the_energy_lost_falls_with_the_step_to_the_third_power():
+    """After a turn and back, at steps that fall anywhere into the turns."""
+    lost = []
+    for step in (8e-3, 4e-3):
+        some = [hung(start) for start in np.linspace(0.78, 0.82, 8)]
+        found = fpm.simulate(some, duration=0.384, instants=2, step=step, energy_tolerance=1.0)
+        assert all(len(outcome.events) == 2 for outcome in found)
+        off = [o.energies["balance"][1] / (MASS * G * (REST - s)) for o, s in
+               zip(found, np.linspace(0.78, 0.82, 8), strict=True)]  # fmt: skip
+        lost.append(np.sqrt(np.mean(np.square(off))))
+    assert lost[1] < lost[0] / 5
+    assert lost[0] < 2e-3
+
+
+def test_the_stable_step_is_that_of_a_mass_on_a_spring_and_true():
+    limit = fpm.stable_step(hung())
+    assert limit.step == pytest.approx(2 / RATE, rel=1e-12)
+    assert limit.element == "cable rope"
+    tight = hung(1.0, preload=MASS * G)
+    tight.velocity[1, 2] = 1e-3
+    for share, fails in ((0.99, False), (1.01, True)):
+        step = share * fpm.stable_step(tight).step
+        outcome = fpm.simulate(tight, duration=1000 * step, instants=3, step=step)[0]
+        assert (outcome.failure is not None) == fails
+        if fails:
+            assert outcome.failure.element == "cable rope"
+
+
+def atwood(one=3.0, two=2.0, wheel=None, EA=1e6, start=0.0) -> fpm.Scene:
+    """Two masses on a cable over a fixed point; or over one that a mass carries, itself hung."""
+    scene = fpm.Scene("atwood", gravity=(0, 0, -G))
+    places = [(0.0, 0, 0), (-1e-3, 0, -1.0), (1e-3, 0, -1.0)]
+    masses = [wheel or 1.0, one, two]
+    top, left, right = (int(p) for p in scene.add_particles(places, masses, np.ones((3, 3))))
+    if wheel is None:
+        scene.fix(top)
+    else:
+        hook = int(scene.add_particles((0, 0, 2.0), 1.0, 1.0)[0])
+        scene.fix(hook)
+        scene.add_cable("hanger", [(hook, None), (top, None)], EA, preload=0.0)
+    scene.add_cable("rope", [(left, None), (top, None), (right, None)], EA, preload=start)
+    for name, particle in (("left", left), ("right", right), ("top", top)):
+        scene.add_point(name, particle)
+    return scene
+
+
+def test_two_masses_over_a_point_accelerate_as_atwoods():
+    tension = 2 * 3 * 2 * G / 5
+    outcome = fpm.simulate(atwood(start=tension), duration=0.5, instants=51)[0]
+    z = outcome.points["left"][0][:, 2] + 1.0
+    np.testing.assert_allclose(z, -G / 5 * outcome.time**2 / 2, atol=2e-5)
+    np.testing.assert_allclose(outcome.recorded["cable_tension"].values[:, 0], tension, rtol=1e-3)
+    assert np.abs(outcome.energies["balance"]).max() < 1e-6 * outcome.energies["kinetic"].max()
+
+
+def true_square(places, masses, rest) -> float:
+    """Square of the highest frequency of masses (n,) at places (n, 3) on a cable of EA = 1."""
+    count = len(masses)
+    chords = np.diff(places, axis=0)
+    lengths = np.linalg.norm(chords, axis=1)
+    units = chords / lengths[:, None]
+    longer = max(lengths.sum() - rest, 0.0)
+    slope, hessian = np.zeros((count, 3)), np.zeros((count, 3, count, 3))
+    slope[:-1] -= units
+    slope[1:] += units
+    for i, (n, length) in enumerate(zip(units, lengths, strict=True)):
+        across = (longer / rest / length) * (np.eye(3) - np.outer(n, n))
+        for a, b, sign in ((i, i, 1), (i + 1, i + 1, 1), (i, i + 1, -1), (i + 1, i, -1)):
+            hessian[a, :, b] += sign * across
+    hessian += np.multiply.outer(slope, slope) / rest
+    roots = np.repeat(masses, 3) ** -0.5
+    return np.linalg.eigvalsh(hessian.reshape(3 * count, -1) * np.outer(roots, roots))[-1]
+
+
+def test_the_stable_step_holds_wherever_a_running_cable_s_points_move_to():
+    """The exact highest frequency is below, for points anywhere, as far as crowding allows."""
+    random = np.random.default_rng(0)
+    ratios = []
+    for _ in range(300):
+        count = random.integers(2, 6)
+        masses, places = random.uniform(0.1, 3, count), random.standard_normal((count, 3))
+        lengths = np.linalg.norm(np.diff(places, axis=0), axis=1)
+        rest = lengths.sum() - random.uniform() * lengths.min()
+        scene = fpm.Scene("anywhere")
+        scene.add_particles(
+            np.zeros((count, 3)) + np.arange(count)[:, None], masses, np.ones((count, 3))
+        )
+        scene.add_cable("rope", [(i, None) for i in range(count)], 1.0, rest=rest)
+        ratios.append(true_square(places, masses, rest) / fpm.stable_step(scene).frequency ** 2)
+    assert max(ratios) <= 1 + 1e-9
+    # There and back again in one line, it is the true one but for the short way between.
+    back = np.array([[0.0, 0, 0], [1, 1e-6, 0], [0, 2e-6, 0]])
+    scene = atwood(1.0, 1.0, 1.0)
+    scene.cables = scene.cables[1:]
+    rest = scene.cables[0].rest
+    square = fpm.stable_step(scene).frequency ** 2
+    assert 1e6 * true_square(rest / 2 * back, np.ones(3), rest) == pytest.approx(square, rel=1e-6)
+
+
+def test_reeling_lifts_a_mass_and_its_work_is_given():
+    scene = fpm.Scene("winch", gravity=(0, 0, -G))
+    top = int(scene.add_particles((0, 0, 0), 1.0, 1.0)[0])
+    scene.fix(top)
+    mass = int(scene.add_particles((0, 0, -1.0), MASS, 1.0)[0])
+    winch = scene.add_curve([0.0, 0.5, 1.0], [0.0, 0.0, 1.0])
+    scene.add_cable(
+        "rope", [(top, None), (mass, None)], EA, preload=MASS * G, reel=0.05, curve=winch
+    )
+    scene.add_point("mass", mass)
+    outcome = fpm.simulate(scene, duration=1.2, instants=121, step=2e-4)[0]
+    rest, z = scene.cables[0].rest, outcome.points["mass"][0][:, 2]
+    assert rest == pytest.approx(1 / (1 + MASS * G / EA))
+    np.testing.assert_allclose(z[:50], -1.0, atol=1e-12)  # it hangs at rest
+    given, kinetic = outcome.energies["reel"], outcome.energies["kinetic"]
+    assert np.abs(outcome.energies["balance"]).max() < 1e-5 * given.max()
+    stored = outcome.energies["cable"] - outcome.energies["cable"][0]
+    np.testing.assert_allclose(given, kinetic + stored + MASS * G * (z + 1.0), atol=1e-4)
+    # At the end it swings about where it would hang, with the length that is left.
+    hangs = -(rest - 0.05) * (1 + MASS * G / EA)
+    late = outcome.time > 1.0 + 1e-9
+    assert abs(0.5 * (z[late].max() + z[late].min()) - hangs) < 1e-4
+
+
+def test_alone_and_in_a_batch_it_gives_the_same_bits(bounce):
+    starts = [0.5, 0.8, 0.95]
+    batch = fpm.simulate([hung(s) for s in starts], duration=3.0, instants=3001, step=1e-3)
+    for k in (0, 1):
+        assert np.array_equal(batch[1].points["mass"][k], bounce.points["mass"][k])
+    for name, values in bounce.energies.items():
+        assert np.array_equal(batch[1].energies[name], values)
+    assert np.array_equal(batch[1].events, bounce.events)
+    recorded = [o.recorded["cable_tension"].values for o in (batch[1], bounce)]
+    assert np.array_equal(*recorded)
+    assert not np.array_equal(batch[0].events[0], bounce.events[0])
+
+
+def test_a_cable_on_an_arm_turns_the_body():
+    """A body that a cable holds beside its centre, at rest: moment and force of the tension."""
+    scene = hung(arm=0.3, preload=MASS * G)
+    outcome = fpm.simulate(scene, duration=0.5, instants=6)[0]
+    np.testing.assert_allclose(outcome.points["mass"][0][:, 2], -1.1, atol=1e-12)
+    scene = hung(rest=1.0)
+    scene.cables = []
+    scene.add_cable("side", [(0, None), (1, (0.3, 0, -0.8))], EA, preload=10.0)
+    outcome = fpm.simulate(scene, duration=0.01, instants=101, step=1e-5)[0]
+    # Force and moment of the tension at the start, 10 N along (-3, 0, 8).
+    pull = 10.0 * np.array([-3.0, 0, 8.0]) / np.sqrt(73)
+    moment = np.cross([0.3, 0, 0], pull)
+    early = outcome.points["mass"][1][10] / outcome.time[10]
+    np.testing.assert_allclose(early, pull / MASS - [0, 0, G], rtol=0.02)
+    assert np.abs(outcome.energies["balance"]).max() < 1e-6
+    assert moment[1] < 0 and outcome.final.spin[1, 1] < 0
+
+
+def test_points_that_meet_under_tension_are_refused():
+    scene = fpm.Scene("meeting", gravity=(0, 0, -1e-3))
+    one, two = (int(p) for p in scene.add_particles([(0, 0, 0), (1, 0, 0)], 1.0, np.ones((2, 3))))
+    scene.fix(one)
+    middle = int(scene.add_particles((0.999, 0.0, 0), 1.0, 1.0)[0])
+    scene.add_cable("rope", [(one, None), (middle, None), (two, None)], 1e3, preload=5.0)
+    (outcome,) = fpm.simulate(scene, duration=0.1, instants=2, step=1e-4)
+    assert outcome.failure.cause == "crowding"
+    assert outcome.failure.element == "cable rope"
+    assert "points that meet under tension" in str(outcome.failure)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"EA": 0.0}, "EA of cable rope2 = 0.0"),
+        ({"rest": -1.0}, "unstrained length of cable rope2 = -1.0"),
+        ({"rest": None}, "rest, preload of cable rope2"),
+        ({"preload": 1.0}, "rest, preload of cable rope2"),
+        ({"rest": None, "preload": -1.0}, "EA, preload of cable rope2"),
+        ({"points": [(0, None)]}, "points of cable rope2"),
+        ({"points": [(0, None), (0, (0, 0, 1))]}, "points of cable rope2"),
+        ({"points": [(0, None), (7, None)]}, "points of cable rope2"),
+        ({"name": "rope"}, "cable = 'rope'"),
+        ({"reel": 0.1}, "reel of cable rope2"),
+        ({"reel": 1.0, "curve": 0}, "unstrained length of cable rope2 = 0"),
+        ({"curve": 1}, "curve of cable rope2"),
+    ],
+)
+def test_what_is_refused(change, message):
+    scene = hung()
+    scene.add_curve([0, 1], [0, 1])
+    good = {"name": "rope2", "points": [(0, None), (1, None)], "EA": 1.0, "rest": 1.0}
+    with pytest.raises(fpm.SceneError, match=message):
+        scene.add_cable(**good | change)
+    assert len(scene.cables) == 1

@@ -1,0 +1,103 @@
+"""Sealed files: whatever happens to them is noticed, and told by name."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from fpm.sealed import DamagedError, check, check_content, seal, sweep, unsealed, whole_file
+
+CONTENT = {
+    ".nc": bytes(range(256)) * 20,
+    ".png": b"\x89PNG...",
+    ".html": b"<html></html>",
+    ".md": b"# Title\n",
+    ".json": b'{\n "a": 1,\n "b": [1, 2]\n}\n',
+}
+
+
+@pytest.fixture(params=CONTENT)
+def path(request, tmp_path):
+    made = tmp_path / f"file{request.param}"
+    with whole_file(made, {"name": "it", "of": "x"}) as temporary:
+        temporary.write_bytes(CONTENT[request.param])
+    return made
+
+
+def test_a_seal_tells_what_a_file_is(path):
+    facts = check(path, "it")
+    assert facts["of"] == "x"
+    assert facts == check_content(path, path.read_bytes(), "it")
+    with pytest.raises(DamagedError, match=rf"{path.name}.*it is it, not another"):
+        check(path, "another")
+    assert unsealed(path) == CONTENT[path.suffix]
+    if path.suffix == ".json":
+        assert json.loads(path.read_text())["b"] == [1, 2]
+
+
+def test_every_flipped_bit_is_noticed(path):
+    whole = path.read_bytes()
+    for place in range(0, len(whole), max(1, len(whole) // 400)):
+        path.write_bytes(
+            whole[:place] + bytes([whole[place] ^ (1 << place % 8)]) + whole[place + 1 :]
+        )
+        for find in (check, lambda p: check_content(p, p.read_bytes())):
+            with pytest.raises(DamagedError, match=path.name):
+                find(path)
+
+
+def test_every_cut_and_anything_added_is_noticed(path):
+    whole = path.read_bytes()
+    for size in {*range(0, len(whole), max(1, len(whole) // 100)), len(whole) - 1}:
+        path.write_bytes(whole[:size])
+        with pytest.raises(DamagedError):
+            check(path)
+    path.write_bytes(whole + b"\n")
+    with pytest.raises(DamagedError):
+        check(path)
+
+
+def test_zeroed_pages_are_noticed(tmp_path):
+    path = tmp_path / "large.nc"
+    path.write_bytes(os.urandom(1 << 14))
+    seal(path, {"name": "it"})
+    whole = path.read_bytes()
+    for start in range(0, len(whole), 4096):
+        path.write_bytes(
+            whole[:start] + bytes(len(whole[start : start + 4096])) + whole[start:][4096:]
+        )
+        with pytest.raises(DamagedError):
+            check(path)
+
+
+def test_a_file_that_breaks_off_leaves_nothing(tmp_path):
+    with (
+        pytest.raises(ZeroDivisionError),
+        whole_file(tmp_path / "a.nc", {"name": "a"}) as temporary,
+    ):
+        temporary.write_bytes(b"half")
+        raise ZeroDivisionError
+    assert list(tmp_path.iterdir()) == []
+
+
+KILLED = """
+import os, sys
+from fpm.sealed import whole_file
+with whole_file(sys.argv[1]) as temporary:
+    temporary.write_text("half")
+    os.kill(os.getpid(), 9)
+"""
+
+
+def test_what_dead_processes_left_is_swept_and_nothing_else(tmp_path):
+    subprocess.run([sys.executable, "-c", KILLED, tmp_path / "a.nc"], check=False)
+    assert len(list(tmp_path.iterdir())) == 1
+    (tmp_path / ".mine.nc").write_text("x")
+    with whole_file(tmp_path / "b.nc") as temporary:
+        temporary.write_text("being written")
+        assert len(sweep(tmp_path)) == 1
+        assert temporary.exists()
+    assert sorted(p.name for p in tmp_path.iterdir()) == [".mine.nc", "b.nc"]
+    assert sweep(tmp_path / "nowhere") == []

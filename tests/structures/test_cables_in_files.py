@@ -1,0 +1,135 @@
+"""Cables and masses in structure files, and the tensegrity prism of the library."""
+
+import numpy as np
+import pytest
+from structures_for_tests import SMALL, problems_of, structure
+
+import fpm
+from fpm.structures import loads
+
+CABLES = """
+curves:
+  winch: {times: [0, 1], values: [0, 1]}
+masses:
+  load: {part: arm, at: B, mass: 2 kg, inertia: 0.5}
+cables:
+  stay: {through: [B, {part: ground, at: C}], EA: 20 kN, preload: L*30 N/m}
+  hoist: {through: [A, {part: ground, at: C}, B], EA: 1 MN, rest: 5 m, reel: 10 cm, curve: winch}
+record:"""
+TEXT = SMALL.replace("record:", CABLES).replace("points:", "points:\n  C: [0, 0, 2]")
+
+
+def test_cables_and_masses_are_in_the_scene():
+    found = loads(TEXT)
+    scene, bare = found.build(L=1.5, stow=0.0), loads(SMALL).build(L=1.5, stow=0.0)
+    assert found.cables == ("stay", "hoist")
+    assert {"kinetic", "cable", "reel", "balance"} <= set(found.energies)
+    stay, hoist = scene.cables
+    tip = scene.points["tip"].particle
+    assert [beam.particle for beam in stay.beams] == [tip, 0]
+    assert stay.stiffness == 2e4
+    assert stay.rest * (1 + 45 / 2e4) == pytest.approx(2.5, rel=1e-14)
+    np.testing.assert_allclose(stay.beams[1].arm, [0, 0, 2])
+    assert (hoist.rest, hoist.reel, hoist.curve, len(hoist.beams)) == (5.0, 0.1, 0, 3)
+    np.testing.assert_allclose((scene.mass - bare.mass)[tip], 2.0)
+    np.testing.assert_allclose((scene.inertia - bare.inertia)[tip], 0.5)
+    assert scene.mass.sum() == pytest.approx(bare.mass.sum() + 2.0)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ("[B, {part", "[D, {part", "cables.stay.through: there is no point 'D'"),
+        ("{part: ground, at: C}], EA", "C], EA", "that one part has, or {part: ..., at: C}"),
+        ("at: C}], EA", "on: C}], EA", "cables.stay.through"),
+        (", preload: L*30 N/m", "", "cables.stay.rest: None is not allowed; allowed: either"),
+        (", preload: L*30 N/m", ", preload: L*30", "allowed: a value in N >= 0"),
+        ("EA: 20 kN", "EA: -20 kN", "cables.stay.EA: -20000"),
+        ("preload: L", "rest: 1, preload: L", "either `rest` or `preload`"),
+        (", curve: winch", "", "a length with a `curve`"),
+        ("reel: 10 cm", "reel: 5 m", "unstrained length of cable hoist"),
+        ("at: B, mass", "at: C, mass", "masses.load.at: 'C'"),
+        ("mass: 2 kg", "mass: 0", "masses.load.mass"),
+        ("part: arm, at: B, mass", "part: ground, at: C, mass", "masses.load.part"),
+        ("[B, {part: ground, at: C}]", "[A, B]", ""),
+    ],
+)  # fmt: skip
+def test_what_is_refused(old, new, problem):
+    text = TEXT.replace(old, new, 1)
+    assert text != TEXT
+    if not problem:
+        assert loads(text).build().cables
+        return
+    assert any(problem in told for told in problems_of(text)), problems_of(text)
+
+
+def test_a_mass_beside_the_axis_is_refused():
+    text = TEXT.replace("through: [A, B], section", "through: [A, B], carries: {C: B}, section")
+    text = text.replace("at: B, mass", "at: C, mass")
+    assert "a point on the axis of arm" in problems_of(text)[0]
+
+
+def test_a_point_of_two_parts_needs_the_part():
+    text = TEXT.replace(
+        "joints:",
+        "  other: {through: [B, C], section: tube, material: steel, elements: 2}\njoints:\n"
+        "  knee: {type: revolute, parts: [arm, other], at: B, axis: y}",
+    )
+    assert "with one of arm, other" in problems_of(text)[0]
+
+
+def test_tensions_are_responses():
+    found = loads(TEXT)
+    response = fpm.responses.parse("pull", {"tension": "stay"}, found)
+    assert (response.unit, response.long_name) == ("N", "tension of cable stay")
+    with pytest.raises(fpm.SceneError, match="one of stay, hoist"):
+        fpm.responses.parse("pull", {"tension": "rope"}, found)
+
+
+@pytest.fixture(scope="module")
+def risen():
+    """Prisms of three, other struts, cables and starts, at rest again; a heavier one."""
+    prism = structure("tensegrity")
+    values = [{}, {"strut": 1.01, "wind": 5.0}, {"EA": 5.0}, {"tip": 0.2, "take": 8.0}]
+    scenes = [prism.build(**some) for some in values]
+    return fpm.simulate(scenes, duration=2.0, instants=101)
+
+
+def twist(outcome) -> np.ndarray:
+    low, high = (outcome.points[name][0] for name in ("low", "high"))
+    turns = np.arctan2(high[:, 1], high[:, 0]) - np.arctan2(low[:, 1], low[:, 0])
+    return np.degrees(turns) % 360
+
+
+@pytest.mark.slow
+def test_a_prism_of_three_struts_finds_its_form(risen):
+    assert [round(float(twist(outcome)[0])) for outcome in risen] == [55, 35, 55, 55]
+    for outcome in risen:
+        assert outcome.failure is None
+        assert twist(outcome)[-1] == pytest.approx(30.0, abs=0.01)
+        assert outcome.points["high"][0][-1, 2] > outcome.points["high"][0][0, 2]
+        lengths = dict(zip(outcome.recorded["cable_length"].labels,
+                           outcome.recorded["cable_length"].values[-1], strict=True))  # fmt: skip
+        density = {name: outcome.tensions[name][-1] / lengths[name] for name in lengths}
+        assert density["side1.side"] > 0
+        for ring in ("base", "top"):
+            ratio = density[f"side1.{ring}"] / density["side1.side"]
+            assert ratio == pytest.approx(1 / np.sqrt(3), rel=1e-3)
+        assert density["side2.side"] == pytest.approx(density["side1.side"], rel=1e-3)
+
+
+@pytest.mark.slow
+def test_the_winches_work_is_stored_and_lost(risen):
+    for outcome in risen:
+        last = {name: values[-1] for name, values in outcome.energies.items()}
+        assert last["reel"] > 0
+        held = last["kinetic"] + last["strain"] + last["cable"]
+        assert last["reel"] == pytest.approx(held + last["damping_work"], rel=1e-3)
+
+
+@pytest.mark.slow
+def test_a_prism_of_more_struts_has_another_form():
+    prism = structure("tensegrity")
+    scene = prism.build(n=5, radius=500.0, strut=1.1, wind=10.0)
+    (outcome,) = fpm.simulate(scene, duration=2.0, instants=11)
+    assert twist(outcome)[-1] == pytest.approx(90 - 180 / 5, abs=0.02)

@@ -65,6 +65,10 @@ def _parser() -> argparse.ArgumentParser:
     structure = command("structure", _structure)
     structure.add_argument("structure", help="file, .yaml or .py (which is run), or known name")
     structure.add_argument("--duration", type=float, default=1.0, help="of a run (%(default)s s)")
+    structure.add_argument(
+        "--picture", type=Path, help=".png, .svg or .pdf to draw into (exports/<name>.png)"
+    )
+    structure.add_argument("--no-picture", action="store_true", help="draw nothing")
     _add_export(command("export", _export))
     for name, stage in STAGES.items():
         one = command(name, stage.work)
@@ -145,7 +149,7 @@ def _keys(options: argparse.Namespace) -> int:
 
 
 def _structure(options: argparse.Namespace) -> int:
-    """Check a structure and print its parameters, parts, mobility and what a run costs."""
+    """Check a structure, print its parameters, parts, mobility and what a run costs, draw it."""
     import fpm
     from campaign.config.scenes import scene_type
     from fpm.structures.describe import describe
@@ -157,6 +161,19 @@ def _structure(options: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return 1
     print(describe(found, options.duration))
+    if options.no_picture:
+        return 0
+    from campaign.pictures.still import SUFFIXES, write_structure
+
+    path = options.picture or Path("exports", f"{found.name}.png")
+    if path.suffix not in SUFFIXES:
+        print(f"--picture {path} is not allowed; allowed: {', '.join(SUFFIXES)}", file=sys.stderr)
+        return 1
+    try:
+        print(f"\npicture       {write_structure(found.build(), path)}")
+    except OSError as error:
+        print(f"error: {of_files(error, path.parent)}", file=sys.stderr)
+        return 1
     return 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -69,12 +70,29 @@ def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path,
 
 
 @pytest.mark.parametrize("name", ["bennett", "config/structures/scissor.yaml"])
-def test_a_structure_is_told(capsys, name):
+def test_a_structure_is_told(capsys, name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     assert main(["structure", str(ROOT / name) if "/" in name else name]) == 0
     told = capsys.readouterr().out
     for words in ("parameter ", "no interval", "points", "joints", "mass ", "redundant", "set by"):
         assert words in told
     assert ("the mesh" in told) == ("/" in name)
+
+
+def test_a_structure_is_drawn_where_it_is_asked_for(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    structure = str(ROOT / "config/structures/panel.yaml")
+    assert main(["structure", structure]) == 0
+    assert "exports/panel.png" in capsys.readouterr().out
+    assert (tmp_path / "exports/panel.png").read_bytes().startswith(b"\x89PNG")
+    assert main(["structure", structure, "--picture", "mine/panel.svg"]) == 0
+    drawn = (tmp_path / "mine/panel.svg").read_text(encoding="utf-8")
+    assert "<svg" in drawn
+    assert main(["structure", structure, "--picture", "panel.jpg"]) == 1
+    assert ".png, .svg, .pdf" in capsys.readouterr().err
+    shutil.rmtree(tmp_path / "exports")
+    assert main(["structure", structure, "--no-picture"]) == 0
+    assert not (tmp_path / "exports").exists()
 
 
 def test_a_wrong_structure_is_refused_with_its_lines(tmp_path, capsys):

@@ -1,6 +1,7 @@
 """Pictures show the structure: where it is, how large, and nothing that is behind."""
 
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,8 +10,10 @@ from PIL import Image
 from campaign.pictures.moving import write_moving
 from campaign.pictures.paint import limits_of, visible_faces
 from campaign.pictures.solid import Solid, solid_of_motion, solid_of_scene
+from campaign.pictures.still import cable_ways, draw_structure
 from campaign.pictures.view import View, nice_length
 
+STRUCTURES = Path(__file__).parents[2] / "config/structures"
 SQUARE = 0.5 * np.array([[0, -1, -1], [0, 1, -1], [0, 1, 1], [0, -1, 1]])
 
 
@@ -90,3 +93,32 @@ def test_a_solid_of_a_scene_is_that_of_its_motions_first_frame(motion):
 )
 def test_scales_are_round_lengths(wanted, found):
     assert nice_length(wanted) == pytest.approx(found)
+
+
+@pytest.mark.parametrize("name", ["bennett", "pendulum", "tensegrity.yaml", "scissor.yaml"])
+def test_a_still_shows_bars_cables_points_and_scale(name):
+    from campaign.config.scenes import scene_type
+
+    file = str(STRUCTURES / name) if "." in name else ""
+    scene = scene_type(name, file).build()
+    (ax,) = draw_structure(scene).axes
+    words = {text.get_text() for text in ax.texts}
+    assert {"x", "y", "z", *scene.points} <= words
+    assert any(word.endswith((" m", " mm")) for word in words)
+    (bars,) = ax.collections
+    assert len(bars.get_paths()) >= 3 * len(scene.beams)
+    ways = dict(cable_ways(scene))
+    assert len(ways) == len(scene.cables)
+    for place in [*scene.position[scene.beams[0].nodes[:, 0]], *(w[0] for w in ways.values())]:
+        x, y = View().page @ place
+        assert ax.get_xlim()[0] < x < ax.get_xlim()[1]
+        assert ax.get_ylim()[0] < y < ax.get_ylim()[1]
+
+
+def test_the_scale_is_as_long_as_it_says():
+    import fpm
+
+    (ax,) = draw_structure(fpm.scenes.get("pendulum").build()).axes
+    said = next(t.get_text() for t in ax.texts if t.get_text().endswith(" m"))
+    spans = [np.ptp(line.get_xdata()) for line in ax.lines if len(line.get_xdata()) == 2]
+    assert any(span == pytest.approx(float(said.split()[0])) for span in spans)

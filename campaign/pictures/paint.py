@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from campaign.pictures.colours import BARS, rgb
+from campaign.pictures.colours import BARS, CABLE, rgb
 from campaign.pictures.solid import FACES, Solid
 from campaign.pictures.view import View, nice_length
 
@@ -23,6 +23,21 @@ def paint_solid(ax: Any, solid: Solid, moment: int, view: View) -> Any:
     faces, shades = visible_faces(solid, moment, view)
     edges = 0.7 * shades
     drawn = PolyCollection(faces, facecolors=shades, edgecolors=edges, linewidths=0.25)
+    ax.add_collection(drawn, autolim=False)
+    return drawn
+
+
+def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
+    """Paint the cables of a structure at a moment, dashed where they are slack."""
+    from matplotlib.collections import LineCollection
+
+    cables = solid.cables
+    lines = (solid.cable_points[moment] @ view.page.T)[cables.stretches]
+    styles: list[Any] = ["solid"] * len(lines)
+    if cables.tension is not None:
+        taut = cables.tension[moment][cables.of[cables.stretches[:, 0]]] > 0
+        styles = ["solid" if pulls else (0, (3, 2)) for pulls in taut]
+    drawn = LineCollection(lines, colors=CABLE, linewidths=0.9, linestyles=styles)
     ax.add_collection(drawn, autolim=False)
     return drawn
 

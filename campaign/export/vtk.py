@@ -1,8 +1,9 @@
 """A whole motion for ParaView: a collection (.pvd) of unstructured grids (.vtu).
 
 In every frame `axes` has all particles, and the elements as lines; `solid` the elements as
-hexahedra between their sections; `cables` the cables, where there are any. Format: VTK's XML formats, https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html.
-Numbers are in SI units, of 64 bits, as they are in the motion.
+hexahedra between their sections; `cables` the cables, where there are any. Numbers are in SI units,
+of 64 bits, as they are in the motion. Format: VTK's XML formats,
+https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html.
 """
 
 from __future__ import annotations

@@ -35,7 +35,9 @@ def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
     intervals, trouble = intervals_of(config["intervals"], scene["parameters"], found)
     problems = parameter_problems(scene["parameters"], found) + trouble
     own["scene"] = {**scene, "name": found.name}
-    own["intervals"] = {name: plain_data(interval) for name, interval in intervals.items()}
+    # In the scene's order: in which one a config has them must not matter, to no design.
+    ordered = [name for name in found.parameters if name in intervals]
+    own["intervals"] = {name: plain_data(intervals[name]) for name in ordered}
     own["name"] = own.pop("campaign")
     own.pop("preset", None)
     runs = {key: own.pop(key) for key in Experiment.__dataclass_fields__}

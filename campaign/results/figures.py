@@ -13,7 +13,7 @@ import numpy as np
 
 from campaign.files import open_netcdf, result_file
 from campaign.folder import PICTURES
-from campaign.results.summary import bounds_text
+from campaign.results.summary import bounds_text, outside_text
 from campaign.results.units import pretty
 
 LOWER = {"color": "#0072B2", "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
@@ -23,6 +23,7 @@ UPPER = {
     "linewidth": 1.1,
     "label": "upper bound",
 }
+ERROR = {"color": "#CC79A7", "alpha": 0.35, "linewidth": 0, "label": "error estimate"}
 NOMINAL = {"color": "black", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#7F7F7F")
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
@@ -54,7 +55,10 @@ def envelope(bounds: Any, name: str, shade_above: float) -> Any:
     if "nominal" in bounds.variables:
         ax.plot(time, bounds["nominal"][i], zorder=4, **NOMINAL)
     if "error" in bounds.variables:
-        doubtful = bounds["error"][i] > shade_above * (upper - lower).max()
+        error = bounds["error"][i]
+        ax.fill_between(time, lower - error, lower, zorder=0.5, **ERROR)
+        ax.fill_between(time, upper, upper + error, zorder=0.5, **{**ERROR, "label": None})
+        doubtful = error > shade_above * (upper - lower).max()
         _shade(ax, time, doubtful, f"error estimate above {shade_above:.0%} of the largest width")
     _mark_largest(ax, time, lower, upper, units)
     ax.set_xlabel("time (s)")
@@ -65,10 +69,10 @@ def envelope(bounds: Any, name: str, shade_above: float) -> Any:
     ax.set_axisbelow(True)
     figure.legend(
         loc="outside upper center",
-        ncols=4,
+        ncols=5,
         fontsize=7,
         frameon=False,
-        title=f"bounds: {bounds_text(bounds)}",
+        title="\n".join(filter(None, [f"bounds: {bounds_text(bounds)}", outside_text(bounds, i)])),
         title_fontsize=7,
     )
     return figure

@@ -208,3 +208,18 @@ def test_no_path_is_chosen_by_a_sample_beside():
     across.frame = across.frame @ turn
     with pytest.raises(fpm.SceneError, match="along their particles' axes"):
         fpm.simulate([linkage(), across], duration=1e-3, instants=2)
+
+
+def test_no_event_is_dropped_where_there_is_little_room(batch, monkeypatch):
+    scenes, together = batch
+    assert len(together[0].events) > 2
+    monkeypatch.setattr(fpm.pack, "MOST_EVENTS", 2)
+    crowded = fpm.simulate(scenes[:3], duration=0.4, instants=81, step=4e-5)
+    for one, other in zip(crowded, together, strict=False):
+        np.testing.assert_array_equal(one.events, other.events)
+        assert one.events_dropped == 0
+        assert equal(one, other)
+    monkeypatch.setattr(fpm.pack, "MOST_ROOM", 3)
+    (short,) = fpm.simulate(scenes[0], duration=0.4, instants=81, step=4e-5)
+    assert len(short.events) == 3
+    assert short.events_dropped == len(together[0].events) - 3

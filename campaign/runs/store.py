@@ -42,9 +42,9 @@ class Result:
 @dataclass(frozen=True)
 class Record:
     """What the interval side needs of a run: time (t,) s, the values (n, t) of its n responses,
-    contact events (e, 3): time (s), contact index, 1 if it closes, names of contacts, numbers (q,) of
-    its quantities, NaN where what is asked for does not happen, and by how much (rad) the faces of a
-    contact overlap at most, at the instants."""
+    contact events (e, 3): time (s), contact index, 1 if it closes, names of contacts, numbers (q,)
+    of its quantities, NaN where what is asked for does not happen, and by how much (rad) the faces
+    of a contact overlap at most, at the instants."""
 
     time: np.ndarray
     values: np.ndarray

@@ -51,6 +51,7 @@ def test_values_that_make_no_structure_are_refused():
     assert [row.name for row in rows if not row.passed] == []
 
 
+@pytest.mark.slow
 def test_damping_passes():
     assert [row.name for row in GROUPS["damping"]() if not row.passed] == []
 

@@ -71,15 +71,17 @@ def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: fl
         ax.text(*place, name, fontsize=7, ha="center", va="center", bbox=_HALO)
 
 
-def frame_picture(ax: Any, limits: np.ndarray, view: View) -> None:
-    """Fit axes to limits (2, 2) in metres on the page, lowest corner first, and draw directions
-    and scale below them."""
+def frame_picture(ax: Any, limits: np.ndarray, view: View, signs: bool = True) -> None:
+    """Fit axes to limits (2, 2) in metres on the page, lowest corner first, with room below them
+    for signs: directions and scale."""
     low, high = limits
     width, height = high - low
     size = max(width, height)
     arrow, strip = 0.09 * size, 0.2 * size
     ax.set(xlim=(low[0], high[0]), ylim=(low[1] - strip, high[1]), aspect="equal")
     ax.axis("off")
+    if not signs:
+        return
     origin = np.array([low[0] + 0.1 * size, low[1] - 0.6 * strip])
     for name, end in zip("xyz", arrow * view.page.T, strict=True):
         ax.annotate(

@@ -98,4 +98,6 @@ def _not_finite(value: Any, key: str = "") -> list[tuple[str, float]]:
         return [hit for i, item in enumerate(value) for hit in _not_finite(item, f"{key}[{i}]")]
     if isinstance(value, float) and not math.isfinite(value):
         return [(key, value)]
+    if isinstance(value, int) and abs(value) > 1 << 1000:  # no float holds it
+        return [(key, f"a number of some {value.bit_length() // 3.33:.0f} digits")]
     return []

@@ -110,7 +110,7 @@ def _time_problems(experiment: Experiment) -> list[str]:
     limit = fpm.stable_step(scene).step
     step = solver.safety * limit if solver.step == "auto" else solver.step
     problems = []
-    if solver.step != "auto" and step > 2 * limit:
+    if solver.step != "auto" and solver.duration >= step > 2 * limit:
         problems.append(
             f"solver.step: {step:.6g} s is far above what is stable; allowed: auto, or below "
             f"{limit:.4g}"
@@ -204,9 +204,9 @@ def _bounds_problems(bounds: BoundsChoice, design: DesignChoice, instants: int) 
             "bounds.model: 'spline' is not allowed with order auto, whose rounds need polynomials; "
             "allowed: polynomial, or a whole number as order"
         )
-    if align != "none" and instants < 16:
+    if align != "none" and instants < 8:
         problems.append(
-            f"solver.instants: {instants} are too few for align {align}; allowed: at least 16"
+            f"solver.instants: {instants} are too few for align {align}; allowed: at least 8"
         )
     if bounds.enclose and align == "none":
         problems.append(

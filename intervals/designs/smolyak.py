@@ -10,7 +10,7 @@ from .. import chebyshev
 from . import multi_indices
 from .design import Design, Method, check_terms, doubled
 
-MOST_TERMS = 5000
+MOST_TERMS = 10_000
 """Polynomials that can be fitted together: their matrix is full."""
 
 

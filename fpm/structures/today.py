@@ -5,10 +5,7 @@ from fpm.structures.reading import Table
 
 LATER = frozenset(
     [("joints", kind) for kind in ("spherical", "fixed", "prismatic", "universal")]
-    + [
-        ("actions", kind)
-        for kind in ("damper", "friction", "stop", "latch", "motor", "release", "tape spring")
-    ]
+    + [("actions", kind) for kind in ("motor", "release")]
 )
 """Groups and types that are planned."""
 

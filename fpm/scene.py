@@ -222,13 +222,16 @@ class Scene:
         """Face-to-face contact of `stiffness` (N m/rad) where a hinge's opening is negative."""
         self.add(Contact(int(hinge), float(stiffness)))
 
-    def add_cable(self, name, points, EA, rest=None, preload=None, reel=0.0, curve=-1):
+    def add_cable(
+        self, name, points, EA, rest=None, preload=None, reel=0.0, curve=-1, friction=None
+    ):
         """Cable through points, each a particle and a place (3,) m or None; returns its index.
 
         EA (N); either its unstrained length `rest` (m), or the tension `preload` (N) that it has
-        at the start. A winch takes in the length `reel` (m) times a curve of time.
+        at the start. A winch takes in the length `reel` (m) times a curve of time, at the first
+        point. friction: coefficient at the points between the ends; None: they turn freely.
         """
-        return self.add(Cable.between(self, name, points, EA, rest, preload, reel, curve))
+        return self.add(Cable.between(self, name, points, EA, rest, preload, reel, curve, friction))
 
     # -- supports, loads, drives, points ------------------------------------------------------
 

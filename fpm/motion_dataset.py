@@ -57,6 +57,9 @@ def to_dataset(
     }
     time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
     variables = _moving(found, kept) | _fixed(scene, corners) | _events(outcome)
+    if scene.cables:
+        names["cable"] = [cable.name for cable in scene.cables]
+        variables |= _cables(found, kept)
     return xarray.Dataset(
         {
             name: (dims, values, {"units": unit, "long_name": text})
@@ -124,6 +127,21 @@ def _fixed(scene: Scene, corners: np.ndarray) -> dict[str, tuple]:
         "hinge_particle": (("hinge", "end"), joined, "1", "particles that it joins"),
         "hinge_arm": (("hinge", "axis"), rows(arms, 3), "m", "point from the first particle"),
         "hinge_axis": (("hinge", "axis"), rows(axes, 3), "1", "axis in the first particle's frame"),
+    }
+
+
+def _cables(found: Recorded, kept: np.ndarray) -> dict[str, tuple]:
+    """Tensions, and the points of all cables one after the other."""
+    cables = found.scene.cables
+    beams = [beam for cable in cables for beam in cable.beams]
+    of = np.repeat(np.arange(len(cables)), [len(cable.beams) for cable in cables])
+    on, arms = np.array([beam.particle for beam in beams]), np.array([beam.arm for beam in beams])
+    tension = found.outcome.recorded["cable_tension"].values[kept]
+    return {
+        "cable_tension": (("time", "cable"), tension, "N", "tension of the cables"),
+        "cable_point_cable": ("cable_point", of.astype(np.int32), "1", "cable of the point"),
+        "cable_point_particle": ("cable_point", on.astype(np.int32), "1", "its particle"),
+        "cable_point_arm": (("cable_point", "axis"), arms, "m", "from the particle, in its frame"),
     }
 
 

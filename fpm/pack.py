@@ -19,7 +19,10 @@ from fpm.kinds.kind import Kind
 from fpm.scene import Scene
 
 MOST_EVENTS = 512
-"""Events kept per sample; more are counted but not kept."""
+"""Room for events of a sample; where there are more, the run is repeated with room for them."""
+
+MOST_ROOM = 1 << 16
+"""Events kept per sample at most; more are counted but not kept."""
 
 REST_STRAIN = 1e-10
 """Rounding strains a scene at rest by less; the energy of so much is the least energy scale."""
@@ -74,10 +77,12 @@ class Batch:
     """Scenes of one topology in the making: what kinds need to pack their arrays.
 
     scenes, of which `one` stands for all where they agree; kinds in them; width: number of lanes;
-    instants that are recorded.
+    instants that are recorded; room: for how many events of each scene.
     """
 
-    def __init__(self, scenes: Sequence[Scene], width: int, dtype, instants: int):
+    def __init__(
+        self, scenes: Sequence[Scene], width: int, dtype, instants: int, room: int = MOST_EVENTS
+    ):
         self.scenes, self.width, self.dtype, self.instants = scenes, width, dtype, instants
         self.one = scenes[0]
         self.kinds = kinds_of(scenes)
@@ -89,7 +94,7 @@ class Batch:
         self.eventful = Places(eventful)
         self._watched = self.blank(1, self.watches.count)
         self._rows = self.blank(self.rows.count, 1)
-        self.events = np.full((MOST_EVENTS, 3, width), np.nan, dtype)
+        self.events = np.full((room, 3, width), np.nan, dtype)
         self.event_count = np.zeros(width, np.int64)
 
     def _accounts(self) -> list:

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from fpm.scenes import SceneType
     from fpm.simulate import Outcome
 
+_NEVER_NEGATIVE = ("strain", "spring", "contact")  # energies: sums of squares
 COMPONENTS = ("x", "y", "z", "norm")
 
 
@@ -27,6 +28,17 @@ class Response:
     component: str
     unit: str
     long_name: str
+
+    @property
+    def least(self) -> float | None:
+        """The least value that it can have; None where there is none.
+
+        The kinetic energy is a product of velocities half a step apart (`fpm.kernels.record`),
+        which can differ in sign.
+        """
+        size = self.kind in ("distance", "tension") or self.component == "norm"
+        stored = self.kind == "energy" and self.about[0] in _NEVER_NEGATIVE
+        return 0.0 if size or stored else None
 
     def evaluate(self, outcome: "Outcome") -> np.ndarray:
         """Values (t,) of the response for one outcome."""

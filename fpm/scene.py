@@ -19,6 +19,7 @@ from fpm.kinds import (
     Drive,
     Gravity,
     Hinge,
+    Joint,
     Kind,
     Load,
     Support,
@@ -198,6 +199,21 @@ class Scene:
             Hinge.between(self, name, particles, point, axis, references, opening, support)
         )
 
+    def add_joint(self, name, type, particles, point, axis=(1, 0, 0), other=None) -> int:
+        """Join two particles at `point` (3,), if not by a hinge; returns the joint's index.
+
+        type: "spherical"; "fixed"; "universal", about `axis` (3,) of the first and `other` (3,) of
+        the second, normal to it; "prismatic": the second slides on the first along `axis`.
+        """
+        return self.add(Joint.between(self, name, type, particles, point, axis, other))
+
+    def hold_point(self, name, particle: int, point, axes: str) -> int:
+        """Hold a point (3,) of a particle along global axes, e.g. "z"; returns the joint's index.
+
+        For points off the particle: what holds the particle itself is `fix`, and costs nothing.
+        """
+        return self.add(Joint.holding(self, name, int(particle), point, axes))
+
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
         """Torsion spring of `stiffness` (N m/rad) that turns a hinge towards `rest` (rad)."""
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
@@ -206,13 +222,16 @@ class Scene:
         """Face-to-face contact of `stiffness` (N m/rad) where a hinge's opening is negative."""
         self.add(Contact(int(hinge), float(stiffness)))
 
-    def add_cable(self, name, points, EA, rest=None, preload=None, reel=0.0, curve=-1):
+    def add_cable(
+        self, name, points, EA, rest=None, preload=None, reel=0.0, curve=-1, friction=None
+    ):
         """Cable through points, each a particle and a place (3,) m or None; returns its index.
 
         EA (N); either its unstrained length `rest` (m), or the tension `preload` (N) that it has
-        at the start. A winch takes in the length `reel` (m) times a curve of time.
+        at the start. A winch takes in the length `reel` (m) times a curve of time, at the first
+        point. friction: coefficient at the points between the ends; None: they turn freely.
         """
-        return self.add(Cable.between(self, name, points, EA, rest, preload, reel, curve))
+        return self.add(Cable.between(self, name, points, EA, rest, preload, reel, curve, friction))
 
     # -- supports, loads, drives, points ------------------------------------------------------
 
@@ -220,8 +239,7 @@ class Scene:
         """Hold particles along and about global axes.
 
         Rotations of a particle with three different inertias are held all or none, or about axes
-        that stay principal (planar motion). Those of a hinged particle are held all or none.
-        SceneError for what a hinge could not bear (kinds/hinge.py).
+        that stay principal (planar motion).
         """
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
@@ -244,8 +262,7 @@ class Scene:
     def drive(self, particle: int, velocity=(0, 0, 0), spin=(0, 0, 0), curve: int = -1) -> None:
         """Prescribe a particle's velocity (3,) m/s and spin (3,) rad/s, scaled by a curve.
 
-        Several drives of one particle add up (spins: one turn after another in each step). A
-        driven particle cannot carry a hinge: drive the particle at the other end of its element.
+        Several drives of one particle add up (spins: one turn after another in each step).
         """
         velocity, spin = np.asarray(velocity, float), np.asarray(spin, float)
         self.add(Drive(int(particle), velocity, spin, int(curve)))

@@ -82,10 +82,21 @@ def simulate(
 
 def _integrate(scenes, width, dtype, instants, division, tolerance):
     """Integrate one batch: the Batch, the arrays of its kinds, its World and its Record."""
+    from fpm.pack import MOST_EVENTS, MOST_ROOM
+
+    run = _integrate_once(scenes, width, dtype, instants, division, tolerance, MOST_EVENTS)
+    noted = int(run[0].event_count[: len(scenes)].max())
+    if noted > MOST_EVENTS:
+        room = min(noted, MOST_ROOM)
+        run = _integrate_once(scenes, width, dtype, instants, division, tolerance, room)
+    return run
+
+
+def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
     from fpm.kernels.compiled import loop_for
     from fpm.pack import Batch
 
-    batch = Batch(scenes, width, dtype, instants)
+    batch = Batch(scenes, width, dtype, instants, room)
     parts, world, record = batch.parts(), batch.world(), batch.record()
     step, per_instant, per_check = division
     steps = per_instant * (instants - 1)

@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 
 from fpm.errors import SceneError
@@ -64,16 +65,22 @@ def _no_file(found: str) -> SceneError:
 
 def _imported(path: Path) -> Iterator[Path]:
     """Files beside a file that its imports would name, whether they exist or not."""
-    for node in ast.walk(ast.parse(path.read_bytes(), str(path))):
+    for name, level in _names_imported(path.read_bytes(), str(path)):
+        yield from _beside(path.parent, name.split("."), level)
+
+
+@cache
+def _names_imported(content: bytes, path: str) -> list[tuple[str, int]]:
+    """Names in the imports of a file with this content, each with its number of leading dots."""
+    found = []
+    for node in ast.walk(ast.parse(content, path)):
         if isinstance(node, ast.Import):
-            level, names = 0, [alias.name for alias in node.names]
+            found += [(alias.name, 0) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            level, base = node.level, node.module or ""
+            base = node.module or ""
             names = [base, *(f"{base}.{alias.name}".strip(".") for alias in node.names)]
-        else:
-            continue
-        for name in filter(None, names):
-            yield from _beside(path.parent, name.split("."), level)
+            found += [(name, node.level) for name in names if name]
+    return found
 
 
 def _beside(folder: Path, parts: list[str], level: int) -> Iterator[Path]:
@@ -109,6 +116,11 @@ def tree_digest(path: Path) -> str:
     content = path.read_bytes()
     if path.suffix != ".py":
         return hashlib.sha256(content).hexdigest()
+    return _tree_digest(content, str(path))
+
+
+@cache
+def _tree_digest(content: bytes, path: str) -> str:
     version = f"{sys.version_info.major}.{sys.version_info.minor}"
     memo = _cache() / f"{hashlib.sha256(content).hexdigest()}-{version}-{VERSION}"
     with suppress(OSError):
@@ -129,9 +141,9 @@ def _cache() -> Path:
     return user / "fpm" / "syntax"
 
 
-def _tree(content: bytes, path: Path) -> str:
+def _tree(content: bytes, path: str) -> str:
     """The syntax tree of a file as text, without bare strings (docstrings)."""
-    tree = ast.parse(content, str(path))
+    tree = ast.parse(content, path)
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list):

@@ -12,7 +12,7 @@ from .errors import IntervalError, check_choice, check_options
 from .estimates import ErrorEstimate
 from .metrics import compare_runs
 from .models import MODELS, Model
-from .ranges import Range
+from .ranges import Range, raised
 from .samples import Samples, read_samples
 
 if TYPE_CHECKING:
@@ -58,7 +58,9 @@ def bounds_dataset(
     ``inner_upper`` (attained), ``nominal`` and ``error`` (estimate for the bounds, with its parts
     ``error_held_out`` and ``error_decay``), each (response, time) in the units of the response;
     ``argmin``, ``argmax`` (response, time, parameter), the parameter values where; and the numbers
-    of the summary over response, such as ``largest_width`` and ``error_share_of_width``.
+    of the summary over response, such as ``largest_width`` and ``error_share_of_width``. No bound
+    is below ``response_least`` (response), where samples have that; by how much the model was is
+    ``largest_impossible``.
     """
     import xarray as xr
 
@@ -72,10 +74,16 @@ def bounds_dataset(
     fitted = kind(data, design, **options)
     found = fitted.range()
     error = fitted.error(found, window)
+    least = _least(data)
+    below = np.maximum(least[:, None] - found.inner_lower, 0.0)
+    found = raised(found, least[:, None])
     attributes = {**samples.attrs, "held_out_runs": len(fitted.tested), "bounds_kind": fitted.kind}
     if design is not None:
         attributes |= {"design_method": design.method, "design_order": list(design.order)}
-    numbers = [_numbers(data, found, error, fitted.tested, i) for i in range(len(data.names))]
+    numbers = [
+        _numbers(data, found, error, fitted.tested, i) | _impossible(data, below, i)
+        for i in range(len(data.names))
+    ]
     variables = _curves(data, fitted, found, error)
     for name in numbers[0]:
         long_name, unit = _NUMBERS[name]
@@ -124,8 +132,24 @@ _NUMBERS = {
     "worst_violation": ("distance by which such runs leave the bounds at most", ""),
     "largest_error": ("largest estimated error of the bounds", ""),
     "largest_error_time": ("time of the largest estimated error of the bounds", "s"),
+    "largest_impossible": ("distance by which the model falls below what is possible, at most", ""),
+    "largest_impossible_time": ("time of that", "s"),
     "error_share_of_width": ("estimated error of the bounds, as a share of the width", "1"),
 }
+
+
+def _least(samples: Samples) -> np.ndarray:
+    """The least values (n,) that the responses can have; -inf where there is none."""
+    if "response_least" not in samples.source:
+        return np.full(len(samples.names), -np.inf)
+    least = samples.source["response_least"].values[samples.rows]
+    return np.where(np.isnan(least), -np.inf, least)
+
+
+def _impossible(samples: Samples, below: np.ndarray, i: int) -> dict[str, float]:
+    """How far the model of response `i` falls below what is possible, (n, T), and when most."""
+    at = int(np.argmax(below[i]))
+    return {"largest_impossible": float(below[i, at]), "largest_impossible_time": samples.time[at]}
 
 
 def _numbers(

@@ -20,6 +20,7 @@ _COORDINATES = (
     "response",
     "response_units",
     "response_long_name",
+    "response_least",
     "parameter",
     "box_units",
     "box_lower",

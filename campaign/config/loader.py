@@ -15,8 +15,18 @@ from campaign.errors import ConfigError
 _FLOAT = re.compile(r"^[-+]?(\d[\d_]*)(\.[\d_]*)?([eE][-+]?\d+)$|^[-+]?\.\d[\d_]*([eE][-+]?\d+)?$")
 
 
+LARGEST = 1 << 20
+"""Characters of a config."""
+
+DEEPEST, MOST = 20, 20_000
+"""Mappings and lists may be nested so deep, and hold so many values, aliases written out."""
+
+
 class _Loader(yaml.SafeLoader):
-    """SafeLoader that notes keys given twice, or that are not text, in `problems`."""
+    """SafeLoader that notes keys given twice, or that are not text, in `problems`.
+
+    A date stays text.
+    """
 
     def __init__(self, stream):
         super().__init__(stream)
@@ -44,6 +54,10 @@ class _Loader(yaml.SafeLoader):
         return super().construct_mapping(node, deep=deep)
 
 
+_Loader.yaml_implicit_resolvers = {
+    first: [(tag, rule) for tag, rule in rules if not tag.endswith(":timestamp")]
+    for first, rules in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
 _Loader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-+0123456789."))
 
 
@@ -53,9 +67,23 @@ def parse(text: str, source: str) -> dict:
     Raises `ConfigError`, naming `source` and the line, when `text` is not YAML, repeats a key, or
     is not a mapping.
     """
-    loader = _Loader(text)
+    if len(text) > LARGEST:
+        allowed = f"at most {LARGEST}"
+        raise ConfigError(source, [f"the file has {len(text)} characters; allowed: {allowed}"])
+    problem, data, loader = "", None, None
     try:
-        data = loader.get_single_data()
+        loader = _Loader(text)
+        node = loader.get_single_node()
+        problem = _excess(node)
+        if node is not None and not problem:
+            data = loader.construct_document(node)
+    except RecursionError:
+        problem = f"nested too deep; allowed: {DEEPEST} mappings and lists in each other"
+    except yaml.reader.ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        problem = f"line {line}: the character {chr(error.character)!r} is not text"
+    except (ValueError, OverflowError, TypeError) as error:  # of what makes values of text
+        problem = f"a value cannot be read: {str(error).splitlines()[0]}"
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
@@ -64,13 +92,36 @@ def parse(text: str, source: str) -> dict:
     except yaml.YAMLError as error:
         raise ConfigError(source, [f"this is not YAML: {error}"]) from None
     finally:
-        loader.dispose()
+        if loader is not None:
+            loader.dispose()
+    if problem:
+        raise ConfigError(source, [problem])
     if loader.problems:
         raise ConfigError(source, loader.problems)
     if not isinstance(data, dict):
         found = "nothing" if data is None else type(data).__name__
         raise ConfigError(source, [f"the file holds {found}; allowed: a mapping of keys"])
     return data
+
+
+def _excess(root: yaml.Node | None) -> str:
+    """What is too much in a node: how deep it is, and how many values it has, aliases written out;
+    nothing where it is not."""
+    sizes: dict[int, int] = {}
+
+    def size(node: yaml.Node, depth: int) -> int:
+        if depth > DEEPEST:
+            raise RecursionError
+        if id(node) not in sizes:
+            children = node.value if isinstance(node, yaml.CollectionNode) else []
+            if isinstance(node, yaml.MappingNode):
+                children = [child for pair in children for child in pair]
+            sizes[id(node)] = 1 + sum(size(child, depth + 1) for child in children)
+        return sizes[id(node)]
+
+    if root is not None and size(root, 0) > MOST:
+        return f"the file holds more than {MOST} values; allowed: fewer"
+    return ""
 
 
 def retyped(value: Any) -> Any:

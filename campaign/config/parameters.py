@@ -57,6 +57,9 @@ def _interval(name: str, definition: Mapping, given: Mapping, scene_type: Any) -
                 f": its {end} end {value:.12g} leaves the range of {name}; "
                 f"allowed: {parameter.allowed}"
             )
+    for end, value in (("lower", interval.lower), ("upper", interval.upper)):
+        if told := parameter.slip(value):
+            raise _RefusedError(f": no {name} is as its {end} end {value:.9g}; allowed: {told}")
     return interval
 
 
@@ -103,6 +106,8 @@ def parameter_problems(given: Mapping, scene_type: Any) -> list[str]:
             )
         elif not _allows(parameter := scene_type.parameters[name], value):
             problems.append(f"{key}: {show(value)} is not allowed; allowed: {parameter.allowed}")
+        elif parameter.kind == "real" and value is not None and (told := parameter.slip(value)):
+            problems.append(f"{key}: no {name} is {value:.9g}; allowed: {told}")
     return problems
 
 

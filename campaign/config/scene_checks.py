@@ -36,15 +36,21 @@ def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
     intervals, trouble = intervals_of(config["intervals"], scene["parameters"], found)
     problems = parameter_problems(scene["parameters"], found) + trouble
     own["scene"] = {**scene, "name": found.name}
-    own["intervals"] = {name: plain_data(interval) for name, interval in intervals.items()}
+    # In the scene's order: in which one a config has them must not matter, to no design.
+    ordered = [name for name in found.parameters if name in intervals]
+    own["intervals"] = {name: plain_data(intervals[name]) for name in ordered}
     own["name"] = own.pop("campaign")
     own.pop("preset", None)
     own["choose"] = choose_data(config["choose"], config["intervals"])
     runs = {key: own.pop(key) for key in Experiment.__dataclass_fields__}
     campaign = from_data(Campaign, {"experiment": runs, **own})
+    built = found
     if not problems:
         problems += _build_problems(campaign.experiment)
-    problems += _response_problems(campaign)
+        if not problems:
+            built = campaign.experiment.built
+            problems += _time_problems(campaign.experiment)
+    problems += _response_problems(campaign, built)
     if not problems:
         problems += _quantity_problems(campaign.experiment) + answer_problems(campaign)
     if not trouble:
@@ -69,25 +75,71 @@ def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[
 def _build_problems(experiment: Experiment) -> list[str]:
     """What the scene finds inconsistent, at the nominal values or at the first bad corner."""
     import fpm
+    from fpm.pack import topology
 
+    first = None
     places = itertools.chain(["the nominal values"], itertools.repeat("a corner of the intervals"))
     for place, values in zip(places, corners(experiment.intervals), strict=False):
+        at = ", ".join(f"{name} = {value:.9g}" for name, value in values.items())
         try:
-            experiment.build(values)
+            scene = experiment.build(values)
         except fpm.SceneError as error:
-            at = ", ".join(f"{name} = {value:.9g}" for name, value in values.items())
             return _scene_problems(error, f"scene: at {place} ({at})", str(error))
+        found = topology(scene)
+        first = found if first is None else first
+        if found != first:
+            return [
+                f"intervals: at {place} ({at}) the structure has other parts than at the nominal "
+                "values; allowed: intervals over which it has the same particles, elements and "
+                "supports"
+            ]
     return []
 
 
-def _response_problems(campaign: Campaign) -> list[str]:
+MOST_STEPS = 10**9
+"""Steps of a run: of the smallest scene, a day."""
+
+MOST_NUMBERS = 2**27
+"""Numbers recorded of the runs that are integrated side by side: 1 GiB."""
+
+
+def _time_problems(experiment: Experiment) -> list[str]:
+    """Whether a run can be done with the step and the instants, judged at the nominal values."""
+    import fpm
+
+    solver = experiment.solver
+    scene = experiment.build(dict(zip(experiment.intervals, experiment.nominal, strict=True)))
+    limit = fpm.stable_step(scene).step
+    step = solver.safety * limit if solver.step == "auto" else solver.step
+    problems = []
+    if solver.step != "auto" and solver.duration >= step > 2 * limit:
+        problems.append(
+            f"solver.step: {step:.6g} s is far above what is stable; allowed: auto, or below "
+            f"{limit:.4g}"
+        )
+    elif solver.duration / step > MOST_STEPS:
+        which = "duration" if solver.step == "auto" else "step"
+        problems.append(
+            f"solver.{which}: {solver.duration / step:.3g} steps of {step:.3g} s; allowed: at most "
+            f"{MOST_STEPS:.0e} steps, a duration of {MOST_STEPS * step:.3g} s"
+        )
+    numbers = 8 * (6 * len(scene.points) + len(scene.hinges) + 10)
+    if solver.instants * numbers > MOST_NUMBERS:
+        problems.append(
+            f"solver.instants: {solver.instants} are more than memory should hold of this scene; "
+            f"allowed: at most {MOST_NUMBERS // numbers}"
+        )
+    return problems
+
+
+def _response_problems(campaign: Campaign, built: Any) -> list[str]:
     import fpm
 
     problems = []
     known = campaign.experiment.responses
     for name, definition in known.items():
         try:
-            fpm.responses.parse(name, definition, campaign.experiment.scene_type)
+            fpm.responses.parse(name, definition, built)
         except fpm.SceneError as error:
             problems.append(_sentence(error.key, error))
     return problems + [
@@ -119,7 +171,7 @@ def _design_problems(campaign: Campaign) -> list[str]:
         problems.append("design.order: 'auto' is not allowed with scan; allowed: a whole number")
     elif campaign.is_adaptive:
         experiment = start_of(experiment)
-    problems += _bounds_problems(campaign.bounds, design)
+    problems += _bounds_problems(campaign.bounds, design, experiment.solver.instants)
     try:
         if not problems:
             made = make_design(experiment.design, experiment.box)
@@ -136,7 +188,7 @@ def _design_problems(campaign: Campaign) -> list[str]:
     return problems
 
 
-def _bounds_problems(bounds: BoundsChoice, design: DesignChoice) -> list[str]:
+def _bounds_problems(bounds: BoundsChoice, design: DesignChoice, instants: int) -> list[str]:
     """What of the section `bounds` does not go together, with itself and with the order."""
     align, automatic, problems = bounds.align, design.order == "auto", []
     if align != "none" and (automatic or design.order is None):
@@ -153,6 +205,10 @@ def _bounds_problems(bounds: BoundsChoice, design: DesignChoice) -> list[str]:
         problems.append(
             "bounds.model: 'spline' is not allowed with order auto, whose rounds need polynomials; "
             "allowed: polynomial, or a whole number as order"
+        )
+    if align != "none" and instants < 8:
+        problems.append(
+            f"solver.instants: {instants} are too few for align {align}; allowed: at least 8"
         )
     if bounds.enclose and align == "none":
         problems.append(

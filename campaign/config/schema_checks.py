@@ -29,8 +29,10 @@ def schema_problems(raw: Any, schema: Mapping) -> tuple[list[str], dict | None]:
     validator = Draft202012Validator(schema)
     errors = sorted(validator.iter_errors(raw), key=lambda e: list(map(str, e.absolute_path)))
     sound = copy.deepcopy(raw)
+    told = {key for key, _ in endless}
     for error in errors:
-        problems += _sentences(error)
+        if ".".join(map(str, error.absolute_path)) not in told:
+            problems += _sentences(error)
         _remove(sound, error)
     problems = list(dict.fromkeys(problems))  # two rules may say the same of a value
     return problems, None if endless or not validator.is_valid(sound) else sound
@@ -98,4 +100,6 @@ def _not_finite(value: Any, key: str = "") -> list[tuple[str, float]]:
         return [hit for i, item in enumerate(value) for hit in _not_finite(item, f"{key}[{i}]")]
     if isinstance(value, float) and not math.isfinite(value):
         return [(key, value)]
+    if isinstance(value, int) and abs(value) > 1 << 1000:  # no float holds it
+        return [(key, f"a number of some {value.bit_length() // 3.33:.0f} digits")]
     return []

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, is_dataclass
+from dataclasses import asdict, dataclass, field, is_dataclass, replace
 from functools import cached_property
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -87,11 +87,21 @@ class Experiment:
         return scene_type(self.scene.name, self.scene.file)
 
     @cached_property
+    def built(self) -> Any:
+        """The `SceneType` with the points and hinges that the nominal scene has.
+
+        How many there are may depend on parameters. Raises `fpm.SceneError`.
+        """
+        scene = self.build(dict(zip(self.intervals, self.nominal, strict=True)))
+        hinges = tuple(hinge.name for hinge in scene.hinges)
+        return replace(self.scene_type, points=tuple(scene.points), hinges=hinges)
+
+    @cached_property
     def curves(self) -> list[Any]:
         """The parsed responses, `fpm.responses.Response`; raises `fpm.SceneError`."""
         import fpm
 
-        return [fpm.responses.parse(n, d, self.scene_type) for n, d in self.responses.items()]
+        return [fpm.responses.parse(n, d, self.built) for n, d in self.responses.items()]
 
     @cached_property
     def numbers(self) -> list[Any]:

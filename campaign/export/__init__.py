@@ -1,4 +1,4 @@
-"""Runs for other programs: ParaView, viewers of glTF, moving pictures, tables."""
+"""Runs for other programs: ParaView, viewers of glTF, moving pictures, figures, tables."""
 
 from __future__ import annotations
 
@@ -48,11 +48,18 @@ def _csv(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
     return write_tables(chosen, folder)
 
 
+def _figures(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+    from campaign.export.figures import write_figures
+
+    return write_figures(chosen, folder, frames)
+
+
 KINDS = {
     "vtk": Kind(_vtk, "a collection for ParaView: a .pvd, and two .vtu for every frame", 101),
     "glb": Kind(_glb, "one glTF file that moves, for viewers and Blender", 101),
     "gif": Kind(_picture("gif"), "a moving picture", 60),
     "webp": Kind(_picture("webp"), "a moving picture, smaller and with more colours", 60),
+    "figures": Kind(_figures, "figures for a journal: PDF, SVG, PNG", 401),
     "csv": Kind(_csv, "curves of the run; of a campaign also its bounds and runs", 0),
 }
 

@@ -1,8 +1,8 @@
 """A whole motion as one glTF 2.0 file (.glb) that plays in viewers and in Blender.
 
-Particles are nodes that move and turn; the bars are one skinned mesh, whose every corner follows
-the particle at its end. glTF's axes are right-handed with y up: x, z and -y of ours. Metres,
-seconds. Format: Khronos, glTF 2.0 specification, https://registry.khronos.org/glTF/specs/2.0.
+Particles are nodes that move and turn; bars and cables are one skinned mesh, whose every corner
+follows the particle at its end. glTF's axes are right-handed with y up: x, z and -y of ours.
+Metres, seconds. Format: Khronos, glTF 2.0 specification, https://registry.khronos.org/glTF/specs/2.0.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from campaign.files import whole_file
-from campaign.pictures.colours import BARS, rgb
-from campaign.pictures.solid import FACES, solid_of_motion
+from campaign.pictures.colours import BARS, CABLE, rgb
+from campaign.pictures.solid import FACES, Solid, solid_of_motion
 
 if TYPE_CHECKING:
     import xarray
@@ -26,6 +26,8 @@ UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """From our axes to glTF's."""
 
 _COMPONENTS = {"f4": 5126, "u4": 5125, "u2": 5123, "u1": 5121}  # glTF's numbers of the types
+_VERTEX, _INDEX = 34962, 34963  # and of what a view is for
+_LINES = 1  # and of a mode
 _SHAPES = {(): "SCALAR", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
 
 
@@ -77,10 +79,10 @@ def _content(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
          "rotation": quaternion[0, p].tolist()}
         for p in range(place.shape[1])
     ]  # fmt: skip
-    nodes: list[dict] = [{"name": str(motion.attrs["scene"])}]
+    nodes: list[dict] = [{"name": f"particles of {motion.attrs['scene']}"}]
     meshes = _mesh(motion, place[0], turn[0], buffer)
     if meshes:
-        nodes.append({"name": "bars", "mesh": 0, "skin": 0})
+        nodes.append({"name": "structure", "mesh": 0, "skin": 0})
     first = len(nodes)
     joints = [first + p for p in range(len(particles))]
     nodes += particles
@@ -108,36 +110,63 @@ def _content(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
 def _mesh(
     motion: xarray.Dataset, place: np.ndarray, turn: np.ndarray, buffer: _Buffer
 ) -> dict[str, Any]:
-    """The bars as they stand in the first frame, with the particle that each corner follows."""
+    """Bars and cables as they stand in the first frame, with the particles that they follow."""
     solid = solid_of_motion(motion.isel(time=slice(0, 1)))
-    element, face = np.nonzero(solid.visible)
-    if not len(element):
+    primitives = []
+    if len(solid.nodes):
+        primitives.append(_bars(solid, buffer))
+    if len(solid.cables.of):
+        primitives.append(_cables(solid, buffer))
+    if not primitives:
         return {}
+    surface = {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0.0, "roughnessFactor": 0.7}
+    return {
+        "meshes": [{"name": "structure", "primitives": primitives}],
+        "materials": [{"name": "structure", "pbrMetallicRoughness": surface}],
+    }
+
+
+def _bars(solid: Solid, buffer: _Buffer) -> dict[str, Any]:
+    """The visible faces of the bars, two triangles each."""
+    element, face = np.nonzero(solid.visible)
     corner = FACES[face]  # (f, 4)
     points = (solid.corners[0] @ UP.T)[element[:, None], corner]
     normal = np.cross(points[:, 2] - points[:, 0], points[:, 3] - points[:, 1])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     colours = _linear([rgb(BARS[bar % len(BARS)]) for bar in solid.bar])[element]
-    follows = np.zeros((4 * len(face), 4), int)
-    follows[:, 0] = solid.nodes[element[:, None], corner // 4].ravel()
-    weights = np.tile([1.0, 0.0, 0.0, 0.0], (4 * len(face), 1))
     triangles = 4 * np.arange(len(face))[:, None, None] + [[0, 1, 2], [0, 2, 3]]
-    vertex, index = 34962, 34963
-    attributes = {
-        "POSITION": buffer.add(points.reshape(-1, 3), target=vertex),
-        "NORMAL": buffer.add(np.repeat(normal, 4, axis=0), target=vertex),
-        "COLOR_0": buffer.add(np.repeat(colours, 4, axis=0), target=vertex),
-        "JOINTS_0": buffer.add(follows, "u2", vertex),
-        "WEIGHTS_0": buffer.add(weights, target=vertex),
-    }
-    primitive = {
-        "attributes": attributes, "material": 0,
-        "indices": buffer.add(triangles.ravel(), "u4", index),
-    }  # fmt: skip
-    surface = {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0.0, "roughnessFactor": 0.7}
+    follows = solid.nodes[element[:, None], corner // 4].ravel()
+    attributes = _vertices(
+        points.reshape(-1, 3), np.repeat(colours, 4, axis=0), follows, buffer
+    ) | {"NORMAL": buffer.add(np.repeat(normal, 4, axis=0), target=_VERTEX)}
     return {
-        "meshes": [{"name": "bars", "primitives": [primitive]}],
-        "materials": [{"name": "bars", "pbrMetallicRoughness": surface}],
+        "attributes": attributes, "material": 0,
+        "indices": buffer.add(triangles.ravel(), "u4", _INDEX),
+    }  # fmt: skip
+
+
+def _cables(solid: Solid, buffer: _Buffer) -> dict[str, Any]:
+    """The cables' straight stretches, as lines."""
+    points = solid.cable_points[0] @ UP.T
+    colours = np.tile(_linear([rgb(CABLE)]), (len(points), 1))
+    return {
+        "attributes": _vertices(points, colours, solid.cables.on, buffer), "material": 0,
+        "indices": buffer.add(solid.cables.stretches.ravel(), "u4", _INDEX), "mode": _LINES,
+    }  # fmt: skip
+
+
+def _vertices(
+    points: np.ndarray, colours: np.ndarray, follows: np.ndarray, buffer: _Buffer
+) -> dict[str, int]:
+    """Places, colours (v, 3), and the one particle that each vertex follows."""
+    joints = np.zeros((len(points), 4), int)
+    joints[:, 0] = follows
+    weights = np.tile([1.0, 0.0, 0.0, 0.0], (len(points), 1))
+    return {
+        "POSITION": buffer.add(points, target=_VERTEX),
+        "COLOR_0": buffer.add(colours, target=_VERTEX),
+        "JOINTS_0": buffer.add(joints, "u2", _VERTEX),
+        "WEIGHTS_0": buffer.add(weights, target=_VERTEX),
     }
 
 

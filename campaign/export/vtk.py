@@ -1,8 +1,9 @@
-"""A whole motion for ParaView: a collection (.pvd) of unstructured grids (.vtu), two a frame.
+"""A whole motion for ParaView: a collection (.pvd) of unstructured grids (.vtu).
 
-`axes` has all particles, and the elements as lines; `solid` the elements as hexahedra between their
-sections. Format: VTK's XML formats, https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html.
-Numbers are in SI units, of 64 bits, as they are in the motion.
+In every frame `axes` has all particles, and the elements as lines; `solid` the elements as
+hexahedra between their sections; `cables` the cables, where there are any. Numbers are in SI units,
+of 64 bits, as they are in the motion. Format: VTK's XML formats,
+https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html.
 """
 
 from __future__ import annotations
@@ -32,6 +33,8 @@ def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
     places, entries = path.with_suffix(""), []
     for frame, time in enumerate(motion["time"].values.tolist()):
         grids = {"axes": _axes(motion, solid, frame), "solid": _solid(motion, solid, frame)}
+        if len(solid.cables.of):
+            grids["cables"] = _cables(solid, frame)
         for part, (name, grid) in enumerate(grids.items()):
             file = places / f"{name}-{frame:04d}.vtu"
             write_text(file, grid_text(*grid, time))
@@ -72,6 +75,14 @@ def _solid(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
     cells = np.arange(8 * len(corners)).reshape(-1, 8)
     data = {name: motion[name].values[frame] for name in _OF_ELEMENTS}
     return corners.reshape(-1, 3), [(_HEXAHEDRON, cells)], {}, {**data, "bar": solid.bar}
+
+
+def _cables(solid: Solid, frame: int) -> tuple:
+    """Points, cells, data of points and of cells: the cables' straight stretches as lines."""
+    cables = solid.cables
+    of = cables.of[cables.stretches[:, 0]]
+    data = {"tension": cables.tension[frame][of], "cable": of}
+    return solid.cable_points[frame], [(_LINE, cables.stretches)], {}, data
 
 
 def _section_axes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 BARS = ("#E69F00", "#56B4E9", "#009E73", "#CC79A7", "#F0E442", "#0072B2", "#D55E00")
 """Of bars, in their order; repeated where there are more."""
 
+CABLE = "#0072B2"
+
 
 def rgb(colour: str) -> tuple[float, float, float]:
     """`#E69F00` as shares of red, green and blue."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from campaign.files import whole_file
-from campaign.pictures.paint import frame_picture, limits_of, paint_solid
+from campaign.pictures.paint import frame_picture, limits_of, paint_cables, paint_solid
 from campaign.pictures.solid import solid_of_motion
 from campaign.pictures.view import View
 
@@ -61,8 +61,7 @@ def frames(motion: xarray.Dataset, view: View, width: float) -> Iterator[np.ndar
     from matplotlib.figure import Figure
 
     solid = solid_of_motion(motion)
-    places = solid.corners if len(solid.nodes) else motion["position"].values
-    limits = limits_of(places, view)
+    limits = limits_of(solid.places, view)
     across, up = limits[1] - limits[0]
     height = width * (up + 0.2 * max(across, up)) / across
     shrink = min(1.0, 1.25 * width / height)  # a mast stands in a picture that is not too tall
@@ -71,16 +70,16 @@ def frames(motion: xarray.Dataset, view: View, width: float) -> Iterator[np.ndar
     ax = figure.add_axes((0, 0, 1, 1))
     frame_picture(ax, limits, view)
     clock = ax.text(0.02, 0.98, "", transform=ax.transAxes, fontsize=9, va="top")
-    position, time = motion["position"].values, motion["time"].values
-    for moment, now in enumerate(time):
+    for moment, now in enumerate(motion["time"].values):
         if len(solid.nodes):
-            drawn = paint_solid(ax, solid, moment, view)
+            drawn = [paint(ax, solid, moment, view) for paint in (paint_solid, paint_cables)]
         else:
-            (drawn,) = ax.plot(*(view.page @ position[moment].T), "o", color="black")
+            drawn = ax.plot(*(view.page @ solid.position[moment].T), "o", color="black")
         clock.set_text(f"{now:.2f} s")
         canvas.draw()
         yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
-        drawn.remove()
+        for artist in drawn:
+            artist.remove()
 
 
 def _palette(images: list) -> Any:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from campaign.pictures.colours import BARS, rgb
+from campaign.pictures.colours import BARS, CABLE, rgb
 from campaign.pictures.solid import FACES, Solid
 from campaign.pictures.view import View, nice_length
 
@@ -23,6 +23,21 @@ def paint_solid(ax: Any, solid: Solid, moment: int, view: View) -> Any:
     faces, shades = visible_faces(solid, moment, view)
     edges = 0.7 * shades
     drawn = PolyCollection(faces, facecolors=shades, edgecolors=edges, linewidths=0.25)
+    ax.add_collection(drawn, autolim=False)
+    return drawn
+
+
+def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
+    """Paint the cables of a structure at a moment, dashed where they are slack."""
+    from matplotlib.collections import LineCollection
+
+    cables = solid.cables
+    lines = (solid.cable_points[moment] @ view.page.T)[cables.stretches]
+    styles: list[Any] = ["solid"] * len(lines)
+    if cables.tension is not None:
+        taut = cables.tension[moment][cables.of[cables.stretches[:, 0]]] > 0
+        styles = ["solid" if pulls else (0, (3, 2)) for pulls in taut]
+    drawn = LineCollection(lines, colors=CABLE, linewidths=0.9, linestyles=styles)
     ax.add_collection(drawn, autolim=False)
     return drawn
 
@@ -56,15 +71,17 @@ def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: fl
         ax.text(*place, name, fontsize=7, ha="center", va="center", bbox=_HALO)
 
 
-def frame_picture(ax: Any, limits: np.ndarray, view: View) -> None:
-    """Fit axes to limits (2, 2) in metres on the page, lowest corner first, and draw directions
-    and scale below them."""
+def frame_picture(ax: Any, limits: np.ndarray, view: View, signs: bool = True) -> None:
+    """Fit axes to limits (2, 2) in metres on the page, lowest corner first, with room below them
+    for signs: directions and scale."""
     low, high = limits
     width, height = high - low
     size = max(width, height)
     arrow, strip = 0.09 * size, 0.2 * size
     ax.set(xlim=(low[0], high[0]), ylim=(low[1] - strip, high[1]), aspect="equal")
     ax.axis("off")
+    if not signs:
+        return
     origin = np.array([low[0] + 0.1 * size, low[1] - 0.6 * strip])
     for name, end in zip("xyz", arrow * view.page.T, strict=True):
         ax.annotate(

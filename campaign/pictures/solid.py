@@ -19,6 +19,29 @@ FACES = np.array([
 
 
 @dataclass(frozen=True)
+class Cables:
+    """The p points of cables, one cable after the other.
+
+    of (p,): index of the point's cable; on (p,): its particle; arm (p, 3) m: from there, in the
+    particle's frame; tension (t, c) N of each cable, None where it is not known.
+    """
+
+    of: np.ndarray
+    on: np.ndarray
+    arm: np.ndarray
+    tension: np.ndarray | None = None
+
+    @cached_property
+    def stretches(self) -> np.ndarray:
+        """Indices (s, 2) of the points at the ends of each straight stretch."""
+        first = np.flatnonzero(self.of[1:] == self.of[:-1])
+        return np.stack([first, first + 1], axis=1)
+
+
+NO_CABLES = Cables(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3)))
+
+
+@dataclass(frozen=True)
 class Solid:
     """The elements of a structure at t moments, each a hexahedron between two sections.
 
@@ -32,6 +55,20 @@ class Solid:
     position: np.ndarray
     frame: np.ndarray
     elements: tuple[str, ...]
+    cables: Cables = NO_CABLES
+
+    @cached_property
+    def cable_points(self) -> np.ndarray:
+        """Places (t, p, 3), m, of the cables' points."""
+        on, arm = self.cables.on, self.cables.arm
+        return self.position[:, on] + np.einsum("tpij,pj->tpi", self.frame[:, on], arm)
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """Places (t, k, 3), m, that a picture must hold."""
+        count = len(self.position)
+        found = [self.corners.reshape(count, -1, 3), self.cable_points]
+        return np.concatenate(found, axis=1) if len(self.nodes) else self.position
 
     @cached_property
     def corners(self) -> np.ndarray:
@@ -69,6 +106,7 @@ def solid_of_motion(motion: xarray.Dataset) -> Solid:
         position=motion["position"].values,
         frame=motion["frame"].values,
         elements=tuple(map(str, motion["element"].values)),
+        cables=_cables_of_motion(motion),
     )
 
 
@@ -83,7 +121,24 @@ def solid_of_scene(scene: Any) -> Solid:
         position=scene.position[None],
         frame=scene.frame[None],
         elements=tuple(f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))),
+        cables=_cables_of_scene(scene),
     )
+
+
+def _cables_of_motion(motion: xarray.Dataset) -> Cables:
+    if "cable_point_cable" not in motion:
+        return NO_CABLES
+    points = (motion[f"cable_point_{key}"].values for key in ("cable", "particle", "arm"))
+    return Cables(*points, motion["cable_tension"].values)
+
+
+def _cables_of_scene(scene: Any) -> Cables:
+    beams = [beam for cable in scene.cables for beam in cable.beams]
+    if not beams:
+        return NO_CABLES
+    count = [len(cable.beams) for cable in scene.cables]
+    of, on = np.repeat(np.arange(len(count)), count), np.array([b.particle for b in beams])
+    return Cables(of, on, np.array([beam.arm for beam in beams]))
 
 
 def _bar(element: str) -> str:

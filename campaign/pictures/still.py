@@ -9,13 +9,18 @@ from typing import Any
 import numpy as np
 
 from campaign.files import whole_file
-from campaign.pictures.paint import frame_picture, limits_of, paint_points, paint_solid
+from campaign.pictures.paint import (
+    frame_picture,
+    limits_of,
+    paint_cables,
+    paint_points,
+    paint_solid,
+)
 from campaign.pictures.solid import solid_of_scene
 from campaign.pictures.view import View
 
 SUFFIXES = (".png", ".svg", ".pdf")
 _HINGE = {"color": "black", "linewidth": 0.9, "zorder": 4}
-_CABLE = {"color": "#0072B2", "linewidth": 0.9, "zorder": 3}
 _HELD = {"marker": "^", "color": "none", "markeredgecolor": "black", "markersize": 6, "zorder": 5}
 
 
@@ -24,12 +29,12 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
     from matplotlib.figure import Figure
 
     view = view or View()
-    solid, ways = solid_of_scene(scene), [way for _, way in cable_ways(scene)]
+    solid = solid_of_scene(scene)
     points = {name: _place(scene, beam) for name, beam in scene.points.items()}
     held = scene.position[scene.fixed[:, :3].all(axis=1)]
     hinges = list(_hinge_lines(scene))
     own = _own(scene)
-    places = [solid.corners.reshape(-1, 3), *ways, scene.position[own], *points.values()]
+    places = [solid.corners, solid.cable_points, scene.position[own], *points.values()]
     limits = limits_of(np.vstack([np.reshape(p, (-1, 3)) for p in places]), view)
     across, up = limits[1] - limits[0]
     size = max(across, up)
@@ -38,8 +43,7 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
     frame_picture(ax, limits, view)
     if len(solid.nodes):
         paint_solid(ax, solid, 0, view)
-    for way in ways:
-        ax.plot(*(way @ view.page.T).T, **_CABLE)
+    paint_cables(ax, solid, 0, view)
     for place, axis in hinges:
         ends = np.stack([place - 0.02 * size * axis, place + 0.02 * size * axis])
         ax.plot(*(ends @ view.page.T).T, **_HINGE)
@@ -57,12 +61,6 @@ def write_structure(scene: Any, path: str | Path) -> Path:
     with whole_file(path) as temporary:
         draw_structure(scene).savefig(temporary, dpi=160)
     return path
-
-
-def cable_ways(scene: Any) -> Iterable[tuple[str, np.ndarray]]:
-    """Names of the cables, and the places (k, 3) through which each runs."""
-    for cable in scene.cables:
-        yield cable.name, np.array([_place(scene, beam) for beam in cable.beams])
 
 
 def _place(scene: Any, beam: Any) -> np.ndarray:

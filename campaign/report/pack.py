@@ -125,10 +125,28 @@ def _motion(moving: Sequence[MovingRun]) -> dict[str, Any]:
         "hingeOn": packed(first["hinge_particle"].values[:, :1], "i4"),
         "hingeArm": packed(first["hinge_arm"].values, "f4"),
         "hingeAxis": packed(first["hinge_axis"].values, "f4"),
+        "cables": _cables(moving),
         "low": low.tolist(),
         "unit": size / 65534,
         "largestStress": stress,
-        "runs": [_frames(m, frames, low, size / 65534, stress) for m in moving],
+        "runs": [
+            _frames(m, frames, low, size / 65534, stress) | _tensions(moving, m, frames)
+            for m in moving
+        ],
+    }
+
+
+def _cables(moving: Sequence[MovingRun]) -> dict[str, Any] | None:
+    """The points of all cables one after the other, and the largest tension of all runs."""
+    first = moving[0].motion
+    if "cable" not in first.sizes:
+        return None
+    return {
+        "count": first.sizes["cable"],
+        "of": first["cable_point_cable"].values.tolist(),
+        "on": packed(first["cable_point_particle"].values, "i4"),
+        "arm": packed(first["cable_point_arm"].values, "f4"),
+        "most": max(float(m.motion["cable_tension"].max()) for m in moving),
     }
 
 
@@ -136,6 +154,15 @@ def _bars(names: np.ndarray) -> list[int]:
     """For each element the index of its bar: `link AB[3]` belongs to `link AB`."""
     bars: dict[str, int] = {}
     return [bars.setdefault(str(name).rsplit("[", 1)[0], len(bars)) for name in names]
+
+
+def _tensions(moving: Sequence[MovingRun], one: MovingRun, frames: np.ndarray) -> dict[str, Any]:
+    """Tension of each cable as a share of the largest of all runs; 0 is slack."""
+    if "cable" not in one.motion.sizes:
+        return {}
+    most = max(float(m.motion["cable_tension"].max()) for m in moving) or 1.0
+    share = one.motion["cable_tension"].values[frames] / most
+    return {"tension": packed(np.ceil(65535 * np.clip(share, 0, 1)), "u2")}
 
 
 def _frames(moving: MovingRun, frames, low, unit, stress) -> dict[str, Any]:

@@ -7,13 +7,14 @@ as well, so that a grey print can be read.
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
 
 from campaign.files import open_netcdf, result_file
 from campaign.folder import PICTURES
-from campaign.results.summary import bounds_text
+from campaign.results.summary import bounds_text, outside_text
 from campaign.results.units import pretty
 
 LOWER = {"color": "#0072B2", "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
@@ -23,6 +24,7 @@ UPPER = {
     "linewidth": 1.1,
     "label": "upper bound",
 }
+ERROR = {"color": "#CC79A7", "alpha": 0.35, "linewidth": 0, "label": "error estimate"}
 NOMINAL = {"color": "black", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#7F7F7F")
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
@@ -35,18 +37,21 @@ def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Pa
             save(envelope(bounds, name, shade_above), Path(folder) / name)
 
 
-def envelope(bounds: Any, name: str, shade_above: float) -> Any:
+def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> Any:
     """A figure of one response: lower and upper bound, nominal run, and where the error is large.
 
     `bounds` is the open `bounds.nc`. Instants are shaded at which the error estimate exceeds
-    `shade_above` times the largest width of the bounds.
+    `shade_above` times the largest width of the bounds. All words stand outside the axes, where
+    they hide no curve. width: in inches.
     """
     from matplotlib.figure import Figure
 
     i = list(bounds["response"][:]).index(name)
     time, lower, upper = bounds["time"][:], bounds["lower"][i], bounds["upper"][i]
     units = pretty(bounds["response_units"][i])
-    figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+    narrow = width < 5.0
+    size = (width, 0.95 * width if narrow else 0.5625 * width)
+    figure = Figure(figsize=size, layout="constrained")
     ax = figure.subplots()
     ax.fill_between(time, lower, upper, color="0.85", linewidth=0, zorder=1)
     ax.plot(time, lower, zorder=3, **LOWER)
@@ -54,8 +59,11 @@ def envelope(bounds: Any, name: str, shade_above: float) -> Any:
     if "nominal" in bounds.variables:
         ax.plot(time, bounds["nominal"][i], zorder=4, **NOMINAL)
     if "error" in bounds.variables:
-        doubtful = bounds["error"][i] > shade_above * (upper - lower).max()
-        _shade(ax, time, doubtful, f"error estimate above {shade_above:.0%} of the largest width")
+        error = bounds["error"][i]
+        ax.fill_between(time, lower - error, lower, zorder=0.5, **ERROR)
+        ax.fill_between(time, upper, upper + error, zorder=0.5, **{**ERROR, "label": None})
+        doubtful = error > shade_above * (upper - lower).max()
+        _shade(ax, time, doubtful, f"error above {shade_above:.0%} of the largest")
     _mark_largest(ax, time, lower, upper, units)
     ax.set_xlabel("time (s)")
     ax.set_ylabel(f"{bounds['response_long_name'][i]} ({units})")
@@ -63,54 +71,57 @@ def envelope(bounds: Any, name: str, shade_above: float) -> Any:
     ax.margins(y=0.08)
     ax.grid(color="0.9", linewidth=0.5)
     ax.set_axisbelow(True)
+    told = [f"bounds: {bounds_text(bounds)}", outside_text(bounds, i)]
     figure.legend(
         loc="outside upper center",
-        ncols=4,
+        ncols=2 if narrow else 3,
+        columnspacing=1.2,
         fontsize=7,
         frameon=False,
-        title=f"bounds: {bounds_text(bounds)}",
+        title="\n".join(line for text in told for line in wrap(text, int(18 * width))),
         title_fontsize=7,
     )
     return figure
 
 
 def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
-    """Draw `sensitivities.png` and `.pdf` into `folder`: which parameter widens which bounds when.
+    """Draw `sensitivities.png` and `.pdf` into `folder`: which parameter widens bounds when."""
+    with open_netcdf(path) as data:
+        save(shares(data), Path(folder) / "sensitivities")
+
+
+def shares(data: Any, width: float = 7.0) -> Any:
+    """A figure of the open `sensitivities.nc`; width in inches.
 
     A row for each response: the width of its range when one parameter varies alone, against time,
     and each parameter's share of these widths over all time.
     """
     from matplotlib.figure import Figure
 
-    with open_netcdf(path) as data:
-        names, parameters = list(data["response"][:]), list(data["parameter"][:])
-        time, widths, shares = (data[key][:] for key in ("time", "width", "width_overall"))
-        all_units = data["response_units"][:]
-        figure = Figure(figsize=(7.0, 2.2 * len(names) + 0.4), layout="constrained")
-        axes = figure.subplots(len(names), 2, width_ratios=(3, 1), squeeze=False)
-        for row, name, units, width, share in zip(
-            axes, names, all_units, widths, shares, strict=True
-        ):
-            for i, (parameter, curve) in enumerate(zip(parameters, width, strict=True)):
-                line, colour = _DASHES[i % len(_DASHES)], _COLOURS[i % len(_COLOURS)]
-                row[0].plot(time, curve, color=colour, linestyle=line, label=parameter, lw=1.0)
-                row[1].barh(parameter, 100 * share[i], color=colour, height=0.6)
-                row[1].text(100 * share[i], i, f" {100 * share[i]:.0f} %", va="center", fontsize=7)
-            row[0].set_ylabel(f"width of {name} ({pretty(units)})", fontsize=8)
-            row[0].set_xlim(time[0], time[-1])
-            row[0].set_ylim(bottom=0)
-            row[0].grid(color="0.9", linewidth=0.5)
-            row[1].set_xlim(0, 130)
-            row[1].invert_yaxis()
-            for ax in row:
-                ax.tick_params(labelsize=8)
-        axes[-1, 0].set_xlabel("time (s)", fontsize=8)
-        axes[-1, 1].set_xlabel("share (%)", fontsize=8)
-        handles, labels = axes[0, 0].get_legend_handles_labels()
-        figure.legend(
-            handles, labels, loc="outside upper center", ncols=8, fontsize=8, frameon=False
-        )
-    save(figure, Path(folder) / "sensitivities")
+    names, parameters = list(data["response"][:]), list(data["parameter"][:])
+    time, widths, overall = (data[key][:] for key in ("time", "width", "width_overall"))
+    all_units = data["response_units"][:]
+    figure = Figure(figsize=(width, 2.2 * len(names) + 0.4), layout="constrained")
+    axes = figure.subplots(len(names), 2, width_ratios=(3, 1), squeeze=False)
+    for row, name, units, alone, share in zip(axes, names, all_units, widths, overall, strict=True):
+        for i, (parameter, curve) in enumerate(zip(parameters, alone, strict=True)):
+            line, colour = _DASHES[i % len(_DASHES)], _COLOURS[i % len(_COLOURS)]
+            row[0].plot(time, curve, color=colour, linestyle=line, label=parameter, lw=1.0)
+            row[1].barh(parameter, 100 * share[i], color=colour, height=0.6)
+            row[1].text(100 * share[i], i, f" {100 * share[i]:.0f} %", va="center", fontsize=7)
+        row[0].set_ylabel(f"width of {name} ({pretty(units)})", fontsize=8)
+        row[0].set_xlim(time[0], time[-1])
+        row[0].set_ylim(bottom=0)
+        row[0].grid(color="0.9", linewidth=0.5)
+        row[1].set_xlim(0, 130)
+        row[1].invert_yaxis()
+        for ax in row:
+            ax.tick_params(labelsize=8)
+    axes[-1, 0].set_xlabel("time (s)", fontsize=8)
+    axes[-1, 1].set_xlabel("share (%)", fontsize=8)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=8, fontsize=8, frameon=False)
+    return figure
 
 
 def _shade(ax: Any, time: np.ndarray, where: np.ndarray, label: str) -> None:
@@ -133,30 +144,16 @@ def _shade(ax: Any, time: np.ndarray, where: np.ndarray, label: str) -> None:
 def _mark_largest(
     ax: Any, time: np.ndarray, lower: np.ndarray, upper: np.ndarray, units: str
 ) -> None:
-    """Mark the largest difference of the bounds with an arrow and its size."""
+    """Mark the largest difference of the bounds with an arrow, and tell its size in the legend."""
     at = int((upper - lower).argmax())
     width = upper[at] - lower[at]
     if width <= 0:
         return
     arrow = {"arrowstyle": "<->", "color": "black", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", (time[at], lower[at]), (time[at], upper[at]), arrowprops=arrow, zorder=5)
-    left = time[at] > 0.5 * (time[0] + time[-1])
-    ax.annotate(
-        f"{width:.3g} {units}",
-        (time[at], 0.5 * (lower[at] + upper[at])),
-        xytext=(-6 if left else 6, 0),
-        textcoords="offset points",
-        ha="right" if left else "left",
-        va="center",
-        fontsize=8,
-        zorder=6,
-        bbox={
-            "boxstyle": "round,pad=0.15",
-            "facecolor": "white",
-            "edgecolor": "none",
-            "alpha": 0.8,
-        },
-    )
+    sign = {"marker": "|", "markersize": 9, "linestyle": "none", "color": "black"}
+    told = f"largest difference {width:.3g} {units}"
+    ax.plot([], [], label=told, **sign)
 
 
 def save(figure: Any, path: Path, **options: Any) -> None:

@@ -65,7 +65,7 @@ def draw(trajectory_path: str | Path, count: int) -> Any:
     move = np.mean([points[name] - place for name, place in drawn.items()], axis=0)
     bars += move[:, None, None, :]
     marks = {name: place + move for name, place in drawn.items()}
-    return _figure(bars, marks, times, np.degrees(opening[indices]))
+    return _figure(bars, marks, times, np.degrees(opening[0] - opening[indices]))
 
 
 def _bennett_bars(
@@ -109,7 +109,8 @@ BARS: dict[str, Callable] = {"bennett": _bennett_bars}
 
 
 def _figure(bars: np.ndarray, points: Mapping, times: np.ndarray, degrees: np.ndarray) -> Any:
-    """Draw bars (moment, bar, 8, 3) in parallel projection, one panel a moment."""
+    """Draw bars (moment, bar, 8, 3) in parallel projection, one panel a moment; degrees: by how
+    much the linkage has opened since its start."""
     from matplotlib.figure import Figure
 
     view, towards = _view(azimuth=-60.0, elevation=22.0)
@@ -118,9 +119,7 @@ def _figure(bars: np.ndarray, points: Mapping, times: np.ndarray, degrees: np.nd
     for panel, ax in enumerate(axes):
         _draw_bars(ax, bars[panel], view, towards)
         _draw_points(ax, {name: view @ place[panel] for name, place in points.items()})
-        ax.set_title(
-            f"t = {times[panel]:.3f} s\nopening at B {abs(degrees[panel]):.0f}°", fontsize=8
-        )
+        ax.set_title(f"t = {times[panel]:.3f} s\nopened by {degrees[panel]:.0f}° at B", fontsize=8)
         ax.set_aspect("equal")
         ax.axis("off")
     corners = bars.reshape(-1, 3) @ view.T

@@ -3,12 +3,14 @@
     dims   run, response, time, parameter, event
     values(run, response, time)   in the units response_units(response)
     response, response_units, response_long_name (response)
+    response_least(response)      the least value that it can have, NaN where there is none
     unit(run, parameter)          coordinates in the box, -1 to 1
     value(run, parameter)         parameter values, in the units box_units(parameter)
     parameter_<name>(run)         the same by name, with units
     box_lower, box_upper, box_nominal (parameter)
     role(run)                     node, nominal or held_out
     run_id(run)
+    overlap(run)                  largest overlap of the faces of a contact, rad
     event_time, event_contact, event_closing (run, event)   contact events, padded with NaN
     quantities(run, quantity)     in the units quantity_units(quantity), NaN where what is asked for
                                   does not happen; only in campaigns that have quantities
@@ -134,6 +136,9 @@ def _define_curves(file: Any, record: Record, parameters: Iterable[str]) -> None
     named = [f"parameter_{name}" for name in parameters]
     named += ["role", "run_id", "response_units", "response_long_name"]
     variable.setncatts({"long_name": "value of the response", "coordinates": " ".join(named)})
+    variable = file.createVariable("overlap", "f8", ("run",))
+    text = "largest overlap of the faces of a contact, at the recorded instants"
+    variable.setncatts({"units": "rad", "long_name": text})
     for name, units, long_name in (
         ("event_time", "s", "time at which a contact closes or opens"),
         ("event_contact", "1", "index of the contact"),
@@ -152,12 +157,17 @@ def _write_names(file: Any, what: str, named: Sequence[Any]) -> None:
     ):
         text = f"{key.replace('_', ' ')} of the {what}"
         _text(file, f"{what}_{key}", what, values, text)
+    if what == "response":
+        least = [np.nan if one.least is None else one.least for one in named]
+        text = "least value that the response can have, in its units; missing where there is none"
+        _numbers(file, "response_least", ("response",), least, text)
 
 
 def _write_rows(file: Any, rows: list[int], records: Sequence[Record]) -> None:
     """Write the responses and events of some runs."""
     file["values"][rows] = np.stack([record.values for record in records])
     for row, record in zip(rows, records, strict=True):
+        file["overlap"][row] = max(0.0, record.overlap)
         for column, name in enumerate(EVENT_VARIABLES):
             file[name][row, : len(record.events)] = record.events[:, column]
         if len(record.numbers):

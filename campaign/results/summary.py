@@ -39,17 +39,21 @@ def summarise(
 
 def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
     """The headline numbers as plain numbers and text, from the open `bounds.nc`, `samples.nc`."""
-    roles = list(samples["role"][:])
+    roles, ids = list(samples["role"][:]), list(samples["run_id"][:])
+    nodes = {run for run, role in zip(ids, roles, strict=True) if role == "node"}
+    held_out = {run for run, role in zip(ids, roles, strict=True) if role == "held_out"} - nodes
     names = list(bounds["response"][:])
     parameters = [
         {
             "name": name,
+            "units": unit,
             "lower": float(low),
             "nominal": float(middle),
             "upper": float(high),
         }
-        for name, low, middle, high in zip(
+        for name, unit, low, middle, high in zip(
             bounds["parameter"][:],
+            bounds["box_units"][:],
             bounds["box_lower"][:],
             bounds["box_nominal"][:],
             bounds["box_upper"][:],
@@ -64,12 +68,14 @@ def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
         "design": {
             "method": bounds.design_method,
             "order": np.atleast_1d(bounds.design_order).tolist(),
-            "nodes": roles.count("node"),
-            "held_out": roles.count("held_out"),
-            "runs": len(set(samples["run_id"][:])),
+            "nodes": len(nodes),
+            "held_out": len(held_out),
+            "runs": len(set(ids)),
+            "nominal_among_them": ids[roles.index("nominal")] in nodes | held_out,
         },
         "bounds": bounds_text(bounds),
         "time_step": float(bounds.time_step),
+        "overlap": float(samples["overlap"][:].max()),
         "closures": closures(samples, roles.index("nominal")),
         "responses": [
             _response(bounds, i, name, published.get(name)) for i, name in enumerate(names)
@@ -78,9 +84,22 @@ def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
 
 
 def bounds_text(bounds: Any) -> str:
-    """What the bounds in the open `bounds.nc` are, and whether they enclose it."""
+    """What the bounds in the open `bounds.nc` are, and that they promise nothing of a structure."""
     kind = bounds.bounds_kind
-    return f"{kind}, not enclosed" if kind.startswith("attained") else kind
+    if kind.startswith("enclosed"):
+        return f"{kind.removeprefix('enclosed ')} fitted to the runs, an estimate of the model's"
+    if kind.startswith("attained"):
+        return f"{kind}, not enclosed, an estimate of the model's"
+    return f"{kind}; runs that were not made may lie outside"
+
+
+def outside_text(bounds: Any, i: int) -> str:
+    """Which share of the runs that were not fitted leaves the bounds of response `i`, in words."""
+    if "coverage" not in bounds.variables or not np.isfinite(bounds["coverage"][i]):
+        return ""
+    share = 1.0 - float(bounds["coverage"][i])
+    told = "none" if share <= 0 else "less than 1 %" if share < 0.01 else f"{share:.0%}"
+    return f"{told} of the instants of the runs that were not fitted lie outside"
 
 
 def _response(bounds: Any, i: int, name: str, published: float | None) -> dict:
@@ -103,8 +122,13 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict:
         row["largest_error"] = float(error[worst])
         row["time_of_largest_error"] = float(time[worst])
         row["error_at_largest_difference"] = float(error[at])
+        if bounds.bounds_kind.startswith("least") and not error[at]:
+            row["error_at_largest_difference"] = None  # it did not grow, which tells nothing
     if "worst_violation" in bounds.variables:
         row["runs_outside_by"] = float(bounds["worst_violation"][i])
+        row["outside"] = outside_text(bounds, i)
+    row["impossible_by"] = float(bounds["largest_impossible"][i])
+    row["time_of_impossible"] = float(bounds["largest_impossible_time"][i])
     return row
 
 
@@ -129,38 +153,20 @@ def as_text(summary: Mapping) -> str:
         f"# {summary['campaign']}",
         "",
         f"Scene {summary['scene']}; {design['method']}{order}: {design['runs']} runs "
-        f"({design['nodes']} nodes, {design['held_out']} held out, the nominal run); "
-        f"time step {summary['time_step']:.4g} s.",
+        f"({_runs_text(design)}); time step {summary['time_step']:.4g} s.",
         "",
         f"Bounds: {summary['bounds']}.",
         "",
-        "| parameter | lower | nominal | upper |",
-        "|---|---|---|---|",
+        "| parameter | lower | nominal | upper | unit |",
+        "|---|---|---|---|---|",
     ]
     lines += [
-        f"| {p['name']} | {p['lower']:.6g} | {p['nominal']:.6g} | {p['upper']:.6g} |"
+        f"| {p['name']} | {p['lower']:.6g} | {p['nominal']:.6g} | {p['upper']:.6g} "
+        f"| {pretty(p['units'])} |"
         for p in summary["parameters"]
     ]
-    lines += [
-        "",
-        "| response | largest difference of the bounds | at (s) | error estimate there | published "
-        "| ours / published |",
-        "|---|---|---|---|---|---|",
-    ]
-    for row in summary["responses"]:
-        published, ratio = row["published"], row["ratio_to_published"]
-        lines.append(
-            f"| {row['name']} | {row['largest_difference']:.4g} {pretty(row['units'])} "
-            f"| {row['time_of_largest_difference']:.4f} "
-            f"| {_quantity(row, 'error_at_largest_difference')} "
-            f"| {'' if published is None else f'{published:.4g} ' + pretty(row['units'])} "
-            f"| {'' if ratio is None else f'{ratio:.2f}'} |"
-        )
-    lines += ["", _error_line(summary)]
-    outside = [row for row in summary["responses"] if row.get("runs_outside_by", 0.0) > 0.0]
-    if outside:
-        parts = [f"{row['name']} {_quantity(row, 'runs_outside_by')}" for row in outside]
-        lines += ["", f"Runs that were not fitted leave the bounds by at most: {', '.join(parts)}."]
+    lines += ["", *_response_table(summary["responses"]), "", _error_line(summary)]
+    lines += _doubts(summary)
     if "adaptive" in summary:
         rounds = summary["adaptive"]["rounds"]
         lines += ["", f"Order found in {len(rounds)} rounds: {rounds[-1]['reason']}."]
@@ -171,11 +177,71 @@ def as_text(summary: Mapping) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _runs_text(design: Mapping) -> str:
+    """`21 nodes, 3 held out, the nominal run`; they add up to the number of runs."""
+    parts = [f"{design['nodes']} nodes"]
+    parts += [f"{design['held_out']} held out"] * (design["held_out"] > 0)
+    among = " among them" * design["nominal_among_them"]
+    return ", ".join([*parts, f"the nominal run{among}"])
+
+
+def _response_table(rows: list[dict]) -> list[str]:
+    """The table of the responses, with the published numbers if there are any."""
+    compared = any(row["published"] is not None for row in rows)
+    head = ["response", "largest difference of the bounds", "at (s)", "error estimate there"]
+    head += ["published", "ours / published"] * compared
+    lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
+    for row in rows:
+        unit, published = pretty(row["units"]), row["published"]
+        cells = [
+            row["name"],
+            f"{row['largest_difference']:.4g} {unit}",
+            f"{row['time_of_largest_difference']:.4f}",
+            _quantity(row, "error_at_largest_difference") or "unknown",
+        ]
+        if compared and published is None:
+            cells += ["", ""]
+        elif compared:
+            cells += [f"{published:.4g} {unit}", f"{row['ratio_to_published']:.2f}"]
+        lines.append(f"| {' | '.join(cells)} |")
+    return lines
+
+
+SOFT = 0.05
+"""Overlap (rad) from which faces that touch are said to pass through each other."""
+
+
+def _doubts(summary: Mapping) -> list[str]:
+    """What speaks against the bounds, a paragraph each."""
+    rows, lines = summary["responses"], []
+    if told := [row for row in rows if row.get("outside")]:
+        parts = [
+            f"{row['name']}: {row['outside']}"
+            + (f", by at most {_quantity(row, 'runs_outside_by')}" * (row["runs_outside_by"] > 0))
+            for row in told
+        ]
+        lines += ["", f"How the bounds fail: {'; '.join(parts)}."]
+    for row in rows:
+        if row["impossible_by"] > 0:
+            lines += ["", (
+                f"The curve fitted to {row['name']} falls up to {_quantity(row, 'impossible_by')} "
+                f"below what is possible (at {row['time_of_impossible']:.4f} s); the bound is what "
+                "is possible."
+            )]  # fmt: skip
+    if summary["overlap"] > SOFT:
+        lines += ["", (
+            f"Faces that touch pass through each other by up to {summary['overlap']:.2g} rad: "
+            "the contacts are too soft to be contacts, and what follows a closure means little."
+        )]  # fmt: skip
+    return lines
+
+
 def _closure_text(summary: Mapping, most: int = 8) -> str:
     """`A and C at 0.3251 s, ...`, the first `most` moments."""
     moments: dict[str, list[str]] = {}
     for row in summary["closures"]:
-        moments.setdefault(f"{row['time']:.4f} s", []).append(row["contact"])
+        names = moments.setdefault(f"{row['time']:.4f} s", [])
+        names += [row["contact"]] * (row["contact"] not in names)
     texts = [f"{' and '.join(names)} at {time}" for time, names in moments.items()]
     more = [f"and {len(texts) - most} later moments"] if len(texts) > most else []
     return ", ".join(texts[:most] + more)

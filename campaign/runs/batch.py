@@ -143,6 +143,10 @@ def simulate(
         if outcome.failure is not None:
             failed.append((run, str(outcome.failure)))
             continue
+        if outcome.events_dropped:
+            count = len(outcome.events) + outcome.events_dropped
+            failed.append((run, f"{count} contact events, more than are kept: contacts chatter"))
+            continue
         attributes = {
             "run_id": run.id,
             "campaign": experiment.name,

@@ -42,14 +42,16 @@ class Result:
 @dataclass(frozen=True)
 class Record:
     """What the interval side needs of a run: time (t,) s, the values (n, t) of its n responses,
-    contact events (e, 3): time (s), contact index, 1 if it closes, names of contacts, and numbers
-    (q,) of its quantities, NaN where what is asked for does not happen."""
+    contact events (e, 3): time (s), contact index, 1 if it closes, names of contacts, numbers (q,)
+    of its quantities, NaN where what is asked for does not happen, and by how much (rad) the faces
+    of a contact overlap at most, at the instants."""
 
     time: np.ndarray
     values: np.ndarray
     events: np.ndarray
     contacts: Sequence[str]
     numbers: np.ndarray
+    overlap: float
 
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Trajectories | Responses:
@@ -101,7 +103,10 @@ class Trajectories:
             if (curves := self._curves(run)) is not None:
                 values = np.stack([r.evaluate(curves) for r in self.responses])
                 numbers = _numbers(self.quantities, curves)
-                found[run.id] = Record(curves.time, values, curves.events, curves.contacts, numbers)
+                overlap = largest_overlap(curves.openings, curves.contacts)
+                found[run.id] = Record(
+                    curves.time, values, curves.events, curves.contacts, numbers, overlap
+                )
         return found
 
     def _curves(self, run: Run) -> Any:
@@ -192,6 +197,8 @@ class Responses:
                 if not np.isfinite(values).all():
                     raise ValueError(f"{response.name} has values that are not finite")
                 variable[:, i] = values
+            overlaps = [largest_overlap(r.outcome.openings, contacts) for r in results]
+            file.createVariable("overlap", "f8", ("run",))[:] = overlaps
             for column, name in enumerate(EVENT_VARIABLES):
                 variable = file.createVariable(name, "f8", ("run", "event"), fill_value=np.nan)
                 for row, table in enumerate(events):
@@ -211,7 +218,7 @@ class Responses:
         with netCDF4.Dataset(self.path(group)) as file:
             file.set_auto_mask(False)
             time, contacts = file["time"][:], list(file["contact"][:])
-            values = file["values"][:]
+            values, overlaps = file["values"][:], file["overlap"][:]
             events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
             none = np.zeros((len(group), 0))
             numbers = file["quantities"][:] if self.quantities else none
@@ -222,9 +229,15 @@ class Responses:
                 events[row][np.isfinite(events[row, :, 0])],
                 contacts,
                 numbers[row],
+                float(overlaps[row]),
             )
             for row, run in enumerate(group)
         }
+
+
+def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str]) -> float:
+    """Largest overlap (rad) of the faces of the contacts on hinges, from their openings (t,)."""
+    return max((float(-openings[name].min()) for name in contacts if name in openings), default=0.0)
 
 
 def _name(path: Path) -> str:

@@ -21,6 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 
 _X, _Y, _Z = np.eye(3)
+# Matrices that take an axis, as a row, to its vector product with X and with Y.
+_BESIDE_X, _BESIDE_Y = np.cross(np.eye(3), _X), np.cross(np.eye(3), _Y)
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,7 @@ class RigidBennett:
         self.__dict__.update(
             centre=0.5 * (end_a + end_b), hinge_a=edge_a.mean(axis=0), hinge_b=edge_b.mean(axis=0),
             axis_a=axis_a, axis_b=axis_b, hinge_length_a=length_a, hinge_length_b=length_b,
+            from_link=np.linalg.inv(np.stack([axis_a, axis_b, np.cross(axis_a, axis_b)], axis=-1)),
             mass=mass, second_moment=axes @ np.diag(moments) @ axes.T,
             beta_deployed=math.atan2(axis_b[2], axis_b[1]),
             # The bars are parallel to z when the axis at B makes its constant angle with z.
@@ -103,15 +106,10 @@ class RigidBennett:
         hb = np.array([[0.0, cb, sb], [0.0, -sb, cb], [0.0, -cb, -sb]])
         turn = np.array([[cg, 0.0, sg], [-sg, 0.0, cg]])
         ha = np.array([turn[0], g1 * turn[1], g2 * turn[1] - g1 * g1 * turn[0]])
-        cross = np.array(
-            [
-                np.cross(ha[0], hb[0]),
-                np.cross(ha[1], hb[0]) + np.cross(ha[0], hb[1]),
-                np.cross(ha[2], hb[0]) + 2.0 * np.cross(ha[1], hb[1]) + np.cross(ha[0], hb[2]),
-            ]
-        )
-        link = np.stack([self.axis_a, self.axis_b, np.cross(self.axis_a, self.axis_b)], axis=-1)
-        rotation = np.stack([ha, hb, cross], axis=-1) @ np.linalg.inv(link)
+        each = np.cross(ha[:, None], hb[None])  # by derivatives of the first and of the second
+        second = each[2, 0] + 2.0 * each[1, 1] + each[0, 2]
+        cross = np.array([each[0, 0], each[1, 0] + each[0, 1], second])
+        rotation = np.stack([ha, hb, cross], axis=-1) @ self.from_link
 
         # A on the plane y = 0, B on x = 0; z is measured from A, or from the centre of mass.
         moved_a, moved_b = rotation @ self.hinge_a, rotation @ self.hinge_b
@@ -121,8 +119,8 @@ class RigidBennett:
 
         # The end faces lie in the mirror planes when deployed; their turn about the axes since
         # then is half an opening, and its sense is that of a bar leaving the plane.
-        opening_a = -2.0 * _angle(rotation @ _Y, ha, _Y)
-        opening_b = -2.0 * _angle(rotation @ _X, hb, _X)
+        opening_a = -2.0 * _angle(rotation @ _Y, ha @ _BESIDE_Y, _Y)
+        opening_b = -2.0 * _angle(rotation @ _X, hb @ _BESIDE_X, _X)
         return {
             "rotation": rotation,
             "centre": moved_centre + shift,
@@ -259,12 +257,12 @@ class RigidBennett:
         return curves
 
 
-def _angle(vector: np.ndarray, axis: np.ndarray, zero: np.ndarray) -> np.ndarray:
-    """Angle about ``axis`` from ``zero`` to ``vector``, with its first two derivatives.
+def _angle(vector: np.ndarray, side: np.ndarray, zero: np.ndarray) -> np.ndarray:
+    """Angle about an axis from ``zero`` to ``vector``, with its first two derivatives.
 
-    ``vector`` and ``axis`` hold value and derivatives (3, 3); ``vector`` is normal to the axis.
+    ``vector`` and ``side``, the vector product of axis and ``zero``, hold value and derivatives
+    (3, 3); ``vector`` is normal to the axis.
     """
-    side = np.cross(axis, zero)
     cosine = vector @ zero
     sine = np.array(
         [

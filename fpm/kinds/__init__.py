@@ -7,6 +7,7 @@ from fpm.kinds.damping import Damping
 from fpm.kinds.drive import Drive
 from fpm.kinds.gravity import Gravity
 from fpm.kinds.hinge import Hinge
+from fpm.kinds.joint import Joint
 from fpm.kinds.kind import Kind
 from fpm.kinds.load import Load
 from fpm.kinds.opening import Opening
@@ -25,9 +26,11 @@ KINDS: tuple[type[Kind], ...] = (
     Drive,
     Support,
     Damping,
+    Joint,
 )
 """The registry. The order is that of sums, hence of the last digits: add new kinds at the end,
-before Drive if they act with forces (drives feel them, supports take them out, damping scales all).
+before Drive if they act with forces (drives feel them, supports take them out, damping scales all,
+joints come last).
 """
 
 

@@ -46,10 +46,10 @@ class Contact(Kind):
     def shut(cls, scene, inverse):
         """Closed hinges with contacts: the relative position of two links is that of opening zero.
 
-        So it is wherever the scene starts. Hinges share only particles that are held, which have no
-        inverse mass: their columns do not overlap.
+        So it is wherever the scene starts. Hinges that share no particle, unless it is held and has
+        no inverse mass, have columns that do not overlap; others are made orthonormal together.
         """
-        from scipy.sparse import csc_matrix
+        from scipy.sparse import csc_matrix, identity
 
         columns, dofs = [], []
         frame = scene.frame if scene.unstrained is None else scene.unstrained
@@ -74,7 +74,11 @@ class Contact(Kind):
         rows, values = np.concatenate(dofs), np.concatenate(columns)
         column = np.repeat(np.arange(len(rows)), 12)
         shape = (len(inverse), len(rows))
-        return csc_matrix((values.ravel(), (rows.ravel(), column)), shape=shape)
+        found = csc_matrix((values.ravel(), (rows.ravel(), column)), shape=shape)
+        if abs(found.T @ found - identity(len(rows))).max() > 1e-9:
+            u, size, _ = np.linalg.svd(found.toarray(), full_matrices=False)
+            found = csc_matrix(u[:, size > 1e-10])
+        return found
 
     @classmethod
     def pack(cls, batch):

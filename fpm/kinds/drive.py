@@ -23,8 +23,8 @@ class Drive(Kind):
     def add_to(self, scene):
         """Hold the particle as well; no other kind may move it, nor a load turn it."""
         for kind in scene.kinds:
-            if kind is not Drive and self.particle in kind.moved(scene):
-                raise SceneError("driven particle", self.particle, "one that no hinge uses")
+            if kind is not Drive and not kind.joins and self.particle in kind.moved(scene):
+                raise SceneError("driven particle", self.particle, "one that nothing else moves")
         scene.fix(self.particle)
         super().add_to(scene)
         scene.check()

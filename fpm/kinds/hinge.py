@@ -8,6 +8,7 @@ scheme stays symplectic, and no drift builds up. A hinge point may be held along
 (`support`), e.g. "z" lets it slide in a plane.
 """
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +44,7 @@ class Hinge(Kind):
     opening: float
     support: str
 
+    joins = True
     watches = (Watch("gap", MOST_GAP, True, _gapes), Watch("tilt", MOST_TILT, True, _gapes))
 
     @staticmethod
@@ -77,24 +79,15 @@ class Hinge(Kind):
         """Indices of the two particles."""
         return self.beams[0].particle, self.beams[1].particle
 
-    def check(self, scene):
-        """Its particles must be free for it, or held entirely."""
-        taken = {
-            p for hinge in Hinge.of(scene) for p in hinge.particles if not scene.fixed[p].all()
-        }
-        taken |= {p for kind in scene.kinds if kind is not Hinge for p in kind.moved(scene)}
-        if taken & set(self.particles):
-            raise SceneError(
-                f"particles of hinge {self.name}", self.particles,
-                "particles that no other hinge or drive uses",
-            )  # fmt: skip
-        check_held(self, scene.fixed)
-
     @classmethod
-    def check_all(cls, scene):
-        """All must bear how their particles are held."""
-        for hinge in cls.of(scene):
-            check_held(hinge, scene.fixed)
+    def of(cls, scene):
+        """The hinges that are solved alone; the others are joints (joint.py)."""
+        return [hinge for hinge, lone in zip(scene.hinges, alone(scene), strict=True) if lone]
+
+    def check(self, scene):
+        """One name, one hinge."""
+        if self.name in {hinge.name for hinge in scene.hinges}:
+            raise SceneError("hinge", self.name, "a name not yet used")
 
     def topology(self):
         """Name, particles and held axes."""
@@ -170,39 +163,29 @@ def _places(scene) -> np.ndarray:
     return out
 
 
-def check_held(hinge: Hinge, fixed: np.ndarray) -> None:
-    """SceneError for supports that would leave a hinge impulses which move nothing.
+def alone(scene) -> list[bool]:
+    """Whether each hinge of a scene can be solved alone.
 
-    fixed (n, 6): axes along and about which each particle is held. The matrix of the hinge's
-    impulses is regular, whatever arms and axis are and become, if no axis is held for both
-    particles, nor for a particle and the hinge point, and one of the two may turn.
+    Its particles, unless held altogether, are in no other hinge or joint and not driven; and its
+    own matrix is regular, whatever arms and axis are and become: no axis is held for both
+    particles, nor for a particle and the hinge point, one of the two may turn, and about all axes
+    or none.
     """
-    names = np.array(list(AXES))
-    for p in hinge.particles:
-        held = "".join(names[fixed[p, 3:]])
-        if 0 < len(held) < 3:
-            raise SceneError(
-                f"rotations of particle {p} of hinge {hinge.name} that are held", held,
-                "'' or 'xyz': hold the particle at the other end of its element instead",
-            )  # fmt: skip
+    joining = [e for kind, found in scene.kinds.items() if kind.joins for e in found]
+    uses = Counter(p for element in joining for p in element.particles)
+    held = scene.fixed.all(axis=1)
+    shared = {p for p, count in uses.items() if count > 1 and not held[p]}
+    shared.update(drive.particle for drive in scene.drives)
+    return [shared.isdisjoint(h.particles) and is_regular(h, scene.fixed) for h in scene.hinges]
+
+
+def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
+    """Whether the impulses of a hinge all move something; fixed (n, 6): axes held by particle."""
     one, two = fixed[list(hinge.particles)]
-    common = "".join(names[one[:3] & two[:3]])
-    if common:
-        raise SceneError(
-            f"axes along which both particles of hinge {hinge.name} are held", common,
-            "'': hold one of the two, the hinge holds the other",
-        )  # fmt: skip
-    if one[3:].all() and two[3:].all():
-        raise SceneError(
-            f"particles of hinge {hinge.name} whose rotations are held", hinge.particles,
-            "at most one of the two",
-        )  # fmt: skip
-    common = "".join(names[(one[:3] | two[:3]) & np.isin(names, list(hinge.support))])
-    if common:
-        raise SceneError(
-            f"support of hinge {hinge.name}", hinge.support,
-            f"axes along which neither of its particles is held (these are: {common})",
-        )  # fmt: skip
+    point = np.array([axis in hinge.support for axis in AXES])
+    twice = (one[:3] & two[:3]) | ((one[:3] | two[:3]) & point)
+    in_part = any(turns.any() and not turns.all() for turns in (one[3:], two[3:]))
+    return not (twice.any() or in_part or (one[3:].all() and two[3:].all()))
 
 
 def unit(vector, what: str) -> np.ndarray:

@@ -55,7 +55,7 @@ from fpm.kinds.hinge_arrays import (
     Hinges,
     get6,
 )
-from fpm.kinds.hinge_limits import MOST_GAP, MOST_TILT
+from fpm.kinds.hinge_limits import COARSE_GAP, COARSE_TILT, MOST_GAP, MOST_TILT, ROUNDS
 from fpm.kinds.hinge_matrix import (
     find_impulses,
     prepare_bodies,
@@ -63,15 +63,6 @@ from fpm.kinds.hinge_matrix import (
     prepare_matrices,
 )
 from fpm.kinds.hinge_supports import prepare_supports
-
-ROUNDS = 4
-"""Most rounds in a step; smooth motion takes one, a fast impact two."""
-
-COARSE_GAP = 5e-9
-"""Gap (m) of the hinge point above which a sample gets another round."""
-
-COARSE_TILT = 5e-8
-"""The same for the angle between the axes (rad)."""
 
 
 @hook(Hinges)

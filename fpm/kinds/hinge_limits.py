@@ -1,4 +1,4 @@
-"""From which gaps a hinge counts as open."""
+"""From which gaps a hinge or joint gets another round, and counts as open."""
 
 MOST_GAP = 1e-6
 """Gap (m) of a hinge point from which a hinge counts as open; it is below 1e-11 m as a rule, and
@@ -7,3 +7,12 @@ MOST_GAP = 1e-6
 
 MOST_TILT = 1e-5
 """The same for the angle between its axes (rad)."""
+
+ROUNDS = 4
+"""Most rounds in a step; smooth motion takes one, a fast impact two."""
+
+COARSE_GAP = 5e-9
+"""Gap (m) of the hinge point above which a sample gets another round."""
+
+COARSE_TILT = 5e-8
+"""The same for the angle between the axes (rad)."""

@@ -9,6 +9,17 @@ from fpm import sources
 from fpm.errors import SceneError
 from fpm.scene import Scene
 
+LENGTHS, SIDES, MODULI, DENSITIES = (1e-3, 1e4), (1e-5, 10.0), (1e4, 1e13), (0.1, 1e5)
+"""What is usual: lengths and sides of sections (m) from parts of a watch to bridges, Young's moduli
+(Pa) from foam to diamond, densities (kg/m3) from aerogel to lead and what is lumped."""
+
+_UNITS = {
+    "m": {"mm": 1e-3, "cm": 1e-2},
+    "Pa": {"GPa": 1e9, "MPa": 1e6, "kPa": 1e3},
+    "kg m-3": {"g/cm3": 1e3},
+}
+"""Units that people have in mind, and how much of ours they are."""
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -16,6 +27,7 @@ class Parameter:
 
     kind: "real", "integer", "boolean" or "choice"; only real ones may be intervals. The range is
     closed unless `lower_open`, `upper_open`. A default of None means: follows from the others.
+    `usual`: what a structure can have; a value far outside was likely meant in another unit.
     """
 
     default: float | int | bool | str | None
@@ -27,6 +39,7 @@ class Parameter:
     choices: tuple[str, ...] = ()
     lower_open: bool = False
     upper_open: bool = False
+    usual: tuple[float, float] | None = None
 
     @property
     def allowed(self) -> str:
@@ -43,6 +56,16 @@ class Parameter:
             bounds.append(f"{'<' if self.upper_open else '<='} {self.upper:g}")
         unit = f" ({self.unit})" if self.unit not in ("", "1") else ""
         return " ".join([what, " and ".join(bounds)]).strip() + unit
+
+    def slip(self, value: float) -> str:
+        """What may be wrong with an allowed value that no structure has; nothing if it is usual."""
+        if self.usual is None or self.usual[0] <= value <= self.usual[1]:
+            return ""
+        told = f"{self.usual[0]:g} to {self.usual[1]:g} ({self.unit})"
+        for unit, factor in _UNITS.get(self.unit, {}).items():
+            if self.usual[0] <= value * factor <= self.usual[1]:
+                return f"{told}; {value:.9g} {unit} would be {value * factor:.9g}"
+        return told
 
     def check(self, name: str, value: object) -> None:
         """SceneError unless `value` is allowed."""

@@ -5,7 +5,7 @@ import math
 from fpm.errors import SceneError
 from fpm.kinds.beam import Material, Section
 from fpm.scene import Scene
-from fpm.scenes import Parameter, SceneType
+from fpm.scenes import DENSITIES, LENGTHS, MODULI, SIDES, Parameter, SceneType
 from fpm.scenes.bennett_geometry import HINGES, LINKS, bennett_geometry
 
 # Global axes along which the hinge points A and C are held.
@@ -16,8 +16,8 @@ SUPPORTS = {
 }
 
 
-def _positive(default, unit, description) -> Parameter:
-    return Parameter(default, unit, description, lower=0.0, lower_open=True)
+def _positive(default, unit, description, usual) -> Parameter:
+    return Parameter(default, unit, description, lower=0.0, lower_open=True, usual=usual)
 
 
 def _corner(default, description) -> Parameter:
@@ -26,8 +26,8 @@ def _corner(default, description) -> Parameter:
 
 # Table 1 of the paper, and the readings chosen where it is silent.
 PARAMETERS = {
-    "L": _positive(0.45, "m", "length of a link's axis"),
-    "a": _positive(0.035, "m", "side of the square section"),
+    "L": _positive(0.45, "m", "length of a link's axis", LENGTHS),
+    "a": _positive(0.035, "m", "side of the square section", SIDES),
     "lambda_deg": _corner(45.0, "roll of the section about the link's axis"),
     "mu_deg": _corner(
         None, "half corner angle at B of the deployed frame; left out: from omega_deg, else 45"
@@ -35,9 +35,9 @@ PARAMETERS = {
     "omega_deg": _corner(
         None, "angle of the hinge line at B to the link; left out: from lambda_deg and mu_deg"
     ),
-    "E": _positive(1.0e9, "Pa", "Young's modulus"),
+    "E": _positive(1.0e9, "Pa", "Young's modulus", MODULI),
     "nu": Parameter(0.3, "1", "Poisson's ratio", -1.0, 0.5, lower_open=True),
-    "rho": _positive(800.0, "kg m-3", "density"),
+    "rho": _positive(800.0, "kg m-3", "density", DENSITIES),
     "K_C": Parameter(1.0e4, "N rad-1", "contact stiffness per length of hinge line", lower=0.0),
     "K_F": Parameter(5.5, "N rad-1", "torsion spring per length of hinge line", lower=0.0),
     "damping": Parameter(0.0, "s-1", "mass-proportional damping", lower=0.0),
@@ -45,7 +45,7 @@ PARAMETERS = {
         3.0, "degree", "opening at B by which the start is short of the folded bundle", 0.0, 180.0
     ),
     # One element would put half the mass at either end, which triples a link's inertia.
-    "elements_per_link": Parameter(12, "1", "beam elements of a link", lower=2, kind="integer"),
+    "elements_per_link": Parameter(12, "1", "beam elements of a link", 2, 1000, kind="integer"),
     "inertia_scale": Parameter(1.0, "1", "factor on the section's rotational inertia", lower=1.0),
     "supports": Parameter(
         "plane",

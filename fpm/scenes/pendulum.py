@@ -4,19 +4,19 @@ import numpy as np
 
 from fpm.kinds.beam import Material, Section
 from fpm.scene import Scene
-from fpm.scenes import Parameter, SceneType
+from fpm.scenes import DENSITIES, LENGTHS, MODULI, SIDES, Parameter, SceneType
 
 PARAMETERS = {
-    "L": Parameter(1.0, "m", "length of the bar", lower=0.0, lower_open=True),
-    "a": Parameter(0.05, "m", "side of its square section", lower=0.0, lower_open=True),
-    "E": Parameter(1e9, "Pa", "Young's modulus", lower=0.0, lower_open=True),
+    "L": Parameter(1.0, "m", "length of the bar", 0.0, lower_open=True, usual=LENGTHS),
+    "a": Parameter(0.05, "m", "side of its square section", 0.0, lower_open=True, usual=SIDES),
+    "E": Parameter(1e9, "Pa", "Young's modulus", 0.0, lower_open=True, usual=MODULI),
     "nu": Parameter(0.3, "1", "Poisson's ratio", lower=-1.0, upper=0.5, lower_open=True),
-    "rho": Parameter(1000.0, "kg m-3", "density", lower=0.0, lower_open=True),
+    "rho": Parameter(1000.0, "kg m-3", "density", 0.0, lower_open=True, usual=DENSITIES),
     "g": Parameter(9.81, "m s-2", "gravity"),
     "angle_deg": Parameter(60.0, "degree", "starting angle from the vertical", -180.0, 180.0),
     "K_F": Parameter(0.0, "N m rad-1", "torsion spring towards the vertical", lower=0.0),
     "damping": Parameter(0.0, "s-1", "mass-proportional damping", lower=0.0),
-    "elements": Parameter(8, "1", "beam elements", lower=2, kind="integer"),
+    "elements": Parameter(8, "1", "beam elements", 2, 1000, kind="integer"),
     "inertia_scale": Parameter(1.0, "1", "factor on the section's rotational inertia", lower=1.0),
 }
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import IntervalError
+
 
 @dataclass(frozen=True)
 class Design:
@@ -64,6 +66,14 @@ class Method:
     make: Callable[..., Design]
     higher: Callable[[int], int] = lambda order: order + 1
     needs_order: bool = True
+
+
+def check_terms(count: int, most: int) -> None:
+    """IntervalError where a basis has more polynomials than can be handled."""
+    if count > most:
+        raise IntervalError(
+            "order", f"{count} polynomials", f"an order with at most {most} of them"
+        )
 
 
 def doubled(order: int) -> int:

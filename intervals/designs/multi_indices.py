@@ -62,6 +62,26 @@ def smolyak(order: Sequence[int]) -> np.ndarray:
     return np.array(rows, dtype=int)
 
 
+def count_smolyak(order: Sequence[int]) -> int:
+    """Number of rows of `smolyak`, without making them.
+
+    A row belongs to it if the least degrees whose nested rules have its indices add up to no more
+    than the order: 0 for index 0, 1 for 1 and 2, 3 for 3 and 4, 5 for 5 to 8, 9 for 9 to 16, ...
+    """
+    counts = {0.0: 1}  # rows so far, by the share of the order that they use
+    for n in (int(n) for n in order if n):
+        least = {d: nested_degree(d) - nested_degree(d - 1) for d in range(1, n + 1)}
+        steps = {0: 1} | {d: new for d, new in least.items() if new}
+        grown: dict[float, int] = {}
+        for used, rows in counts.items():
+            for degree, new in steps.items():
+                share = round(used + degree / n, 9)
+                if share <= 1.0 + 1e-9:
+                    grown[share] = grown.get(share, 0) + rows * new
+        counts = grown
+    return sum(counts.values())
+
+
 def count_total_degree(order: Sequence[int]) -> int:
     """Number of rows of `total_degree`, without making them when the orders are equal."""
     from math import comb

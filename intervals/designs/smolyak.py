@@ -8,12 +8,17 @@ import numpy as np
 
 from .. import chebyshev
 from . import multi_indices
-from .design import Design, Method, doubled
+from .design import Design, Method, check_terms, doubled
+
+MOST_TERMS = 10_000
+"""Polynomials that can be fitted together: their matrix is full."""
 
 
 def _make(orders: np.ndarray, free: np.ndarray, limit: Callable[[int], None]) -> Design:
+    count = multi_indices.count_smolyak(orders)
+    limit(count)
+    check_terms(count, MOST_TERMS)
     indices = multi_indices.smolyak(orders)
-    limit(len(indices))
     return Design(nested_points(indices), indices)
 
 

@@ -12,9 +12,11 @@ from ..chebyshev import product_basis
 from ..errors import IntervalError
 from ..points import keys
 from . import multi_indices
-from .design import Design, Method
+from .design import Design, Method, check_terms
 
 MAX_CANDIDATES = 20_000
+MOST_TERMS = 1000
+"""Polynomials for which points are chosen: the work grows with their square."""
 
 
 def _make(
@@ -25,7 +27,9 @@ def _make(
     oversampling: float = 1.0,
     existing: np.ndarray | None = None,
 ) -> Design:
-    limit(multi_indices.count_total_degree(orders))
+    count = multi_indices.count_total_degree(orders)
+    limit(count)
+    check_terms(count, MOST_TERMS)
     indices = multi_indices.total_degree(orders)
     points = choose_points(orders, indices, oversampling, existing)
     limit(len(points))

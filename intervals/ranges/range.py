@@ -40,6 +40,12 @@ def attained(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.n
     return Range(low, high, low, high, argmin, argmax)
 
 
+def raised(found: Range, least: np.ndarray) -> Range:
+    """The range of a model of something that is never below `least`, whatever the model says."""
+    ends = (found.lower, found.upper, found.inner_lower, found.inner_upper)
+    return Range(*(np.maximum(end, least) for end in ends), found.argmin, found.argmax)
+
+
 def union(ranges: Sequence[Range]) -> Range:
     """The range of a model of several parts, from those of its parts."""
     whole = ranges[0]

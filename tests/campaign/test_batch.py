@@ -15,6 +15,7 @@ from campaign.config.sections import Jobs
 from campaign.errors import CampaignError
 from campaign.plan.make import make_plan
 from campaign.results.samples import gather
+from campaign.results.summary import SOFT, _doubts
 from campaign.runs.batch import run_batch
 from campaign.runs.progress import Progress, duration_text
 from fpm.trajectory import read_curves
@@ -199,6 +200,32 @@ def test_events_are_gathered_in_their_rows(raw, tmp_path):
             found = samples["event_time"].values[row]
             np.testing.assert_array_equal(found[: len(times)], times)
             assert np.isnan(found[len(times) :]).all()
+
+
+@pytest.mark.parametrize("keep", KEEP)
+def test_faces_that_pass_through_each_other_are_told(raw, tmp_path, keep):
+    raw["solver"] = {"duration": 0.4, "instants": 41}
+    raw["scene"]["parameters"]["K_C"] = 5.0
+    plan, _ = run_all(check_config(raw), tmp_path, keep)
+    gather(plan, Jobs(512, 2, keep), tmp_path / keep, tmp_path / "samples.nc")
+    run_all(check_config(raw), tmp_path, "trajectories")
+    with xr.open_dataset(tmp_path / "samples.nc") as samples:
+        for row, run in enumerate(plan.runs):
+            curves = read_curves(tmp_path / "trajectories" / f"{run.id}.nc")
+            least = min(opening.min() for opening in curves.openings.values())
+            assert samples["overlap"].values[row] == -least > SOFT
+        most = float(samples["overlap"].max())
+    (told,) = _doubts({"responses": [], "overlap": most})[1:]
+    assert f"pass through each other by up to {most:.2g} rad" in told
+    assert not _doubts({"responses": [], "overlap": 0.9 * SOFT})
+
+
+def test_runs_with_too_many_events_to_keep_are_told(raw, tmp_path, monkeypatch):
+    raw["solver"] = {"duration": 0.4, "instants": 11}
+    monkeypatch.setattr(fpm.pack, "MOST_ROOM", 1)
+    monkeypatch.setattr(fpm.pack, "MOST_EVENTS", 1)
+    with pytest.raises(CampaignError, match="contact events, more than are kept"):
+        run_all(check_config(raw), tmp_path, "trajectories")
 
 
 def test_progress_tells_what_is_done_and_what_is_left():

@@ -59,7 +59,7 @@ REFUSED = [
     ("responses", {}, ["responses", "at least one"]),
     ("responses.3d", {"opening": "A"}, ["responses.3d", "starts with a letter"]),
     ("published.CE", 1.0, ["published.CE", "BD, vBz"]),
-    ("solver.duration", 0, ["solver.duration", "0", "above 0"]),
+    ("solver.duration", 0, ["solver.duration", "0", "from 1e-9"]),
     ("solver.duration", float("inf"), ["solver.duration", "inf", "finite"]),
     ("solver.duration", float("nan"), ["solver.duration", "nan", "finite"]),
     ("solver.instants", 1, ["solver.instants", "1"]),

@@ -85,14 +85,15 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
     with xr.open_dataset(finished.bounds) as bounds:
         for name, most in outside.items():
             assert most == float(bounds["worst_violation"].sel(response=name))
-    assert ("leave the bounds by at most" in text) == any(outside.values())
+    assert "of the instants of the runs that were not fitted lie outside" in text
+    assert (", by at most " in text) == any(outside.values())
     assert "error estimate there" in text
     for words in (
         "0.063 m",
         "m/s",
         "Error estimate",
         "tensor_roots of order 2",
-        "Bounds: enclosed range of the polynomial.",
+        "Bounds: range of the polynomial fitted to the runs, an estimate of the model's.",
     ):
         assert words in text
 
@@ -123,14 +124,16 @@ def test_a_spline_bounds_all_runs_and_says_that_it_encloses_nothing(finished, tm
             np.testing.assert_array_equal(bounds["inner_upper"].sel(response=name), upper)
             assert name in surrogate["coefficient"]["response"]
     text = summarise(other, {})
-    told = "attained range of a spline through all runs, not enclosed"
+    told = "attained range of a spline through all runs, not enclosed, an estimate of the model's"
     assert f"Bounds: {told}." in text
     assert json.loads((tmp_path / "summary.json").read_text())["bounds"] == told
-    for name, words in ((finished.bounds, "enclosed range of the polynomial"),
-                        (other.bounds, told)):  # fmt: skip
+    polynomial = "range of the polynomial fitted to the runs, an estimate of the model's"
+    for name, words in ((finished.bounds, polynomial), (other.bounds, told)):
         with open_netcdf(name) as bounds:
             (legend,) = envelope(bounds, "BD", 0.1).legends
-            assert legend.get_title().get_text() == f"bounds: {words}"
+            title = legend.get_title().get_text().splitlines()
+            assert title[0] == f"bounds: {words}"
+            assert len(title) == 1 or "of the runs that were not fitted" in title[1]
 
 
 def test_aligned_models_are_enclosed_on_demand(finished, tmp_path):
@@ -176,7 +179,7 @@ def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
     for names in (ODD, [f"r{i}" for i in range(len(ODD))]):
         raw["responses"] = {name: kinds[i % 5] for i, name in enumerate(names)}
         folder = Folder(tmp_path / names[0] / "test")
-        campaign.run(raw, tmp_path / names[0], tell=lambda text: None)
+        campaign.run(raw, tmp_path / names[0], figures=names is ODD, tell=lambda text: None)
         for file in NETCDF:
             with xr.open_dataset(getattr(folder, file)) as data:
                 assert data["response"].values.tolist() == list(names)
@@ -188,7 +191,8 @@ def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
             assert (bounds["lower"] <= nodes.min("run") + slack).all()
             assert (bounds["upper"] >= nodes.max("run") - slack).all()
             assert (bounds["lower"] == bounds["lower"][2]).all("time").sum() == 3  # of one kind
-        assert {p.stem for p in folder.figures.iterdir()} == {*names, "linkage"}
+    figures = (tmp_path / ODD[0] / "test/figures").iterdir()
+    assert {path.stem for path in figures} == {*ODD, "linkage"}
     for odd, plain in found.values():
         xr.testing.assert_identical(odd, plain)
 

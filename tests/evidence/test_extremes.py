@@ -51,6 +51,7 @@ def test_values_that_make_no_structure_are_refused():
     assert [row.name for row in rows if not row.passed] == []
 
 
+@pytest.mark.slow
 def test_damping_passes():
     assert [row.name for row in GROUPS["damping"]() if not row.passed] == []
 
@@ -77,3 +78,8 @@ def test_the_damped_oscillator_solves_its_equation():
 def test_the_linkage_closes_when_dimensional_analysis_says():
     found = first_closing(simulate(1.2 * closing_time(), elements_per_link=2))
     assert found == pytest.approx(closing_time(), rel=0.02)
+
+
+@pytest.mark.slow
+def test_cables_pass():
+    assert [row.name for row in GROUPS["cables"]() if not row.passed] == []

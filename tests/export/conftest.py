@@ -44,3 +44,25 @@ def results(tmp_path_factory):
     results = tmp_path_factory.mktemp("results")
     campaign.run(CONFIG, results, figures=False, tell=lambda text: None)
     return results / CONFIG["campaign"]
+
+
+@pytest.fixture(scope="session")
+def strung(motion):
+    """The same with two cables: one straight, and one over a point of a bar, slack at times."""
+    on = np.array([0, 3, 1, 5, 9], dtype=np.int32)
+    arm = np.random.default_rng(2).normal(scale=0.05, size=(5, 3))
+    tension = np.stack([np.full(FRAMES, 20.0), np.maximum(0.0, 3.0 - np.arange(FRAMES))], axis=1)
+    return motion.assign(
+        cable_tension=(("time", "cable"), tension),
+        cable_point_cable=("cable_point", np.array([0, 0, 1, 1, 1], dtype=np.int32)),
+        cable_point_particle=("cable_point", on),
+        cable_point_arm=(("cable_point", "axis"), arm),
+    )
+
+
+@pytest.fixture(scope="session")
+def cable_places(strung):
+    """Where the cables' points (t, 5, 3) are, by hand."""
+    on, arm = strung["cable_point_particle"].values, strung["cable_point_arm"].values
+    turned = [[f[p] @ a for p, a in zip(on, arm, strict=True)] for f in strung["frame"].values]
+    return strung["position"].values[:, on] + np.array(turned)

@@ -52,21 +52,36 @@ def ours(places):
     return np.stack([places[..., 0], -places[..., 2], places[..., 1]], axis=-1)
 
 
-def test_every_frame_puts_every_corner_where_the_motion_has_it(document, motion):
-    """Skinning as the specification has it: joint transforms times inverse bind matrices."""
-    attributes = document.meshes[0].primitives[0].attributes
+def skinned(document, frame, primitive=0):
+    """Vertices of a primitive at a frame, in our axes, by skinning as the specification has it:
+    joint transforms times inverse bind matrices."""
+    attributes = document.meshes[0].primitives[primitive].attributes
     rest, follows = (numbers(document, getattr(attributes, k)) for k in ("POSITION", "JOINTS_0"))
     assert np.array_equal(numbers(document, attributes.WEIGHTS_0)[:, 0], np.ones(len(rest)))
     bind = numbers(document, document.skins[0].inverseBindMatrices).reshape(-1, 4, 4)
     bind = bind.transpose(0, 2, 1)  # column by column
     homogeneous = np.column_stack([rest, np.ones(len(rest))])
+    matrices = (transforms(document, frame) @ bind)[follows[:, 0]]
+    return ours(np.einsum("vij,vj->vi", matrices, homogeneous)[:, :3])
+
+
+def test_every_frame_puts_every_corner_where_the_motion_has_it(document, motion):
     solid = solid_of_motion(motion)
     element, face = np.nonzero(solid.visible)
     for frame in range(motion.sizes["time"]):
-        matrices = (transforms(document, frame) @ bind)[follows[:, 0]]
-        found = ours(np.einsum("vij,vj->vi", matrices, homogeneous)[:, :3])
         expected = solid.corners[frame][element[:, None], FACES[face]].reshape(-1, 3)
+        found = skinned(document, frame)
         np.testing.assert_allclose(found, expected, atol=2e-6)  # single precision, metres
+
+
+def test_cables_run_through_their_points(strung, cable_places, tmp_path):
+    path = write_glb(strung, tmp_path / "strung.glb")
+    document = pygltflib.GLTF2().load(path)
+    _, lines = document.meshes[0].primitives
+    assert lines.mode == pygltflib.LINES
+    assert numbers(document, lines.indices).tolist() == [0, 1, 2, 3, 3, 4]
+    for frame in (0, 5):
+        np.testing.assert_allclose(skinned(document, frame, 1), cable_places[frame], atol=2e-6)
 
 
 def test_without_animation_the_structure_stands_as_at_the_start(document, motion):

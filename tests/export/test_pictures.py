@@ -8,9 +8,9 @@ import pytest
 from PIL import Image
 
 from campaign.pictures.moving import write_moving
-from campaign.pictures.paint import limits_of, visible_faces
+from campaign.pictures.paint import limits_of, paint_cables, visible_faces
 from campaign.pictures.solid import Solid, solid_of_motion, solid_of_scene
-from campaign.pictures.still import cable_ways, draw_structure
+from campaign.pictures.still import draw_structure
 from campaign.pictures.view import View, nice_length
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
@@ -105,11 +105,11 @@ def test_a_still_shows_bars_cables_points_and_scale(name):
     words = {text.get_text() for text in ax.texts}
     assert {"x", "y", "z", *scene.points} <= words
     assert any(word.endswith((" m", " mm")) for word in words)
-    (bars,) = ax.collections
+    bars, cables = ax.collections
     assert len(bars.get_paths()) >= 3 * len(scene.beams)
-    ways = dict(cable_ways(scene))
-    assert len(ways) == len(scene.cables)
-    for place in [*scene.position[scene.beams[0].nodes[:, 0]], *(w[0] for w in ways.values())]:
+    assert len(cables.get_paths()) == len(scene.cables)  # all of one stretch here
+    ends = solid_of_scene(scene).cable_points[0]
+    for place in [*scene.position[scene.beams[0].nodes[:, 0]], *ends]:
         x, y = View().page @ place
         assert ax.get_xlim()[0] < x < ax.get_xlim()[1]
         assert ax.get_ylim()[0] < y < ax.get_ylim()[1]
@@ -122,3 +122,12 @@ def test_the_scale_is_as_long_as_it_says():
     said = next(t.get_text() for t in ax.texts if t.get_text().endswith(" m"))
     spans = [np.ptp(line.get_xdata()) for line in ax.lines if len(line.get_xdata()) == 2]
     assert any(span == pytest.approx(float(said.split()[0])) for span in spans)
+
+
+def test_slack_cables_are_dashed(strung):
+    from matplotlib.figure import Figure
+
+    ax, solid = Figure().subplots(), solid_of_motion(strung)
+    taut, slack = (paint_cables(ax, solid, moment, View()) for moment in (0, 5))
+    assert [dash is not None for _, dash in taut.get_linestyle()] == [False, False, False]
+    assert [dash is not None for _, dash in slack.get_linestyle()] == [False, True, True]

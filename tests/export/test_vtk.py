@@ -100,3 +100,16 @@ def test_a_structure_of_particles_alone_is_points(motion, tmp_path):
     write_vtk(bare, tmp_path / "bare.pvd")
     grid = meshio.read(tmp_path / "bare/axes-0000.vtu")
     assert len(grid.cells_dict["vertex"]) == len(grid.points) == motion.sizes["particle"]
+
+
+def test_cables_are_lines_with_their_tension(strung, cable_places, tmp_path):
+    meshio = pytest.importorskip("meshio", reason="reads .vtu; in the extra `test`")
+    write_vtk(strung, tmp_path / "strung.pvd")
+    names = [name for _, name, _ in datasets(tmp_path / "strung.pvd")]
+    assert names == ["axes", "solid", "cables"] * strung.sizes["time"]
+    for frame in (0, 4):
+        grid = meshio.read(tmp_path / f"strung/cables-{frame:04d}.vtu")
+        np.testing.assert_allclose(grid.points, cable_places[frame], atol=1e-15)
+        assert grid.cells_dict["line"].tolist() == [[0, 1], [2, 3], [3, 4]]
+        one, two = strung["cable_tension"].values[frame]
+        assert grid.cell_data_dict["tension"]["line"].tolist() == [one, two, two]

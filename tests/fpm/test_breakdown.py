@@ -178,7 +178,7 @@ def test_a_hinge_whose_particles_turn_too_far_in_a_step_is_refused():
     scene = fpm.Scene("wheel")
     hub = scene.add_particles((0, 0, 0), 1.0, (1.0, 1.0, 1.0))
     wheel = scene.add_particles((0.3, 0, 0), 1.0, (0.1, 0.2, 0.25), spin=(0.0, 0.0, 40.0))
-    scene.fix(int(hub[0]))
+    scene.fix(int(hub[0]), "yz")
     scene.add_hinge("axle", (int(hub[0]), int(wheel[0])), (0, 0, 0), (0.0, 0.6, 0.8))
     fine = fpm.simulate(scene, duration=0.1, instants=5, step=1e-4)[0]
     assert fine.failure is None
@@ -196,6 +196,7 @@ def test_axes_of_a_hinge_that_open_are_refused():
     scene = fpm.Scene("gimbal")
     spins = ((0.0, 0.0, 0.0), (5.0, 40.0, 10.0))
     ends = [int(scene.add_particles((0, 0, 0), 1.0, (0.1, 0.2, 0.25), spin=s)[0]) for s in spins]
+    scene.fix(ends[0], "z", "")
     scene.add_hinge("pivot", ends, (0, 0, 0), (0.0, 0.0, 1.0))
     options = {"duration": 1.0, "instants": 5, "energy_tolerance": 1e6}
     assert fpm.simulate(scene, step=1e-3, **options)[0].failure is None

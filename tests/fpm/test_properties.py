@@ -34,10 +34,10 @@ def linkage(start_deg=40.0, supports="free", **more) -> fpm.Scene:
     return scene
 
 
-def loaded_bar(seed: int) -> fpm.Scene:
+def loaded_bar(seed: int, **more) -> fpm.Scene:
     """A clamped flat bar with an end load off its axis and weight."""
     random = np.random.default_rng(seed)
-    scene = fpm.Scene("bar", gravity=random.normal(size=3) * 5)
+    scene = fpm.Scene("bar", **{"gravity": random.normal(size=3) * 5, **more})
     axis, normal = Rotation.random(rng=random).as_matrix()[:2]
     bar = scene.add_link(
         (0, 0, 0), 0.8 * axis, normal, fpm.Section.rectangle(0.03, 0.01),
@@ -184,11 +184,12 @@ def test_time_can_be_reversed(seed, start_deg):
 
 def test_damping_has_a_direction_of_time():
     """The test above can fail: damped, the way back does not end at the start."""
-    scene = linkage(40.0, damping=20.0)
+    scene = loaded_bar(0, gravity=(0, 0, 0), damping=20.0)
     step = 0.8 * fpm.stable_step(scene).step
     (there,) = run(scene, step=step)
     (back,) = run(continued(scene, there, -1.0), step=step)
-    assert largest([back.final.position - scene.position]) > 1e-3
+    went = largest([there.final.position - scene.position])
+    assert largest([back.final.position - scene.position]) > 0.1 * went > 1e-4
 
 
 @few

@@ -84,7 +84,7 @@ def test_contacts_that_share_a_held_particle():
             along = np.array([np.cos(angle), np.sin(angle), 0.0])
             bar = scene.add_link((0, 0, 0), 0.45 * along, (0, 0, 1), section, MATERIAL, 2)
             pair = (ground, int(bar.particles[0]))
-            scene.add_contact(scene.add_hinge("H", pair, (0, 0, 0.02), (0, 0, 1)), 1e7)
+            scene.add_contact(scene.add_hinge(f"H{angle}", pair, (0, 0, 0.02), (0, 0, 1)), 1e7)
         return scene
 
     alone = fpm.stable_step(flaps([0.3])).step

@@ -95,8 +95,9 @@ def test_the_dataset_says_what_it_holds(pair):
 
 
 def test_particles_without_any_element_move_too():
-    scene = fpm.Scene("thrown", gravity=(0, 0, -10.0))
-    scene.add_particles([[0, 0, 0], [1, 0, 0]], 1.0, 1.0, velocity=(0, 0, 1.0))
+    scene = fpm.Scene("thrown")
+    for particle in scene.add_particles([[0, 0, 0], [1, 0, 0]], 1.0, 1.0, velocity=(0, 0, 1.0)):
+        scene.add_load(int(particle), force=(0, 0, -10.0))
     (motion,) = whole.whole_motion([scene], duration=0.2, instants=3, step=0.01)
     np.testing.assert_allclose(motion["position"].values[-1, :, 2], 0.2 - 5 * 0.04, atol=1e-12)
     assert motion.sizes["element"] == motion.sizes["hinge"] == motion.sizes["point"] == 0

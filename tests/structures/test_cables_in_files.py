@@ -14,7 +14,8 @@ masses:
   load: {part: arm, at: B, mass: 2 kg, inertia: 0.5}
 cables:
   stay: {through: [B, {part: ground, at: C}], EA: 20 kN, preload: L*30 N/m}
-  hoist: {through: [A, {part: ground, at: C}, B], EA: 1 MN, rest: 5 m, reel: 10 cm, curve: winch}
+  hoist: {through: [A, {part: ground, at: C}, B], EA: 1 MN, rest: 5 m, reel: 10 cm, curve: winch,
+    friction: 0.1}
 record:"""
 TEXT = SMALL.replace("record:", CABLES).replace("points:", "points:\n  C: [0, 0, 2]")
 
@@ -31,6 +32,7 @@ def test_cables_and_masses_are_in_the_scene():
     assert stay.rest * (1 + 45 / 2e4) == pytest.approx(2.5, rel=1e-14)
     np.testing.assert_allclose(stay.beams[1].arm, [0, 0, 2])
     assert (hoist.rest, hoist.reel, hoist.curve, len(hoist.beams)) == (5.0, 0.1, 0, 3)
+    assert (stay.friction, hoist.friction, stay.rubs, hoist.rubs) == (None, 0.1, False, True)
     np.testing.assert_allclose((scene.mass - bare.mass)[tip], 2.0)
     np.testing.assert_allclose((scene.inertia - bare.inertia)[tip], 0.5)
     assert scene.mass.sum() == pytest.approx(bare.mass.sum() + 2.0)
@@ -46,7 +48,8 @@ def test_cables_and_masses_are_in_the_scene():
         (", preload: L*30 N/m", ", preload: L*30", "allowed: a value in N >= 0"),
         ("EA: 20 kN", "EA: -20 kN", "cables.stay.EA: -20000"),
         ("preload: L", "rest: 1, preload: L", "either `rest` or `preload`"),
-        (", curve: winch", "", "a length with a `curve`"),
+        (", curve: winch,", ",", "a length with a `curve`"),
+        ("friction: 0.1", "friction: -1", "cables.hoist.friction: -1"),
         ("reel: 10 cm", "reel: 5 m", "unstrained length of cable hoist"),
         ("at: B, mass", "at: C, mass", "masses.load.at: 'C'"),
         ("mass: 2 kg", "mass: 0", "masses.load.mass"),

@@ -13,6 +13,9 @@ function scaleColour(share) {
   return SCALE[index].map((value, k) => value + (at - index) * (SCALE[index + 1][k] - value));
 }
 
+// The middle of the scale, which neither a light nor a dark page swallows.
+const cableColour = (share) => scaleColour(0.3 + 0.5 * share).map(Math.round);
+
 function rgb(colour) {
   const digitsOf = colour.replace("#", "");
   return [0, 2, 4].map((at) => parseInt(digitsOf.slice(at, at + 2), 16));
@@ -48,13 +51,14 @@ class Painter {
       pose.at(time);
       if (i === 0) this.paintShadow(context, camera, pose);
       this.addFaces(i ? ghosts : solid, camera, pose, i, options.byStress);
+      if (MOTION.cables) this.addCables(i ? ghosts : solid, camera, pose, i > 0);
     });
     if (options.shown[0]) this.addHinges(solid, camera, this.poses[0]);
     for (const pieces of [ghosts, solid]) {
       pieces.sort((one, two) => one.depth - two.depth);
       for (const piece of pieces) this.paintPiece(context, piece);
     }
-    for (const piece of ghosts) this.paintEdges(context, piece, 0.3); // shine through
+    for (const piece of ghosts) if (piece.outline) this.paintEdges(context, piece, 0.3); // shine through
     if (options.names && options.shown[0]) this.paintNames(context, camera);
   }
 
@@ -91,14 +95,36 @@ class Painter {
     }
   }
 
+  // Stretches of cables: by tension where they are tight, dashed where they are slack.
+  addCables(pieces, camera, pose, ghost) {
+    const { of } = MOTION.cables, page = [0, 0, 0, 0, 0, 0];
+    for (let j = 1; j < of.length; j++) {
+      if (of[j] !== of[j - 1]) continue;
+      camera.project(...pose.cablePoint(j - 1), page, 0);
+      camera.project(...pose.cablePoint(j), page, 3);
+      const tension = pose.tension[of[j]], slack = !(tension > 0);
+      const colour = slack ? this.soft : `rgb(${cableColour(tension).join(",")})`;
+      const depth = 0.5 * (page[2] + page[5]), width = ghost ? 1 : 2;
+      pieces.push({ depth, line: page.slice(), width, colour, dash: slack ? [4, 4] : [], alpha: ghost ? 0.4 : 1 });
+    }
+  }
+
+  paintLine(context, { line, width, colour = this.ink, dash = [], alpha = 1 }) {
+    context.moveTo(line[0], line[1]);
+    context.lineTo(line[3], line[4]);
+    context.strokeStyle = colour;
+    context.lineWidth = width;
+    context.globalAlpha = alpha;
+    context.setLineDash(dash);
+    context.stroke();
+    context.setLineDash([]);
+    context.globalAlpha = 1;
+  }
+
   paintPiece(context, piece) {
     context.beginPath();
     if (piece.line) {
-      context.moveTo(piece.line[0], piece.line[1]);
-      context.lineTo(piece.line[3], piece.line[4]);
-      context.strokeStyle = this.ink;
-      context.lineWidth = piece.width;
-      context.stroke();
+      this.paintLine(context, piece);
       return;
     }
     const [a, b, c, d] = piece.outline;

@@ -10,6 +10,7 @@ class Pose {
     this.axes = new Float64Array(9 * particles); // rows of the rotation
     this.corners = new Float64Array(24 * elements); // element, end, corner, axis
     this.stress = new Float64Array(elements); // share of the largest
+    this.tension = new Float64Array(MOTION.cables ? MOTION.cables.count : 0); // so is that; 0: slack
   }
 
   at(time) {
@@ -36,6 +37,11 @@ class Pose {
           this.carry(particle, this.run.corners, at, this.corners, at);
         }
       }
+    }
+    const cables = this.tension.length;
+    for (let c = 0; c < cables; c++) {
+      const one = this.run.tension[from * cables + c], two = this.run.tension[to * cables + c];
+      this.tension[c] = (one + share * (two - one)) / 65535;
     }
     return this;
   }
@@ -67,6 +73,13 @@ class Pose {
   point(index) {
     const out = [0, 0, 0];
     this.carry(MOTION.pointOn[index], MOTION.pointArm, 3 * index, out, 0);
+    return out;
+  }
+
+  // Point `index` of all cables' points.
+  cablePoint(index) {
+    const out = [0, 0, 0];
+    this.carry(MOTION.cables.on[index], MOTION.cables.arm, 3 * index, out, 0);
     return out;
   }
 

@@ -107,6 +107,7 @@ function viewerControls(viewer) {
     box.addEventListener("change", () => { options.shown[i] = box.checked; viewer.draw(); stills.draw(); });
     byId("runs-shown").append(make("label", { title: runText(one) }, box, one.label));
   });
+  if (MOTION.cables) byId("runs-shown").append(cableKey());
   painter.topShare = 1;
   byId("colour").addEventListener("change", ({ target }) => {
     options.byStress = target.value === "stress";
@@ -125,6 +126,13 @@ function viewerControls(viewer) {
   byId("closer").addEventListener("click", () => viewer.magnify(1.25));
   byId("farther").addEventListener("click", () => viewer.magnify(0.8));
   byId("names").addEventListener("change", ({ target }) => { options.names = target.checked; viewer.draw(); });
+}
+
+// What the lines of the cables mean.
+function cableKey() {
+  const stops = [0, 0.5, 1].map((share) => `rgb(${cableColour(share).join(",")})`).join(",");
+  const bar = make("i", { style: `display:inline-block;width:60px;height:6px;border-radius:3px;background:linear-gradient(90deg,${stops})` });
+  return make("span", { id: "cables" }, "cables 0 ", bar, ` ${digits(MOTION.cables.most, 3)} N, dashed: slack`);
 }
 
 // What a shown run is, in full.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...designs import Design, SplitDesign
@@ -54,20 +56,31 @@ class SplineModel(Model):
 
     def __init__(self, samples: Samples, design: Design | SplitDesign | None = None) -> None:
         check_spline_runs(samples.unit)
-        self.samples, self.spline = samples, fit_spline(samples.unit, samples.values)
+        # Scales and extremes are sought one direction after the other: by name, so that the order
+        # in which a dataset has its parameters does not matter.
+        self.order = np.argsort(samples.source["parameter"].values, kind="stable")
+        unit = samples.unit[:, self.order]
+        self.samples, self.spline = samples, fit_spline(unit, samples.values)
         points = self.spline.points
         judged = (np.abs(points) < 1).all(axis=1)
         if design is not None:
-            judged[other_runs(points, design.points)] = True
+            judged[other_runs(points, design.points[:, self.order])] = True
         self.judged = judged if judged.any() else ~judged
         self.attributes = {
             "design_runs": len(points),
             "error_kind": "largest difference of a run and the spline through the others",
-            "spline_scales": self.spline.scales.tolist(),
+            "spline_scales": self.spline.scales[self._back].tolist(),
         }
 
+    @property
+    def _back(self) -> np.ndarray:
+        """Places of the dataset's parameters among the spline's."""
+        return np.argsort(self.order)
+
     def range(self) -> Range:
-        return spline_range(self.spline)
+        found = spline_range(self.spline)
+        argmin, argmax = found.argmin[..., self._back], found.argmax[..., self._back]
+        return replace(found, argmin=argmin, argmax=argmax)
 
     def error(self, found: Range, window: float | None) -> ErrorEstimate:
         left_out = np.abs(self.spline.left_out[self.judged]).max(axis=0) + self.spline.misfit

@@ -1,0 +1,226 @@
+"""Joints that are solved together: those that share bodies, and those that are no hinges.
+
+A hinge whose two particles nothing else uses is solved alone (hinge.py), which is cheaper. All
+other hinges, and spherical, universal, prismatic and fixed joints, go here: their impulses are
+found from one system of equations for the whole structure (joint_matrix.py). A particle is a rigid
+body with a mass and three inertias, and joints sit at the ends of its virtual beams; so these are
+the joints of rigid bodies as well. Redundant conditions, as rigid loops have them, do no harm where
+they agree; the impulses are then the smallest that keep the joints closed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.errors import SceneError
+from fpm.kinds import joint_arrays as at
+from fpm.kinds.drive import Drive
+from fpm.kinds.gravity import LOAD_WORK
+from fpm.kinds.hinge import Hinge, alone, unit
+from fpm.kinds.hinge_limits import MOST_GAP, MOST_TILT
+from fpm.kinds.kind import AXES, Kind, Recorded, Watch
+from fpm.kinds.virtual_beam import VirtualBeam
+
+TYPES = {
+    "revolute": at.REVOLUTE,
+    "spherical": at.SPHERICAL,
+    "fixed": at.FIXED,
+    "universal": at.UNIVERSAL,
+    "prismatic": at.PRISMATIC,
+    "held": at.HELD,
+}
+"""What a joint keeps together, by its name (joint_arrays.py)."""
+
+CONDITIONS = {"revolute": 5, "spherical": 3, "fixed": 6, "universal": 4, "prismatic": 5}
+"""How many conditions each has."""
+
+EASE = {8: 1e-10, 4: 1e-5}
+"""Share by which the diagonal is raised, by the bytes of a number."""
+
+
+def _gapes(values: dict[str, float]) -> tuple[str, str]:
+    return (
+        f"a joint gapes by {values['joint_gap']:.2g} m and {values['joint_tilt']:.2g} rad",
+        "halve solver.step if bodies turn far in a step; or the joints contradict each other: "
+        "rigid bodies in a loop can only move if lengths and axes fit",
+    )
+
+
+@dataclass(frozen=True)
+class Joint(Kind):
+    """A joint between the free ends of two virtual beams.
+
+    type: one of TYPES. axes (2, 3): the axis in each particle's own frame, one and the same but for
+    universal joints, where they are normal to each other; references (2, 3): a direction normal to
+    the axis in each frame, one and the same at the start. A type of "held" has one virtual beam,
+    whose end is held along the global axes `held`.
+    """
+
+    name: str
+    type: str
+    beams: tuple[VirtualBeam, ...]
+    axes: np.ndarray
+    references: np.ndarray
+    held: str = ""
+
+    joins = True
+    gives = LOAD_WORK
+    watches = (
+        Watch("joint_gap", MOST_GAP, True, _gapes),
+        Watch("joint_tilt", MOST_TILT, True, _gapes),
+    )
+
+    @staticmethod
+    def between(scene, name, type, particles, point, axis=(1, 0, 0), other=None) -> "Joint":
+        """A joint between two particles of a scene, where it stands (Scene.add_joint)."""
+        first, second = (int(p) for p in particles)
+        count = len(scene.position)
+        if type not in CONDITIONS:
+            raise SceneError(f"type of joint {name}", type, f"one of {', '.join(CONDITIONS)}")
+        if first == second or not (0 <= first < count and 0 <= second < count):
+            raise SceneError(f"particles of joint {name}", particles, "two different particles")
+        axis = unit(axis, f"axis of joint {name}")
+        across = unit(np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), "reference")
+        along = axis
+        if type == "universal":
+            along = across if other is None else unit(other, f"second axis of joint {name}")
+            if abs(along @ axis) > 1e-9:
+                raise SceneError(f"axes of joint {name}", (axis, along), "normal to each other")
+        frames = [scene.frame[p].T for p in (first, second)]
+        return Joint(
+            name,
+            type,
+            tuple(scene.arm_to(p, point) for p in (first, second)),
+            axes=np.array([frames[0] @ axis, frames[1] @ along]),
+            references=np.array([frame @ across for frame in frames]),
+        )
+
+    @staticmethod
+    def holding(scene, name, particle: int, point, held: str) -> "Joint":
+        """A point of a particle that is held along global axes, where it is."""
+        if not held or set(held) - set(AXES):
+            raise SceneError(f"axes of support {name}", held, "letters out of 'xyz'")
+        none = np.zeros((2, 3))
+        return Joint(name, "held", (scene.arm_to(particle, point),), none, none, held)
+
+    @property
+    def particles(self) -> tuple[int, ...]:
+        """Indices of its particles."""
+        return tuple(beam.particle for beam in self.beams)
+
+    @property
+    def conditions(self) -> int:
+        """How many it has."""
+        return CONDITIONS.get(self.type, len(self.held))
+
+    def topology(self):
+        """Name, type, particles and held axes."""
+        return self.name, self.type, self.particles, self.held
+
+    @classmethod
+    def of(cls, scene):
+        """Those stated as such, and the hinges that are not alone."""
+        found = list(scene.kinds.get(cls, []))
+        for hinge, lone in zip(scene.hinges, alone(scene), strict=True):
+            if not lone:
+                found += _as_joints(hinge)
+        return found
+
+    def check(self, scene):
+        """One name, one joint."""
+        if self.name in {joint.name for joint in (*scene.kinds.get(Joint, []), *scene.hinges)}:
+            raise SceneError("joint", self.name, "a name not yet used")
+
+    @classmethod
+    def names(cls, scene):
+        return [f"joint {joint.name}" for joint in cls.of(scene)]
+
+    @classmethod
+    def moved(cls, scene):
+        """The particles of all; driven ones are another's."""
+        return [p for joint in cls.of(scene) for p in joint.particles]
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.kinds import joint_kernels  # noqa: F401, its hooks
+        from fpm.kinds.joint_pattern import elimination, neighbours, pattern
+
+        one, joints = batch.one, cls.of(batch.one)
+        on = sorted(set(cls.moved(one)))
+        slot = {p: s for s, p in enumerate(on)}
+        slots = np.array([[*(slot[p] for p in j.particles), -1][:2] for j in joints], np.int64)
+        movable = ~one.fixed[on].all(axis=1)
+        order, below = elimination(neighbours(slots, movable))
+        joints, slots = [joints[j] for j in order], slots[order]
+        found, entries = pattern([j.conditions for j in joints], slots, movable, below)
+        driven = set(Drive.moved(one))
+        return at.Joints(
+            types=batch.integers(TYPES[j.type] for j in joints),
+            names=batch.integers(order),
+            slots=slots.ravel(),
+            sides=batch.stack(2 * len(joints), at.SIDE, lambda s: _sides(s, order)),
+            places=batch.stack(len(joints), 3, lambda s: _places(s, order)),
+            held=batch.integers([[axis in j.held for axis in AXES] for j in joints], 3),
+            on=batch.integers(on),
+            driven=batch.integers(p in driven for p in on),
+            bodies=batch.stack(len(on), at.BODY, lambda s: _bodies(s, on)),
+            body_scratch=batch.blank(len(on), at.BODY_SCRATCH),
+            rows=batch.blank(sum(j.conditions for j in joints), at.ROW),
+            matrix=batch.blank(entries, 1),
+            pattern=found,
+            ease=EASE[np.dtype(batch.dtype).itemsize],
+            account=batch.given_by(cls),
+            watched=batch.watched_by(cls),
+            excess=batch.rows_of(cls),
+            gaps=batch.blank(batch.instants + 1, 2),
+        )
+
+    @classmethod
+    def recorded(cls, part, scene, lane):
+        """The largest gaps."""
+        gap, tilt = part.gaps[:, :, lane].T
+        return {
+            "joint_gap": Recorded(gap, "m", "largest gap between the points of a joint"),
+            "joint_axis_gap": Recorded(tilt, "rad", "largest angle between the axes of a joint"),
+        }
+
+
+def _as_joints(hinge: Hinge) -> Sequence[Joint]:
+    joint = Joint(hinge.name, "revolute", hinge.beams, hinge.axes, hinge.references)
+    if not hinge.support:
+        return [joint]
+    none = np.zeros((2, 3))
+    name = f"{hinge.name} (its support)"
+    return [joint, Joint(name, "held", hinge.beams[:1], none, none, hinge.support)]
+
+
+def _sides(scene, order) -> np.ndarray:
+    joints = Joint.of(scene)
+    out = np.zeros((2 * len(order), at.SIDE))
+    for i, number in enumerate(order):
+        joint = joints[number]
+        for k, beam in enumerate(joint.beams):
+            row = out[2 * i + k]
+            row[at.ARM : at.ARM + 3] = beam.arm
+            row[at.AXIS : at.AXIS + 3] = joint.axes[k]
+            row[at.REFERENCE : at.REFERENCE + 3] = joint.references[k]
+    return out
+
+
+def _places(scene, order) -> np.ndarray:
+    beams = [joint.beams[0] for joint in Joint.of(scene)]
+    ends = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
+    return np.array(ends)[order]
+
+
+def _bodies(scene, on) -> np.ndarray:
+    out, free = np.zeros((len(on), at.BODY)), ~scene.fixed[on]
+    out[:, at.HIM : at.HIM + 3] = free[:, :3] / scene.mass[on][:, None]
+    turns = free[:, 3:].any(axis=1)[:, None]
+    out[:, at.HIJ : at.HIJ + 3] = turns / scene.inertia[on]
+    out[:, at.ROOT : at.ROOT + 3] = np.sqrt(out[:, at.HIJ : at.HIJ + 3])
+    # Moments on driven bodies change nothing, but they do work.
+    driven = np.isin(on, Drive.moved(scene))[:, None]
+    out[:, at.TURNS : at.TURNS + 3] = free[:, 3:] | driven
+    return out

@@ -1,0 +1,63 @@
+"""In which order a config names things, and how, changes nothing else."""
+
+from __future__ import annotations
+
+import copy
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+import campaign
+from campaign.config.sections import plain_data
+
+INTERVALS = {"a": {"relative": 0.01}, "E": {"relative": 0.0}, "rho": {"relative": 0.02}}
+DESIGNS = {
+    "tensor_roots": {"order": 1},
+    "tensor_lobatto": {"order": "auto", "budget": 9, "tolerance": 1e-9},
+    "total_degree": {"order": 2},
+    "smolyak": {"order": "auto", "budget": 9, "tolerance": 1e-9},
+    "scan": {"samples": 8},
+}
+
+
+def told(raw, names):
+    """The campaign whose intervals are named in an order."""
+    ordered = {name: INTERVALS[name] for name in names}
+    return campaign.check_config({**copy.deepcopy(raw), "intervals": ordered})
+
+
+@pytest.mark.parametrize("method", DESIGNS)
+def test_a_campaign_does_not_know_in_which_order_its_parameters_were_named(raw, method):
+    raw["design"] = {"method": method, **DESIGNS[method]}
+    first = told(raw, INTERVALS)
+    for names in permutations(INTERVALS):
+        other = told(raw, names)
+        assert plain_data(other) == plain_data(first)
+        assert list(other.experiment.intervals) == list(first.experiment.intervals)
+
+
+@pytest.mark.parametrize("order", [2, "auto"])
+@pytest.mark.parametrize("names", [("a", "E"), ("E", "a")])
+def test_an_interval_without_width_does_not_hide_another(raw, tmp_path, order, names):
+    raw["design"] = {"method": "tensor_lobatto", "order": order, "budget": 5}
+    raw["intervals"] = {name: INTERVALS[name] for name in names}
+    both = campaign.run(raw, tmp_path / "both", figures=False, tell=lambda text: None)
+    raw["intervals"] = {"a": INTERVALS["a"]}
+    alone = campaign.run(raw, tmp_path / "alone", figures=False, tell=lambda text: None)
+    assert float(alone["largest_width"].min()) > 0
+    for side in ("lower", "upper", "error"):
+        np.testing.assert_allclose(both[side], alone[side], rtol=1e-12, atol=1e-15)
+
+
+def test_responses_whose_names_begin_alike_keep_their_bounds(raw, tmp_path):
+    velocity, place = raw["responses"]["vBz"], {"position": "B", "component": "z"}
+    bounds = {}
+    for names in (("v_inner", "v"), ("v", "v_inner")):
+        raw["responses"] = {names[0]: velocity, names[1]: place}
+        run = campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+        for name, what in zip(names, ("velocity", "place"), strict=True):
+            bounds.setdefault(what, []).append(run["upper"].sel(response=name).values)
+    for first, second in bounds.values():
+        np.testing.assert_array_equal(first, second)
+    assert not np.array_equal(bounds["velocity"][0], bounds["place"][0])

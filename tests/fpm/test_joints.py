@@ -1,0 +1,319 @@
+"""Joints that are solved together: against equations of motion, published numbers, each other."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import fpm
+
+G = 9.81
+DOWN = (0.0, -G, 0.0)
+Z = (0.0, 0.0, 1.0)
+
+
+def rod(scene: fpm.Scene, start, end, side: float = 1e-4) -> int:
+    """A rigid rod of 1 kg with a square section: one particle at its middle."""
+    start, end = np.array(start, float), np.array(end, float)
+    length = np.linalg.norm(end - start)
+    along = (end - start) / length
+    across = np.cross(np.eye(3)[np.argmin(np.abs(along))], along)
+    across /= np.linalg.norm(across)
+    axes = np.column_stack([along, across, np.cross(along, across)])
+    other = (length**2 + side**2) / 12
+    return int(scene.add_particles((start + end) / 2, 1.0, [side**2 / 6, other, other], axes)[0])
+
+
+def on_ground(gravity=DOWN) -> tuple[fpm.Scene, int]:
+    """A scene with a particle that is held."""
+    scene = fpm.Scene("joints", gravity=gravity)
+    ground = int(scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)[0])
+    scene.fix(ground)
+    return scene, ground
+
+
+def double_pendulum(hinge_to=None) -> fpm.Scene:
+    """Two rods that hang from the ground, at rest along x; the lower one may be of another type."""
+    scene, ground = on_ground()
+    upper, lower = rod(scene, (0, 0, 0), (1, 0, 0)), rod(scene, (1, 0, 0), (2, 0, 0))
+    scene.add_hinge("upper", (ground, upper), (0, 0, 0), Z)
+    (hinge_to or (lambda s, *pair: s.add_hinge("lower", *pair, Z)))(
+        scene, (upper, lower), (1, 0, 0)
+    )
+    scene.add_point("tip", lower, (2, 0, 0))
+    return scene
+
+
+def run(scene, duration=1.0, step=1e-3, instants=101):
+    (outcome,) = fpm.simulate(scene, duration=duration, instants=instants, step=step)
+    assert outcome.failure is None
+    assert outcome.recorded["joint_gap"].values.max() < 1e-10
+    assert outcome.recorded["joint_axis_gap"].values.max() < 1e-9
+    return outcome
+
+
+def pendulum_ends(time):
+    """Tip of the double pendulum by Lagrange's equations (angles from x, downwards)."""
+
+    def rates(_, y):
+        one, two, v, w = y
+        mass = np.array([[4 / 3, np.cos(one - two) / 2], [np.cos(one - two) / 2, 1 / 3]])
+        force = np.array(
+            [
+                1.5 * G * np.cos(one) - np.sin(one - two) * w * w / 2,
+                0.5 * G * np.cos(two) + np.sin(one - two) * v * v / 2,
+            ]
+        )
+        return [v, w, *np.linalg.solve(mass, force)]
+
+    found = solve_ivp(rates, (0, time), [0.0] * 4, method="DOP853", rtol=1e-12, atol=1e-12)
+    one, two = found.y[:2, -1]
+    return np.array([np.cos(one) + np.cos(two), -np.sin(one) - np.sin(two), 0.0])
+
+
+@pytest.mark.parametrize("type", ["hinge", "revolute", "spherical"])
+def test_double_pendulum_moves_by_lagranges_equations(type):
+    """Of second order in the step; a spherical joint keeps a plane motion plane."""
+
+    def lower(scene, pair, point):
+        if type == "hinge":
+            scene.add_hinge("lower", pair, point, Z)
+        else:
+            scene.add_joint("lower", type, pair, point, Z)
+
+    exact, off = pendulum_ends(1.0), []
+    for step in (1e-3, 5e-4):
+        outcome = run(double_pendulum(lower), step=step)
+        off.append(np.abs(outcome.points["tip"][0][-1] - exact).max())
+        assert np.abs(outcome.energies["balance"]).max() < 1e-3 * G
+    assert off[0] < 2e-5
+    assert off[1] < 0.27 * off[0]
+
+
+def test_a_fixed_joint_makes_one_body_of_two():
+    """Two rods fixed to each other swing as one of 2 m and 2 kg."""
+    scene = double_pendulum(lambda s, pair, at: s.add_joint("lower", "fixed", pair, at))
+    outcome = run(scene)
+
+    def rates(_, y):
+        return [y[1], 1.5 * G / 2.0 * np.cos(y[0])]
+
+    found = solve_ivp(rates, (0, 1), [0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-12).y[0, -1]
+    exact = 2 * np.array([np.cos(found), -np.sin(found), 0.0])
+    np.testing.assert_allclose(outcome.points["tip"][0][-1], exact, atol=2e-5)
+
+
+def test_a_prismatic_joint_lets_a_body_slide_only():
+    """A block on a spinning rail, let go at radius r0: r = r0 cosh(integral of the rate).
+
+    Without gravity the rail keeps L = (J + J2 + m r²) w; the exact radius solves r'' = r w².
+    """
+    scene, ground = on_ground((0.0, 0.0, 0.0))
+    rail = int(scene.add_particles((0, 0, 0), 1.0, (0.1, 0.5, 0.5))[0])
+    block = int(scene.add_particles((0.3, 0, 0), 2.0, 0.05)[0])
+    scene.add_hinge("axle", (ground, rail), (0, 0, 0), Z)
+    scene.add_joint("rail", "prismatic", (rail, block), (0.3, 0, 0), (1, 0, 0))
+    scene.spin[[rail, block]] = 0.0, 0.0, 2.0
+    scene.velocity[block] = 0.0, 0.6, 0.0
+    scene.add_point("block", block)
+    outcome = run(scene)
+    momentum = (0.5 + 0.05 + 2.0 * 0.09) * 2.0
+
+    def rates(_, y):
+        return [y[1], y[0] * (momentum / (0.55 + 2.0 * y[0] ** 2)) ** 2]
+
+    exact = solve_ivp(rates, (0, 1), [0.3, 0.0], method="DOP853", rtol=1e-12, atol=1e-12).y[0, -1]
+    position, velocity = outcome.points["block"]
+    assert np.linalg.norm(position[-1]) == pytest.approx(exact, abs=1e-6)
+    turning = 2.0 * np.cross(position[-1], velocity[-1])[2]
+    spin = np.cross(position[-1], velocity[-1])[2] / (position[-1] @ position[-1])
+    assert turning + 0.55 * spin == pytest.approx(momentum, rel=1e-6)
+
+
+def test_a_universal_joint_turns_as_its_angle_says():
+    """Two shafts at 30 degrees: tan(out) = tan(in) / cos(30), Cardan's relation, and the energy."""
+    bend = np.radians(30.0)
+    scene, ground = on_ground((0.0, 0.0, 0.0))
+    out = np.array([np.cos(bend), np.sin(bend), 0.0])
+    axes = np.column_stack([out, [-np.sin(bend), np.cos(bend), 0.0], Z])
+    driving = int(scene.add_particles((-0.5, 0, 0), 1.0, (0.2, 0.3, 0.3))[0])
+    driven = int(scene.add_particles(0.5 * out, 1.0, (0.1, 0.3, 0.3), axes)[0])
+    scene.add_hinge("in", (ground, driving), (-1, 0, 0), (1, 0, 0))
+    scene.add_hinge("out", (ground, driven), out, out)
+    # The cross stands with one arm normal to both shafts.
+    scene.add_joint("cross", "universal", (driving, driven), (0, 0, 0), Z, axes[:, 1])
+    # With that arm on the driving shaft, the driven one starts at the rate w cos(30).
+    scene.spin[driving] = 3.0, 0.0, 0.0
+    scene.spin[driven] = 3.0 * np.cos(bend) * out
+    outcome = run(scene)
+    angle, turned = outcome.openings["in"], outcome.openings["out"]
+    np.testing.assert_allclose(np.tan(angle) * np.cos(bend), np.tan(turned), rtol=1e-5, atol=1e-7)
+    assert angle[-1] > 2.0
+    energy = outcome.energies["kinetic"]
+    assert np.ptp(energy) < 1e-5 * energy[0]
+
+
+def n_four_bar() -> fpm.Scene:
+    """Two four-bars in a row (IFToMM benchmark A02); three members meet on the middle pins."""
+    scene, ground = on_ground()
+    up = [rod(scene, (x, 0, 0), (x, 1, 0)) for x in range(3)]
+    across = [rod(scene, (x, 1, 0), (x + 1, 1, 0)) for x in range(2)]
+    for x in range(3):
+        scene.add_hinge(f"foot{x}", (ground, up[x]), (x, 0, 0), Z)
+    for x in range(2):
+        scene.add_hinge(f"left{x}", (up[x], across[x]), (x, 1, 0), Z)
+        scene.add_hinge(f"right{x}", (up[x + 1], across[x]), (x + 1, 1, 0), Z)
+    scene.velocity[up], scene.spin[up] = (0.5, 0.0, 0.0), (0.0, 0.0, -1.0)
+    scene.velocity[across] = 1.0, 0.0, 0.0
+    scene.add_point("B0", up[0], (0, 1, 0))
+    return scene
+
+
+def test_n_four_bar_mechanism_goes_through_its_singular_position():
+    """../shared/references.md; 2 m of travel in 10 s, five times through the position."""
+    outcome = run(n_four_bar(), duration=10.0, instants=1001)
+    position, velocity = outcome.points["B0"]
+    exact = [-0.195020302, -0.980799206, 0.0]
+    np.testing.assert_allclose(position[100], exact, atol=2e-5)
+    np.testing.assert_allclose(position[-1], [0.328458112, 0.944518538, 0.0], atol=5e-5)
+    np.testing.assert_allclose(velocity[-1], [1.423051470, -0.494868845, 0.0], atol=1e-4)
+
+
+def bricard(side: float = 0.1) -> fpm.Scene:
+    """Bricard's six-bar of rigid rods (IFToMM A04): one condition more than it can move by."""
+    points = [(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)]
+    axes = ["y", "z", "x", "y", "z", "x"]
+    scene, ground = on_ground()
+    rods = [rod(scene, *points[i : i + 2], side) for i in range(5)]
+    chain = [ground, *rods, ground]
+    for i, (point, axis) in enumerate(zip(points, axes, strict=True)):
+        scene.add_hinge(f"pin{i}", chain[i : i + 2], point, np.eye(3)["xyz".index(axis)])
+    scene.add_point("C", rods[1], points[2])
+    return scene
+
+
+def test_bricard_six_bar_of_rigid_rods():
+    """Its redundant condition is met by the smallest impulses; ../shared/references.md."""
+    outcome = run(bricard(), duration=2.0, step=5e-4, instants=201)
+    position = outcome.points["C"][0]
+    np.testing.assert_allclose(position[100], [0.2744813, -0.8867079, -0.4623300], atol=2e-7)
+    np.testing.assert_allclose(position[-1], [-0.7781354, -0.9803527, -0.1972527], atol=5e-6)
+
+
+def test_a_loop_that_cannot_close_fails_by_name():
+    """Rigid rods whose axes do not fit are locked; driven on, a joint gapes."""
+    scene = bricard()
+    first, second = scene.frame[list(scene.hinges[2].particles)]
+    axis = np.array([np.cos(0.02), np.sin(0.02), 0.0])
+    scene.hinges[2].axes[:] = axis @ first, axis @ second
+    scene.drive(scene.hinges[0].particles[1], spin=(0, 1.0, 0))
+    (outcome,) = fpm.simulate(scene, duration=1.0, instants=11, step=1e-3, energy_tolerance=1e9)
+    assert "a joint gapes" in str(outcome.failure)
+    assert outcome.failure.element.startswith("joint pin")
+
+
+def test_samples_do_not_depend_on_their_neighbours():
+    """Alone and in a batch, bit for bit, though one of them needs more rounds."""
+    scenes = []
+    for k in range(3):
+        scene = n_four_bar()
+        scene.velocity *= 1 + 9 * (k == 1)
+        scene.spin *= 1 + 9 * (k == 1)
+        scenes.append(scene)
+    together = fpm.simulate(scenes, duration=0.3, instants=31, step=1e-3)
+    for scene, outcome in zip(scenes, together, strict=True):
+        (alone,) = fpm.simulate(scene, duration=0.3, instants=31, step=1e-3)
+        assert np.array_equal(alone.points["B0"], outcome.points["B0"])
+    assert not np.array_equal(together[0].points["B0"], together[1].points["B0"])
+
+
+def test_momentum_of_free_bodies_is_kept():
+    """A chain of five, free in space: its momentum and angular momentum do not change."""
+    random = np.random.default_rng(5)
+    scene = fpm.Scene("free")
+    rods = [rod(scene, (k, 0, 0), (k + 1, 0, 0), 0.2) for k in range(5)]
+    scene.add_hinge("j3", rods[3:], (4, 0, 0), random.normal(size=3))
+    for k in range(3):
+        kind = ("spherical", "universal", "prismatic")[k]
+        scene.add_joint(f"j{k}", kind, rods[k : k + 2], (k + 1, 0, 0), random.normal(size=3))
+    scene.velocity[:] = random.normal(size=(5, 3))
+    scene.spin[:] = random.normal(size=(5, 3))
+    for k, p in enumerate(rods):
+        scene.add_point(f"p{k}", p)
+    outcome = run(scene, duration=0.5, instants=51)
+    velocity = np.array([outcome.points[f"p{k}"][1] for k in range(5)])[:, 1:]
+    total = velocity.sum(axis=0)
+    np.testing.assert_allclose(total, total[:1] + 0 * total, atol=1e-11)
+    final = outcome.final
+    inertia = np.einsum("nij,nj,nkj->nik", final.frame, scene.inertia, final.frame)
+    spins = np.einsum("nij,nj->ni", inertia, final.spin)
+    after = (np.cross(final.position, final.velocity) + spins).sum(axis=0)
+    # At the start the joints take up what velocities do not fit, with no moment in sum.
+    spins = np.einsum("nij,nj,nkj,nk->ni", scene.frame, scene.inertia, scene.frame, scene.spin)
+    before = (np.cross(scene.position, scene.velocity) + spins).sum(axis=0)
+    np.testing.assert_allclose(after, before, rtol=1e-5, atol=1e-6)
+
+
+def test_a_driven_body_carries_its_joints_and_its_work_is_counted():
+    """Slider-crank: the crank is driven, the block slides on the ground along x."""
+    rate, crank, rod_length = 4.0, 0.3, 1.0
+    scene, ground = on_ground()
+    wheel = int(scene.add_particles((0, 0, 0), 1.0, 0.1)[0])
+    bar = rod(scene, (crank, 0, 0), (crank + rod_length, 0, 0))
+    block = int(scene.add_particles((crank + rod_length, 0, 0), 2.0, 0.1)[0])
+    scene.add_hinge("crank", (wheel, bar), (crank, 0, 0), Z)
+    scene.add_hinge("wrist", (bar, block), (crank + rod_length, 0, 0), Z)
+    scene.add_joint("slide", "prismatic", (ground, block), scene.position[block], (1, 0, 0))
+    scene.drive(wheel, spin=(0, 0, rate))
+    scene.velocity[bar] = 0.0, rate * crank / 2, 0.0
+    scene.spin[bar] = 0.0, 0.0, -rate * crank / rod_length
+    scene.add_point("block", block)
+    outcome = run(scene, step=5e-4)
+    turn = rate * outcome.time
+    exact = crank * np.cos(turn) + np.sqrt(rod_length**2 - (crank * np.sin(turn)) ** 2)
+    np.testing.assert_allclose(outcome.points["block"][0][:, 0], exact, atol=1e-9)
+    kinetic = outcome.energies["kinetic"]
+    assert np.abs(outcome.energies["balance"]).max() < 2e-3 * np.ptp(kinetic)
+
+
+@pytest.mark.slow
+def test_planar_holds_change_nothing_in_a_plane():
+    """Bodies held along z, about x and y: singular for a hinge by itself, no matter for all."""
+    free, held = double_pendulum(), double_pendulum()
+    for particle in (1, 2):
+        held.fix(particle, "z", "xy")
+    one, two = run(free), run(held)
+    np.testing.assert_allclose(one.points["tip"][0], two.points["tip"][0], atol=1e-10)
+
+
+def test_a_point_held_along_axes_slides_in_the_others():
+    """A rod whose ends are held on the axes x and y: Cardan's ellipse, and the time it takes."""
+    scene = double_pendulum()  # another structure beside it, which is no matter
+    lean = np.radians(60.0)
+    bar = rod(scene, (0, np.sin(lean), 0), (np.cos(lean), 0, 0))
+    scene.hold_point("wall", bar, (0, np.sin(lean), 0), "xz")
+    scene.hold_point("floor", bar, (np.cos(lean), 0, 0), "yz")
+    scene.add_point("foot", bar, (np.cos(lean), 0, 0))
+    outcome = run(scene, duration=0.5)
+
+    def rates(_, y):  # M = 1/3, V = g sin(q) / 2
+        return [y[1], -1.5 * G * np.cos(y[0])]
+
+    found = solve_ivp(rates, (0, 0.5), [lean, 0.0], method="DOP853", rtol=1e-12, atol=1e-12)
+    foot = outcome.points["foot"][0][-1]
+    np.testing.assert_allclose(foot, [np.cos(found.y[0, -1]), 0, 0], atol=1e-5)
+
+
+def test_what_a_joint_refuses():
+    scene, ground = on_ground()
+    bar = rod(scene, (0, 0, 0), (1, 0, 0))
+    with pytest.raises(fpm.SceneError, match="type of joint a"):
+        scene.add_joint("a", "ball", (ground, bar), (0, 0, 0))
+    with pytest.raises(fpm.SceneError, match="two different"):
+        scene.add_joint("a", "spherical", (bar, bar), (0, 0, 0))
+    with pytest.raises(fpm.SceneError, match="normal to each other"):
+        scene.add_joint("a", "universal", (ground, bar), (0, 0, 0), Z, (0, 1, 1))
+    with pytest.raises(fpm.SceneError, match="axes of support a"):
+        scene.hold_point("a", bar, (0, 0, 0), "w")
+    scene.add_joint("a", "spherical", (ground, bar), (0, 0, 0))
+    with pytest.raises(fpm.SceneError, match="not yet used"):
+        scene.add_joint("a", "spherical", (ground, bar), (1, 0, 0))

@@ -12,17 +12,17 @@ from fpm.structures.reading import Items, Node, Table, Text
 if TYPE_CHECKING:
     from fpm.structures.builder import Builder
 
+POINT = PointOfPart(ground=True)
+
 
 @dataclass(frozen=True)
 class Route(Key):
     """A list of points of parts, and of {each: REPEAT, through: [...]} for those of all units."""
 
-    kind: PointOfPart = PointOfPart(ground=True)
-
     @property
     def allowed(self) -> str:
         return (
-            f"a list of 2 or more, each {self.kind.allowed}; or {{each: a repeat, through: such a "
+            f"a list of 2 or more, each {POINT.allowed}; or {{each: a repeat, through: such a "
             "list}, which stands for those of all its units"
         )
 
@@ -41,10 +41,10 @@ class Route(Key):
                     inside = Place(f"{place.key}.through", context, place.names)
                     yield from self._points(item.entries["through"], inside)
             else:
-                yield self.kind.read(item, place)
+                yield POINT.read(item, place)
 
     def value(self, read: list[tuple[str, str]], build: "Builder", key: str) -> list[tuple]:
-        return [self.kind.value(one, build, key) for one in read]
+        return [POINT.value(one, build, key) for one in read]
 
 
 def _units(node: Node, place: Place) -> Iterator[Context]:

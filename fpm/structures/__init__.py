@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fpm.errors import SceneError, did_you_mean
-from fpm.kinds import energies_of
 from fpm.scene import Scene
 from fpm.scenes import SceneType
 from fpm.sources import syntax_digest
@@ -101,7 +100,6 @@ def loads(text: str, source: str = "structure") -> StructureType:
         points=tuple(scene.points),
         hinges=tuple(hinge.name for hinge in scene.hinges),
         function=file.build,
-        energies=("kinetic", *(energy.name for energy in energies_of(scene.kinds)), "balance"),
         cables=tuple(cable.name for cable in scene.cables),
         mesh=mesh,
         content=hashlib.sha256(f"{_language()} {json.dumps(plain(table))}".encode()).hexdigest()[

@@ -25,6 +25,8 @@ from pathlib import Path
 from campaign.errors import CampaignError, ConfigError, of_files
 
 PROGRAM = "deployable-intervals"
+UNMET = 3
+"""Exit status of `run --require` where not all of the box meets all requirements."""
 
 
 def main(arguments: list[str]) -> int:
@@ -61,6 +63,10 @@ def _parser() -> argparse.ArgumentParser:
     whole.add_argument("file", metavar="FILE", help="YAML file")
     whole.add_argument("--results", default="results", help="folder of all results (%(default)s)")
     whole.add_argument("--no-figures", action="store_true", help="draw nothing")
+    whole.add_argument(
+        "--require", action="store_true",
+        help="end with status 3 unless all of the box meets all requirements",
+    )  # fmt: skip
     command("keys", _keys)
     structure = command("structure", _structure)
     structure.add_argument("structure", help="file, .yaml or .py (which is run), or known name")
@@ -130,14 +136,28 @@ def _check(options: argparse.Namespace) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     """Run a whole campaign."""
+    from campaign.config.check import load_config
     from campaign.whole import run
 
     try:
-        run(options.file, options.results, not options.no_figures)
+        campaign = load_config([options.file])
+        if options.require and not campaign.requirements:
+            raise CampaignError(f"{options.file} has no requirements; --require needs some")
+        run(campaign, options.results, not options.no_figures)
+        if options.require and not _are_met(Path(options.results, campaign.name)):
+            return UNMET
     except CampaignError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def _are_met(path: Path) -> bool:
+    """Whether all of the box meets all requirements."""
+    from campaign.folder import Folder
+    from campaign.results.answers import read_json
+
+    return read_json(Folder(path).requirements)["together"]["met"] == "all"
 
 
 def _keys(options: argparse.Namespace) -> int:

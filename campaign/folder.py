@@ -59,6 +59,16 @@ class Folder:
         return self / "further.nc"
 
     @property
+    def requirements(self) -> Path:
+        """What of the box meets the requirements."""
+        return self / "requirements.json"
+
+    @property
+    def choice(self) -> Path:
+        """The best choice."""
+        return self / "choice.json"
+
+    @property
     def report(self) -> Path:
         """The page to open."""
         return self / "report.html"

@@ -85,6 +85,30 @@ def quantities(folder: Folder, tell: Tell, verify: Any, jobs: Any, threads: int 
     answer(folder, verify, jobs, tell, threads)
 
 
+def requirements(
+    folder: Folder, tell: Tell, requirements: Any, verify: Any, jobs: Any, threads: int = 1
+) -> None:
+    """Tell what of the box meets the requirements, and where they fail."""
+    from campaign.answers.requirements import answer
+
+    answer(folder, requirements, verify, jobs, tell, threads)
+
+
+def choice(
+    folder: Folder,
+    tell: Tell,
+    choose: Any,
+    requirements: Any,
+    verify: Any,
+    jobs: Any,
+    threads: int = 1,
+) -> None:
+    """Find the nominal values that are best in the worst case."""
+    from campaign.answers.choice import answer
+
+    answer(folder, choose, requirements, verify, jobs, tell, threads)
+
+
 def envelopes(folder: Folder, tell: Tell, error: Any) -> None:
     """Draw each response with its bounds and the nominal run."""
     from campaign.results.figures import draw_envelopes
@@ -112,11 +136,13 @@ def linkage(folder: Folder, tell: Tell, figures: Any) -> None:
     draw_nominal(folder.samples, folder.runs("trajectories"), figures.moments, folder.figures)
 
 
-def summary(folder: Folder, tell: Tell, published: dict[str, float]) -> None:
+def summary(
+    folder: Folder, tell: Tell, published: dict[str, float], requirements: Any, choose: Any
+) -> None:
     """Write the headline numbers as JSON and as a table for people."""
     from campaign.results.summary import summarise
 
-    tell(summarise(folder, published))
+    tell(summarise(folder, published, bool(requirements), bool(choose.parameters)))
 
 
 def report(folder: Folder, tell: Tell) -> None:
@@ -210,12 +236,15 @@ _DESIGN = (
 _PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py", *_FILES)
 _BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py", *_FILES)
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
-_SUMMARY = ("campaign/results/summary.py", "campaign/answers/tables.py")
+_SUMMARY = ("campaign/results/summary.py", "campaign/results/answers.py")
 _RUNS = (
     "campaign/runs/*.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py",
     "fpm/quantities.py", *_FILES,
 )  # fmt: skip
-_ANSWERS = ("campaign/answers/*.py", "campaign/plan/make.py", *_BOUNDS, *_RUNS)
+_ANSWERS = (
+    "campaign/answers/*.py", "campaign/config/answers.py", "campaign/plan/make.py",
+    *_BOUNDS, *_RUNS,
+)  # fmt: skip
 _PLAN, _SAMPLES, _BOX = "nodes.json", "samples.nc", "bounds.nc"
 
 # Beside the code named here, runs depend on the mechanics, which are part of their names.
@@ -228,6 +257,13 @@ STAGES = {
         Stage(gather, ("jobs",), ("campaign/results/samples.py", *_RUNS), (_PLAN,)),
         Stage(bounds, ("bounds",), _BOUNDS, (_SAMPLES,)),
         Stage(quantities, ("verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
+        Stage(
+            requirements,
+            ("requirements", "verify", "jobs"),
+            _ANSWERS,
+            (_PLAN, _SAMPLES, "further.nc"),
+        ),
+        Stage(choice, ("choose", "requirements", "verify", "jobs"), _ANSWERS, (_PLAN,)),
         Stage(envelopes, ("error",), (*_PLOT, "campaign/results/summary.py"), (_BOX,)),
         Stage(sensitivities, (), _PLOT, ("sensitivities.nc",)),
         Stage(
@@ -238,7 +274,7 @@ STAGES = {
         ),
         Stage(
             summary,
-            ("published",),
+            ("published", "requirements", "choose"),
             (*_SUMMARY, *_PLOT[1:]),
             (_PLAN, _SAMPLES, _BOX),
         ),
@@ -255,6 +291,13 @@ STAGES = {
 def batch_count(jobs: Any, runs: int) -> int:
     """Number of batches that runs are shared among."""
     return -(-runs // jobs.nodes_per_job)
+
+
+def answers(campaign: Campaign) -> list[str]:
+    """The stages that answer what is asked of quantities, in their order."""
+    asked = campaign.experiment.quantities, campaign.requirements, campaign.choose.parameters
+    stages = ("quantities", "requirements", "choice")
+    return [stage for stage, wanted in zip(stages, asked, strict=True) if wanted]
 
 
 def drawings(campaign: Campaign) -> list[str]:

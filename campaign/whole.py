@@ -18,7 +18,7 @@ from campaign.drawing import Draughtsman
 from campaign.files import open_dataset
 from campaign.folder import ROUND_FILES, Folder
 from campaign.runs.progress import Tell, Teller
-from campaign.stages import STAGES, batch_count, drawings
+from campaign.stages import STAGES, answers, batch_count, drawings
 
 
 def run(
@@ -49,8 +49,8 @@ def run(
                 wanted.remove("linkage")
                 draughtsman.ask("linkage", campaign, folder)
             _stage("bounds", campaign, folder, tell)
-        if campaign.experiment.quantities:
-            _stage("quantities", campaign, folder, tell, threads=os.cpu_count() or 1)
+        for name in answers(campaign):
+            _stage(name, campaign, folder, tell, threads=os.cpu_count() or 1)
         for name in wanted:
             draughtsman.ask(name, campaign, folder)
         _stage("summary", campaign, folder, tell)

@@ -11,7 +11,7 @@ from campaign.config.design import count_runs
 from campaign.config.loader import retyped
 from campaign.config.sections import Campaign, as_json
 from campaign.folder import Folder
-from campaign.stages import STAGES, batch_count, drawings
+from campaign.stages import STAGES, answers, batch_count, drawings
 from fpm.sealed import DamagedError, check
 
 
@@ -103,8 +103,9 @@ class Workflow:
             return
         files = {plan: [folder.plan], "gather": [folder.samples]}
         files["bounds"] = [folder.bounds, folder.surrogate, folder.sensitivities]
-        if figures and self.campaign.experiment.quantities:
-            files["quantities"] = [folder.quantities, folder.further]
+        if figures:
+            known = _answer_files(folder)
+            files |= {name: known[name] for name in answers(self.campaign)}
         if rounds:
             files["simulate"] = sorted(folder.path.glob("batches/*.json"))
         if figures:
@@ -133,9 +134,9 @@ class Workflow:
         return Folder(stage).pictures(self.campaign.experiment.responses)
 
     def answers(self, stage: str) -> list[str]:
-        """The files with the intervals of quantities, if any are asked for."""
-        folder, asked = Folder(stage), self.campaign.experiment.quantities
-        return [str(folder.quantities), str(folder.further)] if asked else []
+        """The files that answer what is asked of quantities, if anything is."""
+        files = _answer_files(Folder(stage))
+        return [str(path) for name in answers(self.campaign) for path in files[name]]
 
     def results(self) -> list[str]:
         """The files that a campaign leaves for its reader."""
@@ -147,6 +148,15 @@ class Workflow:
     def last_words(self) -> str:
         """What was told when the page was made: the answer, and which file to open."""
         return (self.folder / "logs/report.log").read_text(encoding="utf-8").strip()
+
+
+def _answer_files(folder: Folder) -> dict[str, list[Path]]:
+    """The files of each stage that answers what is asked of quantities."""
+    return {
+        "quantities": [folder.quantities, folder.further],
+        "requirements": [folder.requirements],
+        "choice": [folder.choice],
+    }
 
 
 def _relative(path: str | Path) -> Path:

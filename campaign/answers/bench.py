@@ -23,7 +23,8 @@ from campaign.runs.batch import check_structure, failure_text, simulate, tell_da
 from campaign.runs.progress import Tell, warm_up
 from campaign.runs.store import open_store
 
-NEAR = 1e-6  # in unit coordinates: nearer places have one run
+# In unit coordinates: places nearer than this have one run, or need none of their own.
+NEAR, SAME = 1e-6, 1e-3
 
 
 class Bench:
@@ -39,11 +40,19 @@ class Bench:
         self.simulated = 0
 
     @classmethod
-    def of(cls, folder: Folder, jobs: Jobs, tell: Tell, threads: int = 1) -> Bench:
-        """The runs of a campaign that was sampled."""
+    def of(
+        cls, folder: Folder, jobs: Jobs, tell: Tell, threads: int = 1, further: bool = False
+    ) -> Bench:
+        """The runs of a campaign that was sampled, perhaps with the further ones of quantities."""
         bench = cls(read_plan(folder.plan), jobs, folder.runs(jobs.keep), tell, threads)
         with open_netcdf(folder.samples) as samples:
             bench.unit, bench.numbers = samples["unit"][:], samples["quantities"][:]
+        if further:
+            with open_netcdf(folder.further) as file:
+                if len(points := file["unit"][:]):
+                    bench.unit = np.concatenate([bench.unit, points])
+                    bench.numbers = np.concatenate([bench.numbers, file["quantities"][:]])
+                    bench.further += runs_at(bench.plan, points)
         return bench
 
     @property
@@ -61,6 +70,15 @@ class Bench:
         apart = np.abs(self.unit - point).max(axis=1)
         at = int(apart.argmin())
         return at, float(apart[at])
+
+    def place(self, at: np.ndarray, q: int) -> dict:
+        """A unit point (k) as parameter values `at`, and what was `simulated` there of quantity
+        number `q`: None where there is no run, or no number."""
+        box = self.experiment.box
+        values = dict(zip(box.names, map(float, box.from_unit(at)), strict=True))
+        run, apart = self.nearest(at)
+        value = self.numbers[run, q] if apart <= SAME else np.nan
+        return {"at": values, "simulated": number(value)}
 
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
         """Indices of the runs at unit points (P, k), simulated unless they are there.
@@ -117,3 +135,8 @@ def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[Run]:
         name = run_id(experiment, experiment.parameters(named), plan.time.step, plan.mechanics)
         runs.append(Run(name, "further", tuple(map(float, point)), values))
     return runs
+
+
+def number(value: float) -> float | None:
+    """A number for JSON; None for what is none."""
+    return float(value) if np.isfinite(value) else None

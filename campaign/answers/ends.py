@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from campaign.answers.bench import Bench
+from campaign.answers.bench import SAME, Bench
 
 TOLD = 1e-3
 """An end has settled when the surrogate promises no more than this share of the width beyond what
 was simulated. Also the share of the box that may remain open about where something happens."""
 
-_NEAR = 1e-3  # in unit coordinates: an end this close to a run is at that run
 _BORDER = 4  # further runs in a round about where something happens
 
 
@@ -74,7 +73,7 @@ def _wanted(bench: Bench, ends: Ends) -> list[np.ndarray]:
     """Where the next runs should be for one quantity."""
     points = []
     for moving, at in zip(ends.moving, (ends.found.argmin, ends.found.argmax), strict=True):
-        if moving and bench.nearest(at)[1] > _NEAR:
+        if moving and bench.nearest(at)[1] > SAME:
             points.append(at)
     occurrence = ends.surrogate.occurrence
     if occurrence.share()[1] > TOLD:

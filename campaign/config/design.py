@@ -7,10 +7,6 @@ from typing import Any
 
 from campaign.config.sections import DesignChoice, Experiment
 
-# Options that each method takes.
-_OPTIONS = {"total_degree": ("oversampling", "existing"), "scan": ("samples", "seed", "sequence")}
-_START = {"tensor_roots": 3}  # the paper's order; 2 for the others
-
 
 def make_design(choice: DesignChoice, box: Any) -> Any:
     """The `intervals.Design` of a choice in an `intervals.Box`, a `SplitDesign` if it has parts.
@@ -19,14 +15,17 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
     """
     import intervals
 
-    options = {key: getattr(choice, key) for key in _OPTIONS.get(choice.method, ())}
+    known = intervals.METHODS[choice.method].options
+    options = {name: getattr(choice, name) for name in known if hasattr(choice, name)}
     design = intervals.make_design(choice.method, box, choice.order, **options)
     return intervals.split_design(design, choice.parts) if choice.parts else design
 
 
 def start_of(experiment: Experiment) -> Experiment:
     """The experiment of the first round of `order: auto`: a low order where there is a width."""
-    order = _START.get(experiment.design.method, 2)
+    import intervals
+
+    order = intervals.METHODS[experiment.design.method].first
     orders = tuple(order if i.upper > i.lower else 0 for i in experiment.intervals.values())
     return replace(experiment, design=replace(experiment.design, order=orders))
 

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from campaign.config.answers import answer_problems, choose_data
 from campaign.config.design import make_design, start_of
 from campaign.config.parameters import intervals_of, parameter_problems
 from campaign.config.scenes import scene_type
@@ -40,6 +41,7 @@ def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
     own["intervals"] = {name: plain_data(intervals[name]) for name in ordered}
     own["name"] = own.pop("campaign")
     own.pop("preset", None)
+    own["choose"] = choose_data(config["choose"], config["intervals"])
     runs = {key: own.pop(key) for key in Experiment.__dataclass_fields__}
     campaign = from_data(Campaign, {"experiment": runs, **own})
     built = found
@@ -50,7 +52,7 @@ def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
             problems += _time_problems(campaign.experiment)
     problems += _response_problems(campaign, built)
     if not problems:
-        problems += _quantity_problems(campaign.experiment)
+        problems += _quantity_problems(campaign.experiment) + answer_problems(campaign)
     if not trouble:
         problems += _design_problems(campaign)
     return campaign, problems

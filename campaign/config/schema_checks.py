@@ -11,7 +11,7 @@ from typing import Any
 from fpm.errors import did_you_mean
 
 # Sections of definitions by name, which are wrong as a whole.
-_WHOLE = ("intervals", "responses", "quantities")
+_WHOLE = ("intervals", "responses", "quantities", "requirements")
 
 
 def schema_problems(raw: Any, schema: Mapping) -> tuple[list[str], dict | None]:

@@ -158,6 +158,36 @@ class Verify:
 
 
 @dataclass(frozen=True)
+class Choose:
+    """Which nominal values are sought: `parameters` with the range (2,) of each, in its unit, and
+    the goals as text, such as `upper(t)`, that are to be small or large.
+
+    order: of the surrogate along the chosen parameters. relative: those whose intervals grow with
+    the nominal value; others keep their width, and a parameter without an interval has none.
+    """
+
+    parameters: dict[str, tuple[float, ...]]
+    minimise: tuple[str, ...]
+    maximise: tuple[str, ...]
+    order: int
+    relative: tuple[str, ...]
+
+    def interval(self, name: str, value: float, experiment: Experiment) -> tuple[float, float]:
+        """The ends of a parameter's interval about a chosen nominal value."""
+        known = experiment.intervals.get(name)
+        if known is None:
+            return value, value
+        if name in self.relative:
+            return value * known.lower / known.nominal, value * known.upper / known.nominal
+        return value + known.lower - known.nominal, value + known.upper - known.nominal
+
+    def ends(self, name: str, experiment: Experiment) -> tuple[float, float]:
+        """Least and largest value of a parameter over all choices and their intervals."""
+        found = [end for v in self.parameters[name] for end in self.interval(name, v, experiment)]
+        return min(found), max(found)
+
+
+@dataclass(frozen=True)
 class ErrorDisplay:
     """Which instants figures shade: those with an error above a share of the largest width."""
 
@@ -190,6 +220,8 @@ class Campaign:
     error: ErrorDisplay
     figures: FigureChoice
     verify: Verify
+    requirements: dict[str, dict]
+    choose: Choose
     jobs: Jobs
 
     @property

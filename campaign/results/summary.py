@@ -9,22 +9,25 @@ from typing import Any
 
 import numpy as np
 
-from campaign.answers.tables import quantity_lines, quantity_rows
 from campaign.files import open_netcdf, write_result
 from campaign.folder import Folder
 from campaign.plan.plan import read_plan
+from campaign.results.answers import answer_lines, answer_rows
 from campaign.results.units import pretty
 
 
-def summarise(folder: Folder, published: Mapping[str, float]) -> str:
-    """Write both summaries and return the text; `published` are largest differences by response."""
+def summarise(
+    folder: Folder, published: Mapping[str, float], requirements: bool = False, choice: bool = False
+) -> str:
+    """Write both summaries and return the text; `published` are largest differences by response.
+
+    requirements, choice: whether these were asked for, and are to be told too.
+    """
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
         summary = headline(bounds, samples, published)
         asked = "quantities" in samples.variables
     if asked:
-        with open_netcdf(folder.quantities) as quantities:
-            summary["quantities"] = quantity_rows(quantities)
-            summary["runs"] = {name: int(quantities.getncattr(name)) for name in _RUNS}
+        summary |= answer_rows(folder, requirements, choice)
     rounds = read_plan(folder.plan).adaptive
     if rounds is not None:
         summary["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds], "met": rounds.met}
@@ -32,9 +35,6 @@ def summarise(folder: Folder, published: Mapping[str, float]) -> str:
     write_result(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
     write_result(folder / "summary.md", text)
     return text
-
-
-_RUNS = ("runs", "further_runs")
 
 
 def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
@@ -171,7 +171,7 @@ def as_text(summary: Mapping) -> str:
         rounds = summary["adaptive"]["rounds"]
         lines += ["", f"Order found in {len(rounds)} rounds: {rounds[-1]['reason']}."]
     if "quantities" in summary:
-        lines += quantity_lines(summary["quantities"], *summary["runs"].values())
+        lines += answer_lines(summary)
     if summary["closures"]:
         lines += ["", f"Contacts that close in the nominal run: {_closure_text(summary)}."]
     return "\n".join(lines) + "\n"

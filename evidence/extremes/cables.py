@@ -112,6 +112,31 @@ def strings() -> list[Row]:
     return rows
 
 
+def rubbing() -> list[Row]:
+    """No friction is what a pulley has; against much, a weight hangs on its own stretch alone."""
+    rows, tracks = [], {}
+    for friction in (None, 0.0, 100.0):
+        scene = fpm.Scene("over a pin", gravity=(0, 0, -G))
+        places = [(-1.0, 0, -1.0), (0, 0, 0), (1, 0, -1.0)]
+        points = [int(p) for p in scene.add_particles(places, [1.0, 1.0, 2.0], 1.0)]
+        scene.fix(points[:2])
+        scene.add_cable("rope", [(p, None) for p in points], 1e4, preload=10.0, friction=friction)
+        scene.add_point("mass", points[2])
+        (outcome,) = fpm.simulate(scene, duration=1.0, instants=101, step=2e-4)
+        tracks[friction] = outcome.points["mass"][0]
+    error = float(np.abs(tracks[0.0] - tracks[None]).max())
+    rows.append(at_most("friction 0: as without (m)", error, 1e-5, "the kernels without friction"))
+    scene = fpm.Scene("on its stretch", gravity=(0, 0, -G))
+    top, body = (int(p) for p in scene.add_particles([(0, 0, 0), (1, 0, -1.0)], [1.0, 2.0], 1.0))
+    scene.fix(top)
+    scene.add_cable("rope", [(top, None), (body, None)], 1e4, preload=10.0)
+    scene.add_point("mass", body)
+    (outcome,) = fpm.simulate(scene, duration=1.0, instants=101, step=2e-4)
+    error = float(np.abs(tracks[100.0] - outcome.points["mass"][0]).max())
+    rows.append(at_most("friction 100: as if knotted (m)", error, 1e-9, "a cable to the pin"))
+    return rows
+
+
 def _period(time, z) -> float:
     """Period (s) of an oscillation from its sign changes."""
     at = np.flatnonzero(z[1:] * z[:-1] < 0)
@@ -177,4 +202,4 @@ def steps() -> list[Row]:
 
 
 def study() -> list[Row]:
-    return bouncing() + slack() + strings() + steps() + refusals()
+    return bouncing() + slack() + strings() + rubbing() + steps() + refusals()

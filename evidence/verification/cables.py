@@ -1,4 +1,4 @@
-"""Cables against closed forms: slack and tight, running over points, static, reeled in."""
+"""Cables against closed forms: slack and tight, running, with friction, static."""
 
 import numpy as np
 
@@ -160,9 +160,35 @@ def reeling(bench: Bench) -> None:
     bench.check_small("energy balance", worst, 1e-5, "no damping", "the work")
 
 
+def capstan(bench: Bench) -> None:
+    """A weight on a cable that rubs on pins, lifted and lowered; and masses that slide or stick."""
+    mass, pins, speed, damping = 2.0, 5, 0.1, 5.0
+    cases = [(mu, sign) for mu in (0.05, 0.2, 0.5) for sign in (1, -1)]
+    for mu, sign in cases:
+        scene = fpm.Scene("capstan", gravity=(0, 0, -G), damping=damping)
+        places = [(-np.cos(a), 0, np.sin(a)) for a in np.linspace(0, np.pi, pins)]
+        held = scene.add_particles([(-1.0, 0, -1.0), *places], 1.0, 1.0)
+        scene.fix(held)
+        body = int(scene.add_particles((1.0, 0, -1.0), mass, 1.0)[0])
+        curve = scene.add_curve([0.2, 3.2], [0, sign])
+        points = [(int(p), None) for p in (*held, body)]
+        scene.add_cable("rope", points, 1e4, preload=mass * G, reel=3 * speed, curve=curve,
+                        friction=mu)  # fmt: skip
+        (outcome,) = bench.simulate(scene, duration=3.2, instants=321, step=2e-4)
+        late = outcome.time > 2.2
+        exact = mass * (G + sign * damping * speed) * np.exp(sign * mu * np.pi)
+        name = f"{'lifted' if sign > 0 else 'lowered'}, μ = {mu:g}"
+        found = outcome.tensions["rope"][late].mean()
+        bench.check(f"{name}: pull of the winch (N)", found, exact, 1e-3, "T exp(± μ π)")
+        given = outcome.energies["reel"]
+        worst = np.abs(outcome.energies["balance"]).max() / np.abs(given).max()
+        bench.check_small(f"{name}: energy balance", worst, 1e-5, "with what friction took", "work")
+
+
 PROBLEMS = {
     "mass on a cable": bounce,
     "Atwood's machine": atwood,
     "weight in a V": vee,
     "winch": reeling,
+    "capstan": capstan,
 }

@@ -7,7 +7,13 @@ with the length L of them all,
 
 Points between its ends are pulleys of no radius: the tension is one all along. The unstrained
 length may change with a curve of time, as when a winch takes cable in; the winch gives
--T (1 + e/2) dR/dt, the pull on the strained cable less the strain energy that leaves with it.
+-T (1 + e/2) dR/dt, the pull on the strained cable less the strain energy that leaves with it; it
+stands at the first point.
+
+A cable that rubs at these points has a strain and a tension in every stretch. Its material slips
+over a point, where the cable turns by the angle a, as soon as T' on one side is more than
+T exp(mu a) on the other (Eytelwein's law of the capstan). A metre that slips from T to T' leaves
+T' (1 + e'/2) - T (1 + e/2) to friction. Cables from point to point have none.
 """
 
 from collections.abc import Sequence
@@ -16,13 +22,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.kind import Deformations, Energy, Kind, Recorded, Watch
+from fpm.kinds.cable_bounds import bounding_springs
+from fpm.kinds.kind import Energy, Kind, Recorded, Watch
 from fpm.kinds.virtual_beam import VirtualBeam
 
 REEL_WORK = Energy("reel", "reel_work", "work of reeling cables in")
 
-TURNED = 2.0
-"""Most by which a cable's length can change with a point between its ends: there and back again."""
+FRICTION_LOSS = Energy("cable_friction", "cable_friction_loss", "energy lost by friction of cables")
 
 
 def _crowded(values: dict[str, float]) -> tuple[str, str]:
@@ -37,7 +43,8 @@ class Cable(Kind):
     """A cable through the free ends of two or more virtual beams.
 
     stiffness: EA (N); rest: its unstrained length R (m); reel: length (m) taken from that, times
-    the curve of that index (-1: none).
+    the curve of that index (-1: none); friction: coefficient mu at the points between its ends;
+    None: they turn freely.
     """
 
     name: str
@@ -46,14 +53,16 @@ class Cable(Kind):
     rest: float
     reel: float = 0.0
     curve: int = -1
+    friction: float | None = None
 
     stores = Energy("cable", "cable_energy", "strain energy of the cables")
     gives = REEL_WORK
+    takes = FRICTION_LOSS
     events = ("tightens", "slackens")
     watches = (Watch("crowding", 1.0, True, _crowded),)
 
     @staticmethod
-    def between(scene, name, points, stiffness, rest, preload, reel, curve) -> "Cable":
+    def between(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
         """A cable through points of a scene, as it stands (Scene.add_cable)."""
         count = len(scene.position)
         particles = [particle for particle, _ in points]
@@ -73,7 +82,7 @@ class Cable(Kind):
                 raise SceneError(f"EA, preload of cable {name}", found, allowed)
             taken = reel * np.interp(0.0, *scene.curves[curve]) if curve >= 0 else 0.0
             rest = length_through(scene, beams) / (1 + preload / stiffness) + taken
-        return Cable(name, beams, stiffness, float(rest), reel, curve)
+        return Cable(name, beams, stiffness, float(rest), reel, curve, friction)
 
     def check(self, scene):
         """Stiffness and lengths, also while it is reeled; names are for messages and files."""
@@ -86,6 +95,10 @@ class Cable(Kind):
             raise SceneError(f"curve {what}", self.curve, f"-1 to {len(scene.curves) - 1}")
         if not np.isfinite(self.reel) or (self.reel and self.curve < 0):
             raise SceneError(f"reel {what}", self.reel, "a finite length (m), with a curve")
+        if self.friction is not None and not 0 <= self.friction < np.inf:
+            raise SceneError(f"friction {what}", self.friction, "a finite coefficient >= 0")
+        if self.rubs and not self.lengths(scene).min() > 0:
+            raise SceneError(f"stretches {what}", self.lengths(scene).tolist(), "points apart")
         if len({beam.particle for beam in self.beams}) < 2:
             raise SceneError(f"points {what}", self.beams[0].particle, "points of two particles")
         if not (np.isfinite(self.rest) and self.shortest(scene) > 0):
@@ -103,9 +116,19 @@ class Cable(Kind):
         factors = scene.curves[self.curve][1] if self.curve >= 0 else np.zeros(1)
         return float(self.rest - np.max(self.reel * factors))
 
+    @property
+    def rubs(self) -> bool:
+        """Whether there is friction at points between its ends."""
+        return self.friction is not None and len(self.beams) > 2
+
+    def lengths(self, scene) -> np.ndarray:
+        """The ways (m) from point to point, as the scene stands."""
+        places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
+        return np.linalg.norm(np.diff(places, axis=0), axis=1)
+
     def topology(self):
-        """Name, particles and curve."""
-        return self.name, tuple(beam.particle for beam in self.beams), self.curve
+        """Name, particles, curve, and whether it rubs."""
+        return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.rubs
 
     @classmethod
     def names_of(cls, scene) -> tuple[str, ...]:
@@ -118,34 +141,8 @@ class Cable(Kind):
 
     @classmethod
     def deformations(cls, scene):
-        """Bounds that hold wherever the cables' points move to.
-
-        A cable's length changes by sum c_i · y_i with the motions y_i of its points, |c_i| = 1 at
-        the ends and at most 2 between. By Cauchy and Schwarz (sum c_i · y_i)² is at most the sum of
-        |c_i|² |y_i|² / s_i for any shares s_i that add up to 1: springs from each point to the
-        ground, along all axes. With s_i ~ |c_i|² w_i, w_i being the inverse masses, nothing is lost
-        for free points. These springs bear the tension's stiffness across, T/l for a stretch l, as
-        well, as long as T/l <= EA/R: what is watched as crowding.
-        """
-        rows, frame = [], scene.frame if scene.unstrained is None else scene.unstrained
-        inertia = np.column_stack([scene.mass] * 3 + [scene.inertia])
-        inverse = np.where(scene.fixed, 0.0, 1.0 / inertia)
-        for number, cable in enumerate(cls.of(scene)):
-            stiffness = cable.stiffness / cable.shortest(scene)
-            found = []
-            for i, beam in enumerate(cable.beams):
-                turned = frame[beam.particle] @ _turns(beam.arm)
-                values = np.hstack([np.eye(3), turned, np.zeros((3, 6))])
-                moved = (values[:, :6] * inverse[beam.particle]) @ values[:, :6].T
-                most = 1.0 if i in (0, len(cable.beams) - 1) else TURNED
-                found.append((beam.particle, values, most**2, np.linalg.eigvalsh(moved)[-1]))
-            total = sum(most * moved for _, _, most, moved in found)
-            for particle, values, _, moved in found:
-                if moved > 0:  # |c|²/s = total / w
-                    dofs = np.tile(6 * particle + np.arange(6), (3, 2))
-                    rows.append((dofs, values, np.full(3, stiffness * total / moved),
-                                 np.full(3, number)))  # fmt: skip
-        return Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True))) if rows else None
+        """Bounds that hold wherever the cables' points move to (cable_bounds.py)."""
+        return bounding_springs(scene, cls.of(scene))
 
     @classmethod
     def pack(cls, batch):
@@ -153,7 +150,7 @@ class Cable(Kind):
 
         cables = cls.of(batch.one)
         count, ends = len(cables), np.cumsum([0, *(len(cable.beams) for cable in cables)])
-        return Cables(
+        part = Cables(
             start=batch.integers(ends),
             on=batch.integers(beam.particle for cable in cables for beam in cable.beams),
             curve=batch.integers(cable.curve for cable in cables),
@@ -167,6 +164,7 @@ class Cable(Kind):
             log=batch.log_of(cls),
             track=batch.blank((batch.instants + 1) * count, 2),
         )
+        return _with_friction(part, batch) if any(cable.rubs for cable in cables) else part
 
     @classmethod
     def rounding(cls, part):
@@ -186,9 +184,29 @@ class Cable(Kind):
         }
 
 
-def _turns(arm: np.ndarray) -> np.ndarray:
-    """The matrix (3, 3) that gives the motion of an arm's free end from a small turn."""
-    return -np.array([np.cross(arm, e) for e in np.eye(3)]).T
+def _with_friction(part, batch):
+    """The arrays of cables of which some rub: unstrained lengths of all stretches as well."""
+    from fpm.kinds.cable_friction_kernels import MATERIAL, RUBBED, RubbingCables
+    from fpm.kinds.cable_kernels import UNSTRAINED
+
+    def material(scene) -> np.ndarray:
+        """At one strain all along."""
+        out = np.zeros((len(part.on), RUBBED))
+        for first, cable in zip(part.start, Cable.of(scene), strict=False):
+            lengths = cable.lengths(scene)
+            some = lengths * (cable.rest_at(scene, 0.0) / lengths.sum())
+            out[first : first + len(some), MATERIAL] = some
+        return out
+
+    rests = batch.stack(len(part.now), 1, lambda s: [[c.rest_at(s, 0.0)] for c in Cable.of(s)])
+    part.now[:, UNSTRAINED] = rests[:, 0]
+    return RubbingCables(
+        *part,
+        rubs=batch.integers(cable.rubs for cable in Cable.of(batch.one)),
+        friction=batch.table(Cable, 1, lambda cable: [cable.friction or 0.0]),
+        rubbed=batch.stack(len(part.on), RUBBED, material),
+        lost=batch.taken_by(Cable),
+    )
 
 
 def length_through(scene, beams: Sequence[VirtualBeam]) -> float:

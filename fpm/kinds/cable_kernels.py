@@ -76,26 +76,38 @@ def lay(part, state, c):
 
 
 @kernel
-def find_pull(part, world, now, c):
-    """Measure cable c; the force with which it pulls.
+def unstrained_now(part, world, now, c):
+    """Unstrained length of cable c."""
+    rest = load(part.cables, c, REST)
+    if part.curve[c] >= 0:
+        rest = rest - curve_value(world, part.curve[c], now.time) * load(part.cables, c, REEL)
+    return rest
 
-    Where it turns tight or slack between two steps, the force of either is not that of the way
+
+@kernel
+def missing(after, before):
+    """What to add to the stretch `after` for the force, as it was `before` a step ago.
+
+    Where a cable turns tight or slack between two steps, the force of either is not that of the way
     between them, k s²/2 on the way from -b to s. The half of what is missing is added at the later
     step, and the energy is then kept through the turn to the third order in the step instead of
     the second; for that one step, a cable that has turned slack pushes a little.
     """
+    both = after * before
+    return where_negative(both, 0.5 * both / absolute(after - before), 0.0)
+
+
+@kernel
+def find_pull(part, world, now, c):
+    """Measure cable c; the force with which it pulls."""
     length = lay(part, world.state, c)
     store(part.now, c, LONGER_BEFORE, load(part.now, c, LONGER))
     store(part.now, c, UNSTRAINED_BEFORE, load(part.now, c, UNSTRAINED))
     store(part.now, c, WINCH_BEFORE, load(part.now, c, WINCH))
-    rest = load(part.cables, c, REST)
-    if part.curve[c] >= 0:
-        rest = rest - curve_value(world, part.curve[c], now.time) * load(part.cables, c, REEL)
+    rest = unstrained_now(part, world, now, c)
     after, before = length - rest, load(part.now, c, LONGER_BEFORE)
-    both = after * before
-    turn = where_negative(both, 0.5 * both / absolute(after - before), 0.0)
     stiffness = load(part.cables, c, EA) / rest
-    pull = stiffness * (where_negative(after, 0.0, after) + turn)
+    pull = stiffness * (where_negative(after, 0.0, after) + missing(after, before))
     store(part.now, c, LONGER, after)
     store(part.now, c, UNSTRAINED, rest)
     store(part.now, c, PULL, pull)
@@ -103,21 +115,25 @@ def find_pull(part, world, now, c):
     return pull
 
 
+@kernel
+def pull_evenly(part, state, c, pull):
+    """Pull all points of cable c towards their neighbours with one force."""
+    first, last = part.start[c], part.start[c + 1] - 1
+    for j in range(first, last + 1):
+        force = 0.0 * get3(part.stretches, j, DIRECTION)
+        if j < last:
+            force = force + pull * get3(part.stretches, j, DIRECTION)
+        if j > first:
+            force = force - pull * get3(part.stretches, j - 1, DIRECTION)
+        add3(state, part.on[j], F, force)
+        add3(state, part.on[j], M, cross(get3(part.stretches, j, GLOBAL_ARM), force))
+
+
 @hook(Cables)
 def forces(part, world, now):
     """Pull all points of the cables towards their neighbours."""
-    state = world.state
     for c in range(part.curve.shape[0]):
-        pull = find_pull(part, world, now, c)
-        first, last = part.start[c], part.start[c + 1] - 1
-        for j in range(first, last + 1):
-            force = 0.0 * get3(part.stretches, j, DIRECTION)
-            if j < last:
-                force = force + pull * get3(part.stretches, j, DIRECTION)
-            if j > first:
-                force = force - pull * get3(part.stretches, j - 1, DIRECTION)
-            add3(state, part.on[j], F, force)
-            add3(state, part.on[j], M, cross(get3(part.stretches, j, GLOBAL_ARM), force))
+        pull_evenly(part, world.state, c, find_pull(part, world, now, c))
 
 
 @hook(Cables)
@@ -134,15 +150,20 @@ def note_events(part, world, now):
                 note_crossing(part.log, s, c, last, this, now)
 
 
+@kernel
+def work_of_winch(part, c):
+    """Work of cable c's winch over the step up to now."""
+    taken = load(part.now, c, UNSTRAINED_BEFORE) - load(part.now, c, UNSTRAINED)
+    return 0.5 * taken * (load(part.now, c, WINCH) + load(part.now, c, WINCH_BEFORE))
+
+
 @hook(Cables)
 def work_before(part, world, now):
     """Work of the winches over the step up to now."""
     given = load(world.accounts, 0, part.account)
     for c in range(part.curve.shape[0]):
         if part.curve[c] >= 0:
-            taken = load(part.now, c, UNSTRAINED_BEFORE) - load(part.now, c, UNSTRAINED)
-            force = load(part.now, c, WINCH) + load(part.now, c, WINCH_BEFORE)
-            given = given + 0.5 * taken * force
+            given = given + work_of_winch(part, c)
     store(world.accounts, 0, part.account, given)
 
 
@@ -153,11 +174,17 @@ def strain_of(part, c):
     return where_negative(strain, 0.0, strain)
 
 
-@hook(Cables)
-def energy_of(part, world, c):
+@kernel
+def energy_of_cable(part, c):
     """Strain energy of cable c (J)."""
     strain = strain_of(part, c)
     return 0.5 * load(part.cables, c, EA) * load(part.now, c, UNSTRAINED) * strain * strain
+
+
+@hook(Cables)
+def energy_of(part, world, c):
+    """Strain energy of cable c (J)."""
+    return energy_of_cable(part, c)
 
 
 @kernel
@@ -170,15 +197,20 @@ def crowding(part, c):
     return most
 
 
+@kernel
+def record_cable(part, c, row):
+    """Tension and length of cable c, and how crowded it is."""
+    store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
+    store(part.track, row, 1, load(part.now, c, LONGER) + load(part.now, c, UNSTRAINED))
+    store(part.watched, 0, 0, larger(load(part.watched, 0, 0), crowding(part, c)))
+
+
 @hook(Cables)
 def record(part, world, row):
     """Tension and length; the most crowded one is watched."""
     count = part.curve.shape[0]
     for c in range(count):
-        at = row * count + c
-        store(part.track, at, 0, load(part.cables, c, EA) * strain_of(part, c))
-        store(part.track, at, 1, load(part.now, c, LONGER) + load(part.now, c, UNSTRAINED))
-        store(part.watched, 0, 0, larger(load(part.watched, 0, 0), crowding(part, c)))
+        record_cable(part, c, row * count + c)
 
 
 @hook(Cables)

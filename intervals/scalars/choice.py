@@ -29,10 +29,10 @@ class Goal:
 
     def value(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
         """The goal over a part (k each) of the box, and where its deciding end is (k)."""
-        found = self.surrogate.range(lower, upper)
-        if self.kind == "lower":
-            return found.low, found.argmin
-        return (found.high if self.kind == "upper" else found.width), found.argmax
+        if self.kind == "width":
+            found = self.surrogate.range(lower, upper, climbs=1)
+            return found.width, found.argmax
+        return self.surrogate.end(1.0 if self.kind == "upper" else -1.0, lower, upper)
 
 
 @dataclass(frozen=True)

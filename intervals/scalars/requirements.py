@@ -28,7 +28,11 @@ class Limit:
 
         Where there is no number, no level is kept; "happens" is kept or broken by infinity.
         """
-        values = self.surrogate.evaluate(unit)
+        return self.slack_of(self.surrogate.evaluate(unit))
+
+    def slack_of(self, values: np.ndarray) -> np.ndarray:
+        """The same for values (...) of the number, NaN where there is none."""
+        values = np.asarray(values, dtype=float)
         there = np.isfinite(values)
         if self.kind == "happens":
             return np.where(there == bool(self.level), np.inf, -np.inf)
@@ -52,13 +56,10 @@ class Limit:
             return (np.inf if kept else -np.inf), middle if at is None else at
         if worst and (at := found.nowhere(lower, upper)) is not None:
             return -np.inf, at
-        ends = found.range(lower, upper)
-        if not np.isfinite(ends.low):
+        sign = 1.0 if (self.kind == "at_most") == worst else -1.0
+        value, at = found.end(sign, lower, upper)
+        if not np.isfinite(value):
             return -np.inf, middle
-        if (self.kind == "at_most") == worst:
-            value, at = ends.high, ends.argmax
-        else:
-            value, at = ends.low, ends.argmin
         return (self.level - value if self.kind == "at_most" else value - self.level), at
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .extremes import Extremes, extremes
+from .extremes import Extremes, extreme, extremes
 from .fits import Fit, best_fit
 from .occurrence import Occurrence, Until
 
@@ -31,15 +31,30 @@ class ScalarSurrogate:
         values = self.fit.evaluate(unit)
         return np.where(self.occurrence.evaluate(unit), values, np.nan)
 
-    def range(self, lower: np.ndarray | None = None, upper: np.ndarray | None = None) -> Extremes:
+    def range(
+        self, lower: np.ndarray | None = None, upper: np.ndarray | None = None, **options: int
+    ) -> Extremes:
         """The range attained over the part [lower, upper] (k each) of the unit box, by default the
-        whole; NaN where there is no number anywhere."""
+        whole; NaN where there is no number anywhere. `options` are those of `extremes`."""
+        lower, upper = self._part(lower, upper)
+        also = None if self.fit is None else self.fit.points
+        return extremes(self.evaluate, lower, upper, also, **options)
+
+    def end(
+        self, sign: float, lower: np.ndarray, upper: np.ndarray, climbs: int = 1
+    ) -> tuple[float, np.ndarray]:
+        """The upper (sign 1) or lower (sign -1) end of that range, and where it is (k)."""
+        also = None if self.fit is None else self.fit.points
+        return extreme(self.evaluate, sign, *self._part(lower, upper), also, climbs)
+
+    def _part(
+        self, lower: np.ndarray | None = None, upper: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The part of the box, without extent along parameters that do not vary."""
         ones = np.ones(self.occurrence.points.shape[1])
         free = np.ptp(self.occurrence.points, axis=0) > 0
         lower = np.where(free, -ones if lower is None else lower, 0.0)
-        upper = np.where(free, ones if upper is None else upper, 0.0)
-        also = None if self.fit is None else self.fit.points
-        return extremes(self.evaluate, lower, upper, also)
+        return lower, np.where(free, ones if upper is None else upper, 0.0)
 
     def nowhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
         """The place (k) in the part [lower, upper] of the unit box where there is most certainly no
@@ -52,6 +67,7 @@ class ScalarSurrogate:
         return self._where(lower, upper, True)
 
     def _where(self, lower: np.ndarray, upper: np.ndarray, wanted: bool) -> np.ndarray | None:
+        lower, upper = self._part(lower, upper)
         if not self.occurrence.mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == wanted else None
         certainty, points = self.occurrence.certainty, self.occurrence.points

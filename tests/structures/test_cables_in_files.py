@@ -14,7 +14,8 @@ masses:
   load: {part: arm, at: B, mass: 2 kg, inertia: 0.5}
 cables:
   stay: {through: [B, {part: ground, at: C}], EA: 20 kN, preload: L*30 N/m}
-  hoist: {through: [A, {part: ground, at: C}, B], EA: 1 MN, rest: 5 m, reel: 10 cm, curve: winch}
+  hoist: {through: [A, {part: ground, at: C}, B], EA: 1 MN, rest: 5 m, reel: 10 cm, curve: winch,
+    friction: 0.1}
 record:"""
 TEXT = SMALL.replace("record:", CABLES).replace("points:", "points:\n  C: [0, 0, 2]")
 
@@ -31,6 +32,7 @@ def test_cables_and_masses_are_in_the_scene():
     assert stay.rest * (1 + 45 / 2e4) == pytest.approx(2.5, rel=1e-14)
     np.testing.assert_allclose(stay.beams[1].arm, [0, 0, 2])
     assert (hoist.rest, hoist.reel, hoist.curve, len(hoist.beams)) == (5.0, 0.1, 0, 3)
+    assert (stay.friction, hoist.friction, stay.rubs, hoist.rubs) == (None, 0.1, False, True)
     np.testing.assert_allclose((scene.mass - bare.mass)[tip], 2.0)
     np.testing.assert_allclose((scene.inertia - bare.inertia)[tip], 0.5)
     assert scene.mass.sum() == pytest.approx(bare.mass.sum() + 2.0)
@@ -46,7 +48,8 @@ def test_cables_and_masses_are_in_the_scene():
         (", preload: L*30 N/m", ", preload: L*30", "allowed: a value in N >= 0"),
         ("EA: 20 kN", "EA: -20 kN", "cables.stay.EA: -20000"),
         ("preload: L", "rest: 1, preload: L", "either `rest` or `preload`"),
-        (", curve: winch", "", "a length with a `curve`"),
+        (", curve: winch,", ",", "a length with a `curve`"),
+        ("friction: 0.1", "friction: -1", "cables.hoist.friction: -1"),
         ("reel: 10 cm", "reel: 5 m", "unstrained length of cable hoist"),
         ("at: B, mass", "at: C, mass", "masses.load.at: 'C'"),
         ("mass: 2 kg", "mass: 0", "masses.load.mass"),
@@ -133,3 +136,57 @@ def test_a_prism_of_more_struts_has_another_form():
     scene = prism.build(n=5, radius=500.0, strut=1.1, wind=10.0)
     (outcome,) = fpm.simulate(scene, duration=2.0, instants=11)
     assert twist(outcome)[-1] == pytest.approx(90 - 180 / 5, abs=0.02)
+
+
+RING = """
+parameters: {n: {value: 4, whole: true}, R: {value: 2, unit: m}}
+materials: {steel: {E: 210 GPa, rho: 7850}}
+sections: {rod: {type: circle, diameter: 20 mm}}
+repeat:
+  post:
+    count: n
+    arrangement: ring
+    index: i
+    points:
+      low: [R*cos(2*pi*i/n), R*sin(2*pi*i/n), 0]
+      high: [R*cos(2*pi*i/n), R*sin(2*pi*i/n), 1]
+    bars: {bar: {through: [low, high], section: rod, material: steel, elements: 2}}
+cables:
+  around: {through: [{each: post, through: [high, low]}, post.first.high], EA: 1 kN, preload: 1 N}
+"""
+
+
+def test_a_cable_runs_through_the_same_points_of_every_unit():
+    for count in (3, 4):
+        scene = loads(RING).build(n=count)
+        (cable,) = scene.cables
+        tops = [3 * k + 2 for k in range(count)]
+        lows = [3 * k for k in range(count)]
+        expected = [p for pair in zip(tops, lows, strict=True) for p in pair]
+        assert [beam.particle for beam in cable.beams] == [*expected, tops[0]]
+        side = 4 * np.sin(np.pi / count)
+        assert cable.lengths(scene).sum() == pytest.approx(count * (1 + np.hypot(1, side)))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ("each: post", "each: pots", "cables.around.through.each: 'pots' is not allowed"),
+        ("[high, low]}", "[high, lo]}", "there is no point 'lo'"),
+        ("[{each: post, through: [high, low]}, post.first.high]", "[post.first.high]", "2 or more"),
+        ("through: [high, low]}", "through: high}", "cables.around.through"),
+    ],
+)  # fmt: skip
+def test_what_is_refused_of_units(old, new, problem):
+    text = RING.replace(old, new, 1)
+    assert text != RING
+    assert any(problem in told for told in problems_of(text)), problems_of(text)
+
+
+def test_a_bar_through_points_may_have_one_element_a_stretch():
+    text = SMALL.replace("[A, B], section", "[A, M, B], section").replace(
+        "points:", "points:\n  M: [half*cos(stow), 0, half*sin(stow)]"
+    )
+    scene = loads(text.replace("range: [2, 50]", "range: [1, 50]")).build(n=1)
+    assert len(scene.position) == 4  # and the ground
+    assert scene.mass[1:].sum() == pytest.approx(loads(SMALL).build().mass[1:].sum())

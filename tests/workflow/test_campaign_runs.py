@@ -137,7 +137,8 @@ def beside_code(small, workplace):
     for name in ("results", ".snakemake", "campaign", "intervals"):
         source = ROOT if name in ("campaign", "intervals") else small.folder
         shutil.copytree(source / name, workplace.folder / name)
-    (workplace.folder / "fpm").symlink_to(ROOT / "fpm")
+    nothing = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "fpm", workplace.folder / "fpm", ignore=nothing)
     return workplace
 
 
@@ -165,6 +166,17 @@ def test_changed_code_runs_only_what_it_makes_whatever_the_times_of_files(small,
     assert planned(bounded.stdout) == OF_BOUNDS
 
 
+def test_an_edited_kernel_makes_new_runs(small, workplace):
+    place = beside_code(small, workplace)
+    kernel = place.folder / "fpm" / "kinds" / "beam_kernels.py"
+    text = kernel.read_text()
+    kernel.write_text(text + "\n# A last word.\n")
+    assert "Nothing to be done" in place.snakemake(*SMALL, "--dry-run").stdout
+    kernel.write_text(text.replace("2.0 * ta2 + tb2", "2.1 * ta2 + tb2"))
+    os.utime(kernel, (0, 0))
+    assert planned(place.snakemake(*SMALL, "--dry-run").stdout) == ALL_RULES
+
+
 def test_what_was_lost_or_damaged_is_told_and_made_again(small, workplace):
     for name in ("results", ".snakemake"):
         shutil.copytree(small.folder / name, workplace.folder / name)
@@ -176,14 +188,14 @@ def test_what_was_lost_or_damaged_is_told_and_made_again(small, workplace):
     (results / "samples.nc").write_bytes(samples)
     plan = (results / "nodes.json").read_bytes()
     (results / "nodes.json").write_bytes(plan[: len(plan) // 2])
-    done = workplace.snakemake(*SMALL)
+    call = ("results/small/summary.md", *SMALL)
+    done = workplace.snakemake(*call)
     assert done.returncode == 0, done.stdout
     for told in ("samples.nc cannot be used", "nodes.json cannot be used", "made again"):
         assert told in done.stdout
     for name in ("nodes.json", "summary.json", "summary.md"):
         assert without_moment((results / name).read_bytes()) == before[results / name]
-    again = workplace.snakemake(*SMALL)
-    assert "Nothing to be done" in again.stdout
+    assert "Nothing to be done" in workplace.snakemake(*call).stdout
 
 
 def test_results_from_elsewhere_are_not_taken_for_what_is_asked(small, workplace):

@@ -1,4 +1,5 @@
-# Intervals of quantities. The runs that verify them are made here, through the store of all others.
+# Intervals of quantities, requirements and choices. The runs that they take are made here, through
+# the store of all others.
 
 
 rule quantities:
@@ -19,3 +20,41 @@ rule quantities:
         "Finding and verifying the intervals of the quantities"
     shell:
         "python -m campaign quantities {wildcards.stage} --config {params.config:q} --log {log}"
+
+
+rule requirements:
+    input:
+        "{stage}/nodes.json",
+        "{stage}/samples.nc",
+        "{stage}/further.nc",
+    output:
+        "{stage}/requirements.json",
+    log:
+        "{stage}/logs/requirements.log",
+    conda:
+        "../envs/campaign.yaml"
+    params:
+        config=sections("requirements"),
+        code=code("requirements"),
+    message:
+        "Judging the requirements"
+    shell:
+        "python -m campaign requirements {wildcards.stage} --config {params.config:q} --log {log}"
+
+
+rule choice:
+    input:
+        "{stage}/nodes.json",
+    output:
+        "{stage}/choice.json",
+    log:
+        "{stage}/logs/choice.log",
+    conda:
+        "../envs/campaign.yaml"
+    params:
+        config=sections("choice"),
+        code=code("choice"),
+    message:
+        "Finding the best choice"
+    shell:
+        "python -m campaign choice {wildcards.stage} --config {params.config:q} --log {log}"

@@ -1,0 +1,173 @@
+"""Requirements and choices, through a whole campaign, against the panel's closed form."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import yaml
+from opening_panel import PANEL, exact_time, panel, run
+
+import campaign
+from campaign.cli import UNMET, main
+from campaign.errors import ConfigError
+from campaign.folder import Folder
+
+LATEST = float(1.01 * exact_time(0.1))
+EARLIEST = 1.8
+QUANTITIES = {name: PANEL["quantities"][name] for name in ("t_open", "wide")}
+REQUIREMENTS = {
+    "in_time": {"t_open": {"at_most": LATEST}},
+    "not_early": {"t_open": {"at_least": EARLIEST}},
+    "wider": {"wide": {"at_least": 3.2}},
+}
+
+
+def decided(results, name, **changes) -> Folder:
+    raw = panel(campaign=name, quantities=QUANTITIES, solver={"duration": 2.2, "instants": 441})
+    return run({**raw, **changes}, results)
+
+
+@pytest.fixture(scope="module")
+def judged(tmp_path_factory) -> Folder:
+    return decided(tmp_path_factory.mktemp("judged"), "judged", requirements=REQUIREMENTS)
+
+
+def read(path) -> dict:
+    return json.loads(path.read_text())
+
+
+def border(time) -> float:
+    """The stiffness with which the panel opens in a time."""
+    return (exact_time(1.0) / time) ** 2
+
+
+def test_a_requirement_in_between_is_met_by_the_exact_share_of_the_box(judged):
+    rows = {row["name"]: row for row in read(judged.requirements)["requirements"]}
+    assert [row["met"] for row in rows.values()] == ["some", "all", "none"]
+    exact = (0.105 - border(LATEST)) / 0.01
+    assert rows["in_time"]["share"] == pytest.approx(exact, abs=1e-3)
+    assert (rows["not_early"]["share"], rows["wider"]["share"]) == (1.0, 0.0)
+
+
+def test_margins_are_those_of_the_worst_runs(judged):
+    limits = [row["limits"][0] for row in read(judged.requirements)["requirements"]]
+    times = [exact_time(0.095), exact_time(0.105)]
+    exact = [LATEST - times[0], times[1] - EARLIEST]
+    np.testing.assert_allclose([one["margin"] for one in limits[:2]], exact, atol=1e-6)
+    np.testing.assert_allclose([one["simulated"] for one in limits[:2]], times, rtol=1e-6)
+    assert [one["at"]["k"] for one in limits] == pytest.approx([0.095, 0.105, 0.095])
+
+
+def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, judged):
+    """The nominal values of `judged` fail its last requirement; without it a box is left."""
+    assert read(judged.requirements)["together"]["largest_share"] == 0
+    wanted = {name: REQUIREMENTS[name] for name in ("in_time", "not_early")}
+    folder = decided(tmp_path, "fewer", requirements=wanted)
+    together = read(folder.requirements)["together"]
+    assert together["met"] == "some"
+    share = (0.1 - border(LATEST)) / 0.005
+    assert together["largest_share"] == pytest.approx(share, abs=1e-4)
+    fails = together["fails"]
+    assert fails["requirement"] == "in_time"
+    # A thousandth beyond the border, where the run does fail.
+    assert fails["at"]["k"] == pytest.approx(0.1 - 1.001 * share * 0.005, rel=1e-5)
+    assert LATEST < fails["simulated"] == pytest.approx(exact_time(fails["at"]["k"]), rel=1e-6)
+    text = (folder / "summary.md").read_text()
+    assert f"{100 * together['share']:.4g} % of the box meets all requirements." in text
+    assert "The nearest failure is of in_time" in text
+
+
+def test_something_that_must_happen(tmp_path):
+    """It opens to 0.52 pi within 2 s in part of the box."""
+    late = {"t_late": PANEL["quantities"]["t_late"]}
+    wanted = {"there": {"t_late": {"happens": True}}, "absent": {"t_late": {"happens": False}}}
+    found = read(run(panel(quantities=late, requirements=wanted), tmp_path).requirements)
+    exact = (0.105 - border(2.0) * (exact_time(1, 1, 0.52 * np.pi) / exact_time(1)) ** 2) / 0.01
+    assert [row["met"] for row in found["requirements"]] == ["some", "some"]
+    shares = [row["share"] for row in found["requirements"]]
+    assert shares == pytest.approx([exact, 1 - exact], abs=1e-3)
+    assert found["together"]["met"] == "none"
+
+
+def test_the_best_choice_is_that_of_the_closed_form(tmp_path):
+    """As early as may be at the latest, but never before 1.8 s: the stiffest at 1.05 k does it."""
+    wanted = {name: REQUIREMENTS[name] for name in ("in_time", "not_early")}
+    choose = {"parameters": {"k": [0.05, 0.2]}, "minimise": "upper(t_open)"}
+    folder = decided(tmp_path, "best", requirements=wanted, choose=choose)
+    found = read(folder.choice)
+    exact = border(EARLIEST) / 1.05
+    assert found["kept"]
+    assert found["parameters"][0]["value"] == pytest.approx(exact, rel=1e-5)
+    (goal,) = found["goals"]
+    assert goal["at"]["k"] == pytest.approx(0.95 * exact, rel=1e-5)
+    # Simulated at a place within a thousandth of the range of that.
+    assert goal["simulated"] == pytest.approx(exact_time(0.95 * exact), rel=1e-3)
+    assert goal["value"] == pytest.approx(exact_time(0.95 * exact), rel=1e-5)
+    limits = {one["requirement"]: one for one in found["limits"]}
+    assert limits["not_early"]["margin"] == pytest.approx(0, abs=1e-5)
+    assert found["runs"] < 20
+    assert f"It took {found['runs']} runs" in (folder / "summary.md").read_text()
+    kept = [row["values"][0] for row in found["tried"] if row["kept"]]
+    least, most = border(LATEST) / 0.95, exact
+    np.testing.assert_allclose([min(kept), max(kept)], [least, most], atol=0.15 / 32)
+
+
+def test_a_choice_of_a_parameter_without_an_interval_and_two_goals(tmp_path):
+    """The time goes with the root of the mass: its range over k, for every mass."""
+    choose = {"parameters": {"mass": [0.5, 2.0]}, "maximise": ["lower(t_open)"],
+              "minimise": ["width(t_open)"], "order": 6}  # fmt: skip
+    solver = {"duration": 3.0, "instants": 601}
+    folder = decided(tmp_path, "two", choose=choose, solver=solver)
+    found = read(folder.choice)
+    # Goals that are to be small come first: the narrowest range is that of the lightest panel.
+    assert found["parameters"][0]["value"] == pytest.approx(0.5, abs=1e-6)
+    exact = exact_time(0.095, 0.5) - exact_time(0.105, 0.5)
+    assert found["goals"][0]["value"] == pytest.approx(exact, rel=1e-3)
+    for row in found["tried"]:
+        (mass,), (width, lower) = row["values"], row["goals"]
+        assert lower == pytest.approx(exact_time(0.105, mass), rel=1e-3)
+        assert width == pytest.approx(exact_time(0.095, mass) - exact_time(0.105, mass), rel=0.02)
+
+
+def test_the_exit_status_tells_of_unmet_requirements_where_asked(tmp_path, capsys, judged):
+    raw = panel(campaign="status", quantities=QUANTITIES, requirements=REQUIREMENTS)
+    config = tmp_path / "status.yaml"
+    config.write_text(yaml.safe_dump(raw))
+    call = ["run", str(config), "--results", str(tmp_path), "--no-figures"]
+    assert main(call) == 0
+    assert main([*call, "--require"]) == UNMET == 3
+    raw["requirements"] = {"not_early": REQUIREMENTS["not_early"]}
+    config.write_text(yaml.safe_dump(raw))
+    assert main([*call, "--require"]) == 0
+    del raw["requirements"]
+    config.write_text(yaml.safe_dump(raw))
+    assert main([*call, "--require"]) == 1
+    assert "has no requirements" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (
+            {"requirements": {"r": {"t": {"at_most": 1}}}},
+            "no such quantity.*allowed: one of t_open",
+        ),
+        ({"requirements": {"r": {"t_open": {"most": 1}}}}, "did you mean at_most"),
+        ({"requirements": {"r": {"t_open": {"at_least": 3, "at_most": 1}}}}, "above at_most"),
+        ({"requirements": {"r": {"t_open": {"happens": False, "at_most": 1}}}}, "no other limit"),
+        ({"choose": {"parameters": {"k": [0.1, 0.2]}}}, "0 goals"),
+        ({"choose": {"parameters": {"k": [0.1, 0.2]}, "minimise": "t_open"}}, "upper"),
+        ({"choose": {"parameters": {"k": [0.1, 0.2]}, "minimise": "upper(x)"}}, "no such quantity"),
+        (
+            {"choose": {"parameters": {"k": [0.2, 0.1]}, "minimise": "upper(t_open)"}},
+            "larger upper",
+        ),
+        ({"choose": {"parameters": {"q": [1, 2]}, "minimise": "upper(t_open)"}}, "real parameter"),
+        ({"choose": {"parameters": {"k": [0, 999]}, "minimise": "upper(t_open)"}}, "leaves the"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused_before_any_run(changes, words):
+    with pytest.raises(ConfigError, match=words):
+        campaign.check_config(panel(quantities=QUANTITIES, **changes))

@@ -5,7 +5,7 @@ from fpm.structures.reading import Table
 
 LATER = frozenset(
     ("actions", kind)
-    for kind in ("damper", "friction", "stop", "latch", "motor", "release", "tape spring")
+    for kind in ("damper", "friction", "stop", "latch", "tape spring")
 )
 """Groups and types that are planned."""
 

@@ -27,9 +27,7 @@ def _at_start(build, hinge: int) -> float:
         about="of the pulleys; opposite in sign where the loop is crossed",
     ),
     stiffness=Number(unit="N/m", least=0, about="pull at the rims for each metre of slip: 2 EA/l"),
-    preload=Number(
-        None, "tension of a strand without slip; left out: never slack", unit="N", least=0
-    ),
+    preload=Number(None, "tension of each strand; left out: never slack", unit="N", least=0),
     rest=Many(
         None,
         "openings without slip; left out: those at the start",
@@ -39,7 +37,7 @@ def _at_start(build, hinge: int) -> float:
     ),
 )
 def loop(build, it):
-    """A closed cable over pulleys on two revolute joints, which so open in the ratio of its radii."""
+    """A closed cable over pulleys on two joints, which so open in the ratio of the radii."""
     rest = [_at_start(build, hinge) for hinge in it.joints] if it.rest is None else it.rest
     preload = np.inf if it.preload is None else it.preload
     build.scene.add(
@@ -53,9 +51,7 @@ def loop(build, it):
     joint=JOINT,
     turn=Number(unit="rad", about="by how much it turns, times `curve`"),
     curve=Reference(**CURVE, about="of the opening"),
-    start=Number(
-        None, "opening to which the turn is added; left out: that at the start", unit="rad"
-    ),
+    start=Number(None, "opening before the turn; left out: that at the start", unit="rad"),
     stiffness=Number(unit="N m/rad", least=0, about="of its drive train"),
     damping=Number(0.0, "of its drive train", unit="N m s/rad", least=0),
 )

@@ -72,7 +72,7 @@ def driven(damping: float, torque: float, time: float) -> fpm.Scene:
 
 
 def lag(time, damping: float) -> tuple[np.ndarray, np.ndarray]:
-    """By how much (rad) a body lags behind a motor at 2 rad/s, and its rate: damped by the train."""
+    """How far (rad) a body lags behind a motor at 2 rad/s, and its rate: as the train damps it."""
     decay = damping / (2 * INERTIA)
     fast = np.sqrt(complex(STIFF / INERTIA - decay**2))
     size = 2 * np.exp(-decay * time) / fast
@@ -84,7 +84,7 @@ def motors(bench: Bench) -> None:
     """A motor on a ramp, a torque motor up to its speed, and springs that are released."""
     cases = [(0.0, 1.0, 0.3004), (2.0, 3.0, 0.5), (60.0, 10.0, 0.61237)]
     scenes = [driven(*case) for case in cases]
-    outcomes = bench.simulate(scenes, duration=1.0, instants=1001, step=5e-4)
+    outcomes = bench.simulate(scenes, duration=1.0, instants=5001, step=2e-4)
     figure = bench.figure("A motor on a ramp", "time (s)", "behind its target (rad)")
     for (damping, torque, release), outcome in zip(cases, outcomes, strict=True):
         time, openings, energies = outcome.time, outcome.openings, outcome.energies

@@ -4,8 +4,7 @@ from fpm.structures.problems import Problems
 from fpm.structures.reading import Table
 
 LATER = frozenset(
-    ("actions", kind)
-    for kind in ("damper", "friction", "stop", "latch", "tape spring")
+    ("actions", kind) for kind in ("damper", "friction", "stop", "latch", "tape spring")
 )
 """Groups and types that are planned."""
 

@@ -7,7 +7,7 @@ from fpm.kinds.release import Release
 from fpm.kinds.sync_loop import SyncLoop
 from fpm.structures.keys import Many, Number, Reference
 from fpm.structures.statement import statement
-from fpm.structures.statements.acting import JOINT
+from fpm.structures.statements.acting import JOINT, RevoluteJoint
 
 CURVE = {"group": "curves"}
 
@@ -86,9 +86,7 @@ def torque_motor(build, it):
     damping=Number(0.0, "with which it holds", unit="N m s/rad", least=0),
     hold=Number(None, "opening at which it holds; left out: that at the start", unit="rad"),
     time=Number(None, "when it lets go", unit="s", above=0),
-    watch=Reference(
-        None, "another joint: it lets go where its opening passes `level`", group="joints"
-    ),
+    watch=RevoluteJoint(None, "another joint: it lets go where its opening passes `level`"),
     level=Number(None, "opening of the joint that is watched", unit="rad"),
 )
 def release(build, it):

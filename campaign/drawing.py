@@ -50,7 +50,9 @@ def draw() -> None:
     """Draw what the lines of standard input ask for."""
     import matplotlib.backends.backend_agg
     import matplotlib.backends.backend_pdf
-    import matplotlib.figure  # noqa: F401 - ready before the first line comes
+    import matplotlib.figure
+    import netCDF4
+    import scipy.io  # noqa: F401 - ready before the first line comes
 
     for line in sys.stdin:
         order = json.loads(line)

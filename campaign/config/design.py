@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from campaign.config.sections import DesignChoice, Experiment
+from campaign.config.sections import DesignChoice, Experiment, Solver
 
 
 def make_design(choice: DesignChoice, box: Any) -> Any:
@@ -19,6 +19,21 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
     options = {name: getattr(choice, name) for name in known if hasattr(choice, name)}
     design = intervals.make_design(choice.method, box, choice.order, **options)
     return intervals.split_design(design, choice.parts) if choice.parts else design
+
+
+MOST_STEPS = 10**9
+"""Steps of a run: of the smallest scene, a day."""
+
+
+def steps_problems(solver: Solver, step: float) -> list[str]:
+    """Whether a run has more steps (of `step` s) than anybody waits for, as a sentence."""
+    if solver.duration / step <= MOST_STEPS:
+        return []
+    which = "duration" if solver.step == "auto" else "step"
+    return [
+        f"solver.{which}: {solver.duration / step:.3g} steps of {step:.3g} s; allowed: at most "
+        f"{MOST_STEPS:.0e} steps, a duration of {MOST_STEPS * step:.3g} s"
+    ]
 
 
 def start_of(experiment: Experiment) -> Experiment:

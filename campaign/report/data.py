@@ -34,7 +34,8 @@ class Response:
 
     error: estimated error of the bounds; published: a largest difference to be put beside ours;
     shares (k,) and widths (k, t): what each parameter contributes, overall and at every instant;
-    outside: by how much runs that were not fitted leave the bounds.
+    outside: by how much runs that were not fitted leave the bounds; share_outside: at which share
+    of their instants; impossible: by how much the fitted curve falls below what is possible.
     """
 
     name: str
@@ -48,6 +49,8 @@ class Response:
     shares: np.ndarray | None = None
     widths: np.ndarray | None = None
     outside: float | None = None
+    share_outside: float = 0.0
+    impossible: float = 0.0
 
     @property
     def widest(self) -> int:
@@ -101,7 +104,8 @@ class PageData:
     """All that the page tells.
 
     time (t,) s; bounds_kind: what the bounds are, in words; moving: the nominal run first, then
-    those at which bounds are attained; provenance: name -> text; config: text to start from again.
+    those at which bounds are attained; provenance: name -> text; config: text to start from again;
+    overlap: of the faces of a contact, rad.
     """
 
     campaign: str
@@ -115,6 +119,7 @@ class PageData:
     work: tuple[Work, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
+    overlap: float = 0.0
 
     @property
     def nominal(self) -> Run | None:

@@ -13,9 +13,12 @@ from fpm.kinds.joint import Joint
 from fpm.kinds.kind import Kind
 from fpm.kinds.latch import Latch
 from fpm.kinds.load import Load
+from fpm.kinds.motor import Motor, TorqueMotor
 from fpm.kinds.opening import Opening
+from fpm.kinds.release import Release
 from fpm.kinds.stop import Stop
 from fpm.kinds.support import Support
+from fpm.kinds.sync_loop import SyncLoop
 from fpm.kinds.table_spring import TableSpring
 from fpm.kinds.torsion_spring import TorsionSpring
 
@@ -28,6 +31,10 @@ KINDS: tuple[type[Kind], ...] = (
     Contact,
     Load,
     Cable,
+    SyncLoop,
+    Motor,
+    TorqueMotor,
+    Release,
     Latch,
     Damper,
     Friction,

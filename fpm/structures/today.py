@@ -3,9 +3,6 @@
 from fpm.structures.problems import Problems
 from fpm.structures.reading import Table
 
-LATER = frozenset(("actions", kind) for kind in ("motor", "release"))
-"""Groups and types that are planned."""
-
 LATER_KEYS = frozenset(["assemble"])
 """Keys of a file that are planned."""
 

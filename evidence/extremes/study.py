@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from evidence import plots
-from evidence.extremes import cables, parameters, runs, stable_step
+from evidence.extremes import cables, latches, parameters, runs, stable_step
 from evidence.results import Report
 from evidence.rows import Row, grouped
 
@@ -23,6 +23,7 @@ GROUPS: dict[str, Callable[[], list[Row]]] = {
     "precision": runs.precision,
     "intervals": runs.intervals,
     "cables": cables.study,
+    "latches": latches.study,
     "refusals": parameters.refusals,
 }
 

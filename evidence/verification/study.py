@@ -13,6 +13,7 @@ from evidence.verification import (
     cables,
     dynamics,
     joints,
+    latches,
     motors,
     rotation,
     statics,
@@ -23,7 +24,7 @@ from evidence.verification.relax import NotAtRest
 
 PROBLEMS: dict[str, Callable[[Bench], None]] = {
     name: problem
-    for family in (statics, vibration, rotation, dynamics, joints, motors, cables, bennett)
+    for family in (statics, vibration, rotation, dynamics, joints, latches, motors, cables, bennett)
     for name, problem in family.PROBLEMS.items()
 }
 """Name of every problem -> its function."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, store, where_negative
-from fpm.kinds.losses_kernels import edge, follow_rate, lose
+from fpm.kinds.losses_kernels import LOSING, edge, follow_rate, lose
 from fpm.kinds.opening_kernels import NOW, Openings, turn
 
 STIFFNESS, BEND, DAMPING = 0, 1, 2
@@ -46,14 +46,19 @@ def forces(part, world, now):
         slips = most - absolute(trial)  # < 0 where it does
         bent = where_negative(slips, sign * most, trial)
         moved = where_negative(slips, psi - bent, foot)
-        spring = -1.0 * stiffness * (bent - sign * edge(-slips, sign * last - most))
+        extra = -1.0 * stiffness * edge(-slips, sign * last - most)
+        spring = -1.0 * (stiffness * bent + sign * extra)
         # The damper acts while it sticks, and takes the moment to M at most.
         damper = -1.0 * load(part.bristle, i, DAMPING) * rate
         room = stiffness * most
         up, down = room - spring, -1.0 * room - spring
         damper = where_negative(up - damper, up, damper)
         damper = where_negative(damper - down, down, damper)
-        damper = where_negative(slips, 0.0, damper)
+        # Where the damper helped to bear M in the step before, less is missing.
+        helped = -0.5 * sign * load(part.past, i, LOSING)
+        helped = where_negative(helped, 0.0, helped)
+        helped = where_negative(extra - helped, extra, helped)
+        damper = where_negative(slips, sign * helped, damper)
         turn(part.openings, world.state, h, spring + damper)
         lose(world, part.account, part.openings, part.past, i, h, damper)
         lost = room * absolute(moved - foot)

@@ -19,6 +19,7 @@ from fpm.errors import SceneError
 from fpm.kinds.kind import Energy, Kind, Recorded
 from fpm.kinds.opening import (
     JOINT_LOSS,
+    ONSET,
     Opening,
     check_numbers,
     check_stiffness,
@@ -92,9 +93,11 @@ class Latch(Kind):
 
     @classmethod
     def dampings(cls, scene):
-        """The same for their dampers."""
+        """The same for their dampers, which begin with more than a kick."""
         latches = cls.of(scene)
-        return relative_turn(scene, [x.hinge for x in latches], [x.damping for x in latches])
+        return relative_turn(
+            scene, [x.hinge for x in latches], [ONSET * x.damping for x in latches]
+        )
 
     @classmethod
     def pack(cls, batch):

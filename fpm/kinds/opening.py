@@ -16,6 +16,11 @@ from fpm.kinds.kind import Deformations, Energy, Kind, Recorded, rows_of
 JOINT_LOSS = Energy("joint_loss", "joint_loss", "energy lost on joints: friction, dampers, impacts")
 """The account of all kinds that lose energy on openings."""
 
+ONSET = 1.5
+"""Largest share of a kick with which a damper begins (losses_kernels.onset): counted in the stable
+step, so that an impact is not thrown back by its damper alone.
+"""
+
 
 @dataclass(frozen=True)
 class Opening(Kind):

@@ -15,6 +15,7 @@ from fpm.errors import SceneError
 from fpm.kinds.kind import Energy, Kind
 from fpm.kinds.opening import (
     JOINT_LOSS,
+    ONSET,
     Opening,
     check_numbers,
     check_stiffness,
@@ -67,9 +68,9 @@ class Stop(Kind):
 
     @classmethod
     def dampings(cls, scene):
-        """The same for their dampers."""
+        """The same for their dampers, which begin with more than a kick."""
         stops = cls.of(scene)
-        return relative_turn(scene, [s.hinge for s in stops], [s.damping for s in stops])
+        return relative_turn(scene, [s.hinge for s in stops], [ONSET * s.damping for s in stops])
 
     @classmethod
     def pack(cls, batch):

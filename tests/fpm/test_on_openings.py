@@ -255,7 +255,7 @@ def test_the_stable_step_knows_all_of_them():
     assert limit(TableSpring(0, (0.0, 0.1, 1.0), (0.0, -5.0, 3.0))) == pytest.approx(exact)
     assert limit(Damper(0, 0.5)) == pytest.approx(J / 0.5)
     for found in (limit(Latch(0, 1.0, 50.0, 3.0)), limit(Stop(0, 1.0, "below", 50.0, 3.0))):
-        exact = (-12 / J + np.sqrt((12 / J) ** 2 + 16 * 50 / J)) / (2 * 50 / J)
+        exact = (-18 / J + np.sqrt((18 / J) ** 2 + 16 * 50 / J)) / (2 * 50 / J)
         assert 0.98 * exact < found <= exact * (1 + 1e-12)
     assert limit(Damper(0, 0.0)) == np.inf
 

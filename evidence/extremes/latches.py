@@ -1,0 +1,139 @@
+"""Extremes of what acts on openings: stiff latches, hard stops, huge and tiny friction and damping.
+
+A rigid flap on a hinge, at the default step; what is refused is tried again with smaller shares of
+the stable step, as its message says. Then it is judged by closed forms.
+"""
+
+import numpy as np
+
+import fpm
+from evidence.extremes.cables import attempt
+from evidence.rows import Row, at_most, refused
+from evidence.verification.latches import J, flap
+from fpm.kinds import Damper, Friction, Latch, Stop, TableSpring
+
+RIGHT = 0.01
+"""Allowed error of times, rates and angles, as a share."""
+
+
+def stiff_latches() -> list[Row]:
+    """Latches that hold a panel of 1 rad/s, from soft to very stiff: the swing is w √(J/k)."""
+    rows = []
+    for stiffness in (1.0, 1e2, 1e4, 1e6, 1e8):
+        scene = flap(Latch(0, 0.5, stiffness), rate=1.0)
+        swing = np.sqrt(J / stiffness)
+        name = f"latch of {stiffness:g} N m/rad"
+        found, name, outcome = attempt(name, scene, 0.5 + 2 * np.pi * swing * 3)
+        rows += found
+        if outcome is None:
+            continue
+        late = float(abs(outcome.events[0, 0] / 0.5 - 1))
+        note = f"{outcome.steps} steps"
+        rows.append(at_most(f"{name}: catches in time", late, RIGHT, "0.5 s", note))
+        stored = outcome.energies["latch"] + outcome.energies["kinetic"]
+        worst = float(np.abs(stored / (J / 2) - 1).max())
+        rows.append(at_most(f"{name}: keeps energy", worst, RIGHT, "J w²/2", note))
+    return rows
+
+
+def hard_stops() -> list[Row]:
+    """Stops without and with far too much damping."""
+    rows = []
+    for stiffness in (1.0, 1e3, 1e6, 1e9):
+        for ratio in (0.0, 100.0):
+            damping = 2 * ratio * np.sqrt(stiffness * J)
+            scene = flap(Stop(0, 0.1, "above", stiffness, damping), rate=1.0)
+            name = f"stop of {stiffness:g} N m/rad, {ratio:g} of critical damping"
+            long = 0.1 + 4 * np.pi * np.sqrt(J / stiffness) * (1 if ratio == 0 else 0.1)
+            found, name, outcome = attempt(name, scene, long)
+            rows += found
+            if outcome is None:
+                continue
+            kinetic = float(outcome.energies["kinetic"][-1]) / (J / 2)
+            wanted = 1.0 - (ratio > 0)
+            rows.append(
+                at_most(f"{name}: energy left", abs(kinetic - wanted), RIGHT, f"{wanted:g} of it",
+                        f"{outcome.steps} steps")
+            )  # fmt: skip
+    return rows
+
+
+def friction() -> list[Row]:
+    """Friction that stops a flap within its bend at once, and friction that is hardly there."""
+    rows = []
+    for moment in (1e-6, 1.0, 1e3, 1e6):
+        exact = J / (2 * moment)
+        duration = min(2.0, J / moment + 2.0)
+        name = f"friction of {moment:g} N m"
+        found, name, outcome = attempt(name, flap(Friction(0, moment), rate=1.0), duration)
+        rows += found
+        if outcome is None:
+            continue
+        opening = outcome.openings["hinge"]
+        if J / moment > duration:
+            exact = duration - moment / J * duration**2 / 2
+        error = float(abs(opening[-1] - exact))
+        rows.append(at_most(f"{name}: is at (rad)", error, 1.1e-3, "J w²/2M, within its bend",
+                            f"{outcome.steps} steps"))  # fmt: skip
+    return rows
+
+
+def dampers() -> list[Row]:
+    """Dampers from one that is hardly there to one that stops the flap in a microsecond."""
+    rows = []
+    for damping in (1e-6, 1.0, 1e3, 1e6):
+        duration = 1.0 if damping < 10 else 100 * J / damping
+        name = f"damper of {damping:g} N m s/rad"
+        found, name, outcome = attempt(name, flap(Damper(0, damping), rate=1.0), duration)
+        rows += found
+        if outcome is None:
+            continue
+        way = J / damping * -np.expm1(-damping / J * duration)
+        error = float(abs(outcome.openings["hinge"][-1] / way - 1))
+        rows.append(at_most(f"{name}: way", error, RIGHT, "w J/c (1 - exp(-c t/J))",
+                            f"{outcome.steps} steps"))  # fmt: skip
+    return rows
+
+
+def tables() -> list[Row]:
+    """Tables with a step that is nearly a jump, and with slopes from flat to very steep."""
+    rows = []
+    for width in (1.0, 1e-2, 1e-4):
+        table = (0.5 - width / 2, 0.5 + width / 2), (0.5, -0.5)
+        scene = flap(TableSpring(0, *table))
+        found, name, outcome = attempt(f"table that turns over in {width:g} rad", scene, 8.0)
+        rows += found
+        if outcome is None:
+            continue
+        total = outcome.energies["table_spring"] + outcome.energies["kinetic"]
+        worst = float(np.abs(total / total[0] - 1).max())
+        rows.append(at_most(f"{name}: keeps energy", worst, RIGHT, "no loss",
+                            f"{outcome.steps} steps"))  # fmt: skip
+    return rows
+
+
+def refusals() -> list[Row]:
+    """What cannot be is refused when the scene is built."""
+    rows = []
+    wrong = {
+        "latch of -1 N m/rad": Latch(0, 0.5, -1.0),
+        "latch of infinite stiffness": Latch(0, 0.5, np.inf),
+        "stop of infinite damping": Stop(0, 0.5, "above", 1.0, np.inf),
+        "friction without bend": Friction(0, 1.0, bend=0.0),
+        "damper of -1 N m s/rad": Damper(0, -1.0),
+        "table with a jump": TableSpring(0, (0.0, 0.5, 0.5, 1.0), (1.0, 1.0, -1.0, -1.0)),
+    }
+    for name, element in wrong.items():
+        try:
+            flap(element)
+        except fpm.SceneError as error:
+            rows.append(refused(name, error))
+        else:
+            rows.append(Row(name, "built", passed=False, source="fpm.SceneError"))
+    return rows
+
+
+def study() -> list[Row]:
+    """All rows."""
+    parts = (stiff_latches, hard_stops, friction, dampers, tables, refusals)
+    return [row for part in parts for row in part()]

@@ -90,11 +90,16 @@ def _responses(
                 error=values("error", i),
                 published=published.get(name),
                 shares=values("width_overall", i, sensitivities),
-                widths=values("width", i, sensitivities),
+                widths=_told(values("width", i, sensitivities), values("error", i, sensitivities)),
                 outside=None if outside is None else float(outside),
             )
         )
     return tuple(responses)
+
+
+def _told(widths: np.ndarray | None, error: np.ndarray | None) -> np.ndarray | None:
+    """Widths (k, t), 0 where they are not above the error of the fit (t)."""
+    return widths if widths is None or error is None else np.where(widths > error, widths, 0.0)
 
 
 def _published(folder: Path) -> dict[str, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -101,7 +101,8 @@ class PageData:
     """All that the page tells.
 
     time (t,) s; bounds_kind: what the bounds are, in words; moving: the nominal run first, then
-    those at which bounds are attained; provenance: name -> text; config: text to start from again.
+    those at which bounds are attained; provenance: name -> text; config: text to start from again;
+    answers: what the summary tells of quantities, requirements and the best choice.
     """
 
     campaign: str
@@ -115,6 +116,7 @@ class PageData:
     work: tuple[Work, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
+    answers: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def nominal(self) -> Run | None:

@@ -10,6 +10,7 @@ from campaign.report import words
 from campaign.report.data import PageData
 from campaign.report.pack import payload
 from campaign.report.trust import trust
+from campaign.results import answers, decisions
 from campaign.results.units import pretty
 
 _FOLDER = Path(__file__).parent
@@ -40,6 +41,9 @@ def render(data: PageData) -> str:
     )
     return environment.get_template("page.html").render(
         data=data,
+        answers=data.answers,
+        told=answers,
+        decided=decisions,
         headline=words.headline(data),
         facts=words.facts(data),
         cautions=words.cautions(data),

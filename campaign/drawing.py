@@ -10,12 +10,18 @@ import os
 import subprocess
 import sys
 from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 
 from campaign.config.sections import Campaign, as_json
 from campaign.errors import CampaignError
 from campaign.folder import Folder
 from campaign.stages import STAGES
+
+_READY = (
+    "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf", "matplotlib.figure",
+    "netCDF4", "scipy.io",
+)  # fmt: skip
 
 
 class Draughtsman:
@@ -48,9 +54,8 @@ class Draughtsman:
 
 def draw() -> None:
     """Draw what the lines of standard input ask for."""
-    import matplotlib.backends.backend_agg
-    import matplotlib.backends.backend_pdf
-    import matplotlib.figure  # noqa: F401 - ready before the first line comes
+    for name in _READY:  # before the first line comes
+        import_module(name)
 
     for line in sys.stdin:
         order = json.loads(line)

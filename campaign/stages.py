@@ -10,7 +10,9 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from pathlib import Path
+from threading import Thread
 from typing import Any, get_type_hints
 
 from campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
@@ -156,6 +158,8 @@ def report(folder: Folder, tell: Tell) -> None:
     """Make the page that shows and tells everything, with the motion of some runs."""
     from campaign.report import from_results, make_motions, words, write_page
 
+    # What turns frames into quaternions is imported while the runs are integrated.
+    Thread(target=import_module, args=("scipy.spatial.transform",), daemon=True).start()
     if not make_motions(folder.path):
         tell("no run is made again: the structure or the mechanics have changed since")
     data = from_results(folder.path)

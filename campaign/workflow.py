@@ -145,6 +145,18 @@ class Workflow:
         figures = self.envelope_figures(str(self.folder.path)) + others
         return [*figures, *summary, str(self.folder.report)]
 
+    def other_report(self, results: Path = Path("results")) -> str:
+        """What to say where the campaign of `--report` was not asked for and is not the last one
+        that was run; nothing where it is."""
+        reports = {path.parent.name: path.stat().st_mtime for path in results.glob("*/report.html")}
+        last = max(reports, key=reports.get, default=self.name)
+        if last == self.name:
+            return ""
+        return (
+            f"--report without --configfile is about the campaign {self.name}, but {last} was the "
+            f"last one that was run; add --configfile with the config of the one that is meant"
+        )
+
     def last_words(self) -> str:
         """What was told when the page was made: the answer, and which file to open."""
         return (self.folder / "logs/report.log").read_text(encoding="utf-8").strip()

@@ -1,4 +1,4 @@
-"""Run a study: ``python -m evidence NAME [--output results/NAME]``.
+"""Run a study: ``python -m evidence NAME [--output results/NAME]``; `attack` attacks the program.
 
 The exit status tells whether the study ran, not whether all rows passed: a row that fails stays in
 summary.json and table.md as a failing row. ``--strict`` makes failing rows an exit status of 1.
@@ -36,6 +36,11 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: list[str] | None = None) -> int:
     """Parse the command line, run, write; returns the exit status."""
+    given = sys.argv[1:] if arguments is None else arguments
+    if given[:1] == ["attack"]:
+        from evidence.attack.attack import main as attack
+
+        return attack(given[1:])
     options = parser().parse_args(arguments)
     study = STUDIES[options.study]
     module = importlib.import_module(f"evidence.{study.name}.study")

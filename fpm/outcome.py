@@ -86,16 +86,6 @@ class Outcome:
         """Largest angle (t,) in rad between the axes of a hinge."""
         return self._recorded_or_zero("hinge_axis_gap")
 
-    @property
-    def largest_bend(self) -> float:
-        """The largest bend; 0 without beams."""
-        return self.largest.get("bend", 0.0)
-
-    @property
-    def largest_strain(self) -> float:
-        """The largest strain; 0 without beams."""
-        return self.largest.get("strain", 0.0)
-
     def _by_name(self, name: str) -> dict[str, np.ndarray]:
         if name not in self.recorded:
             return {}

@@ -5,8 +5,7 @@ Everything is in SI units; positions, directions and loads are given in global a
 """
 
 from collections.abc import Sequence
-from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -277,19 +276,6 @@ class Scene:
     def arm_to(self, particle: int, point) -> VirtualBeam:
         """The virtual beam from a particle to a point (3,) m."""
         return VirtualBeam.to_point(particle, self.position[particle], self.frame[particle], point)
-
-    def going_on(self, motion, openings: Sequence[float]) -> "Scene":
-        """The scene in another state, strained as it is there: a run that goes on from another.
-
-        motion: an Outcome's `final`, openings (rad): of all hinges there.
-        """
-        out = copy(self)
-        out.unstrained = self.frame if self.unstrained is None else self.unstrained
-        out.position, out.frame, out.velocity, out.spin = motion
-        out.hinges = [
-            replace(h, opening=float(x)) for h, x in zip(self.hinges, openings, strict=True)
-        ]
-        return out
 
     # -- names -----------------------------------------------------------------------
 

@@ -135,7 +135,9 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.stem}.{_host()}-{os.getpid()}.part{path.suffix}")
+    # Some writers look at the ending; but who lists netCDF files shall not meet half a one.
+    ending = "" if path.suffix == ".nc" else path.suffix
+    temporary = path.with_name(f".{path.stem}.{_host()}-{os.getpid()}.part{ending}")
     try:
         yield temporary
         if facts is not None:

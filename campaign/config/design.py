@@ -5,11 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from campaign.config.sections import DesignChoice, Experiment
-
-# Options that each method takes.
-_OPTIONS = {"total_degree": ("oversampling", "existing"), "scan": ("samples", "seed", "sequence")}
-_START = {"tensor_roots": 3}  # the paper's order; 2 for the others
+from campaign.config.sections import DesignChoice, Experiment, Solver
 
 
 def make_design(choice: DesignChoice, box: Any) -> Any:
@@ -19,14 +15,32 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
     """
     import intervals
 
-    options = {key: getattr(choice, key) for key in _OPTIONS.get(choice.method, ())}
+    known = intervals.METHODS[choice.method].options
+    options = {name: getattr(choice, name) for name in known if hasattr(choice, name)}
     design = intervals.make_design(choice.method, box, choice.order, **options)
     return intervals.split_design(design, choice.parts) if choice.parts else design
 
 
+MOST_STEPS = 10**9
+"""Steps of a run: of the smallest scene, a day."""
+
+
+def steps_problems(solver: Solver, step: float) -> list[str]:
+    """Whether a run has more steps (of `step` s) than anybody waits for, as a sentence."""
+    if solver.duration / step <= MOST_STEPS:
+        return []
+    which = "duration" if solver.step == "auto" else "step"
+    return [
+        f"solver.{which}: {solver.duration / step:.3g} steps of {step:.3g} s; allowed: at most "
+        f"{MOST_STEPS:.0e} steps, a duration of {MOST_STEPS * step:.3g} s"
+    ]
+
+
 def start_of(experiment: Experiment) -> Experiment:
     """The experiment of the first round of `order: auto`: a low order where there is a width."""
-    order = _START.get(experiment.design.method, 2)
+    import intervals
+
+    order = intervals.METHODS[experiment.design.method].first
     orders = tuple(order if i.upper > i.lower else 0 for i in experiment.intervals.values())
     return replace(experiment, design=replace(experiment.design, order=orders))
 

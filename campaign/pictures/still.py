@@ -38,7 +38,7 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
     limits = limits_of(np.vstack([np.reshape(p, (-1, 3)) for p in places]), view)
     across, up = limits[1] - limits[0]
     size = max(across, up)
-    figure = Figure(figsize=(width, min(1.4 * width, width * (up + 0.2 * size) / across)))
+    figure = Figure(figsize=(width, min(1.1 * width, width * (up + 0.2 * size) / across)))
     ax = figure.add_axes((0, 0, 1, 1))
     frame_picture(ax, limits, view)
     if len(solid.nodes):

@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from campaign.config.design import make_design
+from campaign.config.design import make_design, steps_problems
 from campaign.config.sections import Experiment, digest
+from campaign.errors import CampaignError
 from campaign.plan.plan import Plan, Run, TimeStep
 
 
@@ -72,5 +73,7 @@ def choose_step(experiment: Experiment) -> TimeStep:
         if stable.step < limit:
             limit, element = float(stable.step), str(stable.element)
     wanted = solver.safety * limit if solver.step == "auto" else solver.step
+    for problem in steps_problems(solver, wanted):
+        raise CampaignError(problem)
     division = fpm.divide_time(solver.duration, solver.instants, wanted)
     return TimeStep(division.step, division.per_instant, limit, element)

@@ -34,7 +34,8 @@ class Response:
 
     error: estimated error of the bounds; published: a largest difference to be put beside ours;
     shares (k,) and widths (k, t): what each parameter contributes, overall and at every instant;
-    outside: by how much runs that were not fitted leave the bounds.
+    outside: by how much runs that were not fitted leave the bounds; share_outside: at which share
+    of their instants; impossible: by how much the fitted curve falls below what is possible.
     """
 
     name: str
@@ -48,6 +49,8 @@ class Response:
     shares: np.ndarray | None = None
     widths: np.ndarray | None = None
     outside: float | None = None
+    share_outside: float = 0.0
+    impossible: float = 0.0
 
     @property
     def widest(self) -> int:
@@ -102,7 +105,8 @@ class PageData:
 
     time (t,) s; bounds_kind: what the bounds are, in words; moving: the nominal run first, then
     those at which bounds are attained; provenance: name -> text; config: text to start from again;
-    answers: what the summary tells of quantities, requirements and the best choice.
+    answers: what the summary tells of quantities, requirements and the best choice;
+    overlap: of the faces of a contact, rad.
     """
 
     campaign: str
@@ -117,6 +121,7 @@ class PageData:
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
     answers: Mapping[str, Any] = field(default_factory=dict)
+    overlap: float = 0.0
 
     @property
     def nominal(self) -> Run | None:

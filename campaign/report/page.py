@@ -11,6 +11,7 @@ from campaign.report.data import PageData
 from campaign.report.pack import payload
 from campaign.report.trust import trust
 from campaign.results import answers, decisions
+from campaign.results.summary import kind_text
 from campaign.results.units import pretty
 
 _FOLDER = Path(__file__).parent
@@ -46,6 +47,7 @@ def render(data: PageData) -> str:
         decided=decisions,
         headline=words.headline(data),
         facts=words.facts(data),
+        kind=kind_text(data.bounds_kind),
         cautions=words.cautions(data),
         verdicts=[words.verdict(data, response) for response in data.responses],
         spread=words.spread,

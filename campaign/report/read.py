@@ -45,6 +45,7 @@ def from_results(folder: str | Path) -> PageData:
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
         answers={name: summary[name] for name in _ANSWERS if name in summary},
+        overlap=float(samples["overlap"].max()),
     )
     drawn = {*data.lines, *(moving.run for moving in data.moving)}
     return replace(data, runs=_with_curves(runs, folder / "samples.nc", drawn))
@@ -79,7 +80,7 @@ def _responses(
 
     responses = []
     for i, name in enumerate(bounds["response"].values.tolist()):
-        outside = values("worst_violation", i)
+        outside, inside = values("worst_violation", i), values("coverage", i)
         responses.append(
             Response(
                 name=name,
@@ -93,6 +94,8 @@ def _responses(
                 shares=values("width_overall", i, sensitivities),
                 widths=_told(values("width", i, sensitivities), values("error", i, sensitivities)),
                 outside=None if outside is None else float(outside),
+                share_outside=float(1.0 - (1.0 if inside is None else inside)),
+                impossible=float(values("largest_impossible", i) or 0.0),
             )
         )
     return tuple(responses)

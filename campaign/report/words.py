@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from campaign.report.data import PageData, Parameter, Response
 from campaign.results.answers import interval
 from campaign.results.decisions import verdict as decided
+from campaign.results.summary import SOFT
 from campaign.results.units import pretty
 
 SMALL, LARGE = 0.05, 0.25
@@ -111,6 +112,18 @@ def cautions(data: PageData) -> list[str]:
             )
         elif v.grade == "unknown":
             sentences.append(f"There is no error estimate for {name}.")
+        if v.response.impossible > 0:
+            most = quantity(v.response.impossible, v.response.units, 2)
+            sentences.append(
+                f"The curve fitted to {name} falls up to {most} below what is possible; the bounds "
+                "do not."
+            )
+    if data.overlap > SOFT:
+        most = quantity(data.overlap, "rad", 2)
+        sentences.append(
+            f"Faces that touch pass through each other by up to {most}: the contacts are too soft "
+            "to be contacts."
+        )
     return sentences
 
 
@@ -145,7 +158,10 @@ def verdict(data: PageData, response: Response) -> Verdict:
         worst = f"{quantity(response.error[where], units, 2)} at {data.time[where]:.4g} s"
     outside = ""
     if response.outside is not None:
-        outside = "nothing" if response.outside <= 0 else quantity(response.outside, units, 2)
+        outside = "none"
+        if response.outside > 0:
+            outside = f"{percent(response.share_outside)} of their instants, by at most "
+            outside += quantity(response.outside, units, 2)
     return Verdict(
         response, float(data.time[at]), quantity(width, units),
         f"{number(low, 4)} to {quantity(high, units, 4)}",

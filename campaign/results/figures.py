@@ -172,4 +172,4 @@ def save(figure: Any, path: Path, **options: Any) -> None:
             metadata = {"CreationDate": None} if kind == "pdf" else {"Software": None}
             fast = {"pil_kwargs": {"compress_level": 3}} if kind == "png" else {}
             figure.savefig(temporary, dpi=200, metadata=metadata, **fast, **options)
-        figure.set_layout_engine("none")  # found by now, and the same for the next kind
+        figure.set_layout_engine(None)  # found by now, and the same for the next kind

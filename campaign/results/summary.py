@@ -85,7 +85,11 @@ def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
 
 def bounds_text(bounds: Any) -> str:
     """What the bounds in the open `bounds.nc` are, and that they promise nothing of a structure."""
-    kind = bounds.bounds_kind
+    return kind_text(bounds.bounds_kind)
+
+
+def kind_text(kind: str) -> str:
+    """The same for a kind of bounds."""
     if kind.startswith("enclosed"):
         return f"{kind.removeprefix('enclosed ')} fitted to the runs, an estimate of the model's"
     if kind.startswith("attained"):

@@ -8,13 +8,22 @@ from functools import partial
 import fpm
 from evidence import plots
 from evidence.results import Report
-from evidence.verification import bennett, cables, dynamics, joints, rotation, statics, vibration
+from evidence.verification import (
+    bennett,
+    cables,
+    dynamics,
+    joints,
+    motors,
+    rotation,
+    statics,
+    vibration,
+)
 from evidence.verification.bench import Bench
 from evidence.verification.relax import NotAtRest
 
 PROBLEMS: dict[str, Callable[[Bench], None]] = {
     name: problem
-    for family in (statics, vibration, rotation, dynamics, joints, cables, bennett)
+    for family in (statics, vibration, rotation, dynamics, joints, motors, cables, bennett)
     for name, problem in family.PROBLEMS.items()
 }
 """Name of every problem -> its function."""

@@ -10,8 +10,11 @@ from fpm.kinds.hinge import Hinge
 from fpm.kinds.joint import Joint
 from fpm.kinds.kind import Kind
 from fpm.kinds.load import Load
+from fpm.kinds.motor import Motor, TorqueMotor
 from fpm.kinds.opening import Opening
+from fpm.kinds.release import Release
 from fpm.kinds.support import Support
+from fpm.kinds.sync_loop import SyncLoop
 from fpm.kinds.torsion_spring import TorsionSpring
 
 KINDS: tuple[type[Kind], ...] = (
@@ -23,6 +26,10 @@ KINDS: tuple[type[Kind], ...] = (
     Contact,
     Load,
     Cable,
+    SyncLoop,
+    Motor,
+    TorqueMotor,
+    Release,
     Drive,
     Support,
     Damping,

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
+from fpm.kinds.cable_bounds import bounding_springs
 from fpm.kinds.kind import Energy, Kind, Recorded, Watch
 from fpm.kinds.virtual_beam import VirtualBeam
 
@@ -141,8 +142,6 @@ class Cable(Kind):
     @classmethod
     def deformations(cls, scene):
         """Bounds that hold wherever the cables' points move to (cable_bounds.py)."""
-        from fpm.kinds.cable_bounds import bounding_springs
-
         return bounding_springs(scene, cls.of(scene))
 
     @classmethod

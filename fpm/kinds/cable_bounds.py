@@ -12,17 +12,20 @@ lengths are those at the start; where one becomes much shorter, the balance of e
 """
 
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fpm.kinds.cable import Cable
 from fpm.kinds.kind import Deformations
 from fpm.kinds.virtual_beam import VirtualBeam
+
+if TYPE_CHECKING:
+    from fpm.kinds.cable import Cable
 
 TURNED = 2.0
 
 
-def bounding_springs(scene, cables: Sequence[Cable]) -> Deformations | None:
+def bounding_springs(scene, cables: Sequence["Cable"]) -> Deformations | None:
     """Springs from the cables' points to the ground; None if all points are held."""
     rows = []
     for number, cable in enumerate(cables):
@@ -39,7 +42,7 @@ def bounding_springs(scene, cables: Sequence[Cable]) -> Deformations | None:
     return Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True))) if rows else None
 
 
-def _pieces(scene, cable: Cable) -> Iterator[tuple[Sequence[VirtualBeam], float]]:
+def _pieces(scene, cable: "Cable") -> Iterator[tuple[Sequence[VirtualBeam], float]]:
     """The points of what has one tension, and its stiffness (N/m) at its shortest."""
     shortest = cable.shortest(scene)
     if not cable.rubs:

@@ -124,7 +124,7 @@ class Joint(Kind):
         found = list(scene.kinds.get(cls, []))
         for hinge, lone in zip(scene.hinges, alone(scene), strict=True):
             if not lone:
-                found += _as_joints(hinge)
+                found += as_joints(hinge)
         return found
 
     def check(self, scene):
@@ -186,7 +186,8 @@ class Joint(Kind):
         }
 
 
-def _as_joints(hinge: Hinge) -> Sequence[Joint]:
+def as_joints(hinge: Hinge) -> Sequence[Joint]:
+    """A hinge as a joint, and its support as another."""
     joint = Joint(hinge.name, "revolute", hinge.beams, hinge.axes, hinge.references)
     if not hinge.support:
         return [joint]

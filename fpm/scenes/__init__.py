@@ -3,10 +3,12 @@
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from importlib import import_module
 
 from fpm import sources
 from fpm.errors import SceneError
+from fpm.kinds import energies_of
 from fpm.scene import Scene
 
 LENGTHS, SIDES, MODULI, DENSITIES = (1e-3, 1e4), (1e-5, 10.0), (1e4, 1e13), (0.1, 1e5)
@@ -97,8 +99,13 @@ class SceneType:
     points: tuple[str, ...]
     hinges: tuple[str, ...]
     function: Callable[..., Scene]
-    energies: tuple[str, ...] = ("kinetic", "strain", "spring", "contact", "balance")
     cables: tuple[str, ...] = ()
+
+    @cached_property
+    def energies(self) -> tuple[str, ...]:
+        """Names of the energies that its runs have."""
+        own = (energy.name for energy in energies_of(self.build().kinds))
+        return ("kinetic", *own, "balance")
 
     @property
     def content(self) -> str:

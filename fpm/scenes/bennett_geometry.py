@@ -179,11 +179,6 @@ class BennettGeometry:
         return np.array([-s, -math.cos(self.lam) * c, math.sin(self.lam) * c])
 
     @property
-    def folded_opening_a(self) -> float:
-        """Opening at A and C in the bundle of four parallel bars, rad (more than pi)."""
-        return 2.0 * math.acos(-math.sin(self.lam) * math.sin(self.mu))
-
-    @property
     def folded_opening_b(self) -> float:
         """Opening at B and D in the bundle of four parallel bars, rad (less than pi)."""
         return 2.0 * math.acos(math.cos(self.lam) * math.cos(self.mu))

@@ -8,11 +8,9 @@ import functools
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from fpm.errors import SceneError, did_you_mean
-from fpm.kinds import energies_of
 from fpm.scene import Scene
 from fpm.scenes import SceneType
 from fpm.sources import syntax_digest
@@ -20,17 +18,11 @@ from fpm.structures.builder import Builder
 from fpm.structures.model import TEXTS, Model
 from fpm.structures.parameters import Given, read_parameters
 from fpm.structures.problems import Problem, Problems, StructureError, among
+from fpm.structures.python_file import load_python
 from fpm.structures.reading import Table, Text, plain, read
+from fpm.structures.structure_type import StructureType
 
 __all__ = ["StructureError", "StructureType", "check", "load", "loads"]
-
-
-@dataclass(frozen=True)
-class StructureType(SceneType):
-    """A scene from a file. mesh: the parameter that sets the mesh, or None; content: its digest."""
-
-    mesh: str | None = None
-    content: str = ""
 
 
 class _File:
@@ -65,8 +57,6 @@ def load(path: str | Path) -> SceneType:
     """The structure of a file, `.yaml` or `.py`; StructureError says all that is wrong with it."""
     path = Path(path)
     if path.suffix == ".py":
-        from fpm.structures.python_file import load_python
-
         return load_python(path)
     try:
         text = path.read_text(encoding="utf-8")
@@ -101,7 +91,6 @@ def loads(text: str, source: str = "structure") -> StructureType:
         points=tuple(scene.points),
         hinges=tuple(hinge.name for hinge in scene.hinges),
         function=file.build,
-        energies=("kinetic", *(energy.name for energy in energies_of(scene.kinds)), "balance"),
         cables=tuple(cable.name for cable in scene.cables),
         mesh=mesh,
         content=hashlib.sha256(f"{_language()} {json.dumps(plain(table))}".encode()).hexdigest()[

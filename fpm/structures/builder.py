@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from fpm.structures.model import Model
 
 
+APART = 1e-9
+"""Points that differ by less, as a share of the structure's size, are one."""
+
+
 @dataclass(frozen=True)
 class Point:
     """A named point: where it is at the start, (3,) m."""
@@ -26,7 +30,7 @@ class Point:
 
 
 class Part:
-    """A bar, or later a body: which particle carries each of its points."""
+    """A bar or a body: which particle carries each of its points."""
 
     def __init__(self, name: str, points: Mapping[str, int]):
         self.name, self.points = name, dict(points)

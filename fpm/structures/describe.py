@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from fpm.kinds.cable import Cable, length_through
+from fpm.kinds.joint import Joint
 from fpm.kinds.virtual_beam import VirtualBeam
 from fpm.scene import Scene
 from fpm.scenes import Parameter, SceneType
@@ -17,7 +18,9 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
     cost, mobility = report.cost(scene, duration), report.mobility(scene)
     mesh = getattr(found, "mesh", None)
     rows = [[name, *_row(p, name == mesh)] for name, p in found.parameters.items()]
-    hinges = [f"{h.name} (opening {np.degrees(h.opening):.4g} deg)" for h in scene.hinges]
+    joints = [f"{h.name} (opening {np.degrees(h.opening):.4g} deg)" for h in scene.hinges]
+    joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
+    redundant = report.redundant(scene)
     cables = [_cable(scene, cable) for cable in scene.cables]
     points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
     lines = [
@@ -26,18 +29,26 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
         *_table([["parameter", "default", "unit", "allowed", "description"], *rows]),
         "",
         *_listed("points", points),
-        *_listed("joints", hinges),
+        *_listed("joints", joints),
         *(_listed("cables", cables) if cables else ()),
         "",
         f"mass          {report.mass(scene):.6g} kg",
         f"its centre    {_vector(report.centre(scene))}",
         f"mobility      {mobility.degrees} ways to move: {mobility.parts} moving parts, "
         f"{mobility.conditions} conditions, {mobility.redundant} of them redundant",
-        f"stable step   {cost.step:.4g} s, set by {cost.element}",
+        *([f"redundant     {', '.join(redundant)}"] if redundant else []),
+        f"stable step   {_step(cost)}",
         f"a run         {len(scene.elements)} elements, {cost.steps} steps for {duration:g} s, "
         f"{cost.element_steps:.3g} steps of elements",
     ]
     return "\n".join(lines)
+
+
+def _step(cost: report.Cost) -> str:
+    """The stable step, and what sets it."""
+    if cost.step == np.inf:
+        return "none, as nothing is elastic: a step is at most the time between two instants"
+    return f"{cost.step:.4g} s, set by {cost.element}"
 
 
 def _row(parameter: Parameter, is_mesh: bool) -> list[str]:

@@ -175,7 +175,7 @@ class Part(Reference):
 
     @property
     def allowed(self) -> str:
-        return "the name of a bar, or ground" if self.ground else "the name of a bar"
+        return "the name of a bar or body" + (", or ground" if self.ground else "")
 
     def read(self, node: Node, place: Place) -> str:
         full = place.reference(node, self.group)

@@ -9,6 +9,7 @@ from fpm.scene import Scene
 from fpm.scenes import Parameter, SceneType
 from fpm.sources import own_sources, syntax_digest
 from fpm.structures.problems import Problem, StructureError
+from fpm.structures.structure_type import StructureType
 
 
 def load_python(path: Path) -> SceneType:
@@ -17,8 +18,6 @@ def load_python(path: Path) -> SceneType:
     PARAMETERS: dict of fpm.scenes.Parameter; build(**parameters) -> fpm.Scene; MESH: the name of
     the parameter that sets the mesh. The docstring is its description. StructureError otherwise.
     """
-    from fpm.structures import StructureType
-
     module = _run(path)
     parameters, build = getattr(module, "PARAMETERS", None), getattr(module, "build", None)
     mesh = getattr(module, "MESH", None)

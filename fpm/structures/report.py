@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.kinds.joint import Joint, as_joints
 from fpm.kinds.kind import AXES
 from fpm.scene import Scene
 from fpm.timestep import stable_step
@@ -69,16 +70,15 @@ def mobility(scene: Scene) -> Mobility:
     Elastic bars are taken as rigid. The rank is that at the start; in a singular position, such as
     a mechanism that is folded flat, more ways are open than in the motion that follows.
     """
-    rows, parts = jacobian(scene)
-    if not rows.size:
-        return Mobility(parts, len(rows), len(rows), 6 * parts)
-    sizes = np.linalg.svd(rows, compute_uv=False)
-    rank = int((sizes > SMALLEST * sizes[0]).sum()) if sizes[0] > 0 else 0
+    found, parts = jacobian(scene)
+    rows = np.concatenate([np.zeros((0, 6 * parts)), *found.values()])
+    rank = _rank(rows)
     return Mobility(parts, len(rows), len(rows) - rank, 6 * parts - rank)
 
 
-def jacobian(scene: Scene) -> tuple[np.ndarray, int]:
-    """Conditions (c, 6 parts) on the parts' velocities and spins, and how many parts may move.
+def jacobian(scene: Scene) -> tuple[dict[str, np.ndarray], int]:
+    """Conditions (c, 6 parts) on the parts' velocities and spins, by joint or support, and how many
+    parts may move.
 
     A part's columns are its velocity at the structure's middle, and its spin times the structure's
     size; parts that are held altogether have none.
@@ -100,19 +100,60 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, int]:
             out[3:, at + 3 : at + 6] = np.eye(3)
         return out
 
-    rows = []
+    rows: dict[str, np.ndarray] = {}
     for particle in np.flatnonzero(scene.fixed.any(axis=1)):
         if own[particle] in moving:
-            rows.append(motion(particle, scene.position[particle])[scene.fixed[particle]])
-    for hinge in scene.hinges:
-        one, two = hinge.particles
-        point = scene.position[one] + scene.frame[one] @ hinge.beams[0].arm
-        axis = scene.frame[one] @ hinge.axes[0]
-        across = np.linalg.svd(axis[None])[2][1:]
-        first, second = motion(one, point), motion(two, point)
-        gap = second - first
-        rows += [gap[:3], across @ gap[3:], first[[AXES.index(c) for c in hinge.support]]]
-    return np.concatenate([np.zeros((0, 6 * len(moving))), *rows]), len(moving)
+            found = motion(particle, scene.position[particle])[scene.fixed[particle]]
+            rows[f"support of particle {particle}"] = found
+    for joint in _as_joints(scene):
+        first = joint.beams[0].particle
+        point = scene.position[first] + scene.frame[first] @ joint.beams[0].arm
+        one = motion(first, point)
+        if joint.type == "held":
+            rows[f"support {joint.name}"] = one[[AXES.index(c) for c in joint.held]]
+            continue
+        second = joint.beams[1].particle
+        gap = motion(second, point) - one
+        axis, across = scene.frame[first] @ joint.axes[0], scene.frame[first] @ joint.references[0]
+        other = scene.frame[second] @ joint.axes[1]
+        plane = np.array([across, np.cross(axis, across)])
+        points = plane if joint.type == "prismatic" else np.eye(3)
+        turns = {
+            "spherical": np.zeros((0, 3)),
+            "revolute": plane,
+            "universal": np.cross(axis, other)[None],
+        }.get(joint.type, np.eye(3))
+        rows[f"joint {joint.name}"] = np.concatenate([points @ gap[:3], turns @ gap[3:]])
+    return rows, len(moving)
+
+
+def _as_joints(scene: Scene) -> list[Joint]:
+    """All joints of a scene, its hinges among them, whoever solves them."""
+    hinges = [joint for hinge in scene.hinges for joint in as_joints(hinge)]
+    return [*hinges, *scene.kinds.get(Joint, [])]
+
+
+def _rank(rows: np.ndarray) -> int:
+    sizes = np.linalg.svd(rows, compute_uv=False) if rows.size else np.zeros(1)
+    return int((sizes > SMALLEST * sizes[0]).sum()) if sizes[0] > 0 else 0
+
+
+def redundant(scene: Scene) -> list[str]:
+    """Names of the joints and supports whose conditions depend on those of others.
+
+    Rigid parts can only bear them if lengths and axes fit exactly; elastic ones give way.
+    """
+    rows, _ = jacobian(scene)
+    if not rows:
+        return []
+    all_rows = np.concatenate(list(rows.values()))
+    left, sizes, _ = np.linalg.svd(all_rows)
+    rank = int((sizes > SMALLEST * sizes[0]).sum()) if sizes[0] > 0 else 0
+    # Combinations of conditions that are nothing: whoever has a share in one is redundant.
+    shares = np.linalg.norm(left[:, rank:], axis=1)
+    ends = np.cumsum([len(r) for r in rows.values()])[:-1]
+    parts = np.split(shares, ends)
+    return [name for name, share in zip(rows, parts, strict=True) if share.max(initial=0.0) > 1e-6]
 
 
 def cost(scene: Scene, duration: float, safety: float = 0.9) -> Cost:

@@ -19,7 +19,7 @@ from fpm.structures.today import LATER
 if TYPE_CHECKING:
     from fpm.structures.builder import Builder
 
-PARTS = ("bars",)
+PARTS = ("bars", "bodies")
 """Groups whose things are parts: what joints join, supports hold and loads act on."""
 
 

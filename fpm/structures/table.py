@@ -32,7 +32,11 @@ def _default(key: Key) -> str:
         return ""
     if isinstance(value, str):
         return f"`{value or 'none'}`"
-    return f"`{value:g}`" if isinstance(value, float) else f"`{[0] * 3}`"
+    if isinstance(value, tuple):
+        return "none"
+    return (
+        f"`{value:g}`" if isinstance(value, float) else f"`[{', '.join(f'{x:g}' for x in value)}]`"
+    )
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -61,11 +62,20 @@ class Method:
         The order to try after this one in one direction, best one that keeps the runs.
     needs_order
         Whether a user must give an order.
+    first
+        The order to begin with where the order is sought in rounds.
     """
 
     make: Callable[..., Design]
     higher: Callable[[int], int] = lambda order: order + 1
     needs_order: bool = True
+    first: int = 2
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Names of the options that a user has."""
+        parameters = inspect.signature(self.make).parameters.values()
+        return tuple(p.name for p in parameters if p.kind is p.KEYWORD_ONLY)
 
 
 def check_terms(count: int, most: int) -> None:

@@ -29,5 +29,6 @@ def _grid(orders, limit, rule, transform) -> Design:
     return Design(points, multi_indices.tensor(orders), transform=transform)
 
 
-ROOTS = Method(_roots, higher=lambda order: order + 2 if order else 1)
+# The paper's order is 3.
+ROOTS = Method(_roots, higher=lambda order: order + 2 if order else 1, first=3)
 LOBATTO = Method(_lobatto, higher=doubled)

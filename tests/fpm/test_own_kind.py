@@ -11,6 +11,7 @@ from ground_spring import GroundSpring
 import fpm
 from fpm.kernels import compiled
 from fpm.kinds.kind import Energy, Kind
+from fpm.scenes import SceneType
 
 MASS, STIFFNESS, REST = 2.0, 50.0, 0.4
 RATE = np.sqrt(STIFFNESS / MASS)  # of its oscillation, rad/s
@@ -126,6 +127,31 @@ def test_a_kernel_is_not_replaced_in_silence():
 
     with pytest.raises(ValueError, match="GroundSprings has a kernel for forces already"):
         hook(GroundSprings, "forces")(lambda part, world, now: None)
+
+
+def test_its_energy_can_be_a_response(outcome):
+    scene = SceneType("body", "a body on a spring", {}, ("body",), (), body)
+    assert scene.energies[0] == "kinetic" and scene.energies[-1] == "balance"
+    response = fpm.responses.parse("U", {"energy": "ground"}, scene)
+    assert np.array_equal(response.evaluate(outcome), outcome.energies["ground"])
+    with pytest.raises(fpm.SceneError, match="ground"):
+        fpm.responses.parse("U", {"energy": "heat"}, scene)
+
+
+class Tether(GroundSpring):
+    """A kind of its own that stores energy of the same name."""
+
+
+@pytest.mark.slow
+def test_kinds_may_share_the_name_of_their_energy():
+    """Two springs at one body, one of either kind: one energy, the sum, in the balance once."""
+    scene = body()
+    scene.add(Tether(0, (0.0, 0.0, 0.0), STIFFNESS, REST))
+    (outcome,) = fpm.simulate(scene, duration=2.0, instants=101, step=1e-3)
+    stretch = outcome.points["body"][0][:, 0] - REST
+    np.testing.assert_allclose(outcome.energies["ground"], STIFFNESS * stretch**2, atol=1e-12)
+    assert [kind.name for kind in outcome.energy_kinds].count("ground") == 1
+    assert np.abs(outcome.energies["balance"]).max() < 1e-4 * outcome.energies["ground"][0]
 
 
 class NoArrays(NamedTuple):

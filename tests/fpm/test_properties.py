@@ -15,7 +15,7 @@ import fpm
 
 INSTANTS = 11
 few = settings(
-    max_examples=12,
+    max_examples=8,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.too_slow],

@@ -78,9 +78,13 @@ def mirrored(scene: fpm.Scene, normal: int) -> fpm.Scene:
 
 def continued(scene: fpm.Scene, outcome: fpm.Outcome, direction: float) -> fpm.Scene:
     """The scene at the end of a run, moving on (direction 1) or back (-1)."""
-    final = outcome.final
-    motion = final._replace(velocity=direction * final.velocity, spin=direction * final.spin)
-    return scene.going_on(motion, [opening[-1] for opening in outcome.openings.values()])
+    out, final = copy(scene), outcome.final
+    out.unstrained = scene.frame if scene.unstrained is None else scene.unstrained
+    out.position, out.frame = final.position, final.frame
+    out.velocity, out.spin = direction * final.velocity, direction * final.spin
+    openings = [float(opening[-1]) for opening in outcome.openings.values()]
+    out.hinges = [replace(h, opening=x) for h, x in zip(scene.hinges, openings, strict=True)]
+    return out
 
 
 def reordered(scene: fpm.Scene, random: np.random.Generator) -> fpm.Scene:

@@ -133,6 +133,15 @@ def test_the_verdict_grades_the_estimated_error(data, share, grade):
     assert bool(said) == (grade in ("large", "unknown"))
 
 
+def test_what_speaks_against_the_bounds_is_said(data):
+    first = replace(data.responses[0], impossible=0.16, outside=0.02, share_outside=0.2)
+    said = " ".join(cautions(replace(data, responses=(first,), overlap=2.5)))
+    assert "falls up to 0.16" in said and "below what is possible" in said
+    assert "pass through each other by up to 2.5 rad" in said
+    assert verdict(data, first).outside.startswith("20 % of their instants, by at most 0.02")
+    assert "pass through" not in " ".join(cautions(replace(data, overlap=0.01)))
+
+
 def test_the_published_number_stands_beside_ours(data):
     first = data.responses[0]
     width = float(first.upper[first.widest] - first.lower[first.widest])

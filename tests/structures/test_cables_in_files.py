@@ -136,3 +136,57 @@ def test_a_prism_of_more_struts_has_another_form():
     scene = prism.build(n=5, radius=500.0, strut=1.1, wind=10.0)
     (outcome,) = fpm.simulate(scene, duration=2.0, instants=11)
     assert twist(outcome)[-1] == pytest.approx(90 - 180 / 5, abs=0.02)
+
+
+RING = """
+parameters: {n: {value: 4, whole: true}, R: {value: 2, unit: m}}
+materials: {steel: {E: 210 GPa, rho: 7850}}
+sections: {rod: {type: circle, diameter: 20 mm}}
+repeat:
+  post:
+    count: n
+    arrangement: ring
+    index: i
+    points:
+      low: [R*cos(2*pi*i/n), R*sin(2*pi*i/n), 0]
+      high: [R*cos(2*pi*i/n), R*sin(2*pi*i/n), 1]
+    bars: {bar: {through: [low, high], section: rod, material: steel, elements: 2}}
+cables:
+  around: {through: [{each: post, through: [high, low]}, post.first.high], EA: 1 kN, preload: 1 N}
+"""
+
+
+def test_a_cable_runs_through_the_same_points_of_every_unit():
+    for count in (3, 4):
+        scene = loads(RING).build(n=count)
+        (cable,) = scene.cables
+        tops = [3 * k + 2 for k in range(count)]
+        lows = [3 * k for k in range(count)]
+        expected = [p for pair in zip(tops, lows, strict=True) for p in pair]
+        assert [beam.particle for beam in cable.beams] == [*expected, tops[0]]
+        side = 4 * np.sin(np.pi / count)
+        assert cable.lengths(scene).sum() == pytest.approx(count * (1 + np.hypot(1, side)))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ("each: post", "each: pots", "cables.around.through.each: 'pots' is not allowed"),
+        ("[high, low]}", "[high, lo]}", "there is no point 'lo'"),
+        ("[{each: post, through: [high, low]}, post.first.high]", "[post.first.high]", "2 or more"),
+        ("through: [high, low]}", "through: high}", "cables.around.through"),
+    ],
+)  # fmt: skip
+def test_what_is_refused_of_units(old, new, problem):
+    text = RING.replace(old, new, 1)
+    assert text != RING
+    assert any(problem in told for told in problems_of(text)), problems_of(text)
+
+
+def test_a_bar_through_points_may_have_one_element_a_stretch():
+    text = SMALL.replace("[A, B], section", "[A, M, B], section").replace(
+        "points:", "points:\n  M: [half*cos(stow), 0, half*sin(stow)]"
+    )
+    scene = loads(text.replace("range: [2, 50]", "range: [1, 50]")).build(n=1)
+    assert len(scene.position) == 4  # and the ground
+    assert scene.mass[1:].sum() == pytest.approx(loads(SMALL).build().mass[1:].sum())

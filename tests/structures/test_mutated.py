@@ -11,6 +11,7 @@ from fpm.structures import StructureError, loads
 from fpm.structures.model import KEYS
 
 MUTANTS = 500
+NAMES = ("zfold.yaml", "panel.yaml", "pendulum.yaml", "tensegrity.yaml")
 NASTY = (
     "", "0", "-1", "nan", ".nan", ".inf", "1e400", "1e-400", "1e200", "-0.0", "null", "~", "true",
     "[", "]", "{}", "[]", "[[[]]]", "{a: {b: c}}", "'", '"', "&a x", "*a", "!!python/name:os.x",
@@ -55,7 +56,7 @@ def mutated(text: str, rng: random.Random) -> str:
 
 def sources() -> list[str]:
     """Structures with few particles, so that building them takes no time."""
-    small = [(FOLDER / name).read_text() for name in ("zfold.yaml", "panel.yaml", "pendulum.yaml")]
+    small = [(FOLDER / name).read_text() for name in NAMES]
     return [SMALL, *small, (FOLDER / "scissor.yaml").read_text().replace("{value: 3", "{value: 2")]
 
 

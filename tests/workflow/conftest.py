@@ -25,6 +25,7 @@ for line in sys.stdin:
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         os.dup2(os.open(output, os.O_WRONLY | os.O_CREAT), 1)
         os.dup2(1, 2)
+        sys.argv[1:] = arguments
         main(arguments)  # exits
     print(os.waitstatus_to_exitcode(os.wait()[1]), flush=True)
 """

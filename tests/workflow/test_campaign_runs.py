@@ -137,7 +137,8 @@ def beside_code(small, workplace):
     for name in ("results", ".snakemake", "campaign", "intervals"):
         source = ROOT if name in ("campaign", "intervals") else small.folder
         shutil.copytree(source / name, workplace.folder / name)
-    (workplace.folder / "fpm").symlink_to(ROOT / "fpm")
+    nothing = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "fpm", workplace.folder / "fpm", ignore=nothing)
     return workplace
 
 
@@ -163,6 +164,25 @@ def test_changed_code_runs_only_what_it_makes_whatever_the_times_of_files(small,
     os.utime(ranges, (0, 0))
     bounded = place.snakemake(*SMALL, "--dry-run")
     assert planned(bounded.stdout) == OF_BOUNDS
+
+
+def test_an_edited_kernel_makes_new_runs(small, workplace):
+    place = beside_code(small, workplace)
+    kernel = place.folder / "fpm" / "kinds" / "beam_kernels.py"
+    text = kernel.read_text()
+    kernel.write_text(text + "\n# A last word.\n")
+    assert "Nothing to be done" in place.snakemake(*SMALL, "--dry-run").stdout
+    kernel.write_text(text.replace("2.0 * ta2 + tb2", "2.1 * ta2 + tb2"))
+    os.utime(kernel, (0, 0))
+    assert planned(place.snakemake(*SMALL, "--dry-run").stdout) == ALL_RULES
+
+
+def test_a_report_is_about_the_campaign_that_was_run(small):
+    refused = small.snakemake("--report", "other.html")
+    assert refused.returncode != 0
+    assert "about the campaign paper, but small was the last one" in refused.stdout
+    assert "--configfile" in refused.stdout
+    assert not (small.folder / "other.html").exists()
 
 
 def test_what_was_lost_or_damaged_is_told_and_made_again(small, workplace):

@@ -30,6 +30,11 @@ except CampaignError as error:
     sys.exit(1)
 
 
+if "--report" in sys.argv and not workflow.config_settings.configfiles:
+    if other := WORKFLOW.other_report():
+        print(other, file=sys.stderr)
+        sys.exit(1)
+
 # Results tell what they were made from, and whether they are whole, wherever they come from.
 STALE = WORKFLOW.stale() if workflow.is_main_process else {}
 for reason in STALE.values():
@@ -87,7 +92,9 @@ def batches(wildcards):
 def previous_round(wildcards):
     """The files of the round before, which decide about this one; none for the first."""
     before = WORKFLOW.folder.round(int(wildcards.round)).previous()
-    return [before.plan, before.samples, before.bounds] if before else no_files(wildcards)
+    return (
+        [before.plan, before.samples, before.bounds] if before else no_files(wildcards)
+    )
 
 
 def last_round(wildcards):

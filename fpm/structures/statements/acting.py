@@ -1,9 +1,27 @@
 """What acts on a joint's opening."""
 
+from dataclasses import dataclass
+
+from fpm.errors import SceneError
 from fpm.structures.keys import Number, Reference
 from fpm.structures.statement import statement
 
-JOINT = Reference(group="joints", about="on which joint it acts")
+
+@dataclass(frozen=True)
+class RevoluteJoint(Reference):
+    """The name of a revolute joint; its value is the index of the hinge."""
+
+    group: str = "joints"
+    allowed = "the name of a revolute joint"
+
+    def value(self, read, build, key):
+        hinge = super().value(read, build, key)
+        if hinge is None:
+            raise SceneError(key, read, self.allowed)
+        return hinge
+
+
+JOINT = RevoluteJoint(about="on which joint it acts")
 
 
 @statement(

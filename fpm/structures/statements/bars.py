@@ -110,7 +110,8 @@ def _stretches(scene, it, points, directions, up) -> list[int]:
         if k < len(axes):
             masses, inertias = lumped[k]
             along = point + steps * (points[k + 1] - point)
-            inner = scene.add_particles(along, masses[1:-1], inertias[1:-1], axes[k])
+            if len(along):  # none in a stretch of one element
+                inner = scene.add_particles(along, masses[1:-1], inertias[1:-1], axes[k])
     return nodes
 
 

@@ -1,5 +1,8 @@
 """Supports: points of parts that are held."""
 
+import numpy as np
+
+from fpm.structures.builder import APART
 from fpm.structures.keys import Letters, Part, Reference
 from fpm.structures.statement import statement
 
@@ -13,4 +16,11 @@ from fpm.structures.statement import statement
 )
 def support(build, it):
     """Holds a point of a part along and about global axes."""
-    build.scene.fix(it.part.particle(it.at.name), it.translations, it.rotations)
+    scene, particle = build.scene, it.part.particle(it.at.name)
+    off = np.linalg.norm(it.at.position - scene.position[particle])
+    whole = len(it.translations) == len(it.rotations) == len("xyz")
+    if whole or off <= APART * build.size or not it.translations:
+        scene.fix(particle, it.translations, it.rotations)
+    else:
+        scene.hold_point(it.name, particle, it.at.position, it.translations)
+        scene.fix(particle, "", it.rotations)

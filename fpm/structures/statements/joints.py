@@ -5,12 +5,9 @@ from itertools import pairwise
 import numpy as np
 
 from fpm.kinds.hinge import unit
-from fpm.structures import today
+from fpm.structures.builder import APART
 from fpm.structures.keys import Direction, Each, Either, Letters, Many, Number, Part, Reference
 from fpm.structures.statement import statement
-
-APART = 1e-9
-"""Points that differ by less, as a share of the structure's size, are one."""
 
 PARTS = Many(kind=Part(ground=True), least=2, about="what it joins")
 AT = Either(
@@ -62,19 +59,79 @@ def meet(build, it) -> tuple[list[int], np.ndarray]:
     held=Letters("", "axes along which the point is held, as by a slider"),
 )
 def revolute(build, it):
-    """A hinge: two parts share a point and an axis, and turn freely about it."""
-    today.check_pair(build, it)
+    """A hinge: parts share a point and an axis, and turn freely about it.
+
+    The opening is that of the first two parts. Further ones are hinged to the first.
+    """
     particles, point = meet(build, it)
-    today.check_free(build, it, particles)
     references = it.references
     if references is not None:
         names = [part.name for part in it.parts]
         if references.keys() != set(names):
             build.refuse("references", list(references), f"one for each of {', '.join(names)}")
         references = [_across(build, references[name], it.axis) for name in names]
-    return build.scene.add_hinge(
-        it.name, particles, point, it.axis, references, it.opening, it.held
-    )
+    scene = build.scene
+    pair = particles[:2]
+    hinge = scene.add_hinge(it.name, pair, point, it.axis, references, it.opening, it.held)
+    for part, particle in zip(it.parts[2:], particles[2:], strict=True):
+        scene.add_hinge(f"{it.name}_{_own(part)}", (particles[0], particle), point, it.axis)
+    return hinge
+
+
+def _own(part) -> str:
+    """A part's name without that of its unit."""
+    return part.name.rpartition(".")[2]
+
+
+def _join(build, it, type: str, axis=(1.0, 0.0, 0.0), other=None) -> None:
+    """Join all parts to the first."""
+    particles, point = meet(build, it)
+    for k, (part, particle) in enumerate(zip(it.parts[1:], particles[1:], strict=True)):
+        name = f"{it.name}_{_own(part)}" if k else it.name
+        build.scene.add_joint(name, type, (particles[0], particle), point, axis, other)
+
+
+@statement("joints", "spherical", parts=PARTS, at=AT)
+def spherical(build, it):
+    """A ball and socket: parts share a point."""
+    _join(build, it, "spherical")
+
+
+@statement("joints", "fixed", parts=PARTS, at=AT)
+def fixed(build, it):
+    """Parts that neither move nor turn against each other there."""
+    _join(build, it, "fixed")
+
+
+PAIR = Many(kind=Part(ground=True), least=2, most=2, about="what it joins")
+
+
+@statement(
+    "joints",
+    "universal",
+    parts=PAIR,
+    at=AT,
+    axis=Direction(about="of the cross, on the first part"),
+    other=Direction(about="axis of the cross on the second part, normal to that on the first"),
+)
+def universal(build, it):
+    """Cardan's joint: parts share a point, and a cross about two axes that stay normal."""
+    if abs(it.axis @ it.other) > 1e-6:
+        build.refuse("other", it.other.tolist(), f"a direction normal to {it.axis.tolist()}")
+    other = unit(it.other - (it.axis @ it.other) * it.axis, "other")
+    _join(build, it, "universal", it.axis, other)
+
+
+@statement(
+    "joints",
+    "prismatic",
+    parts=PAIR,
+    at=AT,
+    axis=Direction(about="along which the second part slides on the first"),
+)
+def prismatic(build, it):
+    """A slider: the second part moves along an axis of the first, and does not turn on it."""
+    _join(build, it, "prismatic", it.axis)
 
 
 def _across(build, reference, axis) -> np.ndarray:

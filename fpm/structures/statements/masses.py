@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fpm.structures.builder import APART
 from fpm.structures.keys import Number, Part, Reference
 from fpm.structures.statement import statement
 
@@ -17,7 +18,7 @@ def mass(build, it):
     """A mass at a point of a part, with its centre there."""
     scene, particle = build.scene, it.part.particle(it.at.name)
     off = float(np.linalg.norm(it.at.position - scene.position[particle]))
-    if off > 1e-9 * build.size:
-        build.refuse("at", it.at.name, f"a point on the axis of {it.part.name}", off)
+    if off > APART * build.size:
+        build.refuse("at", it.at.name, f"a point on the axis of {it.part.name}, or its centre", off)
     scene.mass[particle] += it.mass
     scene.inertia[particle] += it.inertia

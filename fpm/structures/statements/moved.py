@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fpm.structures.builder import APART
 from fpm.structures.keys import Many, Number, Part, Reference, Vector
 from fpm.structures.statement import statement
 
@@ -51,6 +52,9 @@ def load(build, it):
 def drive(build, it):
     """Prescribes how a point of a part moves and turns."""
     particle = it.part.particle(it.at.name)
+    off = float(np.linalg.norm(it.at.position - build.scene.position[particle]))
+    if off > APART * build.size and np.any(it.spin):
+        build.refuse("at", it.at.name, "the centre of a body, or a point on the bar's axis", off)
     build.scene.drive(particle, it.velocity, it.spin, _index(it.curve))
 
 

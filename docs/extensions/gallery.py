@@ -1,0 +1,101 @@
+"""The gallery: every structure of the library, moving, made by the export when the site is built.
+
+`-D gallery_moves=0` draws stills instead, which simulates nothing.
+"""
+
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+DURATION = 2.0  # s, of structures that no shipped campaign is about
+
+
+def structures() -> dict[str, str]:
+    """The library: what a structure's command takes, by the structure's name."""
+    from campaign.config.scenes import scene_type
+
+    found = {}
+    for path in sorted((ROOT / "config/structures").glob("*.yaml")):
+        found[scene_type("", str(path)).name] = f"config/structures/{path.name}"
+    return found
+
+
+def campaigns() -> dict[str, str]:
+    """The first shipped campaign of each structure, by the structure's file or name."""
+    from campaign.config.check import load_config
+
+    found: dict[str, str] = {}
+    for path in sorted((ROOT / "config").glob("*.yaml"), key=lambda p: (p.stem != "paper", p.stem)):
+        scene = load_config([path]).experiment.scene
+        file = Path(scene.file).resolve().relative_to(ROOT).as_posix() if scene.file else scene.name
+        found.setdefault(file, f"config/{path.name}")
+    return found
+
+
+def command(structure: str, campaign: str | None) -> list[str]:
+    """The arguments of the export that makes a structure's picture."""
+    if campaign:
+        return ["export", campaign, "--to", "gif"]
+    return ["export", structure, "--to", "gif", "--duration", f"{DURATION:g}"]
+
+
+def picture(arguments: list[str], structure: str, name: str, folder: Path, moves: bool) -> str:
+    """Make a picture unless it is there; its name."""
+    from campaign.config.scenes import scene_type
+    from campaign.export import choose, export
+    from campaign.pictures.still import write_structure
+
+    found = scene_type(structure, str(ROOT / structure))
+    path = folder / f"{name}-{found.digest[:8]}.{'gif' if moves else 'png'}"
+    if not path.exists() and moves:
+        duration = None if "--duration" not in arguments else float(arguments[-1])
+        chosen = choose(str(ROOT / arguments[1]), duration=duration)
+        (made,) = export(chosen, "gif", folder)
+        made.rename(path)
+    elif not path.exists():
+        write_structure(found.build(), path)
+    return path.name
+
+
+def page(folder: Path, moves: bool) -> str:
+    """The gallery as Markdown."""
+    from campaign.config.scenes import scene_type
+
+    known, lines = campaigns(), []
+    for name, structure in structures().items():
+        found = scene_type("", str(ROOT / structure))
+        campaign = known.get(structure) or known.get(name)
+        arguments = command(structure, campaign)
+        image = picture(arguments, structure, name, folder, moves)
+        lines += [
+            f"## {name}", "", f"{found.description}.", "",
+            f"![{found.description}](made/{image})", "",
+            f"File `{structure}`" + (f", campaign `{campaign}`." if campaign else "."), "",
+            "```", f"python -m campaign {' '.join(arguments)}", "```", "",
+            f"Parameters: {', '.join(f'`{p}`' for p in found.parameters)}.", "",
+        ]  # fmt: skip
+        told = ROOT / "docs/library" / f"{Path(structure).stem}.md"
+        if told.exists():
+            lines += [
+                f"[What is modelled, and against what it was checked](library/{told.name})",
+                "",
+            ]
+    return "\n".join(lines)
+
+
+def make(app):
+    """Make pictures and page before the sources are read."""
+    folder = Path(app.srcdir) / "made"
+    folder.mkdir(exist_ok=True)
+    text = page(folder, bool(int(app.config.gallery_moves)))
+    target = folder / "gallery.md"
+    if not target.exists() or target.read_text(encoding="utf-8") != text:
+        target.write_text(text, encoding="utf-8")
+
+
+def setup(app):
+    """Listen for the builder."""
+    sys.path.insert(0, str(ROOT))
+    app.add_config_value("gallery_moves", "1", "env")
+    app.connect("builder-inited", make)
+    return {"parallel_read_safe": True}

@@ -1,0 +1,8 @@
+"""Attacks on the program: what happens to it, its files and its configs that nobody wants.
+
+    python -m evidence attack --minutes 60
+
+kills processes, fills the disk, damages and swaps files, mutates configs, and changes the code to
+see whether the tests notice. `ledger` counts; docs/trust.md tells what came out, and what is
+promised.
+"""

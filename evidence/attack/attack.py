@@ -1,0 +1,84 @@
+"""All attacks for a time, and what they came to."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import shutil
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from campaign.files import write_text
+from evidence.attack.configs import attack_by_config, attack_by_running, mutated
+from evidence.attack.damage import attack_files
+from evidence.attack.ledger import Ledger
+from evidence.attack.mutants import Hunt
+from evidence.attack.processes import attack_by_full_disk, attack_by_kill
+from evidence.attack.victim import Victim
+
+KINDS = ("files", "kills", "disks", "configs", "mutants")
+
+
+def attack(kinds: tuple[str, ...], minutes: float, seed: int, folder: Path) -> tuple[Ledger, Hunt]:
+    """Attack in turn, each kind with the same share of the time."""
+    rng, ledger, hunt = random.Random(seed), Ledger(), Hunt(seed)
+    with tempfile.TemporaryDirectory() as name:
+        place = Path(name)
+        victims = [Victim(place, keep) for keep in ("trajectories", "responses")]
+        for kind in kinds:
+            end = time.monotonic() + 60.0 * minutes / len(kinds)
+            while time.monotonic() < end:
+                _attack_once(kind, rng.choice(victims), place, ledger, hunt, rng)
+            print(f"{kind} done, {ledger.failed} bad so far", flush=True)
+            write_text(folder / "table.md", table(ledger, hunt))
+    return ledger, hunt
+
+
+def _attack_once(
+    kind: str, victim: Victim, place: Path, ledger: Ledger, hunt: Hunt, rng: random.Random
+) -> None:
+    here = place / "attacked"
+    shutil.rmtree(here, ignore_errors=True)
+    if kind == "files":
+        attack_files(victim, here, ledger, rng)
+    elif kind == "kills":
+        attack_by_kill(victim, here, ledger, rng)
+    elif kind == "disks":
+        attack_by_full_disk(victim, here, ledger, rng)
+    elif kind == "configs":
+        text = mutated(rng)
+        if found := attack_by_config(text, here, ledger, rng.random() < 0.05):
+            attack_by_running(found, text, here, ledger)
+    else:
+        hunt.one(place / "mutant")
+
+
+def table(ledger: Ledger, hunt: Hunt) -> str:
+    """What came out, as Markdown."""
+    return ledger.table() + ("\n" + hunt.table() if hunt.tried else "")
+
+
+def main(arguments: list[str]) -> int:
+    """Attack from the command line; status 1 if anything went wrong."""
+    parser = argparse.ArgumentParser(prog="python -m evidence attack", description=__doc__)
+    parser.add_argument("--minutes", type=float, default=60.0, help="%(default)s")
+    parser.add_argument("--seed", type=int, default=1, help="%(default)s")
+    parser.add_argument("--only", nargs="+", choices=KINDS, default=KINDS, help="these kinds")
+    parser.add_argument("--output", type=Path, default=Path("results", "attack"))
+    options = parser.parse_args(arguments)
+    ledger, hunt = attack(tuple(options.only), options.minutes, options.seed, options.output)
+    found = {
+        "minutes": options.minutes,
+        "seed": options.seed,
+        "counts": [[*key, count] for key, count in ledger.counts.items()],
+        "bad": ledger.bad,
+        "mutants": hunt.found,
+    }
+    write_text(options.output / "attack.json", json.dumps(found, indent=1) + "\n")
+    print(table(ledger, hunt))
+    for name, outcome, what in ledger.bad:
+        print(f"{name}: {outcome}: {what}\n", file=sys.stderr)
+    return 1 if ledger.bad else 0

@@ -1,0 +1,141 @@
+"""Configs changed at random: refused in words and at once, or run without a traceback."""
+
+from __future__ import annotations
+
+import copy
+import random
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+import campaign
+from campaign.config.check import load_config
+from campaign.config.design import count_runs
+from campaign.config.sections import Campaign
+from campaign.errors import CampaignError, ConfigError
+from evidence.attack.ledger import Ledger
+from evidence.attack.victim import RAW, silent
+
+BASES = (
+    RAW,
+    RAW | {"design": {"method": "smolyak", "order": "auto", "budget": 9}, "held_out": 1},
+    RAW | {
+        "intervals": {"a": {"absolute": 0.0004}, "E": {"lower": 0.9e9, "upper": 1.1e9}},
+        "design": {"method": "total_degree", "order": 2, "oversampling": 1.5},
+        "bounds": {"model": "spline"},
+    },
+    RAW | {"design": {"method": "scan", "samples": 6, "sequence": "sobol", "seed": 3}},
+    RAW | {"preset": "draft", "published": {"BD": 0.06}, "error": {"shade_above": 0.1}},
+)  # fmt: skip
+
+NASTY: tuple[Any, ...] = (
+    None, True, "", " ", "x", "auto", "norm", "B", "\n", "a\n", "../x", "x" * 300, "é", "1e9",
+    ".nan", 0, 1, -1, 2, 3, 64, 65, 10**9, 10**400, 2**63, 0.0, -0.0, 1e-300, 5e-324, 1e300, 0.1,
+    1e-9, 0.5, float("nan"), float("inf"), -float("inf"), [], {}, [[]], [1, 2], ["B", "D"],
+    ["B", "B"], {"a": 1},
+)  # fmt: skip
+LINES = (
+    "&a [*a]", "!!int abc", "!!python/object:os.system x", "2020-02-30", "[" * 50, "\x07", "\t",
+)  # fmt: skip
+KEYS = ("a", "E", "K_F", "order", "order ", "", "B" * 250, "x y")
+
+COSTLY = 3e6
+"""Steps times runs above which an accepted config is not simulated here."""
+
+
+def mutated(rng: random.Random) -> str:
+    """The text of a config that was changed in one to three places."""
+    data = copy.deepcopy(rng.choice(BASES))
+    for _ in range(rng.choice([1, 1, 2, 3])):
+        _change(data, rng)
+    text = yaml.safe_dump(data, allow_unicode=True)
+    if rng.random() < 0.15:
+        lines = text.split("\n")
+        at = rng.randrange(len(lines))
+        how = rng.randrange(4)
+        if how == 0:
+            lines[at] = lines[at] + rng.choice(LINES)
+        elif how == 1:
+            lines.insert(at, lines[rng.randrange(len(lines))])
+        elif how == 2:
+            lines[at] = "  " + lines[at]
+        else:
+            lines[at] = lines[at][: len(lines[at]) // 2]
+        text = "\n".join(lines)
+    return text
+
+
+def _change(data: Any, rng: random.Random) -> None:
+    """Change one place of nested mappings and lists: a value, a key, or whether it is there."""
+    places = list(_places(data))
+    holder, key = rng.choice(places)
+    how = rng.random()
+    if how < 0.6:
+        holder[key] = copy.deepcopy(rng.choice(NASTY))
+    elif how < 0.7 and type(holder[key]) in (int, float) and abs(holder[key]) < 1e12:
+        holder[key] *= rng.choice([-1, 10, 1000, 1e-3, 1e6])
+    elif how < 0.8 and isinstance(holder, dict):
+        holder[rng.choice(["a", "E", "K_F", "order", "order ", "", "B" * 250, "x y"])] = holder.pop(
+            key
+        )
+    elif how < 0.9:
+        del holder[key]
+    else:
+        other, name = rng.choice(places)
+        holder[key] = copy.deepcopy(other[name])
+
+
+def _places(data: Any) -> list[tuple[Any, Any]]:
+    keys = list(data) if isinstance(data, dict) else range(len(data))
+    found = [(data, key) for key in keys]
+    for key in keys:
+        if isinstance(data[key], dict | list):
+            found += _places(data[key])
+    return found
+
+
+def attack_by_config(
+    text: str, place: Path, ledger: Ledger, simulate: bool = True
+) -> Campaign | None:
+    """Check a config; what it means if it is accepted, to be simulated, and cheap."""
+    place.mkdir(parents=True, exist_ok=True)
+    path = place / "mutated.yaml"
+    path.write_text(text, encoding="utf-8", errors="surrogatepass")
+    accepted: list[Campaign] = []
+
+    def check() -> str:
+        try:
+            accepted.append(load_config([path]))
+        except ConfigError as error:
+            if len(str(error)) > 20_000:
+                raise RuntimeError(f"a message of {len(str(error))} letters") from None
+            return "refused"
+        return "right"
+
+    ledger.attempt("config mutated", text, 10.0, check)
+    return accepted[0] if accepted and simulate and _is_cheap(accepted[0]) else None
+
+
+def _is_cheap(found: Campaign) -> bool:
+    """Whether a campaign takes seconds: its steps, with the default one, times its runs."""
+    from campaign.plan.make import choose_step
+
+    experiment = found.experiment
+    if experiment.scene.parameters.get("elements_per_link", 12) > 4:
+        return False
+    steps = experiment.solver.duration / choose_step(experiment).step
+    return steps * count_runs(experiment) < COSTLY and experiment.solver.instants <= 5000
+
+
+def attack_by_running(found: Campaign, text: str, place: Path, ledger: Ledger) -> None:
+    """Simulate what was accepted: bounds, or a sentence."""
+
+    def run() -> str:
+        try:
+            bounds = campaign.run(found, place, figures=False, tell=silent)
+        except CampaignError:
+            return "refused"
+        return "right" if bool((bounds["lower"] <= bounds["upper"]).all()) else "wrong"
+
+    ledger.attempt("accepted config run", text, 120.0, run)

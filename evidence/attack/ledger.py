@@ -1,0 +1,86 @@
+"""What attacks lead to, counted: nothing may be wrong, stuck, a traceback or a hang."""
+
+from __future__ import annotations
+
+import signal
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+GOOD = ("right", "refused", "made again")
+BAD = ("wrong", "stuck", "traceback", "hang")
+WORDS = {
+    "right": "no harm done",
+    "refused": "refused cleanly",
+    "made again": "told and made again",
+    "wrong": "wrong result",
+    "stuck": "stuck",
+    "traceback": "traceback",
+    "hang": "hang",
+}
+
+
+class HangError(Exception):
+    """Something took longer than it may."""
+
+
+@dataclass
+class Ledger:
+    """Counts of (attack, what it led to), and what to know of the bad ones."""
+
+    counts: Counter = field(default_factory=Counter)
+    bad: list[tuple[str, str, str]] = field(default_factory=list)
+
+    def note(self, attack: str, outcome: str, what: str = "") -> None:
+        """Count one; `what` tells how to do a bad one again."""
+        self.counts[attack, outcome] += 1
+        if outcome in BAD:
+            self.bad.append((attack, outcome, what))
+
+    def attempt(self, attack: str, what: str, limit: float, act: Callable[[], str]) -> None:
+        """Count what an attack leads to: what `act` says, or its exception, or the time limit (s).
+
+        In the main thread only.
+        """
+        try:
+            with time_limit(limit):
+                outcome = act()
+        except HangError:
+            self.note(attack, "hang", what)
+        except Exception:
+            self.note(attack, "traceback", f"{what}\n{traceback.format_exc()}")
+        else:
+            self.note(attack, outcome, what)
+
+    @property
+    def failed(self) -> int:
+        """Number of bad outcomes."""
+        return len(self.bad)
+
+    def table(self) -> str:
+        """The counts as Markdown."""
+        outcomes = (*GOOD, *BAD)
+        head = ["attack", "tried", *(WORDS[outcome] for outcome in outcomes)]
+        lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
+        for attack in dict.fromkeys(attack for attack, _ in self.counts):
+            row = [self.counts[attack, outcome] for outcome in outcomes]
+            lines.append(f"| {attack} | {sum(row)} | {' | '.join(map(str, row))} |")
+        return "\n".join(lines) + "\n"
+
+
+@contextmanager
+def time_limit(seconds: float) -> Iterator[None]:
+    """Raise `HangError` in the block after so long."""
+
+    def stop(*rest: object) -> None:
+        raise HangError
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)

@@ -1,0 +1,83 @@
+"""Processes killed and disks full: nothing half written is published, and all goes on."""
+
+from __future__ import annotations
+
+import os
+import random
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import yaml
+
+from evidence.attack.ledger import Ledger
+from evidence.attack.victim import Victim, broken_in, left_in
+
+ROOT = Path(__file__).parents[2]
+
+
+def command(victim: Victim, place: Path, figures: bool = False) -> list[str]:
+    """The command line that runs the victim into `place`."""
+    place.mkdir(parents=True, exist_ok=True)
+    config = place / "victim.yaml"
+    config.write_text(yaml.safe_dump(victim.raw), encoding="utf-8")
+    quiet = [] if figures else ["--no-figures"]
+    return [sys.executable, "-m", "campaign", "run", str(config), "--results", str(place), *quiet]
+
+
+def start(words: list[str], limit: int | None = None) -> subprocess.Popen:
+    """Start a process of its own group; `limit`: the largest file (bytes) that it may write."""
+
+    def shrink() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+    return subprocess.Popen(
+        words,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+        preexec_fn=shrink if limit is not None else None,
+        text=True,
+    )
+
+
+def attack_by_kill(victim: Victim, place: Path, ledger: Ledger, rng: random.Random) -> None:
+    """Kill, or interrupt, a run somewhere in its work; what is published must be whole."""
+    how = rng.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGINT])
+    name = "killed" if how == signal.SIGKILL else "interrupted (Ctrl-C)"
+    after = rng.uniform(0.2, 4.0)
+    process = start(command(victim, place))
+    time.sleep(after)
+    os.killpg(process.pid, how)
+    what = f"after {after:.2f} s, keep: {victim.keep}"
+    ledger.attempt(name, what, 120.0, lambda: _after_death(victim, place, process))
+
+
+def attack_by_full_disk(victim: Victim, place: Path, ledger: Ledger, rng: random.Random) -> None:
+    """Run where no file may grow beyond a size."""
+    limit = int(10 ** rng.uniform(1.0, 5.2))
+    process = start(command(victim, place), limit)
+    what = f"no file above {limit} bytes, keep: {victim.keep}"
+    ledger.attempt("full disk", what, 120.0, lambda: _after_death(victim, place, process))
+
+
+def _after_death(victim: Victim, place: Path, process: subprocess.Popen) -> str:
+    """What a process said and left, then what the next run makes of it."""
+    told, _ = process.communicate()
+    folder = place / victim.name
+    if "Traceback" in told:
+        raise RuntimeError(told)
+    if folder.exists() and broken_in(folder):
+        return "wrong"
+    if process.returncode == 1 and "no room" not in told and "error" not in told:
+        raise RuntimeError(f"no word of why: {told}")
+    if not victim.is_true(victim.run(place)):
+        return "wrong"
+    if broken_in(folder) or left_in(folder):
+        return "stuck"
+    return "right" if process.returncode == 0 else "made again"

@@ -1,0 +1,128 @@
+"""Synchronising loops, motors and releases against closed forms of rigid bodies."""
+
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
+
+import fpm
+from evidence.verification.bench import Bench
+from evidence.verification.joints import AXIS
+from evidence.verification.rotation import crossings
+from fpm.kinds import Motor, Release, SyncLoop, TorqueMotor
+
+Z = (0.0, 0.0, 1.0)
+
+
+def folded_panels(stiffness: float) -> fpm.Scene:
+    """Two rigid panels of 1 m and 1 kg, one folded onto the other; a loop opens them 1 : 2."""
+    scene = fpm.Scene("z-fold")
+    ground = int(scene.add_particles((0.0, 0, 0), 1.0, 1.0)[0])
+    scene.fix(ground)
+    inertia = (1e-9, 1 / 12, 1 / 12)
+    inner, outer = (int(p) for p in scene.add_particles([(0.5, 0, 0)] * 2, 1.0, [inertia] * 2))
+    root = scene.add_hinge("root", (ground, inner), (0, 0, 0), Z)
+    middle = scene.add_hinge("middle", (outer, inner), (1, 0, 0), Z)
+    scene.add_torsion_spring(root, 0.1, rest=np.pi)
+    scene.add_torsion_spring(middle, 0.1, rest=2 * np.pi)
+    scene.add(SyncLoop("belt", (root, middle), (0.2, 0.1), stiffness))
+    return scene
+
+
+def synchronised(bench: Bench) -> None:
+    """Two panels of a z-fold that springs open together: M(q) = 2/3 + 2 cos² q for the root's q."""
+    stiffnesses = (1e5, 1e6) if bench.quick else (1e5, 1e6, 1e7)
+    scenes = [folded_panels(stiffness) for stiffness in stiffnesses]
+    outcomes = bench.simulate(scenes, duration=2.1, instants=2101, step=1e-4)
+    figure = bench.figure("Two panels on a loop", "time (s)", "opening of the root (°)")
+    for stiffness, outcome in zip(stiffnesses, outcomes, strict=True):
+        name, close = f"k = {stiffness:.0e} N/m", 100 / stiffness
+        root = outcome.openings["root"]
+        (time,) = crossings(outcome.time, root - np.pi / 2)
+        rate = np.interp(time, outcome.time, np.gradient(root, outcome.time))
+        source = "∫ √(M/2 (V(0) - V)) dq: an ideal loop"
+        bench.check(f"time to 90°, {name} (s)", time, 2.059970910, close, source)
+        bench.check(f"rate there, {name} (rad/s)", rate, 0.75 * np.pi, 10 * close, "energy, 3π/4")
+        slip = np.abs(0.2 * root - 0.1 * outcome.openings["middle"]).max()
+        pull = np.abs(outcome.recorded["loop_force"].values).max()
+        bench.check(f"largest pull, {name} (N)", pull, stiffness * slip, 1e-6, "k times the slip")
+        worst = np.abs(outcome.energies["balance"]).max() / outcome.energies["kinetic"].max()
+        bench.check_small(f"energy balance, {name}", worst, 1e-4, "no loss", "kinetic energy")
+        figure.curve(outcome.time, np.degrees(root), name)
+
+
+INERTIA = 0.5  # kg m²
+STIFF = 200.0  # N m/rad, of the drive train
+
+
+def driven(damping: float, torque: float, time: float) -> fpm.Scene:
+    """Four bodies, each on a hinge of its own: on a motor, a torque motor, and two releases."""
+    scene = fpm.Scene("driven")
+    ground = int(scene.add_particles((0.0, 0, 0), 1.0, 1.0)[0])
+    scene.fix(ground)
+    hinges = []
+    for k in range(4):
+        body = int(scene.add_particles((0.0, k, 0), 1.0, INERTIA)[0])
+        hinges.append(scene.add_hinge("ABCD"[k], (ground, body), (0, k, 0), AXIS))
+    ramp = scene.add_curve([0.0, 1.0], [0.0, 1.0])
+    scene.add(Motor(hinges[0], STIFF, damping, 0.0, 2.0, ramp))
+    scene.add(TorqueMotor(hinges[1], torque, no_load=2.0))
+    for hinge, when in ((hinges[2], {"time": time}), (hinges[3], {"watch": 1, "level": 0.3})):
+        scene.add_torsion_spring(hinge, 8.0, rest=1.0)
+        scene.add(Release(hinge, 400.0, 0.0, hold=-0.02, **when))
+    return scene
+
+
+def lag(time, damping: float) -> tuple[np.ndarray, np.ndarray]:
+    """How far (rad) a body lags behind a motor at 2 rad/s, and its rate: as the train damps it."""
+    decay = damping / (2 * INERTIA)
+    fast = np.sqrt(complex(STIFF / INERTIA - decay**2))
+    size = 2 * np.exp(-decay * time) / fast
+    sine, cosine = np.sin(fast * time), np.cos(fast * time)
+    return (size * sine).real, (size * (fast * cosine - decay * sine)).real
+
+
+def motors(bench: Bench) -> None:
+    """A motor on a ramp, a torque motor up to its speed, and springs that are released."""
+    cases = [(0.0, 1.0, 0.3004), (2.0, 3.0, 0.5), (60.0, 10.0, 0.61237)]
+    scenes = [driven(*case) for case in cases]
+    outcomes = bench.simulate(scenes, duration=1.0, instants=5001, step=2e-4)
+    figure = bench.figure("A motor on a ramp", "time (s)", "behind its target (rad)")
+    for (damping, torque, release), outcome in zip(cases, outcomes, strict=True):
+        time, openings, energies = outcome.time, outcome.openings, outcome.energies
+        name = f"c = {damping:g} N m s/rad"
+        behind, rate = lag(time, damping)
+        worst = np.abs(2 * time - openings["A"] - behind).max() / np.abs(behind).max()
+        source = "J x'' + c x' + k x = 0 for the lag x, x'(0) = 2 rad/s"
+        bench.check_small(f"lag, {name}", worst, 1e-3, source, "the largest lag")
+        moved = torque / (INERTIA * 2.0)
+        speed = 2.0 * (1 - np.exp(-moved * time))
+        work = cumulative_trapezoid(2.0 * (STIFF * behind + damping * rate), time, initial=0.0)
+        exact = work[-1] + INERTIA * speed[-1] ** 2 / 2
+        bench.check(f"work of both motors, {name} (J)", energies["motor_work"][-1], exact, 1e-3,
+                    "∫ M φ' dt and J ω²/2")  # fmt: skip
+        if damping:
+            lost = cumulative_trapezoid(damping * rate**2, time, initial=0.0)[-1]
+            found = energies["motor_loss"][-1]
+            bench.check(f"loss, {name} (J)", found, lost, 5e-3, "∫ c x'² dt")
+        name = f"T = {torque:g} N m"
+        turned = 2.0 * (time - (1 - np.exp(-moved * time)) / moved)
+        worst = np.abs(openings["B"] - turned).max() / turned[-1]
+        source = "ω₀ (1 - exp(-T t/J ω₀))"
+        bench.check_small(f"turned by a torque motor, {name}", worst, 1e-4, source, "its turn")
+        watched = np.interp(0.3, turned, time)
+        events = {n: outcome.events[outcome.events[:, 1] == i, 0] for i, (n, _) in
+                  enumerate(outcome.eventful)}  # fmt: skip
+        for hinge, due, what in (("C", release, "a time"), ("D", watched, "another opening")):
+            label = f"release at {what}, {due:.4f} s"
+            (told,) = events[f"release {hinge}"]
+            bench.check(f"{label}: event (s)", told, due, 1e-5, "as asked", measure="absolute")
+            swing = 1 - np.cos(4 * np.maximum(time - due, 0.0))
+            off = np.abs(openings[hinge] - swing).max()
+            bench.check_small(f"{label}: opening (rad)", off, 5e-5, "1 - cos(√(k/J) (t - t₀))", "1")
+        lost = energies["released"][-1]
+        bench.check(f"lost at releases, {name} (J)", lost, 2 * 0.08, 2e-3, "k x²/2 of both")
+        worst = np.abs(energies["balance"]).max() / energies["kinetic"].max()
+        bench.check_small(f"energy balance, {name}", worst, 1e-9, "exact", "kinetic energy")
+        figure.curve(time, 2 * time - openings["A"], f"c = {damping:g} N m s/rad")
+
+
+PROBLEMS = {"synchronised panels": synchronised, "motors and releases": motors}

@@ -1,0 +1,175 @@
+"""Motors on hinges: one that prescribes the opening through its drive train, one with a torque.
+
+A motor turns its own side of an elastic and damped drive train to target(t) = start + turn f(t), f
+being a curve of time, and the hinge follows:
+
+    moment M = k (target - psi) + c (target' - psi'),   work given M target'
+
+of which k (target - psi)²/2 is stored in the drive train and c (target' - psi')² lost there.
+
+A torque motor gives a moment by a curve of time, which falls with the speed: T f(t) (1 - |w|/w0)
+where the hinge turns with it at w = psi', down to nothing at the no-load speed w0, as that of a
+direct current motor does. It is T f(t) where the hinge turns against it, and it never brakes.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.errors import SceneError
+from fpm.kinds.damped_opening import stiffness_of_damping
+from fpm.kinds.kind import Energy, Kind, Recorded
+from fpm.kinds.opening import Opening, check_hinge, check_stiffness, relative_turn
+
+MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
+
+
+def _check_curve(scene, what: str, curve: int) -> None:
+    if not -1 <= curve < len(scene.curves):
+        raise SceneError(f"curve of {what}", curve, f"-1 to {len(scene.curves) - 1}")
+
+
+def _moments(cls, part, scene, lane, variable, dimension, text) -> dict[str, Recorded]:
+    names = tuple(scene.hinges[motor.hinge].name for motor in cls.of(scene))
+    values = part.track[:, 0, lane].reshape(-1, len(names))
+    return {variable: Recorded(values, "N m", text, dimension, names)}
+
+
+@dataclass(frozen=True)
+class Motor(Kind):
+    """Prescribes the opening of a hinge: start + turn (rad) times the curve of that index (-1: 1).
+
+    hinge: its index; stiffness (N m/rad) and damping (N m s/rad) of the drive train.
+    """
+
+    hinge: int
+    stiffness: float
+    damping: float
+    start: float
+    turn: float
+    curve: int
+
+    stores = Energy("motor", "motor_energy", "energy of the motors' drive trains")
+    gives = MOTOR_WORK
+    takes = Energy("motor_loss", "motor_loss", "energy lost in the motors' drive trains")
+    reads = (Opening,)
+
+    def check(self, scene):
+        """Hinge, drive train and curve; one motor on a hinge."""
+        check_stiffness(scene, "motor", self.hinge, self.stiffness)
+        what = f"motor {scene.hinges[self.hinge].name}"
+        if self.hinge in [motor.hinge for motor in Motor.of(scene)]:
+            raise SceneError("hinge of motor", self.hinge, "a hinge without a motor")
+        if not (np.isfinite(self.damping) and self.damping >= 0):
+            allowed = "a finite number >= 0 (N m s/rad)"
+            raise SceneError(f"damping of {what}", self.damping, allowed)
+        if not np.isfinite([self.start, self.turn]).all():
+            raise SceneError(f"opening of {what}", (self.start, self.turn), "finite angles (rad)")
+        _check_curve(scene, what, self.curve)
+
+    def topology(self):
+        """Hinge and curve."""
+        return self.hinge, self.curve
+
+    @classmethod
+    def names(cls, scene):
+        return [f"motor {scene.hinges[motor.hinge].name}" for motor in cls.of(scene)]
+
+    @classmethod
+    def deformations(cls, scene):
+        """The openings of their hinges."""
+        motors = cls.of(scene)
+        total = [m.stiffness + stiffness_of_damping(scene, m.hinge, m.damping) for m in motors]
+        return relative_turn(scene, [m.hinge for m in motors], total)
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.kinds.motor_kernels import STATE, Motors
+
+        motors = cls.of(batch.one)
+        return Motors(
+            on=batch.integers(m.hinge for m in motors),
+            curve=batch.integers(m.curve for m in motors),
+            motors=batch.table(cls, 4, lambda m: [m.stiffness, m.damping, m.start, m.turn]),
+            now=batch.blank(len(motors), STATE),
+            openings=batch.part(Opening),
+            given=batch.given_by(cls),
+            taken=batch.taken_by(cls),
+            rows=batch.rows_of(cls),
+            track=batch.blank((batch.instants + 1) * len(motors), 1),
+        )
+
+    @classmethod
+    def recorded(cls, part, scene, lane):
+        """The moments."""
+        text = "moment of the motors on their hinges"
+        return _moments(cls, part, scene, lane, "motor_moment", "motor", text)
+
+
+@dataclass(frozen=True)
+class TorqueMotor(Kind):
+    """Turns a hinge by a torque (N m) times the curve of that index (-1: 1).
+
+    hinge: its index; no_load: the speed (rad/s) at which no torque is left; inf: it does not fall.
+    """
+
+    hinge: int
+    torque: float
+    curve: int = -1
+    no_load: float = np.inf
+
+    gives = MOTOR_WORK
+    reads = (Opening,)
+
+    def check(self, scene):
+        """Hinge, torque, speed and curve; one torque motor on a hinge."""
+        check_hinge(scene, "torque motor", self.hinge)
+        what = f"torque motor {scene.hinges[self.hinge].name}"
+        if self.hinge in [motor.hinge for motor in TorqueMotor.of(scene)]:
+            raise SceneError("hinge of torque motor", self.hinge, "a hinge without a torque motor")
+        if not np.isfinite(self.torque):
+            raise SceneError(f"torque of {what}", self.torque, "a finite number (N m)")
+        if not self.no_load > 0:
+            raise SceneError(f"no-load speed of {what}", self.no_load, "above 0 rad/s")
+        _check_curve(scene, what, self.curve)
+
+    def topology(self):
+        """Hinge and curve."""
+        return self.hinge, self.curve
+
+    @classmethod
+    def names(cls, scene):
+        return [f"torque motor {scene.hinges[motor.hinge].name}" for motor in cls.of(scene)]
+
+    @classmethod
+    def deformations(cls, scene):
+        """The openings of their hinges, which the fall of the torque damps."""
+        motors = cls.of(scene)
+        total = [stiffness_of_damping(scene, m.hinge, m.steepest(scene)) for m in motors]
+        return relative_turn(scene, [m.hinge for m in motors], total)
+
+    def steepest(self, scene) -> float:
+        """By how much the moment falls with the speed at most (N m s/rad)."""
+        most = np.abs(scene.curves[self.curve][1]).max() if self.curve >= 0 else 1.0
+        return float(abs(self.torque) * most / self.no_load)
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.kinds.torque_motor_kernels import STATE, TorqueMotors
+
+        motors = cls.of(batch.one)
+        return TorqueMotors(
+            on=batch.integers(m.hinge for m in motors),
+            curve=batch.integers(m.curve for m in motors),
+            motors=batch.table(cls, 2, lambda m: [m.torque, m.no_load]),
+            now=batch.blank(len(motors), STATE),
+            openings=batch.part(Opening),
+            given=batch.given_by(cls),
+            track=batch.blank((batch.instants + 1) * len(motors), 1),
+        )
+
+    @classmethod
+    def recorded(cls, part, scene, lane):
+        """The moments."""
+        text = "moment of the torque motors on their hinges"
+        return _moments(cls, part, scene, lane, "torque_motor_moment", "torque_motor", text)

@@ -1,0 +1,90 @@
+"""Releases: hinges that are held until a time, or until another hinge has opened so far.
+
+Until then a release has the moment k (hold - psi) - c psi' of a spring and a damper; from then on
+it has none. What its spring has stored at that moment is lost, as that of a bolt that is cut.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.errors import SceneError
+from fpm.kinds.damped_opening import stiffness_of_damping
+from fpm.kinds.kind import Energy, Kind
+from fpm.kinds.opening import Opening, check_hinge, check_stiffness, relative_turn
+
+
+@dataclass(frozen=True)
+class Release(Kind):
+    """Holds a hinge of that index at the opening `hold` (rad).
+
+    stiffness (N m/rad); damping (N m s/rad). It lets go at `time` (s), or where the opening of the
+    hinge `watch` (-1: none) passes `level` (rad), at the first of both.
+    """
+
+    hinge: int
+    stiffness: float
+    damping: float
+    hold: float
+    time: float = np.inf
+    watch: int = -1
+    level: float = 0.0
+
+    stores = Energy("release", "release_energy", "energy of the releases that hold")
+    takes = Energy("released", "released_energy", "energy lost by releases")
+    events = ("releases",)
+    reads = (Opening,)
+
+    def check(self, scene):
+        """Hinges and numbers; that it holds at the start, and may let go."""
+        check_stiffness(scene, "release", self.hinge, self.stiffness)
+        what = f"of release {scene.hinges[self.hinge].name}"
+        if self.hinge in [release.hinge for release in Release.of(scene)]:
+            raise SceneError("hinge of release", self.hinge, "a hinge without a release")
+        if not (np.isfinite(self.damping) and self.damping >= 0):
+            raise SceneError(f"damping {what}", self.damping, "a finite number >= 0 (N m s/rad)")
+        if not np.isfinite([self.hold, self.level]).all():
+            raise SceneError(f"hold, level {what}", (self.hold, self.level), "finite angles (rad)")
+        if not self.time > 0:
+            raise SceneError(f"time {what}", self.time, "above 0 s")
+        if self.watch < 0 and not np.isfinite(self.time):
+            raise SceneError(f"time {what}", self.time, "a finite time (s), or a hinge to watch")
+        if self.watch >= 0:
+            check_hinge(scene, "release to watch", self.watch)
+            off = abs(scene.hinges[self.watch].opening - self.level)
+            if not off > 1e-9:
+                allowed = "an opening that the other hinge does not have at the start"
+                raise SceneError(f"level {what}", self.level, allowed)
+
+    def topology(self):
+        """Both hinges."""
+        return self.hinge, self.watch
+
+    @classmethod
+    def names(cls, scene):
+        return [f"release {scene.hinges[release.hinge].name}" for release in cls.of(scene)]
+
+    @classmethod
+    def deformations(cls, scene):
+        """The openings of their hinges, held."""
+        found = cls.of(scene)
+        total = [x.stiffness + stiffness_of_damping(scene, x.hinge, x.damping) for x in found]
+        return relative_turn(scene, [x.hinge for x in found], total)
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.kinds.release_kernels import RELEASE, STATE, Releases
+
+        found = cls.of(batch.one)
+        return Releases(
+            on=batch.integers(x.hinge for x in found),
+            watch=batch.integers(x.watch for x in found),
+            releases=batch.table(
+                cls, RELEASE, lambda x: [x.stiffness, x.damping, x.hold, x.time, x.level]
+            ),
+            now=batch.blank(len(found), STATE),
+            openings=batch.part(Opening),
+            account=batch.taken_by(cls),
+            rows=batch.rows_of(cls),
+            log=batch.log_of(cls),
+        )

@@ -1,0 +1,108 @@
+"""What opens joints together, by a motor, or lets them go."""
+
+import numpy as np
+
+from fpm.kinds.motor import Motor, TorqueMotor
+from fpm.kinds.release import Release
+from fpm.kinds.sync_loop import SyncLoop
+from fpm.structures.keys import Many, Number, Reference
+from fpm.structures.statement import statement
+from fpm.structures.statements.acting import JOINT, RevoluteJoint
+
+CURVE = {"group": "curves"}
+
+
+def _at_start(build, hinge: int) -> float:
+    return build.scene.hinges[hinge].opening
+
+
+@statement(
+    "actions",
+    "loop",
+    joints=Many(kind=JOINT, least=2, most=2, about="the two on which its pulleys sit"),
+    radii=Many(
+        kind=Number(unit="m"),
+        least=2,
+        most=2,
+        about="of the pulleys; opposite in sign where the loop is crossed",
+    ),
+    stiffness=Number(unit="N/m", least=0, about="pull at the rims for each metre of slip: 2 EA/l"),
+    preload=Number(None, "tension of each strand; left out: never slack", unit="N", least=0),
+    rest=Many(
+        None,
+        "openings without slip; left out: those at the start",
+        kind=Number(unit="rad"),
+        least=2,
+        most=2,
+    ),
+)
+def loop(build, it):
+    """A closed cable over pulleys on two joints, which so open in the ratio of the radii."""
+    rest = [_at_start(build, hinge) for hinge in it.joints] if it.rest is None else it.rest
+    preload = np.inf if it.preload is None else it.preload
+    build.scene.add(
+        SyncLoop(it.name, tuple(it.joints), tuple(it.radii), it.stiffness, tuple(rest), preload)
+    )
+
+
+@statement(
+    "actions",
+    "motor",
+    joint=JOINT,
+    turn=Number(unit="rad", about="by how much it turns, times `curve`"),
+    curve=Reference(**CURVE, about="of the opening"),
+    start=Number(None, "opening before the turn; left out: that at the start", unit="rad"),
+    stiffness=Number(unit="N m/rad", least=0, about="of its drive train"),
+    damping=Number(0.0, "of its drive train", unit="N m s/rad", least=0),
+)
+def motor(build, it):
+    """Prescribes the opening of a revolute joint, through an elastic and damped drive train."""
+    start = _at_start(build, it.joint) if it.start is None else it.start
+    build.scene.add(Motor(it.joint, it.stiffness, it.damping, start, it.turn, it.curve))
+
+
+@statement(
+    "actions",
+    "torque motor",
+    joint=JOINT,
+    torque=Number(unit="N m", about="its moment at rest"),
+    curve=Reference(None, "scales it with time; left out: constant", **CURVE),
+    no_load=Number(
+        None, "speed at which no torque is left; left out: it does not fall", unit="rad/s", above=0
+    ),
+)
+def torque_motor(build, it):
+    """Turns a revolute joint by a torque that falls with the speed, evenly down to none."""
+    curve = -1 if it.curve is None else it.curve
+    no_load = np.inf if it.no_load is None else it.no_load
+    build.scene.add(TorqueMotor(it.joint, it.torque, curve, no_load))
+
+
+@statement(
+    "actions",
+    "release",
+    joint=JOINT,
+    stiffness=Number(unit="N m/rad", least=0, about="with which it holds"),
+    damping=Number(0.0, "with which it holds", unit="N m s/rad", least=0),
+    hold=Number(None, "opening at which it holds; left out: that at the start", unit="rad"),
+    time=Number(None, "when it lets go", unit="s", above=0),
+    watch=RevoluteJoint(None, "another joint: it lets go where its opening passes `level`"),
+    level=Number(None, "opening of the joint that is watched", unit="rad"),
+)
+def release(build, it):
+    """Holds a revolute joint until a time, or until another has opened so far; the first counts."""
+    if it.time is None and it.watch is None:
+        build.refuse("time", None, "a time, or a joint to `watch`")
+    if (it.watch is None) != (it.level is None):
+        build.refuse("level", it.level, "an opening, with a joint to `watch`")
+    build.scene.add(
+        Release(
+            it.joint,
+            it.stiffness,
+            it.damping,
+            hold=_at_start(build, it.joint) if it.hold is None else it.hold,
+            time=np.inf if it.time is None else it.time,
+            watch=-1 if it.watch is None else it.watch,
+            level=0.0 if it.level is None else it.level,
+        )
+    )

@@ -1,0 +1,98 @@
+"""The program is attacked: nothing wrong, nothing stuck, no traceback, no hang.
+
+`python -m evidence attack --minutes 60` does the same for an hour.
+"""
+
+from __future__ import annotations
+
+import ast
+import random
+
+import pytest
+
+from evidence.attack.configs import attack_by_config, attack_by_running, mutated
+from evidence.attack.damage import attack_files
+from evidence.attack.ledger import Ledger
+from evidence.attack.mutants import changes
+from evidence.attack.processes import attack_by_full_disk, attack_by_kill
+from evidence.attack.victim import Victim
+
+SEED = 20
+
+
+@pytest.fixture(scope="module")
+def victims(tmp_path_factory):
+    """The campaigns that are attacked, with trajectories and with responses only."""
+    place = tmp_path_factory.mktemp("victims")
+    return [Victim(place, keep) for keep in ("trajectories", "responses")]
+
+
+def judged(ledger: Ledger) -> None:
+    assert not ledger.bad, ledger.bad[0]
+
+
+def damage(victims, place, count):
+    rng, ledger = random.Random(SEED), Ledger()
+    for _ in range(count):
+        attack_files(rng.choice(victims), place / "attacked", ledger, rng)
+    judged(ledger)
+    assert sum(ledger.counts.values()) > count // 2
+
+
+def configs(place, count, runs):
+    rng, ledger, ran = random.Random(SEED), Ledger(), 0
+    for _ in range(count):
+        text = mutated(rng)
+        if found := attack_by_config(text, place, ledger, ran < runs):
+            ran += 1
+            attack_by_running(found, text, place / str(ran), ledger)
+    judged(ledger)
+    assert ledger.counts["config mutated", "refused"] > count // 2
+    assert ledger.counts["config mutated", "right"] > count // 50
+    assert ran == runs
+
+
+def processes(victims, place, count):
+    rng, ledger = random.Random(SEED), Ledger()
+    for number in range(count):
+        attack_by_kill(rng.choice(victims), place / f"kill{number}", ledger, rng)
+        attack_by_full_disk(rng.choice(victims), place / f"disk{number}", ledger, rng)
+    judged(ledger)
+
+
+def test_damaged_files_are_told_and_made_again(victims, tmp_path):
+    damage(victims, tmp_path, 8)
+
+
+def test_mutated_configs_are_refused_or_run(tmp_path):
+    configs(tmp_path, 100, 3)
+
+
+def test_killed_runs_and_full_disks_leave_nothing_broken(victims, tmp_path):
+    processes(victims, tmp_path, 1)
+
+
+@pytest.mark.slow
+def test_many_files_configs_and_processes(victims, tmp_path):
+    damage(victims, tmp_path, 100)
+    configs(tmp_path, 2000, 100)
+    processes(victims, tmp_path, 10)
+
+
+def test_a_mutant_is_changed_in_one_place():
+    tree = ast.parse("def f(a, b):\n    return max(a + 1, b) if a < b and not b else True\n")
+    found = [(what, ast.unparse(changed)) for _, what, changed in changes(tree)]
+    assert len(found) >= 7
+    assert len({text for _, text in found} | {ast.unparse(tree)}) == len(found) + 1
+    assert ("`a < b` to `a <= b`", ast.unparse(tree).replace("a < b", "a <= b")) in found
+
+
+def test_what_goes_wrong_is_counted():
+    ledger = Ledger()
+    ledger.attempt("one", "x", 1.0, lambda: "right")
+    ledger.attempt("one", "y", 1.0, lambda: 1 / 0)
+    ledger.attempt("two", "z", 0.01, lambda: [None for _ in iter(int, 1)])
+    assert [(name, outcome) for name, outcome, _ in ledger.bad] == [
+        ("one", "traceback"), ("two", "hang"),
+    ]  # fmt: skip
+    assert "| one | 2 | 1 | 0 | 0 | 0 | 0 | 1 | 0 |" in ledger.table()

@@ -1,0 +1,61 @@
+"""The documentation as a site: built strictly, from its own machine alone."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+sys.path.append(str(ROOT / "docs/extensions"))
+
+
+@pytest.mark.slow
+def test_the_site_is_built_without_a_warning_and_asks_no_network(tmp_path):
+    build = pytest.importorskip("sphinx.cmd.build", reason="in the extra `docs`")
+    arguments = ["-W", "-q", "-E", "-D", "gallery_moves=0", "-d", str(tmp_path / "trees")]
+    assert build.main([*arguments, str(ROOT / "docs"), str(tmp_path / "site")]) == 0
+    pages = {path.name for path in (tmp_path / "site").glob("*.html")}
+    assert {"index.html", "first-campaign.html", "config.html", "api.html"} <= pages
+    for page in (tmp_path / "site").rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        loaded = re.findall(r'<(?:script|img|link)[^>]+(?:src|href)="(https?:[^"]+)"', text)
+        assert not loaded, page.name
+    api = (tmp_path / "site/api.html").read_text(encoding="utf-8")
+    assert "fpm.motion.whole_motion" in api and "intervals.bounds_dataset" in api
+    assert "<math" in (tmp_path / "site/intervals.html").read_text(encoding="utf-8")
+
+
+def test_the_gallery_shows_every_structure_of_the_library(tmp_path):
+    import gallery
+
+    text = gallery.page(tmp_path, moves=False)
+    for path in (ROOT / "config/structures").glob("*.yaml"):
+        assert f"`config/structures/{path.name}`" in text
+    pictures = re.findall(r"\(made/([^)]+)\)", text)
+    assert len(pictures) == len(list((ROOT / "config/structures").glob("*.yaml")))
+    assert all((tmp_path / name).stat().st_size > 1000 for name in pictures)
+
+
+def test_all_pages_are_in_the_contents():
+    index = (ROOT / "docs/index.md").read_text(encoding="utf-8")
+    for page in (ROOT / "docs").glob("*.md"):
+        if page.name != "index.md":
+            assert re.search(rf"^{re.escape(page.stem)}$", index, re.M), page.name
+
+
+def test_docstrings_become_text_with_code():
+    import docstrings
+
+    line = "values `a_` of |y - s| <= e, `x * y`, keep_"
+    assert docstrings.as_rst(line) == r"values ``a_`` of \|y - s\| <= e, ``x * y``, keep\_"
+    lines = ["Text:", "", "    code = 1", "", "More"]
+    docstrings.process(None, "module", "", None, None, lines)
+    assert lines == ["Text:", "", "::", "", "    code = 1", "", "More"]
+
+
+def test_the_readmes_picture_is_small():
+    picture = ROOT / "docs/images/bennett.gif"
+    assert picture.stat().st_size < 1_000_000
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert readme.index("docs/images/bennett.gif") < readme.index("git clone") < 2000

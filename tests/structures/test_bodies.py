@@ -1,0 +1,166 @@
+"""Rigid bodies, pins of several members, and all joints, as text."""
+
+import numpy as np
+import pytest
+
+import fpm
+from fpm import structures
+from fpm.structures import report
+from fpm.structures.describe import describe
+
+TEXT = """
+name: arm
+parameters:
+  L: {value: 0.5, unit: m, range: [0.1, 2], description: length}
+points:
+  a: [0, 0, 0]
+  b: [L, 0, 0]
+  c: [2*L, 0, 0]
+  d: [3*L, 0, 0]
+  m1: [L/2, 0, 0]
+  m2: [3*L/2, 0, 0]
+  m3: [5*L/2, 0, 0]
+bodies:
+  one: {mass: 1, centre: m1, points: [a, b], box: [L, 20 mm, 20 mm]}
+  two: {mass: 1, centre: m2, points: [b, c], inertia: [0.001, 0.03, 0.03]}
+  three: {mass: 2, centre: m3, points: [c, d], inertia: [0.03, 0.03, 0.001], x: y, up: x}
+joints:
+  shoulder: {type: JOINT1, parts: [ground, one], at: a AXIS1}
+  elbow: {type: JOINT2, parts: [one, two], at: b AXIS2}
+  wrist: {type: JOINT3, parts: [two, three], at: c AXIS3}
+gravity: [0, 0, -9.81]
+record:
+  tip: {part: three, at: d}
+  middle: {part: two, at: b}
+"""
+ARM_OF = {
+    "revolute": ", axis: y",
+    "spherical": "",
+    "fixed": "",
+    "universal": ", axis: y, other: z",
+    "prismatic": ", axis: y",
+}
+
+
+def arm(*types) -> str:
+    text = TEXT
+    for k, kind in enumerate(types, start=1):
+        text = text.replace(f"JOINT{k}", kind).replace(f" AXIS{k}", ARM_OF[kind])
+    return text
+
+
+ARM = arm("revolute", "revolute", "revolute")
+
+
+def structure(name):
+    return structures.load(f"config/structures/{name}.yaml")
+
+
+def run(scene, duration, instants, step=None):
+    (outcome,) = fpm.simulate(scene, duration=duration, instants=instants, step=step)
+    assert outcome.failure is None
+    return outcome
+
+
+def test_three_rods_on_a_pin_move_as_published():
+    """N four-bar of IFToMM's benchmarks, for 10 s; ../shared/references.md."""
+    outcome = run(structure("nfourbar").build(), 10.0, 1001, 1e-3)
+    position, velocity = outcome.points["B0"]
+    np.testing.assert_allclose(position[100], [-0.195020302, -0.980799206, 0], atol=2e-5)
+    np.testing.assert_allclose(position[-1], [0.328458112, 0.944518538, 0], atol=5e-5)
+    np.testing.assert_allclose(velocity[-1], [1.423051470, -0.494868845, 0], atol=1e-4)
+
+
+def test_redundant_joints_are_found_and_named():
+    scene = structure("bricard").build()
+    assert tuple(report.mobility(scene)) == (5, 30, 1, 1)
+    assert report.redundant(scene) == [f"joint j{k}" for k in range(6)]
+    chain = structures.loads(ARM)
+    assert report.redundant(chain.build()) == []
+    assert "redundant " not in describe(chain)
+    assert "joint j5" in describe(structure("bricard"))
+
+
+@pytest.mark.slow
+def test_elastic_bricard_tends_to_the_rigid_one():
+    """Overconstrained, yet regular with elastic rods; the difference falls with 1/E."""
+    exact = np.array([[0.2744813, -0.8867079, -0.4623300], [-0.7781354, -0.9803527, -0.1972527]])
+    found = structure("bricard")
+    off = []
+    for stiffness in (0.2, 3.2):
+        position = run(found.build(E=stiffness), 2.0, 201).points["C"][0]
+        off.append(np.abs(position[[100, 200]] - exact).max())
+    assert off[0] < 1e-2
+    assert off[1] < 1e-3
+
+
+def test_joints_of_all_types_can_be_said():
+    """In the plane of the fall, a spherical or universal joint does what the hinge does.
+
+    Nothing pushes along a slider across the plane.
+    """
+
+    def tip(second, third):
+        found = structures.loads(arm("revolute", second, third))
+        return run(found.build(), 0.2, 21, 1e-3).points["tip"][0]
+
+    hinged = tip("revolute", "revolute")
+    np.testing.assert_allclose(tip("spherical", "universal"), hinged, atol=1e-9)
+    stiff = tip("fixed", "fixed")
+    assert np.abs(stiff - hinged).max() > 1e-3
+    np.testing.assert_allclose(tip("prismatic", "fixed"), stiff, atol=1e-9)
+
+
+def test_a_body_is_held_at_a_point_of_its_own():
+    """Held along x, y, z at one point only, the first arm hangs as from a spherical joint."""
+    held = ARM.replace(
+        "shoulder: {type: revolute, parts: [ground, one], at: a, axis: y}", ""
+    ).replace("gravity:", "supports:\n  wall: {part: one, at: a, rotations: none}\ngravity:")
+    one = run(structures.loads(ARM).build(), 0.2, 21, 1e-3).points["tip"][0]
+    two = run(structures.loads(held).build(), 0.2, 21, 1e-3).points["tip"][0]
+    np.testing.assert_allclose(one, two, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("x: y, up: x", "x: y, up: y", "a direction normal to x"),
+        ("mass: 2,", "mass: 0,", "bodies.three.mass: 0 is not allowed"),
+        ("centre: m1, points: [a, b]", "centre: m1, points: [a]", "a point of one: m1, a"),
+        (
+            "shoulder: {type: revolute, parts: [ground, one], at: a, axis: y}",
+            "shoulder: {type: universal, parts: [ground, one], at: a, axis: y, other: y}",
+            "joints.shoulder.other",
+        ),
+        (
+            "shoulder: {type: revolute, parts: [ground, one], at: a, axis: y}",
+            "shoulder: {type: prismatic, parts: [ground, one, two], at: a, axis: y}",
+            "a list of 2, each",
+        ),
+        (
+            "gravity:",
+            "masses:\n  lump: {part: one, at: a, mass: 1}\ngravity:",
+            "or its centre",
+        ),
+        (
+            "gravity:",
+            "drives:\n  crank: {part: one, at: a, spin: [0, 1, 0]}\ngravity:",
+            "the centre of a body",
+        ),
+    ],
+)
+def test_what_is_wrong_with_bodies_is_said(old, new, said):
+    assert old in ARM
+    with pytest.raises(structures.StructureError) as error:
+        structures.loads(ARM.replace(old, new))
+    assert said in str(error.value)
+
+
+def test_a_spring_sits_on_revolute_joints_only():
+    text = ARM.replace("elbow: {type: revolute, parts: [one, two], at: b, axis: y}",
+                       "elbow: {type: spherical, parts: [one, two], at: b}")  # fmt: skip
+    text = text.replace(
+        "gravity:", "actions:\n  s: {type: torsion spring, joint: elbow, stiffness: 1}\ngravity:"
+    )
+    with pytest.raises(structures.StructureError, match="the name of a revolute joint"):
+        structures.loads(text)

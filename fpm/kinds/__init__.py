@@ -3,18 +3,23 @@
 from fpm.kinds.beam import Beams
 from fpm.kinds.cable import Cable
 from fpm.kinds.contact import Contact
+from fpm.kinds.damper import Damper
 from fpm.kinds.damping import Damping
 from fpm.kinds.drive import Drive
+from fpm.kinds.friction import Friction
 from fpm.kinds.gravity import Gravity
 from fpm.kinds.hinge import Hinge
 from fpm.kinds.joint import Joint
 from fpm.kinds.kind import Kind
+from fpm.kinds.latch import Latch
 from fpm.kinds.load import Load
 from fpm.kinds.motor import Motor, TorqueMotor
 from fpm.kinds.opening import Opening
 from fpm.kinds.release import Release
+from fpm.kinds.stop import Stop
 from fpm.kinds.support import Support
 from fpm.kinds.sync_loop import SyncLoop
+from fpm.kinds.table_spring import TableSpring
 from fpm.kinds.torsion_spring import TorsionSpring
 
 KINDS: tuple[type[Kind], ...] = (
@@ -30,6 +35,11 @@ KINDS: tuple[type[Kind], ...] = (
     Motor,
     TorqueMotor,
     Release,
+    Latch,
+    Damper,
+    Friction,
+    Stop,
+    TableSpring,
     Drive,
     Support,
     Damping,

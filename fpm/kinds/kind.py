@@ -127,6 +127,14 @@ class Kind:
         return None
 
     @classmethod
+    def dampings(cls, scene: "Scene") -> Deformations | None:
+        """The part of their dampers, with damping (N m s/rad) in place of stiffness.
+
+        For dampers whose rate is extrapolated from the last two steps (losses_kernels.py).
+        """
+        return None
+
+    @classmethod
     def shut(cls, scene: "Scene", inverse: np.ndarray):
         """Orthonormal sparse columns (dofs, c): motions that are ruled out where the kind acts.
 

@@ -6,11 +6,15 @@ full turns: of all angles that differ by them it is the one closest to the last.
 """
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.kind import Deformations, Kind, Recorded, rows_of
+from fpm.kinds.kind import Deformations, Energy, Kind, Recorded, rows_of
+
+JOINT_LOSS = Energy("joint_loss", "joint_loss", "energy lost on joints: friction, dampers, impacts")
+"""The account of all kinds that lose energy on openings."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +77,42 @@ def check_hinge(scene, what: str, hinge: int) -> None:
     count = len(scene.hinges)
     if not 0 <= hinge < count:
         raise SceneError(f"hinge of {what}", hinge, f"0 to {count - 1}")
+
+
+def turning_at_start(scene, on) -> list[float]:
+    """Rates (rad/s) of the openings `on` (indices) at the start, also of driven particles."""
+    spin = np.where(scene.fixed[:, 3:], 0.0, scene.spin)
+    motion = SimpleNamespace(velocity=np.zeros_like(spin), spin=spin)
+    motion.position, motion.frame = scene.position.copy(), scene.frame.copy()
+    for kind in scene.kinds:
+        kind.prescribe(scene, 0.0, motion)
+    hinges = [scene.hinges[h] for h in on]
+    axes = [scene.frame[h.particles[0]] @ h.axes[0] for h in hinges]
+    return [
+        float(axis @ (motion.spin[h.particles[1]] - motion.spin[h.particles[0]]))
+        for h, axis in zip(hinges, axes, strict=True)
+    ]
+
+
+def pack_past(batch, kind) -> np.ndarray:
+    """What is kept of the motion for losses (losses_kernels.py) of a kind's elements."""
+    from fpm.kinds.losses_kernels import PAST
+
+    count = len(kind.of(batch.one))
+
+    def past(scene):
+        rates = turning_at_start(scene, [element.hinge for element in kind.of(scene)])
+        return np.column_stack([rates, np.zeros((count, PAST - 1))])
+
+    return batch.stack(count, PAST, past)
+
+
+def check_numbers(what: str, **limits) -> None:
+    """SceneError unless each number, by key=(value, least, unit), is finite and >= least."""
+    for key, (value, least, unit) in limits.items():
+        if not (np.isfinite(value) and value >= least):
+            allowed = f"a finite number >= {least:g}" if least > -np.inf else "a finite number"
+            raise SceneError(f"{key.replace('_', ' ')} of {what}", value, f"{allowed} ({unit})")
 
 
 def opening_angle(axis, first, second, near: float) -> float:

@@ -282,6 +282,22 @@ class Either(Key):
 
 
 @dataclass(frozen=True)
+class Choice(Key):
+    """One of a few words."""
+
+    options: tuple[str, ...] = ()
+
+    @property
+    def allowed(self) -> str:
+        return ", ".join(self.options)
+
+    def read(self, node: Node, place: Place) -> str:
+        if not isinstance(node, Text) or node.value not in self.options:
+            place.refuse(node, self.allowed)
+        return node.value
+
+
+@dataclass(frozen=True)
 class Letters(Key):
     """Global axes."""
 

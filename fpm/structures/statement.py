@@ -14,7 +14,6 @@ from fpm.structures.keys import REQUIRED, Key
 from fpm.structures.place import Place
 from fpm.structures.problems import SkippedError, among
 from fpm.structures.reading import Table, Text
-from fpm.structures.today import LATER
 
 if TYPE_CHECKING:
     from fpm.structures.builder import Builder
@@ -113,8 +112,7 @@ def _statement(kinds, node: Table, place: Place) -> Statement | None:
         return None
     name = given.value if isinstance(given, Text) else ""
     if name not in kinds:
-        later = place.key.split(".")[0], name
-        allowed = among(kinds) + (f" ({name} comes later)" if later in LATER else "")
+        allowed = among(kinds)
         hint = did_you_mean(name, kinds)
         place.problems.say(
             given.line, f"{place.key}.type: {name!r} is not allowed{hint}; allowed: {allowed}"

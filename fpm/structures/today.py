@@ -3,11 +3,6 @@
 from fpm.structures.problems import Problems
 from fpm.structures.reading import Table
 
-LATER = frozenset(
-    ("actions", kind) for kind in ("damper", "friction", "stop", "latch", "tape spring")
-)
-"""Groups and types that are planned."""
-
 LATER_KEYS = frozenset(["assemble"])
 """Keys of a file that are planned."""
 

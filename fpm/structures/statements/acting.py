@@ -2,8 +2,12 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from fpm.errors import SceneError
-from fpm.structures.keys import Number, Reference
+from fpm.kinds import Damper, Friction, Latch, Stop, TableSpring
+from fpm.kinds.friction import BEND
+from fpm.structures.keys import Choice, Many, Number, Reference
 from fpm.structures.statement import statement
 
 
@@ -45,3 +49,89 @@ def torsion_spring(build, it):
 def contact(build, it):
     """Faces that touch where the opening of a revolute joint is below zero."""
     build.scene.add_contact(it.joint, it.stiffness)
+
+
+@statement(
+    "actions",
+    "damper",
+    joint=JOINT,
+    damping=Number(unit="N m s/rad", least=0, about="moment for each radian a second"),
+)
+def damper(build, it):
+    """Resists the turning of a revolute joint, in proportion to its rate."""
+    build.scene.add(Damper(it.joint, it.damping))
+
+
+@statement(
+    "actions",
+    "friction",
+    joint=JOINT,
+    moment=Number(unit="N m", least=0, about="at which it slips; below, it sticks for ever"),
+    bend=Number(BEND, "by how much it gives before it slips", unit="rad", above=0),
+    damping=Number(
+        None, "while it sticks; left out: 0.3 of critical for the joint's own two particles",
+        unit="N m s/rad", least=0,
+    ),
+)  # fmt: skip
+def friction(build, it):
+    """Dry (Coulomb) friction in a revolute joint."""
+    build.scene.add(Friction(it.joint, it.moment, it.bend, it.damping))
+
+
+@statement(
+    "actions",
+    "stop",
+    joint=JOINT,
+    least=Number(None, "opening below which it acts; this, `most`, or both", unit="rad"),
+    most=Number(None, "opening above which it acts", unit="rad"),
+    stiffness=Number(unit="N m/rad", least=0, about="moment for each radian beyond"),
+    damping=Number(0.0, "moment for each radian a second, beyond", unit="N m s/rad", least=0),
+)
+def stop(build, it):
+    """Keeps the opening of a revolute joint from going further; never pulls."""
+    if it.least is None and it.most is None:
+        build.refuse("least", None, "`least`, `most`, or both")
+    if it.least is not None and it.most is not None and it.least >= it.most:
+        build.refuse("least", it.least, f"an angle below `most`, {it.most:g} rad")
+    for angle, side in ((it.least, "below"), (it.most, "above")):
+        if angle is not None:
+            build.scene.add(Stop(it.joint, angle, side, it.stiffness, it.damping))
+
+
+@statement(
+    "actions",
+    "latch",
+    joint=JOINT,
+    angle=Number(unit="rad", about="opening at which it catches"),
+    tolerance=Number(0.0, "how far from `angle` it catches as well", unit="rad", least=0),
+    side=Choice("either", "from where the opening comes when it is caught",
+                options=("below", "above", "either")),
+    fastest=Number(None, "rate above which it does not catch", unit="rad/s", above=0),
+    stiffness=Number(unit="N m/rad", least=0, about="with which it holds"),
+    damping=Number(0.0, "with which it holds", unit="N m s/rad", least=0),
+    holds=Choice("both ways", "`one way`: only against going back",
+                 options=("both ways", "one way")),
+)  # fmt: skip
+def latch(build, it):
+    """Catches a revolute joint at an opening and holds it from then on."""
+    fastest = np.inf if it.fastest is None else it.fastest
+    build.scene.add(
+        Latch(
+            it.joint, it.angle, it.stiffness, it.damping, it.tolerance, it.side, fastest,
+            it.holds == "one way", it.name,
+        )
+    )  # fmt: skip
+
+
+@statement(
+    "actions",
+    "tape spring",
+    joint=JOINT,
+    angles=Many(kind=Number(unit="rad"), least=2, about="openings, increasing"),
+    moments=Many(
+        kind=Number(unit="N m"), least=2, about="one for each, > 0 where it opens; straight between"
+    ),
+)
+def tape_spring(build, it):
+    """Turns a revolute joint by a moment that a table gives, with a peak and a plateau, say."""
+    build.scene.add(TableSpring(it.joint, tuple(it.angles), tuple(it.moments)))

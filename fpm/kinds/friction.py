@@ -1,0 +1,115 @@
+"""Coulomb friction on hinges that really sticks: an elastoplastic bristle.
+
+A bristle of stiffness k between the opening psi and its foot z gives the moment -k (psi - z). It
+bears at most `moment`, M; beyond, its foot slips, so that k |psi - z| = M, and M |dz| is lost.
+Below, the foot stays where it is for ever: nothing creeps. The bristle is bent by `bend` = M/k when
+it begins to slip. While it sticks, a damper c on dpsi/dt brings it to rest; both together never
+exceed M.
+Source: Dupont, Hayward, Armstrong, Altpeter, IEEE Trans. Automatic Control 47 (2002) 787.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.errors import SceneError
+from fpm.kinds.kind import Energy, Kind
+from fpm.kinds.opening import (
+    JOINT_LOSS,
+    Opening,
+    check_hinge,
+    check_numbers,
+    pack_past,
+    relative_turn,
+)
+
+BEND = 1e-3
+"""Angle (rad) by which a bristle is bent before it slips, if nothing else is said."""
+
+DAMPED = 0.3
+"""Damping ratio of the bristle with the inertias of the hinge's own two particles, likewise. The
+step of a scene that it limits is 0.57 of the one without.
+"""
+
+
+@dataclass(frozen=True)
+class Friction(Kind):
+    """hinge index; moment M (N m) at which it slips; bend (rad) before; damping c (N m s/rad)
+    of the bristle, None: as DAMPED says.
+    """
+
+    hinge: int
+    moment: float
+    bend: float = BEND
+    damping: float | None = None
+
+    stores = Energy("friction", "friction_energy", "energy of the bristles of friction")
+    takes = JOINT_LOSS
+    reads = (Opening,)
+
+    @property
+    def stiffness(self) -> float:
+        """k = M / bend (N m/rad)."""
+        return self.moment / self.bend
+
+    def check(self, scene):
+        """Hinge and numbers."""
+        check_hinge(scene, "friction", self.hinge)
+        check_numbers("friction", moment=(self.moment, 0.0, "N m"))
+        if not 0 < self.bend < np.inf:
+            raise SceneError("bend of friction", self.bend, "a finite angle > 0 (rad)")
+        if self.damping is not None:
+            check_numbers("friction", damping=(self.damping, 0.0, "N m s/rad"))
+
+    def topology(self):
+        """The hinge."""
+        return self.hinge
+
+    def damping_in(self, scene) -> float:
+        """c (N m s/rad)."""
+        if self.damping is not None:
+            return self.damping
+        hinge, inverse = scene.hinges[self.hinge], 0.0
+        for particle, axis in zip(hinge.particles, hinge.axes, strict=True):
+            free = ~scene.fixed[particle, 3:].all()
+            inverse += free * float(np.sum(axis**2 / scene.inertia[particle]))
+        return 2 * DAMPED * np.sqrt(self.stiffness / inverse) if inverse else 0.0
+
+    @classmethod
+    def names(cls, scene):
+        return [f"friction {scene.hinges[f.hinge].name}" for f in cls.of(scene)]
+
+    @classmethod
+    def deformations(cls, scene):
+        """The openings of their hinges, as if all stuck."""
+        found = cls.of(scene)
+        return relative_turn(scene, [f.hinge for f in found], [f.stiffness for f in found])
+
+    @classmethod
+    def dampings(cls, scene):
+        """The same for the dampers."""
+        found = cls.of(scene)
+        return relative_turn(scene, [f.hinge for f in found], [f.damping_in(scene) for f in found])
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.kinds.friction_kernels import BRISTLE, STATE, Frictions
+
+        found = cls.of(batch.one)
+
+        def bristles(scene):
+            return [[f.stiffness, f.bend, f.damping_in(scene)] for f in cls.of(scene)]
+
+        def feet(scene):
+            openings = [scene.hinges[f.hinge].opening for f in cls.of(scene)]
+            return [[opening, *[0.0] * (STATE - 1)] for opening in openings]
+
+        return Frictions(
+            on=batch.integers(f.hinge for f in found),
+            bristle=batch.stack(len(found), BRISTLE, bristles),
+            openings=batch.part(Opening),
+            past=pack_past(batch, cls),
+            state=batch.stack(len(found), STATE, feet),
+            account=batch.taken_by(cls),
+            rows=batch.rows_of(cls),
+        )

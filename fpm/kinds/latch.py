@@ -1,0 +1,131 @@
+"""Latches on hinges: they catch at an opening, and hold from then on by a spring and a damper.
+
+A latch catches when the opening comes within `tolerance` of its `angle` from the `side` it looks
+to, if it turns no faster than `fastest` then; if it is faster, as soon as it has become slower
+while still within the tolerance; and if it leaves there too fast, the latch has missed. It holds at
+the opening psi_c at which it caught, so that nothing jumps: before, there is no moment; afterwards
+
+    -k (psi - psi_c) - c dpsi/dt                  both ways, or
+    k s + max(c ds/dt, -k s),  s = psi_c - psi    `one_sided`: only against going back, where s > 0
+
+(for one that catches on the way up).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.errors import SceneError
+from fpm.kinds.kind import Energy, Kind, Recorded
+from fpm.kinds.opening import (
+    JOINT_LOSS,
+    Opening,
+    check_numbers,
+    check_stiffness,
+    pack_past,
+    relative_turn,
+)
+
+SIDES = {"below": 1.0, "above": -1.0, "either": 0.0}
+"""From where the opening comes when it is caught."""
+
+
+@dataclass(frozen=True)
+class Latch(Kind):
+    """hinge index; angle, tolerance (rad); side ("below", "above", "either"); fastest (rad/s);
+    stiffness k (N m/rad); damping c (N m s/rad); one_sided; name (that of the hinge if "").
+    """
+
+    hinge: int
+    angle: float
+    stiffness: float
+    damping: float = 0.0
+    tolerance: float = 0.0
+    side: str = "either"
+    fastest: float = np.inf
+    one_sided: bool = False
+    name: str = ""
+
+    stores = Energy("latch", "latch_energy", "energy of the latches")
+    takes = JOINT_LOSS
+    events = ("latches", "misses")
+    reads = (Opening,)
+
+    def check(self, scene):
+        """Hinge, numbers, and a label that no other latch has."""
+        check_stiffness(scene, "latch", self.hinge, self.stiffness)
+        check_numbers(
+            "latch",
+            angle=(self.angle, -np.inf, "rad"),
+            tolerance=(self.tolerance, 0.0, "rad"),
+            damping=(self.damping, 0.0, "N m s/rad"),
+        )
+        if not self.fastest > 0:
+            raise SceneError("fastest rate of latch", self.fastest, "a number > 0 (rad/s)")
+        if self.side not in SIDES:
+            raise SceneError("side of latch", self.side, ", ".join(SIDES))
+        if self.label(scene) in Latch.labels(scene):
+            raise SceneError("latch", self.label(scene), "a name that no other latch has")
+
+    def label(self, scene) -> str:
+        """Its name in messages and files."""
+        return self.name or scene.hinges[self.hinge].name
+
+    def topology(self):
+        """The hinge and the name."""
+        return self.hinge, self.name
+
+    @classmethod
+    def labels(cls, scene) -> tuple[str, ...]:
+        """The latches' own names."""
+        return tuple(latch.label(scene) for latch in cls.of(scene))
+
+    @classmethod
+    def names(cls, scene):
+        return [f"latch {label}" for label in cls.labels(scene)]
+
+    @classmethod
+    def deformations(cls, scene):
+        """The openings of their hinges, as if all held."""
+        latches = cls.of(scene)
+        return relative_turn(scene, [x.hinge for x in latches], [x.stiffness for x in latches])
+
+    @classmethod
+    def dampings(cls, scene):
+        """The same for their dampers."""
+        latches = cls.of(scene)
+        return relative_turn(scene, [x.hinge for x in latches], [x.damping for x in latches])
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.kinds.latch_kernels import LATCH, STATE, TRACK, Latches
+
+        def constants(x):
+            one_sided = -1.0 if x.one_sided else 1.0
+            return [x.angle, x.tolerance, SIDES[x.side], x.fastest, x.stiffness, x.damping,
+                    one_sided]  # fmt: skip
+
+        latches = cls.of(batch.one)
+        return Latches(
+            on=batch.integers(x.hinge for x in latches),
+            latch=batch.table(cls, LATCH, constants),
+            openings=batch.part(Opening),
+            past=pack_past(batch, cls),
+            state=batch.blank(len(latches), STATE),
+            account=batch.taken_by(cls),
+            rows=batch.rows_of(cls),
+            log=batch.log_of(cls),
+            track=batch.blank((batch.instants + 1) * len(latches), TRACK),
+        )
+
+    @classmethod
+    def recorded(cls, part, scene, lane):
+        """Moments, impulses, and rates of the openings when they caught."""
+        labels = cls.labels(scene)
+        moment, impulse, rate = part.track[:, :, lane].T.reshape(3, -1, len(labels))
+        texts = {
+            "latch_moment": (moment, "N m", "moment of the latches"),
+            "latch_impulse": (impulse, "N m s", "angular impulse of the latches so far"),
+            "latch_rate": (rate, "rad s-1", "rate of the opening when it was caught; 0 before"),
+        }
+        return {name: Recorded(*text, "latch", labels) for name, text in texts.items()}

@@ -1,0 +1,86 @@
+"""Stops on hinges: a spring and a damper that begin at an opening and act on one side of it.
+
+With the overlap s = psi - angle (or angle - psi for a stop below), where s > 0, the moment is
+
+    k s + max(c ds/dt, -k s)
+
+so that a stop never pulls.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.errors import SceneError
+from fpm.kinds.kind import Energy, Kind
+from fpm.kinds.opening import (
+    JOINT_LOSS,
+    Opening,
+    check_numbers,
+    check_stiffness,
+    pack_past,
+    relative_turn,
+)
+
+SIDES = {"above": 1.0, "below": -1.0}
+
+
+@dataclass(frozen=True)
+class Stop(Kind):
+    """hinge index; angle (rad), `side` of it where it acts ("above", "below"); stiffness k
+    (N m/rad); damping c (N m s/rad).
+    """
+
+    hinge: int
+    angle: float
+    side: str
+    stiffness: float
+    damping: float = 0.0
+
+    stores = Energy("stop", "stop_energy", "energy of the stops")
+    takes = JOINT_LOSS
+    events = ("leaves", "hits")
+    reads = (Opening,)
+
+    def check(self, scene):
+        """Hinge, side and numbers."""
+        check_stiffness(scene, "stop", self.hinge, self.stiffness)
+        check_numbers(
+            "stop", angle=(self.angle, -np.inf, "rad"), damping=(self.damping, 0.0, "N m s/rad")
+        )
+        if self.side not in SIDES:
+            raise SceneError("side of stop", self.side, " or ".join(SIDES))
+
+    def topology(self):
+        """The hinge and the side."""
+        return self.hinge, self.side
+
+    @classmethod
+    def names(cls, scene):
+        return [f"stop {scene.hinges[s.hinge].name} {s.side}" for s in cls.of(scene)]
+
+    @classmethod
+    def deformations(cls, scene):
+        """The openings of their hinges, as if they always acted."""
+        stops = cls.of(scene)
+        return relative_turn(scene, [s.hinge for s in stops], [s.stiffness for s in stops])
+
+    @classmethod
+    def dampings(cls, scene):
+        """The same for their dampers."""
+        stops = cls.of(scene)
+        return relative_turn(scene, [s.hinge for s in stops], [s.damping for s in stops])
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.kinds.stop_kernels import STOP, Stops
+
+        return Stops(
+            batch.integers(s.hinge for s in cls.of(batch.one)),
+            batch.table(cls, STOP, lambda s: [s.angle, SIDES[s.side], s.stiffness, s.damping]),
+            batch.part(Opening),
+            pack_past(batch, cls),
+            batch.taken_by(cls),
+            batch.rows_of(cls),
+            batch.log_of(cls),
+        )

@@ -1,0 +1,328 @@
+"""Latches, dampers, friction, stops and springs by tables on a rigid flap: closed forms, energy."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from flaps import J, bare, flap
+
+import fpm
+from fpm.kinds import Damper, Friction, Latch, Stop, TableSpring
+
+PANEL = {"spring": (0.1, np.pi)}  # of the closed form for a panel with a latch
+TAPE = ((-0.5, 0.0, 0.1, 0.3, 2.0), (0.1, 0.0, -0.8, -0.2, -0.2))
+CASES = {
+    "held": flap(**PANEL, latch={"angle": np.pi / 2, "stiffness": 100.0, "damping": 1.0}),
+    "undamped": flap(**PANEL, latch={"angle": np.pi / 2, "stiffness": 100.0}),
+    "one-sided": flap(
+        rate=1.0, spring=(1.0, 0.0),
+        latch={"angle": 0.3, "stiffness": 100.0, "damping": 8.0, "one_sided": True},
+    ),
+    "missed": flap(**PANEL, latch={"angle": np.pi / 2, "stiffness": 100.0, "fastest": 1.4}),
+    "slow enough": flap(
+        rate=-1.0, spring=(1.0, 0.0),
+        latch={"angle": -0.5, "stiffness": 100.0, "tolerance": 0.05, "fastest": 0.5},
+    ),
+    "wrong side": flap(
+        rate=1.0, spring=(4.0, 0.0), latch={"angle": 0.2, "stiffness": 100.0, "side": "above"}
+    ),
+    "damper": flap(rate=1.0, damper=0.5),
+    "damped spring": flap(rate=1.0, spring=(4.0, 0.0), damper=0.5),
+    "stops": flap(rate=1.0, friction={"moment": 0.2}),
+    "sticks": flap(spring=(1e-6, 150000.0), friction={"moment": 0.2}),
+    "slips": flap(spring=(1e-6, 250000.0), friction={"moment": 0.2}),
+    "hits": flap(
+        rate=1.0, stop={"angle": 0.5, "side": "above", "stiffness": 300.0, "damping": 4.0}
+    ),
+    "bounces": flap(rate=1.0, spring=(1.0, 0.0),
+                    stop={"angle": 0.1, "side": "above", "stiffness": 300.0}),
+    "tape": flap(rate=1.0, table=TAPE),
+}  # fmt: skip
+RUN = {"duration": 4.0, "instants": 4001, "step": 2e-4}
+
+
+@pytest.fixture(scope="module")
+def ran():
+    outcomes = fpm.simulate(list(CASES.values()), **RUN)
+    assert not any(outcome.failure for outcome in outcomes)
+    return dict(zip(CASES, outcomes, strict=True))
+
+
+def opening(outcome) -> np.ndarray:
+    return outcome.openings["hinge"]
+
+
+def events_of(outcome) -> list[str]:
+    return [outcome.eventful[int(e)].events[int(which)] for _, e, which in outcome.events]
+
+
+@pytest.mark.slow
+def test_energy_is_stored_lost_or_kinetic(ran):
+    """Exactly but for where a spring begins, which is third order in ω h (here 3e-3)."""
+    for name, outcome in ran.items():
+        scale = max(outcome.energies["kinetic"].max(), 0.1)
+        worst = np.abs(outcome.energies["balance"]).max() / scale
+        assert worst < (1e-5 if outcome.events.size or name == "tape" else 1e-10), name
+        if name in ("undamped", "missed", "slow enough", "wrong side", "bounces", "tape"):
+            assert np.array_equal(outcome.energies["joint_loss"], np.zeros(4001)), name
+
+
+@pytest.mark.slow
+def test_a_latch_catches_at_the_exact_time_and_rate(ran):
+    for name in ("held", "undamped", "missed"):
+        assert ran[name].events[0, 0] == pytest.approx(1.911912403, abs=1e-8)
+    held = ran["held"]
+    assert events_of(held) == ["latches"]
+    assert held.eventful[0].name == "latch hinge"
+    assert held.recorded["latch_rate"].values[-1, 0] == pytest.approx(1.490188240, abs=1e-8)
+    before = held.time < 1.9119
+    for name in ("latch_moment", "latch_impulse", "latch_rate"):
+        assert np.array_equal(held.recorded[name].values[before, 0], np.zeros(before.sum()))
+    # It comes to rest between its spring and the panel's.
+    rest = (100 * np.pi / 2 + 0.1 * np.pi) / 100.1
+    late = held.time > 1.9119 + 2.0  # exp(-1.5 · 2) of the swing is left
+    swing = 1.490188240 / np.sqrt(300.3 - 1.5**2)
+    assert np.abs(opening(held)[late] - rest).max() < 1.05 * np.exp(-3) * swing
+    # Angular momentum that the latch took, with what the spring gave meanwhile.
+    spring = np.trapezoid(0.1 * (np.pi - opening(held)), held.time)
+    turned = np.gradient(opening(held), held.time, edge_order=2)[-1] * J
+    assert held.recorded["latch_impulse"].values[-1, 0] == pytest.approx(turned - spring, abs=1e-4)
+
+
+@pytest.mark.slow
+def test_a_latch_holds_as_an_oscillator(ran):
+    outcome = ran["undamped"]
+    caught, rate, omega = outcome.events[0, 0], 1.490188240, np.sqrt(100.1 / J)
+    after = outcome.time > caught
+    time, push = outcome.time[after] - caught, 0.1 * np.pi / 2 / 100.1
+    exact = np.pi / 2 + push * (1 - np.cos(omega * time)) + rate / omega * np.sin(omega * time)
+    # Leapfrog's phase is off by ω³ h² t/24, and the swing is 0.086 rad.
+    assert np.abs(opening(outcome)[after] - exact).max() < 5e-5
+
+
+@pytest.mark.slow
+def test_a_one_sided_latch_resists_going_back_only(ran):
+    outcome = ran["one-sided"]
+    assert events_of(outcome) == ["latches"]
+    up = np.argmax(opening(outcome))
+    exact = np.sqrt(J) * np.sin(outcome.time / np.sqrt(J))
+    np.testing.assert_allclose(opening(outcome)[: up + 1], exact[: up + 1], atol=1e-7)
+    moment = outcome.recorded["latch_moment"].values[:, 0]
+    assert moment.min() > -1e-3 * moment.max()  # but for the edge, it never pulls
+    assert opening(outcome)[up:].min() > 0.3 - 0.06
+    assert opening(outcome)[-1] == pytest.approx(0.3 * 100 / 101, abs=0.01)
+    assert outcome.energies["joint_loss"][-1] > 0.9 * (J / 2 - 0.3**2 / 2)
+
+
+@pytest.mark.slow
+def test_a_latch_is_missed_if_it_is_passed_too_fast_or_from_the_other_side(ran):
+    assert events_of(ran["missed"]) == ["misses"]
+    exact = np.pi * (1 - np.cos(np.sqrt(0.3) * ran["missed"].time))
+    np.testing.assert_allclose(opening(ran["missed"]), exact, atol=1e-6)
+    # Upwards it does not look; downwards it catches, at the first crossing with a rate below zero.
+    late = ran["wrong side"]
+    assert events_of(late) == ["latches"]
+    omega = np.sqrt(4 / J)
+    assert late.events[0, 0] == pytest.approx((np.pi - np.arcsin(0.2 * omega)) / omega, abs=1e-7)
+    # Too fast where it came within the tolerance, at -0.45, and slow enough before it left.
+    slow = ran["slow enough"]
+    assert events_of(slow) == ["latches"]
+    omega = np.sqrt(1 / J)
+    assert slow.events[0, 0] == pytest.approx(np.arccos(0.5) / omega, abs=2e-4)
+    assert slow.recorded["latch_rate"].values[-1, 0] == pytest.approx(-0.5, abs=1e-3)
+
+
+@pytest.mark.slow
+def test_a_damper_slows_as_the_exponential_and_loses_that(ran):
+    outcome, rate = ran["damper"], 0.5 / J
+    exact = (1 - np.exp(-rate * outcome.time)) / rate
+    np.testing.assert_allclose(opening(outcome), exact, atol=5e-8)
+    lost = J / 2 * (1 - np.exp(-2 * rate * outcome.time))
+    np.testing.assert_allclose(outcome.energies["joint_loss"], lost, atol=5e-8)
+    outcome, half = ran["damped spring"], rate / 2
+    omega = np.sqrt(4 / J - half**2)
+    exact = np.exp(-half * outcome.time) * np.sin(omega * outcome.time) / omega
+    np.testing.assert_allclose(opening(outcome), exact, atol=1e-7)
+
+
+@pytest.mark.slow
+def test_a_damper_is_of_second_order():
+    errors = []
+    for step in (8e-3, 4e-3, 2e-3):
+        run = {"duration": 1.6, "instants": 2, "step": step}
+        (outcome,) = fpm.simulate(CASES["damper"], **run)
+        exact = [(1 - np.exp(-2.4)) / 1.5, J / 2 * (1 - np.exp(-4.8))]
+        found = [opening(outcome)[-1], outcome.energies["joint_loss"][-1]]
+        errors.append(np.abs(np.subtract(found, exact)))
+    for coarse, fine in pairwise(errors):
+        np.testing.assert_allclose(coarse / fine, 4.0, rtol=0.1)
+
+
+@pytest.mark.slow
+def test_friction_stops_at_the_exact_angle_and_sticks(ran):
+    """J w²/(2 M), less the bend with which it springs back."""
+    outcome, exact = ran["stops"], J / (2 * 0.2)
+    assert opening(outcome).max() == pytest.approx(exact, abs=1e-6)
+    assert opening(outcome)[-1] == pytest.approx(exact - 1e-3, abs=1e-6)
+    assert outcome.energies["joint_loss"][-1] == pytest.approx(J / 2, rel=1e-8)
+    sliding = outcome.time < J / 0.2 - 0.01
+    time = outcome.time[sliding]
+    np.testing.assert_allclose(opening(outcome)[sliding], time - 0.3 * time**2, atol=2e-6)
+
+
+@pytest.mark.slow
+def test_friction_sticks_for_ever_below_its_moment_and_slips_above(ran):
+    stuck = ran["sticks"]
+    assert np.ptp(opening(stuck)[stuck.time > 3.0]) < 1e-9
+    assert np.abs(opening(stuck)).max() < 2e-3
+    assert stuck.energies["friction"][-1] == pytest.approx(0.15**2 / (2 * 200), rel=1e-5)
+    slid = ran["slips"]
+    # At 0.05 N m on J, once it slips.
+    assert np.diff(opening(slid)[2000::1000], 2) == pytest.approx(0.05 / J, abs=1e-5)
+    assert slid.energies["joint_loss"][-1] == pytest.approx(0.2 * opening(slid)[-1], abs=2e-4)
+
+
+@pytest.mark.slow
+def test_a_stop_gives_back_the_rate_of_the_closed_form(ran):
+    outcome, omega = ran["hits"], np.sqrt(300 / J)
+    ratio = 4.0 / (2 * np.sqrt(300 * J))
+    fast = omega * np.sqrt(1 - ratio**2)
+    angle = np.pi - np.arctan(2 * ratio * np.sqrt(1 - ratio**2) / (1 - 2 * ratio**2))
+    kept = -np.exp(-ratio * omega * angle / fast) * (
+        np.cos(angle) - ratio * omega / fast * np.sin(angle)
+    )
+    assert events_of(outcome) == ["hits", "leaves"]
+    assert outcome.events[0, 0] == pytest.approx(0.5, abs=1e-7)
+    back = np.polyfit(outcome.time[-100:], opening(outcome)[-100:], 1)[0]
+    assert back == pytest.approx(-kept, rel=1e-3)
+    assert outcome.energies["joint_loss"][-1] == pytest.approx(J / 2 * (1 - kept**2), rel=1e-3)
+
+
+@pytest.mark.slow
+def test_an_undamped_stop_gives_all_back(ran):
+    outcome = ran["bounces"]
+    assert events_of(outcome)[:4] == ["hits", "leaves", "hits", "leaves"]
+    assert np.abs(outcome.energies["stop"] + outcome.energies["spring"]
+                  + outcome.energies["kinetic"] - J / 2).max() < 1e-5  # fmt: skip
+    assert opening(outcome).max() > 0.1
+    assert opening(outcome).min() == pytest.approx(-np.sqrt(J), rel=1e-4)
+
+
+@pytest.mark.slow
+def test_a_spring_by_a_table_has_the_integral_of_its_interpolation(ran):
+    outcome = ran["tape"]
+    psi, stored = opening(outcome), outcome.energies["table_spring"]
+    assert psi.max() > 0.3
+    assert psi.min() < -1.0  # also beyond the table
+    grid = np.linspace(-2.0, 2.0, 40001)
+    moment = np.interp(grid, *TAPE)
+    energy = -np.concatenate([[0.0], np.cumsum((moment[1:] + moment[:-1]) / 2 * np.diff(grid))])
+    np.testing.assert_allclose(stored, np.interp(psi, grid, energy - energy.min()), atol=1e-7)
+    kinetic = outcome.energies["kinetic"]
+    np.testing.assert_allclose(kinetic + stored, kinetic[0] + stored[0], atol=2e-6)
+
+
+@pytest.mark.slow
+def test_on_openings_alone_and_in_a_batch_are_the_same_bits(ran):
+    for name in ("held", "slow enough", "stops", "hits", "tape"):
+        (alone,) = fpm.simulate(CASES[name], **RUN)
+        beside = ran[name]
+        assert np.array_equal(opening(alone), opening(beside))
+        assert np.array_equal(alone.events, beside.events)
+        for energy, values in alone.energies.items():
+            assert np.array_equal(values, beside.energies[energy]), energy
+
+
+def test_the_least_energy_of_a_table_is_zero():
+    spring = TableSpring(0, *TAPE)
+    grid = np.linspace(-0.5, 2.0, 100001)
+    given = np.concatenate([[0.0], np.cumsum(np.diff(grid) * np.interp(grid[1:], *TAPE))])
+    assert spring.lift == pytest.approx(given.max(), abs=1e-4)
+    assert spring.bends.sum() == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_stable_step_knows_all_of_them():
+    def limit(*elements):
+        scene = bare()
+        for element in elements:
+            scene.add(element)
+        return fpm.stable_step(scene).step
+
+    exact = 2 * np.sqrt(J / 50)
+    assert limit(Latch(0, 1.0, 50.0)) == pytest.approx(exact)
+    assert limit(Stop(0, 1.0, "above", 50.0)) == pytest.approx(exact)
+    assert limit(Friction(0, 0.05, damping=0.0)) == pytest.approx(exact)
+    assert limit(TableSpring(0, (0.0, 0.1, 1.0), (0.0, -5.0, 3.0))) == pytest.approx(exact)
+    assert limit(Damper(0, 0.5)) == pytest.approx(J / 0.5)
+    for found in (limit(Latch(0, 1.0, 50.0, 3.0)), limit(Stop(0, 1.0, "below", 50.0, 3.0))):
+        exact = (-12 / J + np.sqrt((12 / J) ** 2 + 16 * 50 / J)) / (2 * 50 / J)
+        assert 0.98 * exact < found <= exact * (1 + 1e-12)
+    assert limit(Damper(0, 0.0)) == np.inf
+
+
+def test_extrapolated_dampers_are_stable_up_to_the_limit_and_not_beyond():
+    """All matrices K and C: the roots of the whole recursion, below and above the bound."""
+    random = np.random.default_rng(1)
+
+    def largest(K, C, h):
+        one, zero = np.eye(3), np.zeros((3, 3))
+        new = [2 * one - h**2 * K - 1.5 * h * C, 2 * h * C - one, -0.5 * h * C]
+        rows = [new, [one, zero, zero], [zero, one, zero]]
+        return np.abs(np.linalg.eigvals(np.block(rows))).max()
+
+    for _ in range(50):
+        roots = random.standard_normal((2, 3, 3))
+        K, C = roots[0] @ roots[0].T, random.uniform(0, 3) * roots[1] @ roots[1].T
+        low, high = 1e-3, 10.0
+        for _ in range(60):
+            h = np.sqrt(low * high)
+            worst = np.linalg.eigvalsh(h**2 * K + 4 * h * C)[-1]
+            low, high = (h, high) if worst < 4 else (low, h)
+        assert largest(K, C, 0.999 * low) < 1 + 1e-9
+    K, C = np.diag([1.0, 2, 3]), np.diag([0.1, 0.2, 0.3])
+    exact = (-1.2 + np.sqrt(1.44 + 48)) / 6
+    assert largest(K, C, 1.001 * exact) > 1.0
+
+
+def test_a_damper_between_driven_and_free_knows_the_rate_at_the_start():
+    scene = bare(rate=0.25)
+    scene.drive(0, spin=(0, 0, 1.0))
+    from fpm.kinds.opening import turning_at_start
+
+    assert turning_at_start(scene, [0]) == [-0.75]
+
+
+@pytest.mark.parametrize(
+    ("element", "message"),
+    [
+        (Latch(1, 1.0, 1.0), "hinge of latch = 1"),
+        (Latch(0, 1.0, -1.0), "latch stiffness = -1"),
+        (Latch(0, 1.0, 1.0, tolerance=-1.0), "tolerance of latch"),
+        (Latch(0, 1.0, 1.0, damping=np.inf), "damping of latch"),
+        (Latch(0, 1.0, 1.0, fastest=0.0), "fastest rate of latch"),
+        (Latch(0, 1.0, 1.0, side="left"), "side of latch"),
+        (Damper(0, -0.1), "damping of damper"),
+        (Damper(3, 0.1), "hinge of damper"),
+        (Friction(0, -1.0), "moment of friction"),
+        (Friction(0, 1.0, bend=0.0), "bend of friction"),
+        (Friction(0, 1.0, damping=-1.0), "damping of friction"),
+        (Stop(0, np.nan, "above", 1.0), "angle of stop"),
+        (Stop(0, 0.0, "up", 1.0), "side of stop"),
+        (TableSpring(0, (0.0,), (1.0,)), "angles, moments of spring by a table"),
+        (TableSpring(0, (0.0, 0.0), (1.0, 1.0)), "increasing angles"),
+        (TableSpring(0, (0.0, 1.0), (1.0, np.nan)), "all finite"),
+    ],
+)
+def test_what_openings_refuse(element, message):
+    scene = bare()
+    with pytest.raises(fpm.SceneError, match=message):
+        scene.add(element)
+
+
+def test_two_latches_on_a_hinge_need_names():
+    scene = bare()
+    scene.add(Latch(0, 1.0, 1.0))
+    with pytest.raises(fpm.SceneError, match="no other latch"):
+        scene.add(Latch(0, 2.0, 1.0))
+    scene.add(Latch(0, 2.0, 1.0, name="second"))
+    assert Latch.names(scene) == ["latch hinge", "latch second"]

@@ -118,6 +118,13 @@ def envelopes(folder: Folder, tell: Tell, error: Any) -> None:
     draw_envelopes(folder.bounds, error.shade_above, folder.figures)
 
 
+def ranges(folder: Folder, tell: Tell) -> None:
+    """Draw each quantity over the box, or what each parameter contributes to it."""
+    from campaign.results.ranges import draw_ranges
+
+    draw_ranges(folder, folder.figures)
+
+
 def sensitivities(folder: Folder, tell: Tell) -> None:
     """Draw which parameter widens the bounds, and when."""
     from campaign.results.figures import draw_sensitivities
@@ -240,7 +247,10 @@ _DESIGN = (
 _PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py", *_FILES)
 _BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py", *_FILES)
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
-_SUMMARY = ("campaign/results/summary.py", "campaign/results/answers.py")
+_WORDS = (
+    "campaign/results/answers.py", "campaign/results/decisions.py", "campaign/results/words.py",
+)  # fmt: skip
+_SUMMARY = ("campaign/results/summary.py", *_WORDS)
 _RUNS = (
     "campaign/runs/*.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py",
     "fpm/quantities.py", *_FILES,
@@ -271,6 +281,12 @@ STAGES = {
         Stage(envelopes, ("error",), (*_PLOT, "campaign/results/summary.py"), (_BOX,)),
         Stage(sensitivities, (), _PLOT, ("sensitivities.nc",)),
         Stage(
+            ranges,
+            (),
+            ("campaign/results/ranges.py", "intervals/**/*.py", *_PLOT),
+            (_SAMPLES, "quantities.nc", "further.nc"),
+        ),
+        Stage(
             linkage,
             ("figures",),
             ("campaign/results/linkage.py", *_PLOT, *_RUNS),
@@ -285,7 +301,7 @@ STAGES = {
         Stage(
             report,
             (),
-            (*_PAGE, *_PLOT[1:], "fpm/motion*.py"),
+            (*_PAGE, *_WORDS, *_PLOT[1:], "fpm/motion*.py"),
             (_SAMPLES, _BOX, "sensitivities.nc", "summary.json"),
         ),
     )
@@ -312,4 +328,6 @@ def drawings(campaign: Campaign) -> list[str]:
     several = len(experiment.intervals) > 1 and experiment.design.order is not None
     known = experiment.scene.name in BARS and not experiment.scene.file
     kept = campaign.jobs.keep == "trajectories" and known
-    return ["envelopes", *["linkage"] * kept, *["sensitivities"] * several]
+    asked = bool(experiment.quantities)
+    others = ["linkage"] * kept + ["sensitivities"] * several + ["ranges"] * asked
+    return ["envelopes", *others]

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .designs import Design, SplitDesign
-from .points import match_points
+from .estimates import decay_estimate, held_out_error, widen
+from .points import match_points, other_runs
 from .ranges import line_range
-from .samples import read_samples
+from .samples import Samples, read_samples
 from .surrogate import Surrogate, fit, fit_points
 
 if TYPE_CHECKING:
@@ -72,10 +73,13 @@ def sensitivity_dataset(
     """Influence of each parameter on each response, per instant and overall.
 
     Variables over (response, parameter, time): ``width`` in the response's units, ``first``,
-    ``total`` (shares). Over (response, parameter): ``width_overall``, the width integrated over
-    time as a share of the sum over all parameters, and ``total_overall``, the variance-weighted
-    mean of the shares. A split design is judged by one polynomial through all its runs (least
-    squares): its parts by themselves would hide what a parameter does from one part to the next.
+    ``total`` (shares). Over (response, time): ``error``, what the polynomial misses runs by that it
+    was not fitted to, at most, within a short time (without such runs, what its coefficients
+    foretell): a width that is not above it may be the fit's noise. Over (response, parameter):
+    ``width_overall``, the width where it is above ``error``, integrated over time, as a share of
+    the sum over all parameters, and ``total_overall``, the variance-weighted mean of the shares. A
+    split design is judged by one polynomial through all its runs (least squares): its parts by
+    themselves would hide what a parameter does from one part to the next.
     """
     import xarray as xr
 
@@ -85,13 +89,14 @@ def sensitivity_dataset(
         surrogate = fit_points(design.points, design.parts[0].design.multi_indices, values)
     else:
         surrogate = fit(design, values)
+    error = _error(data, design, surrogate)
     found = parameter_sensitivity(surrogate)
     width, first, total = (
         np.moveaxis(array, 0, 1) for array in (found.width, found.first, found.total)
     )
     wide, shares = np.zeros((2, *width.shape[:2]))
     for i, variance in enumerate(found.variance):
-        area = np.trapezoid(width[i], data.time)
+        area = np.trapezoid(np.where(width[i] > error[i], width[i], 0.0), data.time)
         weight = np.trapezoid(variance, data.time)
         own = np.trapezoid(total[i] * variance, data.time)
         wide[i], shares[i] = area / (area.sum() or 1.0), own / (weight or 1.0)
@@ -101,7 +106,8 @@ def sensitivity_dataset(
         "width": (curve, width, "width when only this parameter varies", {}),
         "first": (curve, first, "share of the variance from this parameter alone", share),
         "total": (curve, total, "share of the variance in which this parameter takes part", share),
-        "width_overall": (number, wide, "share of the widths, over all time", share),
+        "error": (("response", "time"), error, "error of the polynomial at other runs", {}),
+        "width_overall": (number, wide, "share of the widths above the error", share),
         "total_overall": (number, shares, "mean share of the variance, over all time", share),
     }
     return xr.Dataset(
@@ -109,3 +115,13 @@ def sensitivity_dataset(
         coords=data.coordinates(),
         attrs=samples.attrs,
     )
+
+
+def _error(data: Samples, design: Design | SplitDesign, surrogate: Surrogate) -> np.ndarray:
+    """What the polynomial misses runs by that it was not fitted to, (n, T), widened in time."""
+    whole = isinstance(design, SplitDesign)
+    tested = np.arange(len(data.unit)) if whole else other_runs(data.unit, design.points)
+    if not len(tested):
+        return decay_estimate(surrogate, data.time)
+    missed = held_out_error(surrogate, data.unit[tested], data.values[tested])
+    return widen(data.time, missed)

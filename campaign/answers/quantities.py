@@ -9,6 +9,7 @@ their ends take, `further.nc`.
     error                           estimated error of the surrogate
     runs_with, runs_without         in how many runs there is such a number, and in how many not
     happens, open                   share of the box in which there is, and in which it is not known
+    is_time, fit                    1 for times of the run; what was fitted
     share, alone, fixed, halved (quantity, parameter)   what each parameter contributes
 """
 
@@ -80,6 +81,8 @@ def quantities_dataset(bench: Bench, ends: list[Ends]) -> Any:
     put("alone", by, [f.alone for f in found], "width when only this parameter varies")
     put("fixed", by, [f.fixed for f in found], "width when this parameter is fixed")
     put("halved", by, [f.halved for f in found], "width when its interval is half as wide")
+    times = [int(quantity.is_time) for quantity in bench.experiment.numbers]
+    put("is_time", of, times, "1 for times of the run", "1")
     kinds = [e.surrogate.fit.kind if e.surrogate.fit else "none" for e in ends]
     variables["fit"] = (of, kinds, {"long_name": "what was fitted to the runs"})
     return xr.Dataset(variables, coordinates(bench), attributes_of(bench))

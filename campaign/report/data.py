@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -105,6 +105,7 @@ class PageData:
 
     time (t,) s; bounds_kind: what the bounds are, in words; moving: the nominal run first, then
     those at which bounds are attained; provenance: name -> text; config: text to start from again;
+    answers: what the summary tells of quantities, requirements and the best choice;
     overlap: of the faces of a contact, rad.
     """
 
@@ -119,6 +120,7 @@ class PageData:
     work: tuple[Work, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
+    answers: Mapping[str, Any] = field(default_factory=dict)
     overlap: float = 0.0
 
     @property

@@ -10,6 +10,7 @@ from campaign.report import words
 from campaign.report.data import PageData
 from campaign.report.pack import payload
 from campaign.report.trust import trust
+from campaign.results import answers, decisions
 from campaign.results.summary import kind_text
 from campaign.results.units import pretty
 
@@ -41,6 +42,9 @@ def render(data: PageData) -> str:
     )
     return environment.get_template("page.html").render(
         data=data,
+        answers=data.answers,
+        told=answers,
+        decided=decisions,
         headline=words.headline(data),
         facts=words.facts(data),
         kind=kind_text(data.bounds_kind),

@@ -29,7 +29,7 @@ def from_results(folder: str | Path) -> PageData:
     folder = Path(folder)
     samples, bounds = _load(folder / "samples.nc", "values"), _load(folder / "bounds.nc")
     sensitivities = folder / "sensitivities.nc"
-    runs = _runs(samples)
+    runs, summary = _runs(samples), _summary(folder)
     data = PageData(
         campaign=str(bounds.attrs["campaign"]),
         scene=str(bounds.attrs["scene"]),
@@ -37,13 +37,14 @@ def from_results(folder: str | Path) -> PageData:
         time=bounds["time"].values,
         parameters=_parameters(bounds),
         responses=_responses(
-            bounds, _load(sensitivities) if sensitivities.exists() else None, _published(folder)
+            bounds, _load(sensitivities) if sensitivities.exists() else None, _published(summary)
         ),
         runs=runs,
         moving=_moving(folder, runs),
         work=_work(folder),
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
+        answers={name: summary[name] for name in _ANSWERS if name in summary},
         overlap=float(samples["overlap"].max()),
     )
     drawn = {*data.lines, *(moving.run for moving in data.moving)}
@@ -91,7 +92,7 @@ def _responses(
                 error=values("error", i),
                 published=published.get(name),
                 shares=values("width_overall", i, sensitivities),
-                widths=values("width", i, sensitivities),
+                widths=_told(values("width", i, sensitivities), values("error", i, sensitivities)),
                 outside=None if outside is None else float(outside),
                 share_outside=float(1.0 - (1.0 if inside is None else inside)),
                 impossible=float(values("largest_impossible", i) or 0.0),
@@ -100,12 +101,22 @@ def _responses(
     return tuple(responses)
 
 
-def _published(folder: Path) -> dict[str, float]:
+def _told(widths: np.ndarray | None, error: np.ndarray | None) -> np.ndarray | None:
+    """Widths (k, t), 0 where they are not above the error of the fit (t)."""
+    return widths if widths is None or error is None else np.where(widths > error, widths, 0.0)
+
+
+def _summary(folder: Path) -> dict:
     path = folder / "summary.json"
-    if not path.exists():
-        return {}
-    rows = json.loads(path.read_text(encoding="utf-8"))["responses"]
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+
+
+def _published(summary: dict) -> dict[str, float]:
+    rows = summary.get("responses", [])
     return {row["name"]: row["published"] for row in rows if row.get("published") is not None}
+
+
+_ANSWERS = ("quantities", "requirements", "together", "choice")
 
 
 def _runs(samples: xarray.Dataset) -> tuple[Run, ...]:

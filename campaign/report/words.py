@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from campaign.report.data import PageData, Parameter, Response
+from campaign.results.answers import interval
+from campaign.results.decisions import verdict as decided
 from campaign.results.summary import SOFT
 from campaign.results.units import pretty
 
@@ -61,13 +64,25 @@ def spread(parameter: Parameter) -> str:
 
 
 def headline(data: PageData) -> str:
-    """The answer in one sentence."""
+    """The answer in one sentence; what was asked of quantities comes first."""
+    if data.answers:
+        return f"With {_given(data.parameters)}, {_answered(data.answers)}."
     first, *others = data.responses
     text = f"With {_given(data.parameters)}, the {first.long_name} is uncertain by up to "
     text += _largest(first)
     if len(others) == 1:
         text += f", and the {others[0].long_name} by up to {_largest(others[0])}"
     return f"{text}.".replace("-", "\N{NON-BREAKING HYPHEN}")
+
+
+def _answered(answers: Mapping) -> str:
+    """Of the first quantities their intervals, and whether the requirements are met."""
+    rows = [row for row in answers["quantities"] if row["lower"] is not None]
+    parts = [f"{row['name']} is {interval(row)}" for row in rows[:2]]
+    if "together" in answers:
+        text = decided(answers["together"])
+        parts.append(text[0].lower() + text[1:].rstrip("."))
+    return ", and ".join(parts) or "none of the quantities happens"
 
 
 def _given(parameters: tuple[Parameter, ...]) -> str:

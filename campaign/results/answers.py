@@ -11,7 +11,9 @@ import numpy as np
 
 from campaign.files import open_netcdf
 from campaign.folder import Folder
+from campaign.results.decisions import choice_lines, requirement_lines
 from campaign.results.units import pretty
+from campaign.results.words import place, table, with_unit
 from fpm.sealed import check
 
 
@@ -45,124 +47,6 @@ def answer_lines(summary: Mapping) -> list[str]:
     if "choice" in summary:
         lines += choice_lines(summary["choice"])
     return lines + quantity_lines(summary["quantities"], **summary["runs"])
-
-
-def requirement_lines(rows: list[Mapping], together: Mapping) -> list[str]:
-    """Which requirements are met, in Markdown."""
-    lines = ["", "## Requirements", "", f"**{verdict(together)}**", ""]
-    lines += table(
-        ("requirement", "met by", "limit", "margin at the worst", "where", "simulated there"),
-        [
-            (
-                row["name"],
-                met(row),
-                limit_text(one),
-                margin_text(one),
-                place(one["at"]),
-                _with_unit(one["simulated"], one["units"], 6, "none"),
-            )
-            for row in rows
-            for one in row["limits"]
-        ],
-    )
-    return [*lines, "", *together_lines(together)]
-
-
-def verdict(together: Mapping) -> str:
-    """One sentence about all requirements."""
-    if together["met"] == "all":
-        return "All of the box meets all requirements."
-    if together["met"] == "none":
-        return "None of the box meets all requirements."
-    return f"{share_text(together['share'])} of the box meets all requirements."
-
-
-def together_lines(together: Mapping) -> list[str]:
-    """How large a box would meet all requirements, and where the nearest failure is."""
-    fails = together["fails"]
-    if fails is None:
-        return []
-    share = together["largest_share"]
-    text = (
-        f"Intervals of {share_text(share)} of their widths about the nominal values meet all"
-        if share > 0
-        else "The nominal values fail"
-    )
-    simulated = _with_unit(fails["simulated"], fails["units"], 6, "does not happen")
-    return [
-        f"{text}. The nearest failure is of {fails['requirement']} ({limit_text(fails)}) at "
-        f"{place(fails['at'])}; simulated there: {fails['quantity']} = {simulated}."
-    ]
-
-
-def share_text(share: float) -> str:
-    """A share in per cent, never rounded to all or nothing."""
-    percent = 100 * share
-    if 0 < percent < 0.01 or 99.99 < percent < 100:
-        return "Less than 0.01 %" if percent < 1 else "More than 99.99 %"
-    return f"{percent:.4g} %"
-
-
-def met(row: Mapping) -> str:
-    """By how much of the box a requirement is met."""
-    return {"all": "all", "none": "none"}.get(row["met"]) or f"some: {share_text(row['share'])}"
-
-
-def limit_text(row: Mapping) -> str:
-    """`t at most 2.1 s`."""
-    if row["kind"] == "happens":
-        return f"{row['quantity']} {'happens' if row['level'] else 'does not happen'}"
-    how = row["kind"].replace("_", " ")
-    return f"{row['quantity']} {how} {row['level']:.6g} {pretty(row['units'])}"
-
-
-def margin_text(row: Mapping) -> str:
-    """The margin with its unit, and whether it is below the error of the surrogate."""
-    if row["margin"] is None:
-        return ""
-    text = _with_unit(row["margin"], row["units"], 3)
-    error = row.get("error")
-    return f"{text} (below the error estimate)" if error and abs(row["margin"]) < error else text
-
-
-def choice_lines(choice: Mapping) -> list[str]:
-    """The best choice in Markdown."""
-    best = ", ".join(
-        f"{p['name']} = {p['value']:.6g} {pretty(p['units'])}" for p in choice["parameters"]
-    )
-    lines = ["", "## Best choice", "", f"**{choice_verdict(choice)}**", ""]
-    goals = [
-        (
-            f"{goal['sense']} {goal['end']}({goal['quantity']})",
-            _with_unit(goal["value"], goal["units"], 6),
-            place(goal["at"]),
-            _with_unit(goal["simulated"], goal["units"], 6, "none"),
-        )
-        for goal in choice["goals"]
-    ]
-    limits = [
-        (
-            f"{limit['requirement']}: {limit_text(limit)}",
-            f"margin {margin_text(limit)}",
-            place(limit["at"]),
-            _with_unit(limit["simulated"], limit["units"], 6, "none"),
-        )
-        for limit in choice["limits"]
-    ]
-    head = (f"worst case of {best}", "by the surrogate", "where", "simulated there")
-    return [*lines, *table(head, goals + limits), "", f"It took {choice['runs']} runs."]
-
-
-def choice_verdict(choice: Mapping) -> str:
-    """One sentence about the best choice."""
-    best = ", ".join(
-        f"{p['name']} = {p['value']:.6g} {pretty(p['units'])}" for p in choice["parameters"]
-    )
-    if choice["kept"]:
-        goal = choice["goals"][0]
-        value = _with_unit(goal["value"], goal["units"], 4)
-        return f"Best choice: {best}, with {goal['end']}({goal['quantity']}) = {value}."
-    return f"No choice meets all requirements over its intervals; {best} misses them least."
 
 
 def quantity_rows(data: Any) -> list[dict]:
@@ -209,8 +93,8 @@ def quantity_lines(rows: list[Mapping], runs: int, further_runs: int) -> list[st
                 interval(row),
                 place(row["argmin"]),
                 place(row["argmax"]),
-                _with_unit(row["error"], row["units"], 2),
-                "never happens" if row["lower"] is None else _ends(row),
+                with_unit(row["error"], row["units"], 2),
+                "never happens" if row["lower"] is None else ends(row),
             )
             for row in rows
         ],
@@ -220,8 +104,8 @@ def quantity_lines(rows: list[Mapping], runs: int, further_runs: int) -> list[st
         if row["runs_without"]:
             lines += ["", occurrence(row)]
     if any(len(row["influence"]) > 1 for row in rows):
-        lines += ["", "### Which tolerance to pay for", ""]
-        lines += _influence(rows)
+        lines += ["", "### Which tolerance to pay for", "", *_influence(rows), ""]
+        lines += ["A dash: its effect is not above the error of the surrogate."]
     return lines
 
 
@@ -240,7 +124,8 @@ def digits_for(lower: float, upper: float) -> int:
     return int(np.clip(np.ceil(np.log10(size / width)) + 3, 4, 9)) if width > 0 < size else 6
 
 
-def _ends(row: Mapping) -> str:
+def ends(row: Mapping) -> str:
+    """Whether the ends were simulated."""
     if row["verified"]:
         return "simulated"
     parts = []
@@ -263,36 +148,26 @@ def occurrence(row: Mapping) -> str:
     )
 
 
-def _influence(rows: Iterable[Mapping]) -> list[str]:
-    """The widths that are left when one parameter is known better."""
-    rows = [row for row in rows if row["lower"] is not None]
-    parameters = list(rows[0]["influence"]) if rows else []
+def _influence(rows: list[Mapping]) -> list[str]:
+    """The widths that are left when one parameter is known better, as a table."""
+    parameters = list(rows[0]["influence"])
     head = ["quantity", "width"]
     head += [f"{name} {how}" for name in parameters for how in ("fixed", "halved")]
+    return table(head, width_rows(rows))
+
+
+def width_rows(rows: Iterable[Mapping]) -> list[list[str]]:
+    """Of each quantity its name, its width, and those with each parameter fixed and halved.
+
+    A dash where the parameter's effect cannot be told from the error of the surrogate.
+    """
     cells = []
     for row in rows:
-        unit, width = pretty(row["units"]), row["surrogate_upper"] - row["surrogate_lower"]
-        line = [row["name"], f"{width:.3g} {unit}"]
+        if row["lower"] is None:
+            continue
+        line = [row["name"]]
+        widths = [row["surrogate_upper"] - row["surrogate_lower"]]
         for found in row["influence"].values():
-            if not found["share"]:
-                line += ["not told apart from the error", ""]
-            else:
-                line += [f"{found[key]:.3g} {unit}" for key in ("fixed", "halved")]
-        cells.append(line)
-    return table(head, cells)
-
-
-def place(values: Mapping[str, float | None]) -> str:
-    """Parameter values by name."""
-    return ", ".join(f"{n} = {v:.6g}" for n, v in values.items() if v is not None)
-
-
-def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
-    """Lines of a Markdown table."""
-    head = list(head)
-    lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head)]
-    return lines + [f"| {' | '.join(row)} |" for row in rows]
-
-
-def _with_unit(value: float | None, units: str, digits: int, none: str = "unknown") -> str:
-    return none if value is None else f"{value:.{digits}g} {pretty(units)}"
+            widths += [found[key] if found["share"] else None for key in ("fixed", "halved")]
+        cells.append(line + [with_unit(width, row["units"], 3, "–") for width in widths])
+    return cells

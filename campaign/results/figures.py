@@ -94,24 +94,30 @@ def shares(data: Any, width: float = 7.0) -> Any:
     """A figure of the open `sensitivities.nc`; width in inches.
 
     A row for each response: the width of its range when one parameter varies alone, against time,
-    and each parameter's share of these widths over all time.
+    and each parameter's share of these widths over all time. Widths that are not above the error of
+    the fit are grey, and have no share.
     """
     from matplotlib.figure import Figure
 
     names, parameters = list(data["response"][:]), list(data["parameter"][:])
-    time, widths, overall = (data[key][:] for key in ("time", "width", "width_overall"))
+    keys = ("time", "width", "width_overall", "error")
+    time, widths, overall, errors = (data[key][:] for key in keys)
     all_units = data["response_units"][:]
     figure = Figure(figsize=(width, 2.2 * len(names) + 0.4), layout="constrained")
     axes = figure.subplots(len(names), 2, width_ratios=(3, 1), squeeze=False)
-    for row, name, units, alone, share in zip(axes, names, all_units, widths, overall, strict=True):
+    rows = zip(axes, names, all_units, widths, overall, errors, strict=True)
+    for row, name, units, alone, share, error in rows:
+        row[0].fill_between(time, error, color="0.92", lw=0, label="error of the fit")
         for i, (parameter, curve) in enumerate(zip(parameters, alone, strict=True)):
             line, colour = _DASHES[i % len(_DASHES)], _COLOURS[i % len(_COLOURS)]
-            row[0].plot(time, curve, color=colour, linestyle=line, label=parameter, lw=1.0)
+            told = np.where(curve > error, curve, np.nan)
+            row[0].plot(time, curve, color="0.75", linestyle=line, lw=0.6, zorder=1)
+            row[0].plot(time, told, color=colour, linestyle=line, label=parameter, lw=1.0)
             row[1].barh(parameter, 100 * share[i], color=colour, height=0.6)
             row[1].text(100 * share[i], i, f" {100 * share[i]:.0f} %", va="center", fontsize=7)
         row[0].set_ylabel(f"width of {name} ({pretty(units)})", fontsize=8)
         row[0].set_xlim(time[0], time[-1])
-        row[0].set_ylim(bottom=0)
+        row[0].set_ylim(0, 1.05 * max(float(alone.max()), 1e-300))
         row[0].grid(color="0.9", linewidth=0.5)
         row[1].set_xlim(0, 130)
         row[1].invert_yaxis()

@@ -14,6 +14,7 @@ from evidence.verification import (
     dynamics,
     joints,
     latches,
+    mechanisms,
     motors,
     rotation,
     statics,
@@ -22,10 +23,21 @@ from evidence.verification import (
 from evidence.verification.bench import Bench
 from evidence.verification.relax import NotAtRest
 
+FAMILIES = (
+    statics,
+    vibration,
+    rotation,
+    dynamics,
+    joints,
+    latches,
+    motors,
+    mechanisms,
+    cables,
+    bennett,
+)
+
 PROBLEMS: dict[str, Callable[[Bench], None]] = {
-    name: problem
-    for family in (statics, vibration, rotation, dynamics, joints, latches, motors, cables, bennett)
-    for name, problem in family.PROBLEMS.items()
+    name: problem for family in FAMILIES for name, problem in family.PROBLEMS.items()
 }
 """Name of every problem -> its function."""
 

@@ -11,7 +11,9 @@ from opening_panel import PANEL, exact_time, panel, run
 
 import campaign
 from campaign.errors import ConfigError
+from campaign.files import open_netcdf
 from campaign.folder import Folder
+from campaign.results.ranges import draw_ranges, ranges, runs_of
 from fpm.sealed import unsealed
 
 
@@ -122,3 +124,23 @@ def test_the_summary_tells_the_intervals(opened):
 def test_wrong_quantities_are_refused_before_any_run(definition, words):
     with pytest.raises(ConfigError, match=words):
         campaign.check_config(panel(quantities={"q": definition}))
+
+
+def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tmp_path):
+    draw_ranges(opened, tmp_path)
+    assert {p.name for p in tmp_path.iterdir()} == {"ranges.png", "ranges.pdf"}
+    late = {"t_late": PANEL["quantities"]["t_late"]}
+    several = {"k": {"relative": 0.05}, "mass": {"relative": 0.02}, "rest": {"relative": 0.01}}
+    for count, drawn in ((2, "collections"), (3, "patches")):
+        raw = panel(
+            campaign=f"of_{count}",
+            intervals=dict(list(several.items())[:count]),
+            design={"method": "smolyak", "order": 1},
+            quantities=late,
+            verify={"rounds": 0},
+        )
+        folder = run(raw, tmp_path)
+        with open_netcdf(folder.quantities) as found:
+            (ax, *_) = ranges(found, *runs_of(folder)).axes
+            assert len(getattr(ax, drawn)) >= count - (count == 2)
+            assert ax.get_xlabel() == {2: "mass (kg)", 3: "width alone (s)"}[count]

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from datasets_for_tests import samples_of
 
 from intervals import (
     Box,
     fit,
+    held_out_points,
     make_design,
     parameter_sensitivity,
     sensitivity_dataset,
@@ -57,3 +59,28 @@ def test_a_constant_response_has_no_shares():
     found = parameter_sensitivity(fit(design, np.full((design.runs, 1), 0.25)))
     assert (found.width < 1e-15).all()
     assert np.isfinite(found.total).all()
+
+
+def test_the_noise_of_the_fit_is_no_share():
+    """Half of the time only the first parameter matters, and the runs tremble by 1e-3."""
+    time = np.linspace(0, 1, 401)
+    box = Box(["a", "b"], [-1.0, -1.0], [1.0, 1.0])
+    design = make_design("smolyak", box, 2)
+    held_out = held_out_points(box.free, 6, design.points)
+    rng = np.random.default_rng(3)
+    points = np.concatenate([design.points, held_out])
+    noise = 1e-3 * rng.standard_normal((len(points), len(time)))
+    late = np.where(time > 0.5, 1.0, 0.0)
+    values = (points[:, :1] + late * points[:, 1:] + noise)[:, None]
+    samples = xr.Dataset(
+        {"values": (("run", "response", "time"), values), "unit": (("run", "parameter"), points),
+         "value": (("run", "parameter"), points)},
+        coords={"time": time, "response": ["y"]},
+    )  # fmt: skip
+    found = sensitivity_dataset(samples, design)
+    before = time < 0.45
+    width, error = found["width"].values[0], found["error"].values[0]
+    assert (width[1, before] > 0).all()
+    # A width is the difference of two ends, which may both be off.
+    assert (width[1, before] < error[before]).mean() > 0.8
+    assert found["width_overall"].values[0] == pytest.approx([2 / 3, 1 / 3], abs=0.01)

@@ -46,6 +46,30 @@ rule sensitivities:
         "python -m campaign sensitivities {wildcards.stage} --log {log}"
 
 
+rule ranges:
+    input:
+        "{stage}/samples.nc",
+        "{stage}/quantities.nc",
+        "{stage}/further.nc",
+    output:
+        report(
+            "{stage}/figures/ranges.png",
+            caption="../report/ranges.rst",
+            category="Parameters",
+        ),
+        "{stage}/figures/ranges.pdf",
+    log:
+        "{stage}/logs/ranges.log",
+    conda:
+        "../envs/campaign.yaml"
+    params:
+        code=code("ranges"),
+    message:
+        "Drawing the quantities over the box"
+    shell:
+        "python -m campaign ranges {wildcards.stage} --log {log}"
+
+
 rule linkage:
     input:
         "{stage}/samples.nc",

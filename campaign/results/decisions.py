@@ -1,0 +1,127 @@
+"""Requirements and the best choice in words: sentences, rows of tables, Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from campaign.results.units import pretty
+from campaign.results.words import place, table, with_unit
+
+
+def requirement_lines(rows: list[Mapping], together: Mapping) -> list[str]:
+    """Which requirements are met, in Markdown."""
+    lines = ["", "## Requirements", "", f"**{verdict(together)}**", ""]
+    lines += table(
+        ("requirement", "met by", "limit", "margin at the worst", "where", "simulated there"),
+        [
+            (
+                row["name"],
+                met(row),
+                limit_text(one),
+                margin_text(one),
+                place(one["at"]),
+                with_unit(one["simulated"], one["units"], 6, "none"),
+            )
+            for row in rows
+            for one in row["limits"]
+        ],
+    )
+    return [*lines, "", *together_lines(together)]
+
+
+def verdict(together: Mapping) -> str:
+    """One sentence about all requirements."""
+    if together["met"] == "all":
+        return "All of the box meets all requirements."
+    if together["met"] == "none":
+        return "None of the box meets all requirements."
+    return f"{share_text(together['share'])} of the box meets all requirements."
+
+
+def together_lines(together: Mapping) -> list[str]:
+    """How large a box would meet all requirements, and where the nearest failure is."""
+    fails = together["fails"]
+    if fails is None:
+        return []
+    share = together["largest_share"]
+    text = (
+        f"Intervals of {share_text(share)} of their widths about the nominal values meet all"
+        if share > 0
+        else "The nominal values fail"
+    )
+    simulated = with_unit(fails["simulated"], fails["units"], 6, "does not happen")
+    return [
+        f"{text}. The nearest failure is of {fails['requirement']} ({limit_text(fails)}) at "
+        f"{place(fails['at'])}; simulated there: {fails['quantity']} = {simulated}."
+    ]
+
+
+def share_text(share: float) -> str:
+    """A share in per cent, never rounded to all or nothing."""
+    percent = 100 * share
+    if 0 < percent < 0.01 or 99.99 < percent < 100:
+        return "Less than 0.01 %" if percent < 1 else "More than 99.99 %"
+    return f"{percent:.4g} %"
+
+
+def met(row: Mapping) -> str:
+    """By how much of the box a requirement is met."""
+    return {"all": "all", "none": "none"}.get(row["met"]) or f"some: {share_text(row['share'])}"
+
+
+def limit_text(row: Mapping) -> str:
+    """`t at most 2.1 s`."""
+    if row["kind"] == "happens":
+        return f"{row['quantity']} {'happens' if row['level'] else 'does not happen'}"
+    how = row["kind"].replace("_", " ")
+    return f"{row['quantity']} {how} {row['level']:.6g} {pretty(row['units'])}"
+
+
+def margin_text(row: Mapping) -> str:
+    """The margin with its unit, and whether it is below the error of the surrogate."""
+    if row["margin"] is None:
+        return ""
+    text = with_unit(row["margin"], row["units"], 3)
+    error = row.get("error")
+    return f"{text} (below the error estimate)" if error and abs(row["margin"]) < error else text
+
+
+def choice_lines(choice: Mapping) -> list[str]:
+    """The best choice in Markdown."""
+    lines = ["", "## Best choice", "", f"**{choice_verdict(choice)}**", ""]
+    head = ("worst case of it", "by the surrogate", "where", "simulated there")
+    return [*lines, *table(head, choice_rows(choice)), "", f"It took {choice['runs']} runs."]
+
+
+def choice_rows(choice: Mapping) -> list[tuple[str, str, str, str]]:
+    """Goals and limits of the best choice: which, by the surrogate, where, simulated there."""
+    goals = [
+        (
+            f"{goal['sense']} {goal['end']}({goal['quantity']})",
+            with_unit(goal["value"], goal["units"], 6),
+            place(goal["at"]),
+            with_unit(goal["simulated"], goal["units"], 6, "none"),
+        )
+        for goal in choice["goals"]
+    ]
+    return goals + [
+        (
+            f"{limit['requirement']}: {limit_text(limit)}",
+            f"margin {margin_text(limit)}",
+            place(limit["at"]),
+            with_unit(limit["simulated"], limit["units"], 6, "none"),
+        )
+        for limit in choice["limits"]
+    ]
+
+
+def choice_verdict(choice: Mapping) -> str:
+    """One sentence about the best choice."""
+    best = ", ".join(
+        f"{p['name']} = {p['value']:.6g} {pretty(p['units'])}" for p in choice["parameters"]
+    )
+    if choice["kept"]:
+        goal = choice["goals"][0]
+        value = with_unit(goal["value"], goal["units"], 4)
+        return f"Best choice: {best}, with {goal['end']}({goal['quantity']}) = {value}."
+    return f"No choice meets all requirements over its intervals; {best} misses them least."

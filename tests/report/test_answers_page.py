@@ -1,0 +1,47 @@
+"""The page tells what was asked of quantities before anything else."""
+
+import copy
+import re
+
+import pytest
+from opening import CONFIG
+
+import campaign
+from campaign.report import from_results, words
+from campaign.report.page import render
+
+
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory):
+    """The page's data of a panel with requirements that part of the box meets, and a choice."""
+    results = tmp_path_factory.mktemp("results")
+    campaign.run(copy.deepcopy(CONFIG), results, figures=False, tell=lambda text: None)
+    return from_results(results / CONFIG["campaign"])
+
+
+def test_the_headline_is_the_answer(opened):
+    text = words.headline(opened)
+    assert "t_open is 1.8682 to 1.964 s" in text
+    assert re.search(r"6\d\.\d+ % of the box meets all requirements", text)
+
+
+def test_the_page_has_verdicts_intervals_and_tables(opened):
+    page = render(opened)
+    assert page.index('class="verdict some"') < page.index('id="quantities"')
+    for words_ in ("1.8682 to 1.964 s", "both ends are simulated runs", 'id="requirements"',
+                   "The nearest failure is of in_time", "Best choice: k = ", 'id="choice"',
+                   "some: 6"):  # fmt: skip
+        assert words_ in page
+    assert "t_never" in page
+    assert "does not happen in any run" in page
+
+
+def test_a_page_without_requirements_has_the_intervals_only(opened, tmp_path):
+    raw = {name: CONFIG[name] for name in CONFIG if name not in ("requirements", "choose")}
+    raw["quantities"] = {"t_never": CONFIG["quantities"]["t_never"]}
+    campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    data = from_results(tmp_path / CONFIG["campaign"])
+    assert "none of the quantities happens" in words.headline(data)
+    page = render(data)
+    assert 'id="quantities"' in page
+    assert 'id="requirements"' not in page

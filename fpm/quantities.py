@@ -263,8 +263,8 @@ def _parse_event(name, definition, number, elements) -> Quantity:
     places = [element.name for element in elements if event in element.events]
     if "of" in definition:
         of = definition["of"]
-        # An element is known by its whole name, `contact A`, or by that of its joint, `A`.
-        chosen = [place for place in places if of in (place, place.split(" ")[-1])]
+        # An element is known by its whole name, `stop A upper`, or by that of its joint, `A`.
+        chosen = [place for place in places if of == place or of in place.split(" ")[1:]]
         if not chosen:
             raise SceneError(f"{key}.of", of, f"one of {', '.join(places)}{_hint(of, places)}")
         places = chosen

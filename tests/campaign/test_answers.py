@@ -144,3 +144,25 @@ def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tm
             (ax, *_) = ranges(found, *runs_of(folder)).axes
             assert len(getattr(ax, drawn)) >= count - (count == 2)
             assert ax.get_xlabel() == {2: "mass (kg)", 3: "width alone (s)"}[count]
+
+
+def test_what_vanishes_inside_the_box_is_bordered_by_further_runs(tmp_path):
+    """Released at rest, it swings to twice the angle at which the spring rests, and no further."""
+    level = 120.3
+    folder = run(
+        panel(
+            scene={**PANEL["scene"], "parameters": {"elements": 2, "k": 1}},
+            intervals={"rest": {"nominal": 60, "absolute": 5}},
+            quantities={"t": {"crossing": "psi", "level": float(np.radians(level))},
+                        "top": {"largest": "psi"}},
+        ),
+        tmp_path,
+    )  # fmt: skip
+    with xr.open_dataset(folder.quantities) as found:
+        t, top = (found.sel(quantity=name) for name in ("t", "top"))
+        assert float(t["open"]) < 0.01
+        assert float(t["happens"]) == pytest.approx((65 - level / 2) / 10, abs=float(t["open"]))
+        assert float(top["upper"]) == pytest.approx(np.radians(130), rel=1e-3)
+        # cos(t sqrt(k / J)) = 1 - level / rest, at the largest angle of rest.
+        exact = np.sqrt(1 / 3 + 0.01 / 12) * np.arccos(1 - level / 65)
+        assert float(t["lower"]) == pytest.approx(exact, rel=1e-4)

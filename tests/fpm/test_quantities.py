@@ -9,7 +9,7 @@ from fpm.responses import Response
 from fpm.trajectory import Curves, happened
 
 TIME = np.linspace(0.0, 2.0, 401)
-ELEMENTS = [Eventful("contact A", ("opens", "closes")), Eventful("latch A", ("locks",)),
+ELEMENTS = [Eventful("contact A", ("opens", "closes")), Eventful("latch A upper", ("locks",)),
             Eventful("contact C", ("opens", "closes"))]  # fmt: skip
 EVENTS = np.array([[0.5, 0, 1], [0.7, 0, 0], [0.9, 2, 1], [1.3, 0, 1], [1.4, 1, 0]])
 RESPONSE = Response("x", "position", ("P",), "x", "m", "x-component of the position of P")

@@ -12,7 +12,7 @@ import numpy as np
 
 from fpm.errors import SceneError
 from fpm.kinds.virtual_beam import VirtualBeam
-from fpm.motion_dataset import Recorded, elements_of, to_dataset
+from fpm.motion_dataset import BOX_CORNERS, Recorded, elements_of, to_dataset
 from fpm.outcome import Outcome
 from fpm.scene import Scene
 from fpm.simulate import simulate
@@ -20,7 +20,6 @@ from fpm.simulate import simulate
 MOST_RECORDED = 1e8  # numbers of one pass; larger scenes are run in several passes
 
 _ARMS = {"place": (0.0, 0.0, 0.0), "second axis": (0.0, 1.0, 0.0), "third axis": (0.0, 0.0, 1.0)}
-_CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])  # of a section, along y and z
 _STEEPEST_MITRE = 0.3  # least cosine between a bar and the normal of the face that cuts it
 
 
@@ -119,7 +118,7 @@ def section_corners(scene: Scene) -> np.ndarray:
     for e, ends in enumerate(nodes):
         for k, particle in enumerate(ends):
             axes = scene.frame[particle].T @ triads[e]
-            corners = (2.0 * half[e] * _CORNERS) @ axes[:, 1:].T
+            corners = (2.0 * half[e] * BOX_CORNERS) @ axes[:, 1:].T
             for point, normal in faces.get(int(particle), ()):
                 slope = normal @ axes[:, 0]
                 if abs(slope) > _STEEPEST_MITRE:

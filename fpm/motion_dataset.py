@@ -1,4 +1,7 @@
-"""The whole motion of a run as a dataset: CF-like names and units (fpm/motion.py makes it)."""
+"""The whole motion of a run as a dataset: CF-like names and units (fpm/motion.py makes it).
+
+Its elements are those of bars and, each with one particle at both ends and no strain, rigid bodies.
+"""
 
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -10,6 +13,10 @@ from fpm.trajectory import CONVENTIONS, contact_events
 
 if TYPE_CHECKING:
     import xarray
+
+
+BOX_CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+"""Corners of a section along its width and height, as shares of them."""
 
 
 class Recorded(NamedTuple):
@@ -42,6 +49,45 @@ def elements_of(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.concatenate(nodes), np.concatenate(length), np.concatenate(half)
 
 
+class Shapes(NamedTuple):
+    """What can be seen of a scene: its m elements of bars, then its rigid bodies.
+
+    names (m,); nodes (m, 2): the particles at their ends, a body's own twice; length (m,) and
+    half (m, 2) m: half widths and heights; corners (m, 2, 4, 3) m, in the particles' frames.
+    """
+
+    names: list[str]
+    nodes: np.ndarray
+    length: np.ndarray
+    half: np.ndarray
+    corners: np.ndarray
+
+
+def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
+    """The shapes of a scene, of whose elements the sections have these corners (m, 2, 4, 3), m.
+
+    A rigid body is a particle that is on no bar, and free to move in some way. It is drawn as the
+    box that has its mass and principal inertias: with edges a, b, c, b² + c² = 12 I/m and so on.
+    """
+    nodes, length, half = elements_of(scene)
+    names = [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))]
+    free = np.flatnonzero(~scene.fixed.all(axis=1))
+    bodies = np.setdiff1d(free, nodes)
+    inertia = scene.inertia[bodies]
+    squares = 6.0 * (inertia.sum(axis=1, keepdims=True) - 2.0 * inertia)
+    edges = np.sqrt(np.maximum(squares / scene.mass[bodies, None], 0.0))
+    ends = np.zeros((len(bodies), 2, 4, 3))
+    ends[..., 0] = 0.5 * edges[:, None, None, 0] * np.array([-1.0, 1.0])[:, None]
+    ends[..., 1:] = (edges[:, None, 1:] * BOX_CORNERS)[:, None]
+    return Shapes(
+        [*names, *(f"body {particle}" for particle in bodies)],
+        np.concatenate([nodes, np.stack([bodies, bodies], axis=1)]),
+        np.concatenate([length, edges[:, 0]]),
+        np.concatenate([half, 0.5 * edges[:, 1:]]),
+        np.concatenate([corners, ends]),
+    )
+
+
 def to_dataset(
     found: Recorded, corners: np.ndarray, kept: np.ndarray, attributes: dict
 ) -> "xarray.Dataset":
@@ -49,14 +95,19 @@ def to_dataset(
     import xarray
 
     scene, outcome = found.scene, found.outcome
+    shapes = shapes_of(scene, corners)
+    still = np.zeros((len(found.position), len(shapes.names) - found.axial.shape[1]))
+    found = found._replace(  # rigid bodies are not strained
+        axial=np.hstack([found.axial, still]), bending=np.hstack([found.bending, still])
+    )
     names = {
-        "element": [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))],
+        "element": shapes.names,
         "point": list(scene.points),
         "hinge": [hinge.name for hinge in scene.hinges],
         "contact": [scene.hinges[contact.hinge].name for contact in scene.contacts],
     }
     time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
-    variables = _moving(found, kept) | _fixed(scene, corners) | _events(outcome)
+    variables = _moving(found, kept) | _fixed(scene, shapes) | _events(outcome)
     if scene.cables:
         names["cable"] = [cable.name for cable in scene.cables]
         variables |= _cables(found, kept)
@@ -85,7 +136,8 @@ def to_dataset(
 def _moving(found: Recorded, kept: np.ndarray) -> dict[str, tuple]:
     """What changes in time: name -> dimensions, values, units, long name."""
     modulus = [np.full(len(b.length), b.material.E) for b in found.scene.beams]
-    stress = np.concatenate([*modulus, []]) * (np.abs(found.axial) + found.bending)
+    modulus.append(np.zeros(found.axial.shape[1] - sum(map(len, modulus))))  # of rigid bodies
+    stress = np.concatenate(modulus) * (np.abs(found.axial) + found.bending)
     vector, element = ("time", "particle", "axis"), ("time", "element")
     points = [found.outcome.points[name][0][kept] for name in found.scene.points]
     places = np.stack(points, axis=1) if points else np.zeros((len(kept), 0, 3))
@@ -103,9 +155,8 @@ def _moving(found: Recorded, kept: np.ndarray) -> dict[str, tuple]:
     }
 
 
-def _fixed(scene: Scene, corners: np.ndarray) -> dict[str, tuple]:
+def _fixed(scene: Scene, shapes: Shapes) -> dict[str, tuple]:
     """Connections and sizes; vectors in the frames of the particles."""
-    nodes, length, half = elements_of(scene)
     points, hinges = list(scene.points.values()), scene.hinges
 
     def rows(values: list, *shape: int) -> np.ndarray:
@@ -118,10 +169,15 @@ def _fixed(scene: Scene, corners: np.ndarray) -> dict[str, tuple]:
     arms, axes = [hinge.beams[0].arm for hinge in hinges], [hinge.axes[0] for hinge in hinges]
     corner = ("element", "end", "corner", "axis")
     return {
-        "element_particle": (("element", "end"), whole(nodes), "1", "particles at its ends"),
-        "element_length": ("element", length, "m", "unstrained length"),
-        "section_size": (("element", "side"), 2.0 * half, "m", "width and height of the section"),
-        "section_corner": (corner, corners, "m", "corner of the section from the particle"),
+        "element_particle": (("element", "end"), whole(shapes.nodes), "1", "particles at its ends"),
+        "element_length": ("element", shapes.length, "m", "unstrained length"),
+        "section_size": (
+            ("element", "side"),
+            2.0 * shapes.half,
+            "m",
+            "width and height of the section",
+        ),
+        "section_corner": (corner, shapes.corners, "m", "corner of the section from the particle"),
         "point_particle": ("point", whole([p.particle for p in points]), "1", "its particle"),
         "point_arm": (("point", "axis"), rows([p.arm for p in points], 3), "m", "from particle"),
         "hinge_particle": (("hinge", "end"), joined, "1", "particles that it joins"),

@@ -132,7 +132,8 @@ def _bars(solid: Solid, buffer: _Buffer) -> dict[str, Any]:
     corner = FACES[face]  # (f, 4)
     points = (solid.corners[0] @ UP.T)[element[:, None], corner]
     normal = np.cross(points[:, 2] - points[:, 0], points[:, 3] - points[:, 1])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = np.where(length > 0, normal / np.maximum(length, 1e-300), [0.0, 1.0, 0.0])  # of a line
     colours = _linear([rgb(BARS[bar % len(BARS)]) for bar in solid.bar])[element]
     triangles = 4 * np.arange(len(face))[:, None, None] + [[0, 1, 2], [0, 2, 3]]
     follows = solid.nodes[element[:, None], corner // 4].ravel()

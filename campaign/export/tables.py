@@ -1,4 +1,4 @@
-"""Tables as CSV: curves of a run, and a campaign's bounds and runs. Units are in the headings."""
+"""Tables as CSV: curves of a run; bounds, runs, quantities of a campaign. Headings have units."""
 
 from __future__ import annotations
 
@@ -16,15 +16,18 @@ from campaign.folder import Folder
 if TYPE_CHECKING:
     from campaign.export.chosen import Chosen
 
+_INTERVAL = ("lower", "nominal", "upper", "error", "happens")
 _BOUNDS = ("lower", "upper", "nominal", "error")
 
 
 def write_tables(chosen: Chosen, folder: Path) -> list[Path]:
-    """Write the run's curves, and of a campaign with results its bounds and runs."""
+    """Write the run's curves, and of a campaign with results its bounds, runs and quantities."""
     tables = {f"{chosen.name}.csv": _columns(curves(chosen.outcome(), chosen.responses))}
     if chosen.folder:
         tables["bounds.csv"] = _columns(bounds(chosen.folder))
         tables["runs.csv"] = runs(chosen.folder)
+        if chosen.folder.quantities.exists():
+            tables["quantities.csv"] = quantities(chosen.folder)
     for name, rows in tables.items():
         write_text(folder / name, _text(rows))
     return [folder / name for name in tables]
@@ -57,14 +60,45 @@ def bounds(folder: Folder) -> dict[str, np.ndarray]:
 
 
 def runs(folder: Folder) -> list[list]:
-    """The runs of a campaign with their parameters, a row each, headings first."""
+    """The runs of a campaign with their parameters and quantities, a row each, headings first.
+
+    A quantity that a run has not is an empty cell. The further runs of quantities are in
+    further.nc.
+    """
     with open_netcdf(folder.samples) as file:
-        named = zip(file["parameter"][:], file["box_units"][:], strict=True)
-        rows = [["run", "role", *(f"{name} ({units})" for name, units in named)]]
+        rows = [["run", "role", *_headings(file, "parameter", "box_units")]]
+        numbers = np.zeros((len(file["run_id"]), 0))
+        if "quantities" in file.variables:
+            rows[0] += _headings(file, "quantity", "quantity_units")
+            numbers = file["quantities"][:]
         keys = ("run_id", "role", "value")
-        for name, role, values in zip(*(file[key][:] for key in keys), strict=True):
-            rows.append([name, role, *values.tolist()])
+        columns = (*(file[key][:] for key in keys), numbers)
+        for name, role, values, own in zip(*columns, strict=True):
+            rows.append([name, role, *values.tolist(), *_cells(own)])
     return rows
+
+
+def quantities(folder: Folder) -> list[list]:
+    """The intervals of a campaign's quantities and where their ends are, a row each."""
+    with open_netcdf(folder.quantities) as file:
+        named = _headings(file, "parameter", "box_units")
+        ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in named]
+        rows = [["quantity", "units", *_INTERVAL, *ends]]
+        for i, name in enumerate(file["quantity"][:]):
+            numbers = [file[key][i] for key in _INTERVAL]
+            places = [*file["argmin"][i], *file["argmax"][i]]
+            rows.append([name, file["quantity_units"][i], *_cells([*numbers, *places])])
+    return rows
+
+
+def _headings(file: Any, names: str, units: str) -> list[str]:
+    """`k (N m rad-1)` for each of the named."""
+    return [f"{name} ({unit})" for name, unit in zip(file[names][:], file[units][:], strict=True)]
+
+
+def _cells(numbers: Iterable[float]) -> list:
+    """Numbers with all their digits; an empty cell where there is none."""
+    return [float(number) if np.isfinite(number) else "" for number in numbers]
 
 
 def _columns(found: Mapping[str, np.ndarray]) -> list[list]:

@@ -52,15 +52,18 @@ def _axes(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
     position, axes = motion["position"].values[frame], motion["frame"].values[frame]
     nodes, width = solid.nodes, motion["section_size"].values
     radius = np.sqrt(width.prod(axis=1) / np.pi)  # of a circle of the same area
+    bars = nodes[:, 0] != nodes[:, 1]  # and no rigid bodies, whose lines have no length
+    nodes, width, radius = nodes[bars], width[bars], radius[bars]
     alone = np.setdiff1d(np.arange(len(position)), nodes)
     at_points = np.zeros(len(position))
     np.maximum.at(at_points, nodes.ravel(), np.repeat(radius, 2))
     points = {"velocity": motion["velocity"].values[frame], "radius": at_points}
     points |= {f"axis_{name}": axes[:, :, k] for k, name in enumerate("xyz")}
-    y, z = _section_axes(solid.corners[frame])
+    y, z = _section_axes(solid.corners[frame][bars])
     cells = {
-        **{name: motion[name].values[frame] for name in _OF_ELEMENTS},
-        "bar": solid.bar, "radius": radius, "section_size": width, "section_y": y, "section_z": z,
+        **{name: motion[name].values[frame][bars] for name in _OF_ELEMENTS},
+        "bar": solid.bar[bars], "radius": radius, "section_size": width,
+        "section_y": y, "section_z": z,
     }  # fmt: skip
     padded = {  # cells that are no elements have no strain
         name: np.concatenate([values, np.zeros((len(alone), *values.shape[1:]), values.dtype)])

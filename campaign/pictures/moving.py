@@ -91,4 +91,9 @@ def _palette(images: list) -> Any:
     sheet = Image.new("RGB", (width, height * len(some)), "white")
     for i, image in enumerate(some):
         sheet.paste(image, (0, i * height))
-    return sheet.quantize(128, dither=Image.Dither.NONE)
+    few = sheet.quantize(128, dither=Image.Dither.NONE)
+    colours = np.array(few.getpalette()).reshape(-1, 3)
+    colours[(colours > 244).all(axis=1)] = 255  # paper stays white
+    found = Image.new("P", (1, 1))
+    found.putpalette(colours.ravel().tolist())
+    return found

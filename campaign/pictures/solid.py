@@ -113,14 +113,15 @@ def solid_of_motion(motion: xarray.Dataset) -> Solid:
 def solid_of_scene(scene: Any) -> Solid:
     """The solid of an `fpm.Scene` as it stands at the start: one moment."""
     from fpm.motion import section_corners
-    from fpm.motion_dataset import elements_of
+    from fpm.motion_dataset import shapes_of
 
+    shapes = shapes_of(scene, section_corners(scene))
     return Solid(
-        nodes=elements_of(scene)[0],
-        sections=section_corners(scene),
+        nodes=shapes.nodes,
+        sections=shapes.corners,
         position=scene.position[None],
         frame=scene.frame[None],
-        elements=tuple(f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))),
+        elements=tuple(shapes.names),
         cables=_cables_of_scene(scene),
     )
 

@@ -31,8 +31,10 @@ def command(victim: Victim, place: Path, figures: bool = False) -> list[str]:
 def start(words: list[str], limit: int | None = None) -> subprocess.Popen:
     """Start a process of its own group; `limit`: the largest file (bytes) that it may write."""
 
-    def shrink() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+    def prepare() -> None:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell's background jobs ignore it
+        if limit is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
     return subprocess.Popen(
         words,
@@ -41,7 +43,7 @@ def start(words: list[str], limit: int | None = None) -> subprocess.Popen:
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         start_new_session=True,
-        preexec_fn=shrink if limit is not None else None,
+        preexec_fn=prepare,
         text=True,
     )
 

@@ -13,6 +13,7 @@ from evidence.verification import (
     cables,
     dynamics,
     joints,
+    mechanisms,
     motors,
     rotation,
     statics,
@@ -21,10 +22,10 @@ from evidence.verification import (
 from evidence.verification.bench import Bench
 from evidence.verification.relax import NotAtRest
 
+FAMILIES = (statics, vibration, rotation, dynamics, joints, motors, mechanisms, cables, bennett)
+
 PROBLEMS: dict[str, Callable[[Bench], None]] = {
-    name: problem
-    for family in (statics, vibration, rotation, dynamics, joints, motors, cables, bennett)
-    for name, problem in family.PROBLEMS.items()
+    name: problem for family in FAMILIES for name, problem in family.PROBLEMS.items()
 }
 """Name of every problem -> its function."""
 

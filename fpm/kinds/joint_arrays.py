@@ -27,7 +27,8 @@ SPIN = 15  # angular velocity (3)
 FORCE, MOMENT = 18, 21  # impulse of a round on the body, about its particle (3 each)
 ALL_FORCE, ALL_MOMENT = 24, 27  # of all rounds of the step (3 each)
 LAST_V, LAST_SPIN = 30, 33  # of a driven body, in the step before (3 each)
-BODY_SCRATCH = 36
+AHEAD = 36  # work that is counted for the half step to come
+BODY_SCRATCH = 37
 
 # Constants of a side of a joint; vectors in its particle's frame.
 ARM = 0  # virtual beam (3)

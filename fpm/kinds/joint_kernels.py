@@ -26,6 +26,7 @@ from fpm.kinds.hinge_arrays import get6, put6
 from fpm.kinds.hinge_limits import COARSE_GAP, COARSE_TILT, MOST_GAP, MOST_TILT, ROUNDS
 from fpm.kinds.hinge_matrix import world_inverse
 from fpm.kinds.joint_arrays import (
+    AHEAD,
     ALL_FORCE,
     ALL_MOMENT,
     ALONG,
@@ -268,15 +269,17 @@ def work_after(part, world, now):
             turned = turned + cross(get3(b, s, OLD_D3), axes[2])
             spin = (0.5 / now.step) * turned
             force, moment = get3(b, s, ALL_FORCE), get3(b, s, ALL_MOMENT)
-            # The impulse of a whole step acts between two half steps, the first one before one.
+            # An impulse acts over the half steps before and after an instant, the first one only
+            # after. At the next instant half of the next one is due: it is taken to be as this one.
             if now.kick == now.step:
-                mean_v, mean_spin = (
-                    0.5 * (v + get3(b, s, LAST_V)),
-                    0.5 * (spin + get3(b, s, LAST_SPIN)),
-                )
+                mean_v = 0.5 * (v + get3(b, s, LAST_V))
+                mean_spin = 0.5 * (spin + get3(b, s, LAST_SPIN))
+                ahead = 0.5
             else:
-                mean_v, mean_spin = v, spin
-            total = total - (dot(force, mean_v) + dot(moment, mean_spin))
+                mean_v, mean_spin, ahead = v, spin, 1.0
+            work = -1.0 * (dot(force, mean_v) + dot(moment, mean_spin))
+            total = total + work + ahead * work - load(b, s, AHEAD)
+            store(b, s, AHEAD, ahead * work)
             put3(b, s, LAST_V, v)
             put3(b, s, LAST_SPIN, spin)
     given = load(world.accounts, 0, part.account)

@@ -16,7 +16,7 @@ from campaign.errors import CampaignError
 from campaign.plan.make import make_plan
 from campaign.results.samples import gather
 from campaign.results.summary import SOFT, _doubts
-from campaign.runs.batch import run_batch
+from campaign.runs.batch import clocks, run_batch
 from campaign.runs.progress import Progress, duration_text
 from fpm.trajectory import read_curves
 
@@ -178,6 +178,21 @@ def test_runs_that_were_lost_or_damaged_are_told_and_made_again(config, tmp_path
     assert harm == "lost" or path.name in said[0]
     with xr.open_dataset(whole) as first, xr.open_dataset(tmp_path / "samples.nc") as second:
         xr.testing.assert_identical(first, second)
+
+
+def test_the_manifest_tells_the_seconds_that_it_took(config, tmp_path):
+    plan, manifest = make_plan(config.experiment), tmp_path / "0.json"
+    for simulated in (True, False):
+        start = clocks()
+        run_batch(plan, 0, 1, config.jobs, tmp_path, manifest, lambda text: None)
+        passed = clocks() - start
+        told = json.loads(manifest.read_text())
+        for all_in_all, integrating, most in zip(
+            told["seconds"], told["seconds_integrating"], passed, strict=True
+        ):
+            assert 0 <= integrating <= all_in_all <= most + 1e-3
+            assert (integrating > 0) == simulated
+        assert told["seconds"][0] > 0.5 * passed[0]
 
 
 def test_nothing_is_simulated_by_other_mechanics_than_was_planned(config, tmp_path):

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import tomllib
+from itertools import product
 from pathlib import Path
 
 import pytest
 
 from campaign.config.check import SCHEMA_PATH, check_config, load_config, merge, schema
+from campaign.config.scene_checks import corners
 from campaign.config.sections import BoundsChoice, Campaign, Interval, as_json, digest, from_data
 from campaign.errors import ConfigError
 
@@ -267,3 +269,18 @@ def test_the_schema_is_part_of_the_package():
     packages = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
     within = SCHEMA_PATH.relative_to(ROOT / "campaign")
     assert any(within.match(pattern) for pattern in packages["package-data"]["campaign"])
+
+
+@pytest.mark.parametrize(("count", "number"), [(1, 3), (4, 17), (5, 11), (8, 17)])
+def test_corners_are_all_corners_or_the_ends_of_all_axes(count, number):
+    names = "abcdefgh"[:count]
+    found = list(corners({name: Interval(-1.0, 0.25, 1.0) for name in names}))
+    assert len(found) == number
+    assert found[0] == dict.fromkeys(names, 0.25)
+    if count <= 4:
+        wanted = [
+            dict(zip(names, ends, strict=True)) for ends in product((-1.0, 1.0), repeat=count)
+        ]
+    else:
+        wanted = [{**found[0], name: end} for name in names for end in (-1.0, 1.0)]
+    assert all(corner in found[1:] for corner in wanted)

@@ -66,3 +66,19 @@ def cable_places(strung):
     on, arm = strung["cable_point_particle"].values, strung["cable_point_arm"].values
     turned = [[f[p] @ a for p, a in zip(on, arm, strict=True)] for f in strung["frame"].values]
     return strung["position"].values[:, on] + np.array(turned)
+
+
+@pytest.fixture(scope="session")
+def hub():
+    """A rigid body without any bar, thin as a rod, that turns."""
+    import fpm
+    from fpm.motion_dataset import Recorded, to_dataset
+
+    scene = fpm.Scene("hub")
+    scene.add_particles((0.5, 0, 0), 2.0, (1e-12, 2 / 12, 2 / 12))  # 1 m long
+    time = np.array([0.0, 0.1])
+    frame = Rotation.from_rotvec([[0, 0, 0], [0, 0, 0.5]]).as_matrix()[:, None]
+    outcome = SimpleNamespace(points={}, time=time, step=0.1, events=np.zeros((0, 3)), eventful=())
+    position, none = np.tile([0.5, 0.0, 0.0], (2, 1, 1)), np.zeros((2, 0))
+    found = Recorded(scene, outcome, position, 0.0 * position, frame, none, none)
+    return to_dataset(found, np.zeros((0, 2, 4, 3)), np.arange(2), {})

@@ -8,4 +8,8 @@ CONFIG = {
     "design": {"method": "tensor_roots", "order": 1},
     "held_out": 1,
     "responses": {"x": {"position": "T", "component": "x"}},
+    "quantities": {
+        "last": {"final": "x"},
+        "passes": {"crossing": "x", "level": 0.7, "way": "falling"},  # not in all runs
+    },
 }

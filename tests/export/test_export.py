@@ -59,8 +59,28 @@ def test_tables_are_the_files_numbers_to_the_last_digit(results, tmp_path):
         assert np.array_equal(numbers[:, 1], bounds["nominal"].values[0])
         assert np.array_equal(numbers[:, head.index("x of T (m)")], numbers[:, 1])
     rows = (tmp_path / "runs.csv").read_text().splitlines()
-    assert rows[0] == "run,role,L (m)" and len(rows) == 1 + 4
-    assert rows[1].split(",")[1:] == ["nominal", "1.0"]
+    assert rows[0] == "run,role,L (m),last (m),passes (s)" and len(rows) == 1 + 4
+    assert rows[1].split(",")[1:3] == ["nominal", "1.0"]
+
+
+def test_quantities_are_a_table_with_empty_cells_where_there_is_no_number(results, tmp_path):
+    export(choose(str(results)), "csv", tmp_path)
+    with open(tmp_path / "quantities.csv", newline="") as file:
+        last, passes = csv.DictReader(file)
+    with xarray.open_dataset(results / "quantities.nc") as told:
+        for row in (last, passes):
+            there = told.sel(quantity=row["quantity"])
+            assert row["units"] == there["quantity_units"].item()
+            for key in ("lower", "nominal", "upper", "error", "happens"):
+                value = there[key].item()
+                assert row[key] == ("" if np.isnan(value) else repr(value))
+            assert row["L (m) at the upper end"] == repr(there["argmax"].values[0].item())
+    with open(tmp_path / "runs.csv", newline="") as file:
+        cells = [row["passes (s)"] for row in csv.DictReader(file)]
+    with xarray.open_dataset(results / "samples.nc") as samples:
+        numbers = samples["quantities"].sel(quantity="passes").values
+    assert cells == ["" if np.isnan(number) else repr(number.item()) for number in numbers]
+    assert "" in cells and any(cells)
 
 
 def test_a_configs_nominal_run_is_that_of_its_campaign(results, tmp_path):

@@ -144,3 +144,9 @@ def test_particles_without_bars_move_too(motion, tmp_path):
     document = pygltflib.GLTF2().load(path)
     assert not document.meshes and not document.skins
     assert len(document.animations[0].channels) == 2 * motion.sizes["particle"]
+
+
+def test_a_rigid_body_is_a_box(hub, tmp_path):
+    document = pygltflib.GLTF2().load(write_glb(hub, tmp_path / "hub.glb"))
+    found = skinned(document, 1) - [0.5, 0, 0]
+    np.testing.assert_allclose(np.abs(found @ [np.cos(0.5), np.sin(0.5), 0.0]), 0.5, atol=1e-6)

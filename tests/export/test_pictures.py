@@ -38,6 +38,7 @@ def test_a_moving_picture_has_all_frames_and_plays_for_ever(motion, tmp_path, ki
         for frame in range(image.n_frames):
             image.seek(frame)
             shown.append(np.asarray(image.convert("RGB")).astype(int))
+    assert (shown[0][-1] == 255).all()
     for one, other in pairwise(shown):
         assert np.abs(one - other).max() > 50
     assert max(shown[0].shape) <= 700

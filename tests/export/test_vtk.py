@@ -113,3 +113,15 @@ def test_cables_are_lines_with_their_tension(strung, cable_places, tmp_path):
         assert grid.cells_dict["line"].tolist() == [[0, 1], [2, 3], [3, 4]]
         one, two = strung["cable_tension"].values[frame]
         assert grid.cell_data_dict["tension"]["line"].tolist() == [one, two, two]
+
+
+def test_a_rigid_body_is_a_box_and_no_line(hub, tmp_path):
+    meshio = pytest.importorskip("meshio", reason="reads .vtu; in the extra `test`")
+    write_vtk(hub, tmp_path / "hub.pvd")
+    grid = meshio.read(tmp_path / "hub/axes-0001.vtu")
+    assert "line" not in grid.cells_dict and grid.cells_dict["vertex"].tolist() == [[0]]
+    box = meshio.read(tmp_path / "hub/solid-0001.vtu").points
+    along = np.array([np.cos(0.5), np.sin(0.5), 0.0])
+    np.testing.assert_allclose(
+        sorted((box - [0.5, 0, 0]) @ along), [-0.5] * 4 + [0.5] * 4, rtol=1e-9
+    )

@@ -45,6 +45,31 @@ def test_hinges_stay_closed_and_energy_balances(batch):
         assert outcome.energies["kinetic"].max() > 0.9 * start, "nothing moved"
 
 
+def test_held_hinge_points_stay_where_they_are(batch):
+    _, together = batch
+    for outcome in together:
+        for name in ("A", "C"):  # held in their plane
+            height = outcome.points[name][0][:, 2]
+            assert np.ptp(height) < 1e-10
+            assert np.ptp(outcome.points[name][0][:, 0]) > 1e-3, "they slide"
+
+
+def test_hinges_stay_closed_however_fast_they_turn():
+    """500 rad/s, 0.015 rad in a step: a tilt asks for rounds of its own, down to a tenth of what
+    it asks them for (5e-8 rad)."""
+    scene = fpm.scenes.get("bennett").build(
+        elements_per_link=2, supports="free", start_deg=60.0, E=1e10, K_F=0.0
+    )
+    spin = 500.0 * np.array([0.48, 0.6, 0.64])
+    scene.spin[:] = spin
+    scene.velocity[:] = np.cross(spin, scene.position)
+    limit = fpm.stable_step(scene).step
+    (outcome,) = fpm.simulate(scene, duration=0.004, instants=21, step=0.8 * limit)
+    assert outcome.failure is None
+    assert outcome.axis_gap.max() < 5e-9
+    assert outcome.gap.max() < 1e-10
+
+
 def test_contacts_close_where_the_opening_crosses_zero(batch):
     _, together = batch
     outcome = together[0]

@@ -29,6 +29,15 @@ def dataset(outcome):
     return outcome.dataset(responses, {"run_id": "0123"})
 
 
+def test_a_dataset_has_the_attributes_and_parameters_that_it_is_given(outcome):
+    data = outcome.dataset((), {"run_id": "one", "scene": "mine"}, {"a": (0.035, "m")})
+    assert data.attrs["run_id"] == "one"
+    assert data.attrs["scene"] == "mine"
+    assert data.attrs["time_step"] == outcome.step
+    assert float(data["parameter_a"]) == 0.035
+    assert data["parameter_a"].attrs["units"] == "m"
+
+
 def test_responses_are_what_they_say(dataset):
     apart = dataset.position.sel(point="B") - dataset.position.sel(point="D")
     values = {name: dataset.response_values.sel(response=name) for name in DEFINITIONS}

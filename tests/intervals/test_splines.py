@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from datasets_for_tests import ball_reference, ball_samples, samples_of
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from intervals import (
@@ -26,13 +26,14 @@ def points_in(k, count, seed):
 
 @settings(max_examples=25, deadline=None)
 @given(st.integers(1, 8), st.integers(10, 40), st.integers(0, 10**6))
+@example(1, 40, 275)  # two runs at a distance of 3e-7
 def test_it_goes_through_every_run_and_keeps_linear_functions(k, count, seed):
     points = points_in(k, count, seed)
     # values that have nothing to do with each other, at three runs at distances h, need weights of
-    # 1 / h^3, whose rounding counts; on a line no weights are needed, however near the runs are
-    if k > 1:
-        far = np.linalg.norm(points[:, None] - points, axis=2) + 9 * np.tri(count)
-        points = points[far.min(axis=0) > 0.02]
+    # 1 / h^3, whose rounding counts; on a line no weights are needed, and runs closer than 1e-6
+    # count once
+    far = np.linalg.norm(points[:, None] - points, axis=2) + 9 * np.tri(count)
+    points = points[far.min(axis=0) > (0.02 if k > 1 else 2e-6)]
     count = len(points)
     values = np.random.default_rng(seed).standard_normal((count, 2, 3))
     spline = fit_spline(points, values)

@@ -7,6 +7,7 @@ import xarray
 import fpm
 from fpm import motion as whole
 from fpm.errors import SceneError
+from fpm.motion_dataset import shapes_of
 from fpm.scenes.bennett_geometry import bennett_geometry
 
 TIME = {"duration": 0.02, "instants": 41}
@@ -94,13 +95,30 @@ def test_the_dataset_says_what_it_holds(pair):
     assert set(motion["contact"].values[shut]) <= set("ABCD")
 
 
-def test_particles_without_any_element_move_too():
+def test_particles_without_any_bar_move_too_as_boxes_of_their_inertia():
     scene = fpm.Scene("thrown")
     for particle in scene.add_particles([[0, 0, 0], [1, 0, 0]], 1.0, 1.0, velocity=(0, 0, 1.0)):
         scene.add_load(int(particle), force=(0, 0, -10.0))
     (motion,) = whole.whole_motion([scene], duration=0.2, instants=3, step=0.01)
     np.testing.assert_allclose(motion["position"].values[-1, :, 2], 0.2 - 5 * 0.04, atol=1e-12)
-    assert motion.sizes["element"] == motion.sizes["hinge"] == motion.sizes["point"] == 0
+    assert motion.sizes["hinge"] == motion.sizes["point"] == 0
+    assert motion["element"].values.tolist() == ["body 0", "body 1"]
+    assert not motion["stress"].values.any()
+
+
+def test_a_rigid_body_is_the_box_of_its_mass_and_inertia():
+    edges, mass = np.array([0.3, 0.2, 0.1]), 2.0
+    squares = edges**2
+    scene = fpm.Scene("hub")
+    scene.add_particles((1.0, 0, 0), mass, mass / 12 * (squares.sum() - squares))
+    ground = scene.add_particles((0, 0, 0), 1.0, 1.0)
+    scene.fix(ground)
+    shapes = shapes_of(scene, whole.section_corners(scene))
+    assert shapes.names == ["body 0"]
+    corners = shapes.corners[0].reshape(8, 3)
+    np.testing.assert_allclose(np.abs(corners), np.tile(edges / 2, (8, 1)))
+    assert len(np.unique(np.sign(corners), axis=0)) == 8
+    np.testing.assert_allclose([*shapes.length, *2 * shapes.half[0]], edges)
 
 
 def test_a_cantilevers_bending_stress_is_that_of_the_closed_form(bar, settled):

@@ -1,0 +1,141 @@
+"""What must not matter does not: offsets, scales, directions without width, when time begins."""
+
+import numpy as np
+import pytest
+from datasets_for_tests import samples_of
+
+from intervals import (
+    Box,
+    Progress,
+    Specification,
+    bounds_dataset,
+    decide,
+    fit_spline,
+    make_design,
+    measure_round,
+    seek_points,
+    spline_range,
+    split_design,
+)
+from intervals.chebyshev import product_basis
+from intervals.designs import multi_indices
+from intervals.ranges import surrogate_range
+from intervals.surrogate import Surrogate
+
+TIME = np.linspace(0.0, 1.0, 41)
+BOX = Box(["f", "g"], [0.9, 0.3], [1.1, 0.5])
+
+
+def wave(values):
+    f, g = values
+    return np.sin(6 * TIME * f) + g * TIME**2 * f
+
+
+def peak(order, at):
+    """Coefficients of a kernel of degree `order` in each direction: 1 at the point `at` (k), and
+    narrow; and its multi-indices."""
+    indices = multi_indices.tensor((order,) * len(at))
+    damping = (1.0 - indices / (order + 1)).prod(axis=1)
+    c = product_basis(np.array([at]), indices)[0] * damping * 2.0 ** (indices > 0).sum(axis=1)
+    return c / (product_basis(np.array([at]), indices)[0] @ c), indices
+
+
+def test_the_outer_range_holds_a_peak_that_no_search_finds():
+    """A broad hill of 30 draws every search; in it is a narrow peak, higher by 4.5."""
+    at = np.array([0.613, -0.471, 0.287])
+    c, indices = peak(20, at)
+    hill = np.zeros(len(c))
+    for j in range(3):  # 30 - sum of 4 (x + 0.5)^2, in Chebyshev polynomials
+        unit = np.eye(3, dtype=int)[j]
+        for degree, value in ((0, 4 * (0.5 + 0.25)), (1, 4.0), (2, 2.0)):
+            hill[(indices == degree * unit).all(axis=1).argmax()] -= value
+    hill[0] += 30.0
+    c = (12.0 * c + hill)[:, None]
+    surrogate = Surrogate(c, indices)
+    there = float(surrogate.evaluate(at[None])[0, 0])
+    found = surrogate_range(surrogate)
+    assert there > 34.0 > 30.1 > float(found.inner_upper[0])  # else this would show nothing
+    assert float(found.upper[0]) >= there
+    below = surrogate_range(Surrogate(-c, indices))
+    assert float(below.lower[0]) <= -there
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_a_direction_without_width_changes_no_spline(place):
+    rng = np.random.default_rng(3)
+    points = rng.uniform(-1, 1, (24, 2))
+    values = np.sin(3 * points[:, :1] + 5 * points[:, 1:] * np.linspace(0, 1, 30))
+    alone = spline_range(fit_spline(points, values))
+    wider = np.insert(points, place, 0.0, axis=1)
+    found = spline_range(fit_spline(wider, values))
+    np.testing.assert_allclose(found.lower, alone.lower, atol=1e-12)
+    np.testing.assert_allclose(found.upper, alone.upper, atol=1e-12)
+    for side in ("argmin", "argmax"):
+        there = np.delete(getattr(found, side), place, axis=-1)
+        np.testing.assert_allclose(there, getattr(alone, side), atol=1e-9)
+        assert not getattr(found, side)[..., place].any()
+
+
+@pytest.mark.parametrize("model", ["polynomial", "spline", "scan"])
+@pytest.mark.parametrize("parts", [0, 2])
+def test_bounds_are_attained_where_they_are_said_to_be(model, parts):
+    design = make_design("tensor_lobatto", BOX, 10)
+    if parts:
+        halves = (((-1.0, -1.0), (0.0, 1.0)), ((0.0, -1.0), (1.0, 1.0)))
+        design = split_design(make_design("tensor_lobatto", BOX, 8), halves)
+    samples = samples_of(wave, BOX, design, TIME)
+    found = bounds_dataset(samples, design, model=model)
+    slack = 1e-12 if model == "scan" else 2e-3 if model == "spline" else 1e-5
+    for side, values in (("argmin", "inner_lower"), ("argmax", "inner_upper")):
+        for t in range(0, len(TIME), 5):
+            there = wave(found[side].values[0, t])[t]
+            assert there == pytest.approx(float(found[values][0, t]), abs=slack)
+
+
+@pytest.mark.parametrize("model", ["polynomial", "spline", "scan"])
+def test_bounds_do_not_depend_on_when_time_begins(model):
+    design = make_design("tensor_lobatto", BOX, 3)
+    samples = samples_of(wave, BOX, design, TIME)
+    first = bounds_dataset(samples, design, model=model)
+    later = bounds_dataset(samples.assign_coords(time=TIME + 7.0), design, model=model)
+    for name in ("lower", "upper", "error", "error_share_of_width"):
+        np.testing.assert_allclose(later[name], first[name], rtol=1e-9)
+    np.testing.assert_allclose(later["largest_width_time"], first["largest_width_time"] + 7.0)
+
+
+def test_what_a_round_shows_does_not_depend_on_units():
+    design = make_design("tensor_lobatto", BOX, 4)
+    shown = {}
+    for scale, offset in ((1.0, 0.0), (1e3, 0.0), (1.0, 500.0)):
+        samples = samples_of(lambda v, s=scale, o=offset: s * wave(v) + o, BOX, design, TIME)
+        bounds = bounds_dataset(samples, design)
+        shown[scale, offset] = measure_round(samples, bounds, design)
+    error, tails = shown[1.0, 0.0]
+    for other_error, other_tails in shown.values():
+        assert other_error == pytest.approx(error, rel=1e-6)
+        np.testing.assert_allclose(other_tails, tails, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["tensor_lobatto", "smolyak", "total_degree", "tensor_roots"])
+def test_a_parameter_without_width_is_never_added(method):
+    box = Box(["f", "g"], [0.9, 0.3], [1.1, 0.3])
+    design = make_design(method, box, (2, 0))
+    for error in (0.5, 0.4, 0.39, 0.38):
+        decision = decide(Progress(
+            specification=Specification(method, (2, 0)), error=error, tails=[0.1, 9.0],
+            points=design.points, tolerance=0.01, budget=100, free=box.free.tolist(),
+        ))  # fmt: skip
+        assert decision.action == "raise order"
+        assert decision.specification.order[0] > 2
+        assert decision.specification.order[1] == 0
+
+
+def test_what_seeking_promises_does_not_depend_on_offsets_and_scales():
+    unit = make_design("scan", 2, samples=32).points
+    values = np.stack([wave(BOX.from_unit(u)) for u in unit])[:, None]
+    points, growth = seek_points(unit, values, 6, candidates=512)
+    assert growth[0] > 0
+    for scale, offset in ((1.0, 64.0), (1024.0, 0.0)):
+        other, promised = seek_points(unit, scale * values + offset, 6, candidates=512)
+        np.testing.assert_allclose(promised, growth, rtol=1e-3)
+        assert len(other) == len(points)

@@ -231,6 +231,35 @@ def contact_events(events: np.ndarray, elements: Sequence[str]) -> dict[str, Any
     return {"events": found, "contacts": [elements[i].removeprefix("contact ") for i in places]}
 
 
+IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
+"""Events at which velocities change all at once, and those that end what they begin."""
+
+
+def impact_events(
+    events: np.ndarray, eventful: Sequence[tuple[str, Sequence[str]]]
+) -> dict[str, Any]:
+    """Of the events (e, 3) of all elements those of impacts: where responses bend or jump.
+
+    eventful: elements with their events. Returns `events` and `contacts`, as `Curves` has them;
+    others than contacts go by their whole names. A latch closes and opens at once: it does not
+    stand in the way of the impacts that follow.
+    """
+    found, names = [np.zeros((0, 3))], []
+    for i, (name, own) in enumerate(eventful):
+        begins = next((event for event in own if event in IMPACTS), None)
+        if begins is None:
+            continue
+        rows = events[events[:, 1] == i]
+        for event, closing in ((begins, 1.0), (IMPACTS[begins], 0.0)):
+            times = rows[rows[:, 2] == own.index(event), 0]
+            index = np.full_like(times, len(names))
+            found.append(np.stack([times, index, np.full_like(times, closing)], axis=1))
+        names.append(name.removeprefix("contact "))
+    rows = np.concatenate(found)
+    # In order of time; what closes and opens at once closes first.
+    return {"events": rows[np.lexsort((-rows[:, 2], rows[:, 0]))], "contacts": names}
+
+
 def happened(
     events: np.ndarray, eventful: Sequence[tuple[str, Sequence[str]]]
 ) -> dict[tuple[str, str], np.ndarray]:
@@ -251,7 +280,7 @@ def curves_of(outcome) -> Curves:
         openings=outcome.openings,
         tensions=outcome.tensions,
         energies=outcome.energies,
-        **contact_events(outcome.events, [element.name for element in eventful]),
+        **impact_events(outcome.events, eventful),
         happened=happened(outcome.events, eventful),
         events_dropped=outcome.events_dropped,
     )
@@ -298,7 +327,7 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
                 for v in variables.values()
                 if "energy" in v.attributes
             },
-            **contact_events(found, elements),
+            **impact_events(found, list(zip(elements, own, strict=True))),
             happened=happened(found, list(zip(elements, own, strict=True))),
             events_dropped=int(attributes.get("events_dropped", 0)),
         )

@@ -11,7 +11,7 @@
     role(run)                     node, nominal or held_out
     run_id(run)
     overlap(run)                  largest overlap of the faces of a contact, rad
-    event_time, event_contact, event_closing (run, event)   contact events, padded with NaN
+    event_time, event_contact, event_closing (run, event)   impacts, padded with NaN
     quantities(run, quantity)     in the units quantity_units(quantity), NaN where what is asked for
                                   does not happen; only in campaigns that have quantities
     quantity, quantity_units, quantity_long_name (quantity)
@@ -125,7 +125,7 @@ def _define_curves(file: Any, record: Record, parameters: Iterable[str]) -> None
     time[:] = record.time
     named = {"long_name": "time", "standard_name": "time", "axis": "T"}
     time.setncatts({"units": "s", **named})
-    write_dimension(file, "contact", record.contacts, "name of the contact")
+    write_dimension(file, "contact", record.contacts, "name of the contact, stop or latch")
     # Doubles hardly shrink; whoever keeps them has the trajectories beside, a hundred times larger.
     compact = {}
     kind = record.values.dtype.newbyteorder("=")
@@ -140,8 +140,8 @@ def _define_curves(file: Any, record: Record, parameters: Iterable[str]) -> None
     text = "largest overlap of the faces of a contact, at the recorded instants"
     variable.setncatts({"units": "rad", "long_name": text})
     for name, units, long_name in (
-        ("event_time", "s", "time at which a contact closes or opens"),
-        ("event_contact", "1", "index of the contact"),
+        ("event_time", "s", "time at which a contact, stop or latch closes or opens"),
+        ("event_contact", "1", "index of the contact, stop or latch"),
         ("event_closing", "1", "1 where it closes, 0 where it opens"),
     ):
         variable = file.createVariable(name, "f8", ("run", "event"), fill_value=np.nan)

@@ -167,13 +167,12 @@ class Responses:
         """Write the results that a group has left; ValueError if a number is not finite."""
         import netCDF4
 
-        from fpm.trajectory import contact_events, curves_of
+        from fpm.trajectory import curves_of, impact_events
 
         if not results:
             return
         first = results[0].outcome
-        elements = [element.name for element in first.eventful]
-        found = [contact_events(result.outcome.events, elements) for result in results]
+        found = [impact_events(result.outcome.events, first.eventful) for result in results]
         events, contacts = [each["events"] for each in found], found[0]["contacts"]
         path = self.path(group)
         with (
@@ -184,7 +183,7 @@ class Responses:
             file.createDimension("time", len(first.time))
             file.createDimension("event", max(1, max(map(len, events))))
             file.createVariable("time", "f8", ("time",))[:] = first.time
-            write_dimension(file, "contact", contacts, "name of the contact")
+            write_dimension(file, "contact", contacts, "name of the contact, stop or latch")
             names = [response.name for response in self.responses]
             write_dimension(file, "response", names, "name of the response")
             ids = np.array([result.id for result in results], dtype=object)

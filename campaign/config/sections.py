@@ -152,9 +152,11 @@ class BoundsChoice:
 
 @dataclass(frozen=True)
 class Verify:
-    """How intervals of quantities are verified: at most so many rounds of runs at their ends."""
+    """How intervals of quantities are verified: at most so many rounds of runs at their ends, and
+    whether these are repeated with a finer step and mesh."""
 
     rounds: int
+    finer: bool
 
 
 @dataclass(frozen=True)

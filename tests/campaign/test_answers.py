@@ -166,3 +166,25 @@ def test_what_vanishes_inside_the_box_is_bordered_by_further_runs(tmp_path):
         # cos(t sqrt(k / J)) = 1 - level / rest, at the largest angle of rest.
         exact = np.sqrt(1 / 3 + 0.01 / 12) * np.arccos(1 - level / 65)
         assert float(t["lower"]) == pytest.approx(exact, rel=1e-4)
+
+
+def test_the_whole_error_has_those_of_step_and_mesh(tmp_path):
+    """The change by the step is that of a campaign with half of it."""
+    t_open = {"t_open": PANEL["quantities"]["t_open"]}
+    raw = panel(quantities=t_open, solver={"duration": 2.2, "instants": 441, "step": 2e-5},
+                verify={"rounds": 2, "finer": True})  # fmt: skip
+    found = {}
+    for name, step in (("usual", 2e-5), ("step", 1e-5)):
+        raw |= {"campaign": name, "solver": {**raw["solver"], "step": step}}
+        folder = run(raw, tmp_path)
+        raw["verify"] = {"rounds": 2}
+        with xr.open_dataset(folder.quantities) as file:
+            found[name] = file.sel(quantity="t_open").load()
+    usual = found["usual"]
+    change = max(abs(float(found["step"][f"simulated_{s}"] - usual[f"simulated_{s}"]))
+                 for s in ("lower", "upper"))  # fmt: skip
+    assert 0 < float(usual["error_step"]) == pytest.approx(change, rel=1e-6)
+    assert 0 < float(usual["error_mesh"]) < 1e-5
+    parts = sum(float(usual[name]) for name in ("error", "error_step", "error_mesh"))
+    assert float(usual["error_whole"]) == pytest.approx(parts)
+    assert "| t_open |" in (tmp_path / "usual" / "summary.md").read_text()

@@ -36,7 +36,7 @@ def answer(folder: Folder, verify: Verify, jobs: Jobs, tell: Tell, threads: int)
     bench = Bench.of(folder, jobs, tell, threads)
     ends = settle(bench, verify.rounds)
     if bench.further:
-        tell(f"{bench.experiment.name}: {len(bench.further)} further runs verify ends")
+        tell(f"{bench.experiment.name}: further runs at ends: {len(bench.further)}")
     finer = finer_errors(bench, ends) if verify.finer else {}
     found = quantities_dataset(bench, ends, finer)
     write_dataset(found, folder.quantities, "Intervals of quantities")

@@ -106,14 +106,12 @@ class Experiment:
     @cached_property
     def numbers(self) -> list[Any]:
         """The parsed quantities, `fpm.quantities.Quantity`; raises `fpm.SceneError`."""
-        from fpm import quantities
+        from fpm.quantity_definitions import eventful, parse
 
         if not self.quantities:
             return []
-        elements = quantities.eventful(
-            self.build(dict(zip(self.intervals, self.nominal, strict=True)))
-        )
-        found, problems = quantities.parse(self.quantities, self.curves, elements)
+        elements = eventful(self.build(dict(zip(self.intervals, self.nominal, strict=True))))
+        found, problems = parse(self.quantities, self.curves, elements)
         for problem in problems:
             raise problem
         return found

@@ -253,10 +253,11 @@ _WORDS = (
 _SUMMARY = ("campaign/results/summary.py", *_WORDS)
 _RUNS = (
     "campaign/runs/*.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py",
-    "fpm/quantities.py", *_FILES,
+    "fpm/quantities.py", "fpm/quantity_definitions.py", *_FILES,
 )  # fmt: skip
 _ANSWERS = (
-    "campaign/answers/*.py", "campaign/config/answers.py", "campaign/plan/make.py",
+    "campaign/answers/*.py", "campaign/config/answers.py", "campaign/config/scenes.py",
+    "campaign/plan/make.py",
     *_BOUNDS, *_RUNS,
 )  # fmt: skip
 _PLAN, _SAMPLES, _BOX = "nodes.json", "samples.nc", "bounds.nc"

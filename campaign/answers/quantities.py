@@ -7,6 +7,7 @@ their ends take, `further.nc`.
     surrogate_lower, surrogate_upper                    what the surrogate says
     moving_lower, moving_upper      1 where the surrogate promises more than was simulated
     error                           estimated error of the surrogate
+    error_step, error_mesh, error_whole     with `verify.finer`: those of step and mesh, and the sum
     runs_with, runs_without         in how many runs there is such a number, and in how many not
     happens, open                   share of the box in which there is, and in which it is not known
     is_time, fit                    1 for times of the run; what was fitted
@@ -16,12 +17,14 @@ their ends take, `further.nc`.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from campaign.answers.bench import Bench
 from campaign.answers.ends import Ends, settle
+from campaign.answers.finer import finer_errors
 from campaign.config.sections import Jobs, Verify, plain_data
 from campaign.folder import Folder
 from campaign.results.bounds import write_dataset
@@ -33,13 +36,15 @@ def answer(folder: Folder, verify: Verify, jobs: Jobs, tell: Tell, threads: int)
     bench = Bench.of(folder, jobs, tell, threads)
     ends = settle(bench, verify.rounds)
     if bench.further:
-        tell(f"{bench.experiment.name}: {len(bench.further)} further runs verify ends")
-    write_dataset(quantities_dataset(bench, ends), folder.quantities, "Intervals of quantities")
+        tell(f"{bench.experiment.name}: further runs at ends: {len(bench.further)}")
+    finer = finer_errors(bench, ends) if verify.finer else {}
+    found = quantities_dataset(bench, ends, finer)
+    write_dataset(found, folder.quantities, "Intervals of quantities")
     write_dataset(further_dataset(bench), folder.further, "Further runs for the ends of intervals")
 
 
-def quantities_dataset(bench: Bench, ends: list[Ends]) -> Any:
-    """The intervals of all quantities as an xarray Dataset."""
+def quantities_dataset(bench: Bench, ends: list[Ends], finer: Mapping[str, np.ndarray]) -> Any:
+    """The intervals of all quantities as an xarray Dataset; finer: errors (q,) of step and mesh."""
     import xarray as xr
 
     from intervals.scalars import influence
@@ -69,6 +74,11 @@ def quantities_dataset(bench: Bench, ends: list[Ends]) -> Any:
     errors = [e.surrogate.error for e in ends]
     errors = [error if np.isfinite(error) else np.nan for error in errors]
     put("error", of, errors, "estimated error of the surrogate: its largest left-out one")
+    for name, values in finer.items():
+        put(f"error_{name}", of, values, f"change of the ends with a finer {name}")
+    if finer:
+        whole = np.sum([errors, *finer.values()], axis=0)
+        put("error_whole", of, whole, "errors of surrogate, step and mesh together")
     there = np.isfinite(bench.numbers).sum(axis=0)
     put("runs_with", of, there, "runs that have the number", "1")
     put("runs_without", of, len(bench.unit) - there, "runs in which it does not happen", "1")

@@ -60,7 +60,7 @@ def answer(
         bench.add(points)
     further = len(bench.further) - before
     if further:
-        tell(f"{bench.experiment.name}: {further} further runs for requirements")
+        tell(f"{bench.experiment.name}: further runs for requirements: {further}")
     told = {
         "requirements": [_requirement(bench, found, name) for name in requirements],
         "together": _together(bench, found),

@@ -151,13 +151,13 @@ def _response_problems(campaign: Campaign, built: Any) -> list[str]:
 
 def _quantity_problems(experiment: Experiment) -> list[str]:
     """What of the quantities cannot be read off a run of the scene."""
-    import fpm
+    from fpm.quantity_definitions import eventful, parse
 
     if not experiment.quantities:
         return []
     scene = experiment.build(next(corners(experiment.intervals)))
-    elements = fpm.quantities.eventful(scene)
-    _, errors = fpm.quantities.parse(experiment.quantities, experiment.curves, elements)
+    elements = eventful(scene)
+    _, errors = parse(experiment.quantities, experiment.curves, elements)
     return [_sentence(error.key, error) for error in errors]
 
 

@@ -106,14 +106,12 @@ class Experiment:
     @cached_property
     def numbers(self) -> list[Any]:
         """The parsed quantities, `fpm.quantities.Quantity`; raises `fpm.SceneError`."""
-        from fpm import quantities
+        from fpm.quantity_definitions import eventful, parse
 
         if not self.quantities:
             return []
-        elements = quantities.eventful(
-            self.build(dict(zip(self.intervals, self.nominal, strict=True)))
-        )
-        found, problems = quantities.parse(self.quantities, self.curves, elements)
+        elements = eventful(self.build(dict(zip(self.intervals, self.nominal, strict=True))))
+        found, problems = parse(self.quantities, self.curves, elements)
         for problem in problems:
             raise problem
         return found
@@ -152,9 +150,11 @@ class BoundsChoice:
 
 @dataclass(frozen=True)
 class Verify:
-    """How intervals of quantities are verified: at most so many rounds of runs at their ends."""
+    """How intervals of quantities are verified: at most so many rounds of runs at their ends, and
+    whether these are repeated with a finer step and mesh."""
 
     rounds: int
+    finer: bool
 
 
 @dataclass(frozen=True)

@@ -138,8 +138,8 @@ def settle(part, first, last):
 
     With a, b the slopes of the strains e on either side, times the ratio on the side that gives,
     -a d(j-1) + (a + b) d(j) - b d(j+1) is what is missing; d = 0 where nothing slipped. Solved from
-    the first point to the last, and back (Thomas). Stretches that are slack so far are among them:
-    a cable with little tension has some in every step, and would lose energy in making them tight.
+    the first point to the last, and back (Thomas). Points beside a slack stretch are left as they
+    are: a cable that is hardly tight loses some energy over them, which is counted as friction.
     """
     share, own = 0.0 * load(part.rubbed, first, SLIPPED), 0.0 * load(part.rubbed, first, SLIPPED)
     for j in range(first + 1, last):
@@ -148,6 +148,7 @@ def settle(part, first, last):
         e2, slope2 = strain_and_slope(part, j)
         left, right = where_negative(slipped, 1.0, ratio), where_negative(slipped, ratio, 1.0)
         slips = where_negative(TINY - absolute(slipped), 1.0, 0.0 * e1)
+        slips = where_negative(e1, 0.0, where_negative(e2, 0.0, slips))
         a, b = slips * left * slope1, slips * right * slope2
         inverse = 1.0 / ((a + b) + (1.0 - slips) - a * share)
         own = inverse * (slips * (right * e2 - left * e1) + a * own)

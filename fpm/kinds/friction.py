@@ -21,6 +21,7 @@ from fpm.kinds.opening import (
     check_numbers,
     pack_past,
     relative_turn,
+    softness,
 )
 
 BEND = 1e-3
@@ -69,10 +70,7 @@ class Friction(Kind):
         """c (N m s/rad)."""
         if self.damping is not None:
             return self.damping
-        hinge, inverse = scene.hinges[self.hinge], 0.0
-        for particle, axis in zip(hinge.particles, hinge.axes, strict=True):
-            free = ~scene.fixed[particle, 3:].all()
-            inverse += free * float(np.sum(axis**2 / scene.inertia[particle]))
+        inverse = softness(scene, self.hinge)
         return 2 * DAMPED * np.sqrt(self.stiffness / inverse) if inverse else 0.0
 
     @classmethod

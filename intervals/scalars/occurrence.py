@@ -10,15 +10,15 @@ import numpy as np
 from ..designs.scan import scan_points
 
 _POINTS = 8192
-_BETWEEN = 3.0  # ratio of the distances to the nearest run with and without it
+_LEAST = 5e-4  # radius of a gap between runs, below which none is sought, in unit coordinates
 
 
 @dataclass(frozen=True)
 class Occurrence:
     """Runs at unit points (N, k), and whether it happens (N) in each.
 
-    At any other place it is taken to happen if it does in the nearest run. Places that are not much
-    nearer to runs of one kind than to the other are open: nothing is known of them.
+    At any other place it is taken to happen if it does in the nearest run. Places between two runs
+    that differ, with none in between, are open: nothing is known of them.
     """
 
     points: np.ndarray
@@ -45,27 +45,43 @@ class Occurrence:
         """Share of the box in which it happens, and the share that is open."""
         if not self.mixed:
             return float(self.happens.all()), 0.0
-        yes, no = self._distances(self._spread())
-        near, far = np.minimum(yes, no), np.maximum(yes, no)
-        return float((yes <= no).mean()), float((far < _BETWEEN * near).mean())
+        spread = self._spread()
+        open_ = np.zeros(len(spread), dtype=bool)
+        for middle, radius in zip(*self._gaps(), strict=True):
+            open_ |= ((spread - middle) ** 2).sum(axis=1) < radius**2
+        return float((self.certainty(spread) >= 0).mean()), float(open_.mean())
 
     def between(self, count: int) -> np.ndarray:
         """Unit points (at most `count`, k) half way between runs of both kinds, farthest first, for
         runs that would narrow down where the border is."""
         if not self.mixed:
             return np.zeros((0, self.points.shape[1]))
-        spread = self._spread()
-        yes, no = self._distances(spread)
+        middles, radii = self._gaps()
         chosen: list[np.ndarray] = []
-        gain = np.where(np.maximum(yes, no) < 1.2 * np.minimum(yes, no), np.minimum(yes, no), 0.0)
-        for _ in range(count):
-            best = int(gain.argmax())
-            if gain[best] < 1e-3:
+        for i in np.argsort(-radii, kind="stable"):
+            if len(chosen) == count or radii[i] < _LEAST:
                 break
-            chosen.append(spread[best])
-            apart = np.linalg.norm(spread - spread[best], axis=1)
-            gain = np.where(apart < gain[best], 0.0, gain)
+            if all(np.linalg.norm(middles[i] - other) > radii[i] for other in chosen):
+                chosen.append(middles[i])
         return np.array(chosen).reshape(-1, self.points.shape[1])
+
+    def _gaps(self) -> tuple[np.ndarray, np.ndarray]:
+        """Middles (G, k) and radii (G) of the balls between a run and the nearest one of the other
+        kind, those with no run inside."""
+        from scipy.spatial import cKDTree
+
+        found = []
+        for kind in (self.happens, ~self.happens):
+            own, others = self.points[kind], self.points[~kind]
+            _, near = cKDTree(others).query(own)
+            found.append(np.stack([own, others[near]], axis=1))
+        pairs = np.concatenate(found)
+        middles = pairs.mean(axis=1)
+        radii = np.linalg.norm(pairs[:, 0] - pairs[:, 1], axis=1) / 2
+        nearest, _ = cKDTree(self.points).query(middles)
+        empty = nearest > radii * (1 - 1e-9)
+        _, first = np.unique(np.round(middles[empty], 9) + 0.0, axis=0, return_index=True)
+        return middles[empty][first], radii[empty][first]
 
     def _spread(self) -> np.ndarray:
         """Points of the box, evenly spread."""

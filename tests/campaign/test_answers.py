@@ -144,3 +144,47 @@ def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tm
             (ax, *_) = ranges(found, *runs_of(folder)).axes
             assert len(getattr(ax, drawn)) >= count - (count == 2)
             assert ax.get_xlabel() == {2: "mass (kg)", 3: "width alone (s)"}[count]
+
+
+def test_what_vanishes_inside_the_box_is_bordered_by_further_runs(tmp_path):
+    """Released at rest, it swings to twice the angle at which the spring rests, and no further."""
+    level = 120.3
+    folder = run(
+        panel(
+            scene={**PANEL["scene"], "parameters": {"elements": 2, "k": 1}},
+            intervals={"rest": {"nominal": 60, "absolute": 5}},
+            quantities={"t": {"crossing": "psi", "level": float(np.radians(level))},
+                        "top": {"largest": "psi"}},
+        ),
+        tmp_path,
+    )  # fmt: skip
+    with xr.open_dataset(folder.quantities) as found:
+        t, top = (found.sel(quantity=name) for name in ("t", "top"))
+        assert float(t["open"]) < 0.01
+        assert float(t["happens"]) == pytest.approx((65 - level / 2) / 10, abs=float(t["open"]))
+        assert float(top["upper"]) == pytest.approx(np.radians(130), rel=1e-3)
+        # cos(t sqrt(k / J)) = 1 - level / rest, at the largest angle of rest.
+        exact = np.sqrt(1 / 3 + 0.01 / 12) * np.arccos(1 - level / 65)
+        assert float(t["lower"]) == pytest.approx(exact, rel=1e-4)
+
+
+def test_the_whole_error_has_those_of_step_and_mesh(tmp_path):
+    """The change by the step is that of a campaign with half of it."""
+    t_open = {"t_open": PANEL["quantities"]["t_open"]}
+    raw = panel(quantities=t_open, solver={"duration": 2.2, "instants": 441, "step": 2e-5},
+                verify={"rounds": 2, "finer": True})  # fmt: skip
+    found = {}
+    for name, step in (("usual", 2e-5), ("step", 1e-5)):
+        raw |= {"campaign": name, "solver": {**raw["solver"], "step": step}}
+        folder = run(raw, tmp_path)
+        raw["verify"] = {"rounds": 2}
+        with xr.open_dataset(folder.quantities) as file:
+            found[name] = file.sel(quantity="t_open").load()
+    usual = found["usual"]
+    change = max(abs(float(found["step"][f"simulated_{s}"] - usual[f"simulated_{s}"]))
+                 for s in ("lower", "upper"))  # fmt: skip
+    assert 0 < float(usual["error_step"]) == pytest.approx(change, rel=1e-6)
+    assert 0 < float(usual["error_mesh"]) < 1e-5
+    parts = sum(float(usual[name]) for name in ("error", "error_step", "error_mesh"))
+    assert float(usual["error_whole"]) == pytest.approx(parts)
+    assert "| t_open |" in (tmp_path / "usual" / "summary.md").read_text()

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from fpm import SceneError, quantities
+from fpm import SceneError
 from fpm.outcome import Eventful
+from fpm.quantity_definitions import parse
 from fpm.responses import Response
 from fpm.trajectory import Curves, happened
 
 TIME = np.linspace(0.0, 2.0, 401)
-ELEMENTS = [Eventful("contact A", ("opens", "closes")), Eventful("latch A", ("locks",)),
+ELEMENTS = [Eventful("contact A", ("opens", "closes")), Eventful("latch A upper", ("locks",)),
             Eventful("contact C", ("opens", "closes"))]  # fmt: skip
 EVENTS = np.array([[0.5, 0, 1], [0.7, 0, 0], [0.9, 2, 1], [1.3, 0, 1], [1.4, 1, 0]])
 RESPONSE = Response("x", "position", ("P",), "x", "m", "x-component of the position of P")
@@ -24,7 +25,7 @@ def read(definition, values, time=TIME, dropped=0) -> float:
         happened(EVENTS, ELEMENTS), dropped,
     )  # fmt: skip
     names = {"q": definition, "shut": {"event": "closes"}, "half": {"crossing": "x", "level": 0.5}}
-    (found, *_), problems = quantities.parse(names, [RESPONSE], ELEMENTS)
+    (found, *_), problems = parse(names, [RESPONSE], ELEMENTS)
     assert not problems
     return found.evaluate(curves)
 
@@ -133,7 +134,7 @@ def test_what_does_not_happen_is_no_number():
     ],
 )
 def test_wrong_definitions_are_refused(definition, words):
-    found, (problem,) = quantities.parse({"q": definition}, [RESPONSE], ELEMENTS)
+    found, (problem,) = parse({"q": definition}, [RESPONSE], ELEMENTS)
     assert not found
     assert isinstance(problem, SceneError)
     with pytest.raises(SceneError, match=words):
@@ -146,7 +147,7 @@ def test_what_is_said_of_quantities():
         "v": {"value": "x", "at": "t"},
         "c": {"crossing": "x", "level": 0.5, "way": "rising"},
     }
-    found, _ = quantities.parse(names, [RESPONSE], ELEMENTS)
+    found, _ = parse(names, [RESPONSE], ELEMENTS)
     assert [q.name for q in found] == list(names)
     assert [q.unit for q in found] == ["s", "m", "s"]
     assert found[0].long_name == "time of the 2nd event 'closes' of contact A"

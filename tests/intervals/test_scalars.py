@@ -148,7 +148,7 @@ def test_what_does_not_happen_everywhere_has_a_share():
     share, open_ = surrogate.occurrence.share()
     # The border is somewhere between the runs at -0.2 and -0.15.
     assert share == pytest.approx((1 + 0.175) / 2, abs=1e-3)
-    assert open_ == pytest.approx(0.5 * 0.05 / 2, abs=1e-3)
+    assert open_ == pytest.approx(0.05 / 2, abs=1e-3)
     np.testing.assert_allclose(surrogate.occurrence.between(2), [[-0.175]], atol=1e-3)
     found = surrogate.range()
     assert found.low == pytest.approx(1.0)

@@ -109,11 +109,32 @@ function extent() {
     for (let k = 0; k < 3; k++) distance += (place[i + k] - 0.5 * (low[k] + high[k])) ** 2;
     square = Math.max(square, distance);
   }
-  const radius = MOTION.unit * Math.sqrt(square) || 1;
-  for (const value of MOTION.runs[0].corners) size = Math.max(size, Math.abs(value));
+  let radius = MOTION.unit * Math.sqrt(square) || 1;
+  for (let e = 0; e < MOTION.elements; e++) {
+    if (MOTION.ends[2 * e] === MOTION.ends[2 * e + 1]) continue; // a rigid body: as large as it is
+    for (const value of MOTION.runs[0].corners.subarray(24 * e, 24 * e + 24)) size = Math.max(size, Math.abs(value));
+  }
+  size ||= 0.03 * radius;
   const every = Math.max(1, Math.ceil(place.length / 12000)), places = [];
   for (let i = 0; i < place.length / 3; i += every) {
     for (let k = 0; k < 3; k++) places.push(metres(place[3 * i + k], k));
   }
+  for (const corner of bodyCorners()) {
+    radius = Math.max(radius, Math.hypot(...corner.map((value, k) => value - middle[k])));
+    places.push(...corner);
+  }
   return { middle, radius: radius + 0.5 * size, size, places, floor: metres(low[2], 2) - 1.3 * size };
+}
+
+// Where the corners of rigid bodies, which reach beyond their particles, are at some moments.
+function bodyCorners() {
+  const found = [], pose = new Pose(MOTION.runs[0]), last = MOTION.time.length - 1;
+  for (let e = 0; e < MOTION.elements; e++) {
+    if (MOTION.ends[2 * e] !== MOTION.ends[2 * e + 1]) continue;
+    for (let n = 0; n <= 8; n++) {
+      pose.at(MOTION.time[Math.round(last * n / 8)]);
+      for (let at = 24 * e; at < 24 * e + 24; at += 3) found.push([...pose.corners.slice(at, at + 3)]);
+    }
+  }
+  return found;
 }

@@ -32,7 +32,8 @@ class Viewer {
     context.fillText(`floor grid ${digits(this.painter.gridStep())} m`, 14, height - 12);
     context.textAlign = "right";
     if (width === this.canvas.clientWidth) context.fillText("drag to turn, + − to zoom", width - 14, height - 12);
-    this.canvas.dataset.time = clock.time.toFixed(6);
+    const { radius, size } = this.painter.extent;
+    Object.assign(this.canvas.dataset, { time: clock.time.toFixed(6), radius: radius.toFixed(6), pin: size.toFixed(6) });
   }
 
   look(name) {

@@ -6,7 +6,9 @@
 from __future__ import annotations
 
 import ast
+import os
 import random
+import signal
 
 import pytest
 
@@ -14,8 +16,8 @@ from evidence.attack.configs import attack_by_config, attack_by_running, mutated
 from evidence.attack.damage import attack_files
 from evidence.attack.ledger import Ledger
 from evidence.attack.mutants import changes
-from evidence.attack.processes import attack_by_full_disk, attack_by_kill
-from evidence.attack.victim import Victim
+from evidence.attack.processes import attack_by_full_disk, attack_by_kill, command, start
+from evidence.attack.victim import RAW, Victim
 
 SEED = 20
 
@@ -96,3 +98,29 @@ def test_what_goes_wrong_is_counted():
         ("one", "traceback"), ("two", "hang"),
     ]  # fmt: skip
     assert "| one | 2 | 1 | 0 | 0 | 0 | 0 | 1 | 0 |" in ledger.table()
+
+
+def long_one(place):
+    """A command that runs for minutes."""
+    victim = Victim.__new__(Victim)
+    victim.raw = RAW | {"solver": {"duration": 20.0, "instants": 9}, "jobs": {"group": 1}}
+    return command(victim, place)
+
+
+def test_ctrl_c_is_one_line(tmp_path):
+    process = start(long_one(tmp_path))
+    first = process.stdout.readline()
+    os.killpg(process.pid, signal.SIGINT)
+    told, _ = process.communicate()
+    assert process.returncode == 130
+    assert "stopped; finished runs are kept" in told
+    assert "Traceback" not in first + told
+
+
+def test_a_full_disk_is_one_sentence(victims, tmp_path):
+    process = start(command(victims[0], tmp_path), limit=3000)
+    told, _ = process.communicate()
+    assert process.returncode == 1
+    assert f"no room to write in {tmp_path / 'victim'}" in told
+    assert "all runs that were finished are kept: make room and give the same command" in told
+    assert "Traceback" not in told

@@ -15,7 +15,7 @@ import pytest
 from evidence.attack.configs import attack_by_config, attack_by_running, mutated
 from evidence.attack.damage import attack_files
 from evidence.attack.ledger import Ledger
-from evidence.attack.mutants import changes
+from evidence.attack.mutants import change_at, sites
 from evidence.attack.processes import attack_by_full_disk, attack_by_kill, command, start
 from evidence.attack.victim import RAW, Victim
 
@@ -83,7 +83,9 @@ def test_many_files_configs_and_processes(victims, tmp_path):
 
 def test_a_mutant_is_changed_in_one_place():
     tree = ast.parse("def f(a, b):\n    return max(a + 1, b) if a < b and not b else True\n")
-    found = [(what, ast.unparse(changed)) for _, what, changed in changes(tree)]
+    found = [
+        (what, ast.unparse(made)) for _, what, made in (change_at(tree, i) for i in sites(tree))
+    ]
     assert len(found) >= 7
     assert len({text for _, text in found} | {ast.unparse(tree)}) == len(found) + 1
     assert ("`a < b` to `a <= b`", ast.unparse(tree).replace("a < b", "a <= b")) in found

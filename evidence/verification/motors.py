@@ -99,10 +99,9 @@ def motors(bench: Bench) -> None:
         exact = work[-1] + INERTIA * speed[-1] ** 2 / 2
         bench.check(f"work of both motors, {name} (J)", energies["motor_work"][-1], exact, 1e-3,
                     "∫ M φ' dt and J ω²/2")  # fmt: skip
-        if damping:
-            lost = cumulative_trapezoid(damping * rate**2, time, initial=0.0)[-1]
-            found = energies["motor_loss"][-1]
-            bench.check(f"loss, {name} (J)", found, lost, 5e-3, "∫ c x'² dt")
+        lost = cumulative_trapezoid(damping * rate**2, time, initial=0.0)[-1] + 2 * 0.08
+        source = "∫ c x'² dt of the motor, k x²/2 of both releases"
+        bench.check(f"lost, {name} (J)", energies["joint_loss"][-1], lost, 5e-3, source)
         name = f"T = {torque:g} N m"
         turned = 2.0 * (time - (1 - np.exp(-moved * time)) / moved)
         worst = np.abs(openings["B"] - turned).max() / turned[-1]
@@ -118,8 +117,6 @@ def motors(bench: Bench) -> None:
             swing = 1 - np.cos(4 * np.maximum(time - due, 0.0))
             off = np.abs(openings[hinge] - swing).max()
             bench.check_small(f"{label}: opening (rad)", off, 5e-5, "1 - cos(√(k/J) (t - t₀))", "1")
-        lost = energies["released"][-1]
-        bench.check(f"lost at releases, {name} (J)", lost, 2 * 0.08, 2e-3, "k x²/2 of both")
         worst = np.abs(energies["balance"]).max() / energies["kinetic"].max()
         bench.check_small(f"energy balance, {name}", worst, 1e-9, "exact", "kinetic energy")
         figure.curve(time, 2 * time - openings["A"], f"c = {damping:g} N m s/rad")

@@ -17,9 +17,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.damped_opening import stiffness_of_damping
 from fpm.kinds.kind import Energy, Kind, Recorded
-from fpm.kinds.opening import Opening, check_hinge, check_stiffness, relative_turn
+from fpm.kinds.opening import (
+    JOINT_LOSS,
+    Opening,
+    check_hinge,
+    check_numbers,
+    check_stiffness,
+    pack_past,
+    relative_turn,
+)
 
 MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
@@ -51,7 +58,7 @@ class Motor(Kind):
 
     stores = Energy("motor", "motor_energy", "energy of the motors' drive trains")
     gives = MOTOR_WORK
-    takes = Energy("motor_loss", "motor_loss", "energy lost in the motors' drive trains")
+    takes = JOINT_LOSS
     reads = (Opening,)
 
     def check(self, scene):
@@ -60,9 +67,7 @@ class Motor(Kind):
         what = f"motor {scene.hinges[self.hinge].name}"
         if self.hinge in [motor.hinge for motor in Motor.of(scene)]:
             raise SceneError("hinge of motor", self.hinge, "a hinge without a motor")
-        if not (np.isfinite(self.damping) and self.damping >= 0):
-            allowed = "a finite number >= 0 (N m s/rad)"
-            raise SceneError(f"damping of {what}", self.damping, allowed)
+        check_numbers(what, damping=(self.damping, 0.0, "N m s/rad"))
         if not np.isfinite([self.start, self.turn]).all():
             raise SceneError(f"opening of {what}", (self.start, self.turn), "finite angles (rad)")
         _check_curve(scene, what, self.curve)
@@ -79,8 +84,13 @@ class Motor(Kind):
     def deformations(cls, scene):
         """The openings of their hinges."""
         motors = cls.of(scene)
-        total = [m.stiffness + stiffness_of_damping(scene, m.hinge, m.damping) for m in motors]
-        return relative_turn(scene, [m.hinge for m in motors], total)
+        return relative_turn(scene, [m.hinge for m in motors], [m.stiffness for m in motors])
+
+    @classmethod
+    def dampings(cls, scene):
+        """The same for their dampers."""
+        motors = cls.of(scene)
+        return relative_turn(scene, [m.hinge for m in motors], [m.damping for m in motors])
 
     @classmethod
     def pack(cls, batch):
@@ -91,6 +101,7 @@ class Motor(Kind):
             on=batch.integers(m.hinge for m in motors),
             curve=batch.integers(m.curve for m in motors),
             motors=batch.table(cls, 4, lambda m: [m.stiffness, m.damping, m.start, m.turn]),
+            past=pack_past(batch, cls),
             now=batch.blank(len(motors), STATE),
             openings=batch.part(Opening),
             given=batch.given_by(cls),
@@ -142,11 +153,10 @@ class TorqueMotor(Kind):
         return [f"torque motor {scene.hinges[motor.hinge].name}" for motor in cls.of(scene)]
 
     @classmethod
-    def deformations(cls, scene):
+    def dampings(cls, scene):
         """The openings of their hinges, which the fall of the torque damps."""
         motors = cls.of(scene)
-        total = [stiffness_of_damping(scene, m.hinge, m.steepest(scene)) for m in motors]
-        return relative_turn(scene, [m.hinge for m in motors], total)
+        return relative_turn(scene, [m.hinge for m in motors], [m.steepest(scene) for m in motors])
 
     def steepest(self, scene) -> float:
         """By how much the moment falls with the speed at most (N m s/rad)."""
@@ -162,6 +172,7 @@ class TorqueMotor(Kind):
             on=batch.integers(m.hinge for m in motors),
             curve=batch.integers(m.curve for m in motors),
             motors=batch.table(cls, 2, lambda m: [m.torque, m.no_load]),
+            past=pack_past(batch, cls),
             now=batch.blank(len(motors), STATE),
             openings=batch.part(Opening),
             given=batch.given_by(cls),

@@ -79,6 +79,13 @@ def check_hinge(scene, what: str, hinge: int) -> None:
         raise SceneError(f"hinge of {what}", hinge, f"0 to {count - 1}")
 
 
+def softness(scene, hinge: int) -> float:
+    """Inverse inertia (1/kg m²) against which a moment about a hinge of that index turns it."""
+    found = scene.hinges[hinge]
+    free = [~scene.fixed[p, 3:] / scene.inertia[p] for p in found.particles]
+    return float(sum(axis**2 @ inverse for axis, inverse in zip(found.axes, free, strict=True)))
+
+
 def turning_at_start(scene, on) -> list[float]:
     """Rates (rad/s) of the openings `on` (indices) at the start, also of driven particles."""
     spin = np.where(scene.fixed[:, 3:], 0.0, scene.spin)

@@ -9,9 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.damped_opening import stiffness_of_damping
 from fpm.kinds.kind import Energy, Kind
-from fpm.kinds.opening import Opening, check_hinge, check_stiffness, relative_turn
+from fpm.kinds.opening import (
+    JOINT_LOSS,
+    Opening,
+    check_hinge,
+    check_numbers,
+    check_stiffness,
+    pack_past,
+    relative_turn,
+)
 
 
 @dataclass(frozen=True)
@@ -31,18 +38,18 @@ class Release(Kind):
     level: float = 0.0
 
     stores = Energy("release", "release_energy", "energy of the releases that hold")
-    takes = Energy("released", "released_energy", "energy lost by releases")
+    takes = JOINT_LOSS
     events = ("releases",)
     reads = (Opening,)
 
     def check(self, scene):
         """Hinges and numbers; that it holds at the start, and may let go."""
         check_stiffness(scene, "release", self.hinge, self.stiffness)
-        what = f"of release {scene.hinges[self.hinge].name}"
+        name = f"release {scene.hinges[self.hinge].name}"
+        what = f"of {name}"
         if self.hinge in [release.hinge for release in Release.of(scene)]:
             raise SceneError("hinge of release", self.hinge, "a hinge without a release")
-        if not (np.isfinite(self.damping) and self.damping >= 0):
-            raise SceneError(f"damping {what}", self.damping, "a finite number >= 0 (N m s/rad)")
+        check_numbers(name, damping=(self.damping, 0.0, "N m s/rad"))
         if not np.isfinite([self.hold, self.level]).all():
             raise SceneError(f"hold, level {what}", (self.hold, self.level), "finite angles (rad)")
         if not self.time > 0:
@@ -68,8 +75,13 @@ class Release(Kind):
     def deformations(cls, scene):
         """The openings of their hinges, held."""
         found = cls.of(scene)
-        total = [x.stiffness + stiffness_of_damping(scene, x.hinge, x.damping) for x in found]
-        return relative_turn(scene, [x.hinge for x in found], total)
+        return relative_turn(scene, [x.hinge for x in found], [x.stiffness for x in found])
+
+    @classmethod
+    def dampings(cls, scene):
+        """The same for their dampers."""
+        found = cls.of(scene)
+        return relative_turn(scene, [x.hinge for x in found], [x.damping for x in found])
 
     @classmethod
     def pack(cls, batch):
@@ -82,6 +94,7 @@ class Release(Kind):
             releases=batch.table(
                 cls, RELEASE, lambda x: [x.stiffness, x.damping, x.hold, x.time, x.level]
             ),
+            past=pack_past(batch, cls),
             now=batch.blank(len(found), STATE),
             openings=batch.part(Opening),
             account=batch.taken_by(cls),

@@ -14,7 +14,7 @@ from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.vectors import kernel, larger
 from fpm.kernels.world import Log
-from fpm.kinds.damped_opening_kernels import rate
+from fpm.kinds.losses_kernels import follow_rate
 from fpm.kinds.opening_kernels import BEFORE, NOW, Openings, turn
 
 # Constants of a release.
@@ -23,21 +23,21 @@ RELEASE = 5
 
 # Of a release, at the last forces and a step before.
 HELD, HELD_BEFORE = 0, 1  # -1 while it holds, then 1
-CHANGE = 2  # of the opening, over the last step
-AGO = 3  # when it let go, in steps before the forces at which it did
-MOMENT, MOMENT_BEFORE = 4, 5
-ENERGY, ENERGY_BEFORE = 6, 7
-STATE = 8
+AGO = 2  # when it let go, in steps before the forces at which it did
+MOMENT, MOMENT_BEFORE = 3, 4
+ENERGY, ENERGY_BEFORE = 5, 6
+STATE = 7
 
 
 class Releases(NamedTuple):
-    """on, watch (r,) hinges; releases (r, RELEASE, lanes); now (r, STATE, lanes); account: number
-    of that of the loss; rows (r, 1, lanes).
+    """on, watch (r,) hinges; releases (r, RELEASE, lanes); past (r, PAST, lanes); now (r, STATE,
+    lanes); account: number of that of the loss; rows (r, 1, lanes).
     """
 
     on: np.ndarray
     watch: np.ndarray
     releases: np.ndarray
+    past: np.ndarray
     now: np.ndarray
     openings: Openings
     account: int
@@ -67,19 +67,17 @@ def forces(part, world, now):
             store(part.now, i, k + 1, load(part.now, i, k))
         h = part.on[i]
         psi = load(part.openings.angles, h, NOW)
-        change = psi - load(part.openings.angles, h, BEFORE)
         ago, held = let_go(part, now, i), load(part.now, i, HELD)
         if now.time == 0.0:
-            ago, held, change = 0.0 * psi - 1.0, 0.0 * psi - 1.0, 0.0 * psi
+            ago, held = 0.0 * psi - 1.0, 0.0 * psi - 1.0
         off = load(part.releases, i, HOLD) - psi
-        speed = rate(now.step, change, load(part.now, i, CHANGE))
+        speed = follow_rate(part.openings, part.past, i, h, now)
         moment = load(part.releases, i, STIFFNESS) * off - load(part.releases, i, DAMPING) * speed
         moment = moment * where_negative(ago, 1.0, 0.5 - ago)
         moment = where_negative(held, moment, 0.0)
         held = where_negative(held, where_negative(ago, -1.0, 1.0), 1.0)
         energy = 0.5 * load(part.releases, i, STIFFNESS) * off * off
         store(part.now, i, HELD, held)
-        store(part.now, i, CHANGE, change)
         store(part.now, i, AGO, ago)
         store(part.now, i, MOMENT, moment)
         store(part.now, i, ENERGY, where_negative(held, energy, 0.0))
@@ -106,7 +104,8 @@ def work_before(part, world, now):
     taken = load(world.accounts, 0, part.account)
     for i in range(part.on.shape[0]):
         moment = load(part.now, i, MOMENT) + load(part.now, i, MOMENT_BEFORE)
-        work = 0.5 * load(part.now, i, CHANGE) * moment
+        angles, h = part.openings.angles, part.on[i]
+        work = 0.5 * (load(angles, h, NOW) - load(angles, h, BEFORE)) * moment
         taken = taken + (load(part.now, i, ENERGY_BEFORE) - load(part.now, i, ENERGY) - work)
     store(world.accounts, 0, part.account, taken)
 

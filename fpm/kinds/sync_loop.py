@@ -14,9 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.damped_opening import softness
 from fpm.kinds.kind import Deformations, Energy, Kind, Recorded
-from fpm.kinds.opening import Opening, check_stiffness, relative_turn
+from fpm.kinds.opening import Opening, check_stiffness, relative_turn, softness
 
 
 @dataclass(frozen=True)

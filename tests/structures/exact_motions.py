@@ -60,3 +60,47 @@ def zfold(k, fold, gyration, times):
     start = [fold, np.pi - fold, 0, 0]
     run = solve_ivp(slopes, (0, times[-1]), start, "DOP853", times, rtol=1e-12, atol=1e-13)
     return run.y[:2].T
+
+
+def solar_array(n, k=0.4, c=0.0, hub=150.0, mass=6.0, length=1.0, thickness=0.025, angle=np.pi / 2):
+    """Time (s), rate (rad/s) and turn of the hub (rad) when an array's root is open by `angle`.
+
+    Rigid, and ideally synchronised: the root opens by q, the panels by 2 q each, in a plane, with
+    springs that rest at pi and 2 pi and dampers c on all hinges. No momentum comes from outside, so
+    that hub and centre of mass follow from q: with the angular momentum B q' + C p' = 0 of the
+    motion about the centre, p being the hub's turn, the inertia of q is A - B²/C.
+    """
+    side = 1.0  # of the hub
+    masses = np.array([hub, *[mass] * n])
+    turning = np.array([hub * side**2 / 6, *[mass * (length**2 + thickness**2) / 12] * n])
+    signs = np.array([0, *((-1) ** i for i in range(n))])
+
+    def inertias(q):
+        """That of q, and the share B/C by which the hub turns."""
+        place, slope, pin, pin_slope = [complex(length / 2, -side / 2)], [0j], 0j, 0j
+        for sign in signs[1:]:
+            turn = np.exp(1j * sign * q)
+            middle = turn * complex(sign * length, thickness) / 2
+            place.append(pin + middle)
+            slope.append(pin_slope + 1j * sign * middle)
+            pin, pin_slope = pin + 2 * middle, pin_slope + 2j * sign * middle
+        place, slope = (x - masses @ x / masses.sum() for x in map(np.array, (place, slope)))
+        a = masses @ abs(slope) ** 2 + turning @ signs**2
+        b = masses @ (place.conj() * slope).imag + turning @ signs
+        whole = masses @ abs(place) ** 2 + turning.sum()
+        return a - b**2 / whole, b / whole
+
+    def slopes(_, y):
+        q, rate, _ = y
+        near = 1e-5
+        inertia, share = inertias(q)
+        slope = (inertias(q + near)[0] - inertias(q - near)[0]) / (2 * near)
+        force = k * (np.pi - q) + 4 * (n - 1) * k * (np.pi - q) - c * (4 * n - 3) * rate
+        return [rate, (force - slope * rate**2 / 2) / inertia, -share * rate]
+
+    def reached(_, y):
+        return y[0] - angle
+
+    reached.terminal = True
+    run = solve_ivp(slopes, (0, 1e3), [0, 0, 0], "DOP853", events=reached, rtol=1e-10, atol=1e-12)
+    return run.t[-1], run.y[1, -1], run.y[2, -1]

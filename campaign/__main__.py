@@ -6,12 +6,12 @@ import sys
 # As jobs of Snakemake have it: more threads of linear algebra would round otherwise.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from campaign.cli import main
-
 
 def program() -> int:
     """The console script `deployable-intervals`."""
     try:
+        from campaign.cli import main
+
         return main(sys.argv[1:])
     except KeyboardInterrupt:
         print(

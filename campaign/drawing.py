@@ -24,6 +24,15 @@ _READY = (
 )  # fmt: skip
 
 
+# Ctrl-C goes to both processes; the one that asked tells, and ends the other.
+_CHILD = """
+import signal
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+from campaign.drawing import draw
+draw()
+"""
+
+
 class Draughtsman:
     """A process that draws the stages that it is asked for; leaving the context waits for it."""
 
@@ -31,7 +40,7 @@ class Draughtsman:
         root = str(Path(__file__).parents[1])
         paths = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
         self.process = subprocess.Popen(
-            [sys.executable, "-c", "from campaign.drawing import draw; draw()"],
+            [sys.executable, "-c", _CHILD],
             stdin=subprocess.PIPE,
             env={**os.environ, "PYTHONPATH": paths},
             text=True,
@@ -46,6 +55,8 @@ class Draughtsman:
             print(json.dumps(order), file=self.process.stdin, flush=True)
 
     def __exit__(self, kind: type | None, *rest: object) -> None:
+        if kind is KeyboardInterrupt:
+            self.process.terminate()
         with suppress(BrokenPipeError):  # what was asked for is still to be flushed
             self.process.stdin.close()
         if self.process.wait() and kind is None:
@@ -66,5 +77,3 @@ def draw() -> None:
         except CampaignError as error:
             print(f"error: {error}", file=sys.stderr)
             sys.exit(1)
-        except KeyboardInterrupt:  # the process that asked tells
-            sys.exit(130)

@@ -25,7 +25,9 @@ MOST_ROOM = 1 << 16
 """Events kept per sample at most; more are counted but not kept."""
 
 REST_STRAIN = 1e-10
-"""Rounding strains a scene at rest by less; the energy of so much is the least energy scale."""
+"""Rounding strains a scene at rest by less, and moves it by less than that share of its size; the
+energy of so much, and the work of all loads over so far, are the least energy scale.
+"""
 
 
 def topology(scene: Scene) -> tuple:
@@ -232,7 +234,11 @@ class Batch:
         """Energy (lanes,) that rounding may hold in a scene at rest."""
         scales = [kind.rounding(self.part(kind)) for kind in self.kinds]
         least = sum((s for s in scales if s is not None), np.zeros(self.width, self.dtype))
-        return REST_STRAIN**2 * least
+        found = REST_STRAIN**2 * least
+        for lane, scene in enumerate(self.scenes):
+            size = np.ptp(scene.position, axis=0).max(initial=0.0)
+            found[lane] += REST_STRAIN * size * sum(kind.held_up(scene) for kind in self.kinds)
+        return found
 
 
 def _state(scene: Scene) -> np.ndarray:

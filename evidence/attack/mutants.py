@@ -9,7 +9,6 @@ import random
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from fnmatch import fnmatch
 from pathlib import Path
 
@@ -64,11 +63,10 @@ class Hunt:
         path = self.rng.choice(sorted(files))
         name = str(path.relative_to(ROOT))
         tests = next(tests for other, tests in TESTS.items() if fnmatch(name, other))
-        source = path.read_text(encoding="utf-8")
-        mutants = list(changes(ast.parse(source)))
-        if not mutants:
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        if not (found := sites(tree)):
             return
-        line, what, tree = self.rng.choice(mutants)
+        line, what, tree = change_at(tree, self.rng.choice(found))
         make_copy(place)
         (place / name).write_text(ast.unparse(tree), encoding="utf-8")
         self.found.append(
@@ -125,15 +123,22 @@ _CALLED = {"min": "max", "max": "min", "argmin": "argmax", "argmax": "argmin", "
            "upper": "lower", "floor": "ceil", "ceil": "floor"}  # fmt: skip
 
 
-def changes(tree: ast.Module) -> Iterator[tuple[int, str, ast.Module]]:
-    """Every single change of a module: line, what, and the changed tree."""
-    count = sum(1 for _ in ast.walk(tree))
-    for place in range(count):
-        changed = copy.deepcopy(tree)
-        node = next(node for i, node in enumerate(ast.walk(changed)) if i == place)
-        before = ast.unparse(node) if isinstance(node, ast.expr) else ""
-        if _change(node):
-            yield node.lineno, f"`{before}` to `{ast.unparse(node)}`".replace("|", "or"), changed
+def sites(tree: ast.Module) -> list[int]:
+    """Numbers, in the order of `ast.walk`, of the nodes that can be changed."""
+    return [
+        number
+        for number, node in enumerate(ast.walk(tree))
+        if isinstance(node, ast.expr) and _change(copy.deepcopy(node))
+    ]
+
+
+def change_at(tree: ast.Module, number: int) -> tuple[int, str, ast.Module]:
+    """A copy of a module with one node changed: line, what, and the changed tree."""
+    changed = copy.deepcopy(tree)
+    node = next(node for i, node in enumerate(ast.walk(changed)) if i == number)
+    before = ast.unparse(node)
+    _change(node)
+    return node.lineno, f"`{before}` to `{ast.unparse(node)}`".replace("|", "or"), changed
 
 
 def _change(node: ast.AST) -> bool:

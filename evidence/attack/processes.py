@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import yaml
@@ -53,9 +54,12 @@ def attack_by_kill(victim: Victim, place: Path, ledger: Ledger, rng: random.Rand
     how = rng.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGINT])
     name = "killed" if how == signal.SIGKILL else "interrupted (Ctrl-C)"
     after = rng.uniform(0.2, 4.0)
-    process = start(command(victim, place))
-    time.sleep(after)
-    os.killpg(process.pid, how)
+    process = start(command(victim, place, figures=rng.random() < 0.3))
+    if how == signal.SIGINT:  # while Python itself still starts, it tells of itself
+        process.stdout.readline()
+    time.sleep(after if how == signal.SIGKILL else 0.3 * after)
+    with suppress(ProcessLookupError):  # it was faster
+        os.killpg(process.pid, how)
     what = f"after {after:.2f} s, keep: {victim.keep}"
     ledger.attempt(name, what, 120.0, lambda: _after_death(victim, place, process))
 

@@ -28,6 +28,11 @@ class Gravity(Kind):
         return None
 
     @classmethod
+    def held_up(cls, scene):
+        """The weight of all."""
+        return float(scene.mass.sum() * np.linalg.norm(scene.gravity))
+
+    @classmethod
     def pack(cls, batch):
         from fpm.kinds.gravity_kernels import Weight
 

@@ -154,6 +154,11 @@ class Kind:
         return None
 
     @classmethod
+    def held_up(cls, scene: "Scene") -> float:
+        """Force (N) that the scene may have to bear at rest, where rounding moves it a little."""
+        return 0.0
+
+    @classmethod
     def recorded(cls, part: Any, scene: "Scene", lane: int) -> dict[str, Recorded]:
         """What was recorded of one lane, by the names of its variables in a trajectory file."""
         return {}

@@ -49,6 +49,11 @@ class Load(Kind):
         return self.beam.particle, self.curve
 
     @classmethod
+    def held_up(cls, scene):
+        """All forces."""
+        return float(sum(np.linalg.norm(load.force) for load in cls.of(scene)))
+
+    @classmethod
     def pack(cls, batch):
         from fpm.kinds.load_kernels import Loads
 

@@ -6,16 +6,18 @@
 from __future__ import annotations
 
 import ast
+import os
 import random
+import signal
 
 import pytest
 
 from evidence.attack.configs import attack_by_config, attack_by_running, mutated
 from evidence.attack.damage import attack_files
 from evidence.attack.ledger import Ledger
-from evidence.attack.mutants import changes
-from evidence.attack.processes import attack_by_full_disk, attack_by_kill
-from evidence.attack.victim import Victim
+from evidence.attack.mutants import change_at, sites
+from evidence.attack.processes import attack_by_full_disk, attack_by_kill, command, start
+from evidence.attack.victim import RAW, Victim
 
 SEED = 20
 
@@ -81,7 +83,9 @@ def test_many_files_configs_and_processes(victims, tmp_path):
 
 def test_a_mutant_is_changed_in_one_place():
     tree = ast.parse("def f(a, b):\n    return max(a + 1, b) if a < b and not b else True\n")
-    found = [(what, ast.unparse(changed)) for _, what, changed in changes(tree)]
+    found = [
+        (what, ast.unparse(made)) for _, what, made in (change_at(tree, i) for i in sites(tree))
+    ]
     assert len(found) >= 7
     assert len({text for _, text in found} | {ast.unparse(tree)}) == len(found) + 1
     assert ("`a < b` to `a <= b`", ast.unparse(tree).replace("a < b", "a <= b")) in found
@@ -96,3 +100,29 @@ def test_what_goes_wrong_is_counted():
         ("one", "traceback"), ("two", "hang"),
     ]  # fmt: skip
     assert "| one | 2 | 1 | 0 | 0 | 0 | 0 | 1 | 0 |" in ledger.table()
+
+
+def long_one(place):
+    """A command that runs for minutes."""
+    victim = Victim.__new__(Victim)
+    victim.raw = RAW | {"solver": {"duration": 20.0, "instants": 9}, "jobs": {"group": 1}}
+    return command(victim, place)
+
+
+def test_ctrl_c_is_one_line(tmp_path):
+    process = start(long_one(tmp_path))
+    first = process.stdout.readline()
+    os.killpg(process.pid, signal.SIGINT)
+    told, _ = process.communicate()
+    assert process.returncode == 130
+    assert "stopped; finished runs are kept" in told
+    assert "Traceback" not in first + told
+
+
+def test_a_full_disk_is_one_sentence(victims, tmp_path):
+    process = start(command(victims[0], tmp_path), limit=3000)
+    told, _ = process.communicate()
+    assert process.returncode == 1
+    assert f"no room to write in {tmp_path / 'victim'}" in told
+    assert "all runs that were finished are kept: make room and give the same command" in told
+    assert "Traceback" not in told

@@ -81,7 +81,7 @@ def test_a_command_can_be_given(page, line, folder, monkeypatch, capsys):
     if words[0] == "snakemake":
         _check_snakemake(words[1:])
     elif words[:3] == ["python", "-m", "evidence"]:
-        assert words[3] in STUDIES or words[3].isupper()
+        assert words[3] in {*STUDIES, "attack"} or words[3].isupper()
     else:
         assert words[:3] == ["python", "-m", "campaign"], line
         _check_campaign(words[3:])

@@ -30,15 +30,22 @@ print(sum(sum(run.stats.cache_hits.values()) for run in LOOPS.values()))
 def test_cached_code_gives_the_bits_of_fresh_code(tmp_path):
     root = str(Path(__file__).parents[2])
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": root}
-    runs = [
-        subprocess.run(
+
+    def run():
+        return subprocess.run(
             [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True,
             check=True,
-        ).stdout.split()
-        for _ in range(2)
-    ]  # fmt: skip
+        ).stdout.split()  # fmt: skip
+
+    runs = [run(), run()]
     assert [int(hits) for _, hits in runs] == [0, 1]
     assert runs[0][0] == runs[1][0]
+    # Whatever is wrong with a file of compiled code, it is not loaded but made again.
+    for kind, harm in (("nbi", lambda b: b[:50]), ("nbc", lambda b: b[:-1] + bytes([b[-1] ^ 1]))):
+        (path,) = tmp_path.rglob(f"*.{kind}")
+        path.write_bytes(harm(path.read_bytes()))
+        assert run() == [runs[0][0], "0"]
+        assert run() == [runs[0][0], "1"]
 
 
 OWN_KIND = {

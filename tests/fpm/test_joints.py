@@ -200,11 +200,13 @@ def test_bricard_six_bar_of_rigid_rods():
 
 
 def test_a_loop_that_cannot_close_fails_by_name():
-    """Rigid rods whose axes do not fit are locked; driven on, a joint gapes."""
+    """Rigid rods whose axes do not fit are locked, and bear their weight; driven, a joint gapes."""
     scene = bricard()
     first, second = scene.frame[list(scene.hinges[2].particles)]
     axis = np.array([np.cos(0.02), np.sin(0.02), 0.0])
     scene.hinges[2].axes[:] = axis @ first, axis @ second
+    locked = run(scene, duration=0.5)
+    assert np.abs(np.ptp(locked.points["C"][0], axis=0)).max() < 1e-12
     scene.drive(scene.hinges[0].particles[1], spin=(0, 1.0, 0))
     (outcome,) = fpm.simulate(scene, duration=1.0, instants=11, step=1e-3, energy_tolerance=1e9)
     assert "a joint gapes" in str(outcome.failure)

@@ -81,5 +81,10 @@ def test_the_linkage_closes_when_dimensional_analysis_says():
 
 
 @pytest.mark.slow
+def test_latches_pass():
+    assert [row.name for row in GROUPS["latches"]() if not row.passed] == []
+
+
+@pytest.mark.slow
 def test_cables_pass():
     assert [row.name for row in GROUPS["cables"]() if not row.passed] == []

@@ -74,8 +74,9 @@ def page(folder: Path, moves: bool) -> str:
             "```", f"python -m campaign {' '.join(arguments)}", "```", "",
             f"Parameters: {', '.join(f'`{p}`' for p in found.parameters)}.", "",
         ]  # fmt: skip
-        told = ROOT / "docs/library" / f"{Path(structure).stem}.md"
-        if told.exists():
+        stem, library = Path(structure).stem, ROOT / "docs/library"
+        told = next((p for p in library.glob("*.md") if p.stem.replace("-", "_") == stem), None)
+        if told:
             lines += [
                 f"[What is modelled, and against what it was checked](library/{told.name})",
                 "",

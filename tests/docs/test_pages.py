@@ -13,6 +13,7 @@ from campaign.config.check import load_config
 from campaign.stages import STAGES
 from evidence.registry import STUDIES
 from fpm import structures
+from fpm.structures import report
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -134,7 +135,7 @@ def test_a_snippet_runs(page, text, folder, monkeypatch):
 def test_the_structure_and_campaigns_of_the_pages_are_right(folder, monkeypatch):
     monkeypatch.chdir(folder)
     mine = structures.load("mine.yaml")
-    assert structures.report.mobility(mine.build()).degrees == 2
+    assert report.mobility(mine.build()).degrees == 2
     for name in ("first.yaml", "my-campaign.yaml"):
         assert load_config([name]).name == yaml.safe_load(Path(name).read_text())["campaign"]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from evidence import plots
-from evidence.extremes import cables, latches, parameters, runs, stable_step
+from evidence.extremes import cables, latches, motors, parameters, runs, stable_step
 from evidence.results import Report
 from evidence.rows import Row, grouped
 
@@ -24,6 +24,7 @@ GROUPS: dict[str, Callable[[], list[Row]]] = {
     "intervals": runs.intervals,
     "cables": cables.study,
     "latches": latches.study,
+    "motors": motors.study,
     "refusals": parameters.refusals,
 }
 

@@ -71,8 +71,10 @@ def forces(part, world, now):
         if now.time == 0.0:
             ago, held = 0.0 * psi - 1.0, 0.0 * psi - 1.0
         off = load(part.releases, i, HOLD) - psi
+        way = psi - load(part.openings.angles, h, BEFORE)
+        then = off + where_negative(ago, 0.0, ago) * way  # when it let go, or now
         speed = follow_rate(part.openings, part.past, i, h, now)
-        moment = load(part.releases, i, STIFFNESS) * off - load(part.releases, i, DAMPING) * speed
+        moment = load(part.releases, i, STIFFNESS) * then - load(part.releases, i, DAMPING) * speed
         moment = moment * where_negative(ago, 1.0, 0.5 - ago)
         moment = where_negative(held, moment, 0.0)
         held = where_negative(held, where_negative(ago, -1.0, 1.0), 1.0)

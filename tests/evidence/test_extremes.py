@@ -88,3 +88,8 @@ def test_latches_pass():
 @pytest.mark.slow
 def test_cables_pass():
     assert [row.name for row in GROUPS["cables"]() if not row.passed] == []
+
+
+@pytest.mark.slow
+def test_loops_motors_and_releases_pass():
+    assert [row.name for row in GROUPS["motors"]() if not row.passed] == []

@@ -177,7 +177,8 @@ def as_text(summary: Mapping) -> str:
     if "quantities" in summary:
         lines += answer_lines(summary)
     if summary["closures"]:
-        lines += ["", f"Contacts that close in the nominal run: {_closure_text(summary)}."]
+        what = "Contacts, stops and latches that close in the nominal run"
+        lines += ["", f"{what}: {_closure_text(summary)}."]
     return "\n".join(lines) + "\n"
 
 

@@ -55,7 +55,7 @@ function drawEvents() {
   const first = DATA.runs[DATA.moving.length ? DATA.moving[0].run : 0];
   const moments = closures(first);
   if (!moments.length) return;
-  byId("events").append("Contacts that close in the nominal run: ");
+  byId("events").append("Contacts, stops and latches that close in the nominal run: ");
   for (const { time, names } of moments.slice(0, 12)) {
     const button = make("button", { type: "button" }, `${names} at ${digits(time, 4)} s`);
     button.addEventListener("click", () => { clock.play(false); clock.set(time); });

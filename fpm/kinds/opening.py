@@ -70,11 +70,11 @@ def relative_turn(scene, on, stiffness) -> Deformations:
     return rows_of([h.particles for h in hinges], values, stiffness)
 
 
-def check_stiffness(scene, what: str, hinge: int, stiffness: float) -> None:
-    """SceneError unless `what` of a stiffness (N m/rad) can act on a hinge of that index."""
+def check_stiffness(scene, what: str, hinge: int, stiffness: float, unit="N m/rad") -> None:
+    """SceneError unless `what` of a stiffness in a unit can act on a hinge of that index."""
     check_hinge(scene, what, hinge)
     if not (np.isfinite(stiffness) and stiffness >= 0):
-        raise SceneError(f"{what} stiffness", stiffness, "a finite number >= 0 (N m/rad)")
+        raise SceneError(f"{what} stiffness", stiffness, f"a finite number >= 0 ({unit})")
 
 
 def check_hinge(scene, what: str, hinge: int) -> None:

@@ -44,7 +44,7 @@ class SyncLoop(Kind):
         if self.name in [other.name for other in SyncLoop.of(scene)]:
             raise SceneError("loop", self.name, "a name that no other loop has")
         for hinge in self.hinges:
-            check_stiffness(scene, what, hinge, self.stiffness)
+            check_stiffness(scene, what, hinge, self.stiffness, "N/m")
         if len(set(self.hinges)) != 2:
             raise SceneError(f"hinges of {what}", self.hinges, "two different ones")
         if not (np.isfinite(self.radii).all() and np.all(self.radii)):

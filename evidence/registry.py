@@ -62,7 +62,7 @@ def digest(*places: str) -> str:
 
 EXTREMES = (
     "stable-step", "materials", "sections", "lengths", "stiffnesses", "starts", "meshes",
-    "durations", "damping", "precision", "intervals", "refusals",
+    "durations", "damping", "precision", "intervals", "cables", "latches", "motors", "refusals",
 )  # fmt: skip
 
 STUDIES = {

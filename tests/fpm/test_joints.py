@@ -102,6 +102,7 @@ def test_a_fixed_joint_makes_one_body_of_two():
     np.testing.assert_allclose(outcome.points["tip"][0][-1], exact, atol=2e-5)
 
 
+@pytest.mark.slow
 def test_a_prismatic_joint_lets_a_body_slide_only():
     """A block on a spinning rail, let go at radius r0: r = r0 cosh(integral of the rate).
 
@@ -129,6 +130,7 @@ def test_a_prismatic_joint_lets_a_body_slide_only():
     assert turning + 0.55 * spin == pytest.approx(momentum, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_universal_joint_turns_as_its_angle_says():
     """Two shafts at 30 degrees: tan(out) = tan(in) / cos(30), Cardan's relation, and the energy."""
     bend = np.radians(30.0)
@@ -199,6 +201,7 @@ def test_bricard_six_bar_of_rigid_rods():
     np.testing.assert_allclose(position[-1], [-0.7781354, -0.9803527, -0.1972527], atol=5e-6)
 
 
+@pytest.mark.slow
 def test_a_loop_that_cannot_close_fails_by_name():
     """Rigid rods whose axes do not fit are locked, and bear their weight; driven, a joint gapes."""
     scene = bricard()
@@ -228,6 +231,7 @@ def test_samples_do_not_depend_on_their_neighbours():
     assert not np.array_equal(together[0].points["B0"], together[1].points["B0"])
 
 
+@pytest.mark.slow
 def test_momentum_of_free_bodies_is_kept():
     """A chain of five, free in space: its momentum and angular momentum do not change."""
     random = np.random.default_rng(5)
@@ -255,6 +259,7 @@ def test_momentum_of_free_bodies_is_kept():
     np.testing.assert_allclose(after, before, rtol=1e-5, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_driven_body_carries_its_joints_and_its_work_is_counted():
     """Slider-crank: the crank is driven, the block slides on the ground along x."""
     rate, crank, rod_length = 4.0, 0.3, 1.0

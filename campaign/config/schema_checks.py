@@ -21,12 +21,16 @@ def schema_problems(raw: Any, schema: Mapping) -> tuple[list[str], dict | None]:
     that leaves no config.
     """
     from jsonschema import Draft202012Validator
+    from jsonschema.validators import extend
 
+    # JSON knows no difference between 2 and 2.0; what counts with it does.
+    types = Draft202012Validator.TYPE_CHECKER
+    types = types.redefine("integer", lambda _, value: type(value) is int)
     endless = _not_finite(raw)
     problems = [
         f"{key}: {value} is not allowed; allowed: a finite number" for key, value in endless
     ]
-    validator = Draft202012Validator(schema)
+    validator = extend(Draft202012Validator, type_checker=types)(schema)
     errors = sorted(validator.iter_errors(raw), key=lambda e: list(map(str, e.absolute_path)))
     sound = copy.deepcopy(raw)
     told = {key for key, _ in endless}

@@ -75,6 +75,7 @@ REFUSED = [
     ("bounds", {"model": "spline", "align": "shift"}, ["bounds.model: 'spline'", "align shift"]),
     ("held_out", -1, ["held_out", "-1"]),
     ("held_out", True, ["held_out", "true"]),
+    ("held_out", 2.0, ["held_out", "2.0", "a whole number"]),
     ("jobs.lanes", 2, ["jobs.lanes", "no such key", "did you mean group?"]),
     ("jobs.keep", "all", ["jobs.keep", "'all'", "trajectories"]),
     ("desgin", {}, ["desgin", "did you mean design?"]),

@@ -77,7 +77,7 @@ def test_killed_runs_and_full_disks_leave_nothing_broken(victims, tmp_path):
 @pytest.mark.slow
 def test_many_files_configs_and_processes(victims, tmp_path):
     damage(victims, tmp_path, 100)
-    configs(tmp_path, 2000, 100)
+    configs(tmp_path, 2300, 100)
     processes(victims, tmp_path, 10)
 
 

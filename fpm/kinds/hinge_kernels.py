@@ -226,7 +226,7 @@ def distance(w, h):
 
 @kernel
 def watch(part, gap2, tilt2):
-    """Raise what is watched by the squares of a hinge's gaps; returns the gaps (m, rad)."""
+    """Raise what is watched by the squares of a hinge's or joint's gaps; returns these (m, rad)."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.watched, 0, GAP, larger(load(part.watched, 0, GAP), gap))
     store(part.watched, 0, TILT, larger(load(part.watched, 0, TILT), tilt))

@@ -46,7 +46,7 @@ PIVOT = 17  # inverse of the diagonal of the factor
 IMPULSE = 18
 ROW = 19
 
-GAP, TILT = 0, 1  # watched, and recorded
+GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which share a kernel
 
 
 class Pattern(NamedTuple):

@@ -7,7 +7,7 @@ by small turns on top. All joints of a sample are solved together, and go the sa
 """
 
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
+from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.layout import D2, D3, F, M, P, V, X
 from fpm.kernels.rotation import frame, half_turn, put_turned
 from fpm.kernels.vectors import (
@@ -23,6 +23,7 @@ from fpm.kernels.vectors import (
     to_local,
 )
 from fpm.kinds.hinge_arrays import get6, put6
+from fpm.kinds.hinge_kernels import watch
 from fpm.kinds.hinge_limits import COARSE_GAP, COARSE_TILT, MOST_GAP, MOST_TILT, ROUNDS
 from fpm.kinds.hinge_matrix import world_inverse
 from fpm.kinds.joint_arrays import (
@@ -243,15 +244,6 @@ def move(part, world, now):
             push_where_far(part, state, s, far)
     for s in range(part.on.shape[0]):
         nudge(part, state, s, now.step)
-
-
-@kernel
-def watch(part, gap2, tilt2):
-    """Raise what is watched by the squares of a joint's gaps; returns the gaps (m, rad)."""
-    gap, tilt = sqrt(gap2), sqrt(tilt2)
-    store(part.watched, 0, GAP, larger(load(part.watched, 0, GAP), gap))
-    store(part.watched, 0, TILT, larger(load(part.watched, 0, TILT), tilt))
-    return gap, tilt
 
 
 @hook(Joints)

@@ -10,9 +10,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from pathlib import Path
-from threading import Thread
 from typing import Any, get_type_hints
 
 from campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
@@ -20,6 +18,7 @@ from campaign.errors import of_files
 from campaign.files import results_of
 from campaign.folder import Folder
 from campaign.runs.progress import Tell
+from campaign.stopping import import_ahead
 from fpm.sealed import DamagedError, check, sweep
 
 
@@ -159,7 +158,7 @@ def report(folder: Folder, tell: Tell) -> None:
     from campaign.report import from_results, make_motions, words, write_page
 
     # What turns frames into quaternions is imported while the runs are integrated.
-    Thread(target=import_module, args=("scipy.spatial.transform",), daemon=True).start()
+    import_ahead("scipy.spatial.transform")
     if not make_motions(folder.path):
         tell("no run is made again: the structure or the mechanics have changed since")
     data = from_results(folder.path)

@@ -7,9 +7,7 @@ import shutil
 import sys
 from collections.abc import Mapping
 from contextlib import nullcontext
-from importlib import import_module
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 from campaign.config.check import check_config, load_config
@@ -19,6 +17,7 @@ from campaign.files import open_dataset
 from campaign.folder import ROUND_FILES, Folder
 from campaign.runs.progress import Tell, Teller
 from campaign.stages import STAGES, answers, batch_count, drawings
+from campaign.stopping import import_ahead
 
 
 def run(
@@ -81,7 +80,7 @@ def _sample(campaign: Campaign, folder: Folder, tell: Tell) -> None:
 
     batches = batch_count(campaign.jobs, len(read_plan(folder.plan).runs))
     # What bounds need takes a second to import; meanwhile threads integrate.
-    Thread(target=import_module, args=("xarray",), daemon=True).start()
+    import_ahead("xarray")
     threads = os.cpu_count() or 1
     for batch in range(batches):
         _stage("simulate", campaign, folder, tell, batch=batch, batches=batches, threads=threads)

@@ -72,11 +72,21 @@ def gather(folder: Folder, tell: Tell, jobs: Any) -> None:
     gather(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples, tell)
 
 
-def bounds(folder: Folder, tell: Tell, bounds: Any) -> None:
-    """Fit the surrogate to samples.nc, take its bounds, and tell which parameter matters."""
+def bounds(
+    folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int = 1
+) -> None:
+    """Fit the surrogate to samples.nc, take its bounds, and tell which parameter matters.
+
+    What mesh and step add to the error is told too, where that is asked for.
+    """
     from campaign.results.bounds import analyse
 
-    analyse(folder, bounds)
+    if not verify.finer:
+        analyse(folder, bounds)
+        return
+    from campaign.answers.finer import finer_curves
+
+    analyse(folder, bounds, lambda found: finer_curves(folder, found, jobs, tell, threads))
 
 
 def quantities(folder: Folder, tell: Tell, verify: Any, jobs: Any, threads: int = 1) -> None:
@@ -247,7 +257,8 @@ _PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/f
 _BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py", *_FILES)
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
 _WORDS = (
-    "campaign/results/answers.py", "campaign/results/decisions.py", "campaign/results/words.py",
+    "campaign/results/answers.py", "campaign/results/budget.py",
+    "campaign/results/decisions.py", "campaign/results/words.py",
 )  # fmt: skip
 _SUMMARY = ("campaign/results/summary.py", *_WORDS)
 _RUNS = (
@@ -269,7 +280,7 @@ STAGES = {
         Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:])),
         Stage(simulate, ("jobs",), _RUNS, (_PLAN,)),
         Stage(gather, ("jobs",), ("campaign/results/samples.py", *_RUNS), (_PLAN,)),
-        Stage(bounds, ("bounds",), _BOUNDS, (_SAMPLES,)),
+        Stage(bounds, ("bounds", "verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
         Stage(quantities, ("verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
         Stage(
             requirements,

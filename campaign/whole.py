@@ -47,7 +47,7 @@ def run(
             if "linkage" in wanted:  # the one figure that needs no bounds
                 wanted.remove("linkage")
                 draughtsman.ask("linkage", campaign, folder)
-            _stage("bounds", campaign, folder, tell)
+            _stage("bounds", campaign, folder, tell, threads=os.cpu_count() or 1)
         for name in answers(campaign):
             _stage(name, campaign, folder, tell, threads=os.cpu_count() or 1)
         for name in wanted:
@@ -98,7 +98,7 @@ def _run_rounds(campaign: Campaign, folder: Folder, tell: Tell) -> None:
         if read_plan(place.plan).is_finished:
             break
         _sample(campaign, place, tell)
-        _stage("bounds", campaign, place, tell)
+        _stage("bounds", campaign, place, tell, threads=os.cpu_count() or 1)
         number += 1
     last = [place.plan, *(place.previous() / name for name in ROUND_FILES[1:])]
     for path in last:

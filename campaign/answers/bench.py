@@ -21,7 +21,7 @@ from campaign.plan.make import run_id
 from campaign.plan.plan import Plan, Run, read_plan
 from campaign.runs.batch import check_structure, failure_text, simulate, tell_damaged
 from campaign.runs.progress import Tell, warm_up
-from campaign.runs.store import open_store
+from campaign.runs.store import Record, open_store
 
 # In unit coordinates: places nearer than this have one run, or need none of their own.
 NEAR, SAME = 1e-6, 1e-3
@@ -46,7 +46,9 @@ class Bench:
         """The runs of a campaign that was sampled, perhaps with the further ones of quantities."""
         bench = cls(read_plan(folder.plan), jobs, folder.runs(jobs.keep), tell, threads)
         with open_netcdf(folder.samples) as samples:
-            bench.unit, bench.numbers = samples["unit"][:], samples["quantities"][:]
+            bench.unit = samples["unit"][:]
+            if bench.experiment.quantities:
+                bench.numbers = samples["quantities"][:]
         if further:
             with open_netcdf(folder.further) as file:
                 if len(points := file["unit"][:]):
@@ -107,6 +109,13 @@ class Bench:
 
     def measure(self, plan: Plan, runs: Sequence[Run]) -> np.ndarray:
         """The quantities (r, q) of runs of a plan, simulated unless the store has them."""
+        return np.array([record.numbers for record in self.records(plan, runs)])
+
+    def records(self, plan: Plan, runs: Sequence[Run]) -> list[Record]:
+        """What there is of runs of a plan, simulated unless the store has them.
+
+        Raises `CampaignError` if one fails.
+        """
         store = open_store(self.jobs.keep, self.store, plan.experiment)
         plan = replace(plan, runs=tuple(runs))
         found, failures = {}, []
@@ -123,7 +132,7 @@ class Bench:
             found |= store.read(group)
         if failures:
             raise CampaignError(failure_text(plan, failures))
-        return np.array([found[run.id].numbers for run in runs])
+        return [found[run.id] for run in runs]
 
 
 def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[Run]:

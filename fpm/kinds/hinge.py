@@ -129,7 +129,7 @@ class Hinge(Kind):
         """The largest gaps."""
         gap, tilt = part.gaps[:, :, lane].T
         return {
-            "hinge_gap": Recorded(gap, "m", "largest gap between hinge points"),
+            "hinge_gap": Recorded(gap, "m", "largest gap of a hinge, or to where it is held"),
             "hinge_axis_gap": Recorded(tilt, "rad", "largest angle between hinge axes"),
         }
 

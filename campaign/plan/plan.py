@@ -3,7 +3,7 @@
 `nodes.json` holds it, one run a line:
 
     campaign, config_hash, config   the sections of the config that decide the runs, resolved
-    step, step_limit (s), limiting_element, steps_per_instant, mechanics
+    step, step_limit (s), limiting_element, steps_per_instant, assembly_energy (J), mechanics
     runs      [{id, role, unit (k), values (k)}], role is node, nominal or held_out
     adaptive  of a round: the `rounds` before it, all `points` so far, and whether the tolerance is
               `met`: null unless this is the plan after the last round, which has no new runs
@@ -35,12 +35,16 @@ class Run:
 
 @dataclass(frozen=True)
 class TimeStep:
-    """The step that serves all runs, the largest stable one (s), and what limits it where."""
+    """The step that serves all runs, the largest stable one (s), and what limits it where.
+
+    assembly_energy: most strain energy (J) that forcing parts together leaves, there.
+    """
 
     step: float
     steps_per_instant: int
     step_limit: float
     limiting_element: str
+    assembly_energy: float = 0.0
 
 
 @dataclass(frozen=True)

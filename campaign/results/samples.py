@@ -111,6 +111,7 @@ def _write_runs(file: Any, plan: Plan) -> None:
             "time_step": plan.time.step,
             "time_step_limit": plan.time.step_limit,
             "limiting_element": plan.time.limiting_element,
+            "assembly_energy": plan.time.assembly_energy,
             "mechanics": plan.mechanics,
             "provenance": as_attribute(),
         }

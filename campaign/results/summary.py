@@ -77,6 +77,7 @@ def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
         "bounds": bounds_text(bounds),
         "time_step": float(bounds.time_step),
         "overlap": float(samples["overlap"][:].max()),
+        "assembly_energy": float(getattr(samples, "assembly_energy", 0.0)),
         "closures": closures(samples, roles.index("nominal")),
         "responses": [
             _response(bounds, i, name, published.get(name)) for i, name in enumerate(names)
@@ -173,6 +174,11 @@ def as_text(summary: Mapping) -> str:
         for p in summary["parameters"]
     ]
     lines += ["", *_response_table(summary["responses"]), "", _error_line(summary)]
+    if summary["assembly_energy"] > 0:
+        lines += ["", (
+            "Parts are forced together before the start, which leaves a strain energy of up to "
+            f"{summary['assembly_energy']:.3g} J at the centre and the corners of the box."
+        )]  # fmt: skip
     lines += _doubts(summary)
     if "adaptive" in summary:
         rounds = summary["adaptive"]["rounds"]

@@ -5,7 +5,7 @@ the beams is least: with the conditions g of the joints, held axes left out,
 
     dU + G'λ = 0,   g = 0,   G = dg,
 
-solved by Newton's method on positions and frames, with exact derivatives (elastic.py, conditions.py):
+solved by Newton's method with exact derivatives (elastic.py, conditions.py):
 
     (H + μ M) d + G'λ = -dU,   G d - δ λ' = -g,   H = d(dU + G'λ)
 
@@ -86,7 +86,8 @@ def assemble(scene: "Scene", hold: Sequence[str] = ()) -> None:
     conditions, elastic = conditions_of(scene, hold), elastic_of(scene)
     gaps = conditions.gaps(start)
     worst, gap, tilt = conditions.worst(gaps)
-    places, rounds = _settle(scene, start, conditions, elastic)
+    with np.errstate(over="ignore", invalid="ignore"):  # what grows beyond all numbers is refused
+        places, rounds = _settle(scene, start, conditions, elastic)
     scene.unstrained, scene.unstrained_position = scene.frame, scene.position
     scene.position, scene.frame = places.position, places.frame
     scene.hinges = [_reopened(scene, hinge) for hinge in scene.hinges]
@@ -184,8 +185,8 @@ def _refuse(conditions: Conditions, places: Places, before: tuple[str, float, fl
     if not max(gap, tilt) > OPEN:
         name, gap, tilt = before
         raise MisfitError(
-            f"joint {name}", _opened(gap, tilt), f"parts that come to rest within {ROUNDS} rounds "
-            "when they are forced together; a mechanism may need a joint that is held", 
+            f"joint {name}", _opened(gap, tilt), "parts that come to rest when forced together, "
+            f"within {ROUNDS} rounds; a mechanism may need a joint that is held",
             max(gap, tilt),
         )  # fmt: skip
     raise MisfitError(

@@ -55,7 +55,7 @@ class Conditions(NamedTuple):
         return name, gap.get(name, 0.0), tilt.get(name, 0.0)
 
     def derivatives(self, places: Places, impulses: np.ndarray):
-        """Sparse: rows (c, 6n) of the derivatives, and those (6n, 6n) of their sum with impulses."""
+        """Sparse rows (c, 6n) of the derivatives, and those (6n, 6n) of their sum with impulses."""
         from scipy.sparse import coo_array
 
         ends, count = self._ends(places), 6 * len(places.position)
@@ -106,7 +106,7 @@ class Conditions(NamedTuple):
 
 
 def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
-    """The conditions of all joints of a scene, and that hinges named by `hold` keep their opening."""
+    """The conditions of all joints of a scene; hinges named by `hold` keep their opening."""
     rows: list[tuple] = []
     for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_stated(scene)):
         rows += _rows_of(scene, joint)

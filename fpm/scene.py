@@ -68,7 +68,7 @@ class Scene:
         self.frame = np.zeros((0, 3, 3))
         self.unstrained: np.ndarray | None = None  # frames (n, 3, 3) without strain; None: `frame`
         self.unstrained_position: np.ndarray | None = None  # and positions (n, 3); None: `position`
-        self.assembly: Assembly | None = None  # what forced it together
+        self.assembly: Assembly | None = None  # what forced it together (fpm/assembly)
         self.velocity = np.zeros((0, 3))
         self.spin = np.zeros((0, 3))
         self.mass = np.zeros(0)
@@ -199,7 +199,7 @@ class Scene:
         axis, as they lie at the start; their angle is the opening. `opening` (rad) picks the turn:
         the starting value is the one closest to it. Without references the hinge starts at
         `opening`. support: global axes ("", "z", "xyz") along which the hinge point is held. point
-        and axis may be (2, 3), one for each particle, for `assemble` to bring together.
+        and axis may be (2, 3), one for each particle, for fpm.assembly to bring together.
         """
         return self.add(
             Hinge.between(self, name, particles, point, axis, references, opening, support)
@@ -210,7 +210,7 @@ class Scene:
 
         type: "spherical"; "fixed"; "universal", about `axis` (3,) of the first and `other` (3,) of
         the second, normal to it; "prismatic": the second slides on the first along `axis`. point
-        may be (2, 3), one for each particle, for `assemble` to bring together.
+        may be (2, 3), one for each particle, for fpm.assembly to bring together.
         """
         return self.add(Joint.between(self, name, type, particles, point, axis, other))
 
@@ -220,16 +220,6 @@ class Scene:
         For points off the particle: what holds the particle itself is `fix`, and costs nothing.
         """
         return self.add(Joint.holding(self, name, int(particle), point, axes))
-
-    def assemble(self, hold: Sequence[str] = ()) -> None:
-        """Force parts together whose points do not meet at their joints (fpm/assembly).
-
-        What was added before lies in balance and at rest then, strained by that; hinges named by
-        `hold` keep their opening. Places that are stated later are those before the assembly.
-        """
-        from fpm.assembly import assemble
-
-        assemble(self, hold)
 
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
         """Torsion spring of `stiffness` (N m/rad) that turns a hinge towards `rest` (rad)."""

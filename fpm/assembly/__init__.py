@@ -79,8 +79,9 @@ def assemble(scene: "Scene", hold: Sequence[str] = ()) -> None:
     """Force the parts of a scene together at its joints, and leave it in balance and at rest.
 
     The scene's positions and frames become those of the assembled structure, and `scene.assembly`
-    tells what it took; beams keep the lengths and axes that they had. hold: names of hinges that
-    keep the opening that is stated. MisfitError where no such position is found.
+    tells what it took; beams keep the lengths and axes that they had, and places that are stated
+    later are those before. hold: names of hinges that keep the opening that is stated. MisfitError
+    where no such position is found.
     """
     start = Places(scene.position.copy(), scene.frame.copy())
     conditions, elastic = conditions_of(scene, hold), elastic_of(scene)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fpm.assembly import MisfitError
+from fpm.assembly import MisfitError, assemble
 from fpm.errors import SceneError
 from fpm.scene import Scene
 from fpm.structures.expressions import ExpressionError
@@ -199,7 +199,7 @@ class Builder:
             if None in held:
                 name = self.hold[held.index(None)]
                 raise SceneError("assemble.hold", name, "names of revolute joints")
-            self.scene.assemble(self.hold)
+            assemble(self.scene, self.hold)
         except MisfitError as error:
             self._note(line, f"assemble: {error.key}", error)
         except SceneError as error:

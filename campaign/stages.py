@@ -263,7 +263,8 @@ _WORDS = (
 _SUMMARY = ("campaign/results/summary.py", *_WORDS)
 _RUNS = (
     "campaign/runs/*.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py",
-    "fpm/quantities.py", "fpm/quantity_definitions.py", *_FILES,
+    "fpm/asked.py", "fpm/asked_responses.py", "fpm/quantities.py", "fpm/quantity_definitions.py",
+    *_FILES,
 )  # fmt: skip
 _ANSWERS = (
     "campaign/answers/*.py", "campaign/config/answers.py", "campaign/config/scenes.py",

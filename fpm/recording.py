@@ -22,6 +22,8 @@ from fpm.constraint_forces import (
 )
 from fpm.errors import SceneError, did_you_mean
 from fpm.kept import Kept
+from fpm.kinds.hinge import Hinge
+from fpm.kinds.joint import Joint
 from fpm.kinds.kind import AXES, Recorded
 from fpm.kinds.opening import PARTS
 from fpm.kinds.probe import Probe
@@ -70,6 +72,18 @@ def prepared(scene: Scene, asked: Iterable[Column]) -> Scene:
     out = copy(scene)
     out.kinds = {**scene.kinds, Probe: [probe]}
     return out
+
+
+def numbers(scene: Scene, asked: Iterable[Column]) -> int:
+    """How many numbers of a sample the loop keeps at an instant for the columns asked."""
+    from fpm.kinds import probe_kernels
+    from fpm.kinds.hinge_arrays import SUMS
+
+    probe = Probe.asked(prepared(scene, asked))
+    kept = probe_kernels.FRAME * len(probe.frames) + probe_kernels.FORCES * len(probe.forces)
+    joints = len(Hinge.of(scene)) + len(Joint.of(scene))
+    told = 2 * len(PARTS) * len(scene.hinges)
+    return kept + SUMS * joints * probe.impulses + told * probe.moments
 
 
 def recorded(kept: Kept, asked: Iterable[Column]) -> dict[str, Recorded]:
@@ -160,9 +174,6 @@ def _constraint_moment(kept: Kept, label: str) -> np.ndarray:
 
 
 def _keep_reaction(scene: Scene, label: str) -> Probe:
-    from fpm.kinds.hinge import Hinge
-    from fpm.kinds.joint import Joint
-
     found = reactions_of(scene)[_split(label)[0]]
     particle = found.beam.particle
     joints = [*Hinge.of(scene), *Joint.of(scene)]

@@ -26,9 +26,10 @@ def torsion_stresses(width: float, height: float, J: float) -> tuple[float, floa
     middles of the sides at y = ±width/2 and at z = ±height/2."""
     a, b = sorted((width / 2, height / 2))
     n = np.arange(1, 60, 2)
-    at_long = 2 * a * (1 - 8 / np.pi**2 * np.sum(1 / (n**2 * np.cosh(n * np.pi * b / (2 * a)))))
+    argument = np.minimum(n * np.pi * b / (2 * a), 500.0)  # beyond, cosh overflows
+    at_long = 2 * a * (1 - 8 / np.pi**2 * np.sum(1 / (n**2 * np.cosh(argument))))
     signs = (-1.0) ** ((n - 1) // 2)
-    at_short = 16 * a / np.pi**2 * np.sum(signs * np.tanh(n * np.pi * b / (2 * a)) / n**2)
+    at_short = 16 * a / np.pi**2 * np.sum(signs * np.tanh(argument) / n**2)
     # The long sides are a away from the middle.
     found = (at_long, at_short) if width <= height else (at_short, at_long)
     return found[0] / J, found[1] / J

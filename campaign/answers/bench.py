@@ -19,7 +19,7 @@ from campaign.files import open_netcdf
 from campaign.folder import Folder
 from campaign.plan.make import run_id
 from campaign.plan.plan import Plan, Run, read_plan
-from campaign.runs.batch import check_structure, failure_text, simulate, tell_damaged
+from campaign.runs.batch import check_structure, failure_text, simulate, tell_again
 from campaign.runs.progress import Tell, warm_up
 from campaign.runs.store import Record, open_store
 
@@ -121,11 +121,12 @@ class Bench:
         found, failures = {}, []
         for group in plan.groups(1, self.jobs.group)[0]:
             missing = store.missing(group)
-            tell_damaged(store, self.tell)
+            tell_again(store, self.tell)
             if missing:
                 check_structure(plan)
-                warm_up(plan.experiment.build(plan.named(missing[0])), self.tell)
-                results, failed, _ = simulate(plan, missing, self.threads)
+                scene = plan.experiment.build(plan.named(missing[0]))
+                warm_up(scene, self.tell, plan.experiment.asked)
+                results, failed, _ = simulate(plan, missing, self.threads, store.had(missing))
                 store.write(group, results)
                 failures += failed
                 self.simulated += len(results)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from campaign.config.design import count_runs
 from campaign.config.sections import Campaign
+from campaign.folder import Folder
 from campaign.plan.make import choose_step
 from campaign.runs.progress import duration_text
 
@@ -51,9 +52,38 @@ def estimate(campaign: Campaign) -> Estimate:
     responses = len(experiment.responses)
     kept = 4 * responses + 4 * responses  # each run's, and in samples.nc
     if campaign.jobs.keep == "trajectories":
-        kept = 8 * (6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + responses)
+        others = _OTHER_CURVES + responses + len(experiment.asked)
+        kept = 8 * (6 * len(scene.points) + len(scene.hinges) + others)
     gathered = runs * kept + 8 * _BOUNDS_CURVES * responses
     return Estimate(runs, seconds, float(solver.instants * gathered))
+
+
+def found(campaign: Campaign, folder: Folder) -> str:
+    """Which of a campaign's runs are there, and why others must be made again; nothing where none
+    is there, and for `order: auto`, whose runs are not known beforehand."""
+    from campaign.plan.make import make_plan
+    from campaign.runs.store import open_store
+    from fpm.asked import words
+
+    keep = campaign.jobs.keep
+    if campaign.is_adaptive or not folder.runs(keep).is_dir():
+        return ""
+    plan = make_plan(campaign.experiment)
+    store = open_store(keep, folder.runs(keep), campaign.experiment)
+    groups = plan.groups(1, campaign.jobs.group)[0]
+    missing = sum(len(store.missing(group)) for group in groups)
+    total, lacking = sum(map(len, groups)), len(store.lacking)
+    if missing - lacking == total:
+        return ""
+    text = f"{total - missing} of them are there"
+    if lacking:
+        what = words(sorted(set().union(*store.lacking.values())))
+        seconds = _rounded(estimate(campaign).seconds * missing / total)
+        text += (
+            f"; {lacking} more were recorded without {what} and are simulated again, all in all "
+            f"about {duration_text(seconds)}"
+        )
+    return text
 
 
 def cores() -> int:

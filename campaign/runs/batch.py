@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -24,6 +24,7 @@ from campaign.plan.plan import Plan, Run, share
 from campaign.provenance import as_attribute
 from campaign.runs.progress import Progress, Tell, warm_up
 from campaign.runs.store import Result, open_store
+from fpm.asked import Column, words
 from fpm.sealed import sweep
 
 Failure = tuple[Run, str]
@@ -52,17 +53,18 @@ def run_batch(
     mine = all_groups[batch]
     flat = [group for groups in all_groups for group in groups]
     work = [(group, missing) for group in mine if (missing := store.missing(group))]
-    tell_damaged(store, tell)
+    tell_again(store, tell)
 
     failures: list[Failure] = []
     simulated, integrating = 0, np.zeros(2)
     if work:
         check_structure(plan)
-        warm_up(plan.experiment.build(plan.named(work[0][1][0])), tell)
+        scene = plan.experiment.build(plan.named(work[0][1][0]))
+        warm_up(scene, tell, plan.experiment.asked)
         name, total = plan.experiment.name, sum(map(len, flat))
         progress = Progress(name, total, lambda: store.count(flat), tell)
         for number, (group, missing) in enumerate(work, start=1):
-            results, failed, taken = simulate(plan, missing, threads)
+            results, failed, taken = simulate(plan, missing, threads, store.had(missing))
             store.write(group, results)
             failures += failed
             simulated += len(results)
@@ -91,11 +93,15 @@ def check_structure(plan: Plan) -> None:
         raise CampaignError(f"{what} has changed since the runs were planned; start again")
 
 
-def tell_damaged(store: Any, tell: Tell) -> None:
+def tell_again(store: Any, tell: Tell) -> None:
     """Tell which files of a store can not be used, and will be made again; each once."""
     for error in store.damaged.values():
         tell(f"{error}; its runs are made again")
     store.damaged.clear()
+    if store.lacking:
+        what = words(sorted(set().union(*store.lacking.values())))
+        tell(f"{len(store.lacking)} runs were recorded without {what}; they are simulated again")
+    store.lacking.clear()
 
 
 def make_again(plan: Plan, store: Any, group: Sequence[Run], tell: Tell) -> None:
@@ -104,22 +110,23 @@ def make_again(plan: Plan, store: Any, group: Sequence[Run], tell: Tell) -> None
     Raises `CampaignError` that lists those that failed.
     """
     missing = store.missing(group)
-    tell_damaged(store, tell)
+    tell_again(store, tell)
     if not missing:
         return
     check_structure(plan)
     tell(f"{plan.experiment.name}: {len(missing)} runs are missing and made again")
-    results, failures, _ = simulate(plan, missing)
+    results, failures, _ = simulate(plan, missing, also=store.had(missing))
     store.write(group, results)
     if failures:
         raise CampaignError(failure_text(plan, failures))
 
 
 def simulate(
-    plan: Plan, runs: Sequence[Run], threads: int = 1
+    plan: Plan, runs: Sequence[Run], threads: int = 1, also: Iterable[Column] = ()
 ) -> tuple[list[Result], list[Failure], np.ndarray]:
     """Simulate runs side by side: those that went well, those that failed with the reason, and the
-    seconds (by `clocks`) that it took to integrate them."""
+    seconds (by `clocks`) that it took to integrate them. also: what is recorded beside what the
+    responses need."""
     import fpm
 
     experiment, solver = plan.experiment, plan.experiment.solver
@@ -132,6 +139,7 @@ def simulate(
         instants=solver.instants,
         step=plan.time.step,
         energy_tolerance=solver.energy_tolerance,
+        record=sorted({*experiment.asked, *also}),
     )
     threads = max(1, min(threads, len(scenes) // 4))  # eight runs take as long as one
     with ThreadPoolExecutor(threads) as pool:

@@ -5,7 +5,9 @@ it if its trajectory was kept. A file that is not as it was written, or is anoth
 absent, and is noted in `damaged` until it is written again. Two ways to keep a run, with the same
 methods:
 
-`Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded;
+`Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded. What is recorded
+                only when a response asks (`fpm.asked`) may be lacking: then the run is noted in
+                `lacking` and counts as absent, and what it had is recorded again as well;
 `Responses`     one netCDF file per group, `<digest of the group's run ids>.nc`, with the
                 responses, contact events and quantities only. Other groups have other files:
                 another design, size of group or response simulates its runs again.
@@ -24,6 +26,7 @@ from campaign.config.sections import Experiment, digest
 from campaign.errors import CampaignError
 from campaign.files import whole_file
 from campaign.plan.plan import Run
+from fpm.asked import Column
 from fpm.sealed import DamagedError, check
 
 # Contact events as the interval side gets them, in the order of the columns of `Record.events`.
@@ -70,11 +73,14 @@ def _numbers(quantities: Sequence[Any], curves: Any) -> np.ndarray:
 
 
 class Trajectories:
-    """One netCDF file per run. It does not depend on the responses: any can be taken from it."""
+    """One netCDF file per run. It depends on the responses only by what they ask to be recorded."""
 
     def __init__(self, folder: Path, responses: Sequence[Any], quantities: Sequence[Any] = ()):
         self.folder, self.responses, self.quantities = folder, responses, quantities
         self.damaged: dict[Path, DamagedError] = {}
+        self.lacking: dict[str, set[Column]] = {}
+        self._had: dict[str, set[Column]] = {}
+        self._needs = {need for response in responses for need in response.needs}
 
     def path(self, run: Run) -> Path:
         return self.folder / f"{run.id}.nc"
@@ -82,6 +88,10 @@ class Trajectories:
     def missing(self, group: Sequence[Run]) -> list[Run]:
         """The runs of the group that are still to be simulated."""
         return [run for run in group if self._curves(run) is None]
+
+    def had(self, runs: Sequence[Run]) -> set[Column]:
+        """Columns that some of these runs have in files that lack others."""
+        return set().union(*(self._had.get(run.id, ()) for run in runs))
 
     def count(self, groups: Sequence[Sequence[Run]]) -> int:
         """How many runs of all groups are there, by file name alone."""
@@ -110,11 +120,16 @@ class Trajectories:
         return found
 
     def _curves(self, run: Run) -> Any:
-        """The run's `fpm.trajectory.Curves`; None if its file is not there or not whole."""
+        """The run's `fpm.trajectory.Curves`; None if its file is not there, not whole, or lacks
+        what responses need."""
         from fpm import trajectory
 
         try:
-            return trajectory.read_curves(self.path(run), run.id)
+            curves = trajectory.read_curves(self.path(run), run.id)
+            lacks = self._needs - set(curves.asked)
+            if not lacks:
+                return curves
+            self.lacking[run.id], self._had[run.id] = lacks, set(curves.asked)
         except DamagedError as error:
             self.damaged[error.path] = error
         except FileNotFoundError:
@@ -126,13 +141,15 @@ class Responses:
     """One netCDF file per group, with the responses only, in single precision."""
 
     def __init__(self, folder: Path, responses: Sequence[Any], quantities: Sequence[Any] = ()):
+        from fpm import asked_responses as readers
         from fpm import quantities as numbers
         from fpm import responses as module
         from fpm.sources import syntax_digest
 
         self.folder, self.responses, self.quantities = folder, responses, quantities
         self.damaged: dict[Path, DamagedError] = {}
-        modules = [module, numbers] if quantities else [module]
+        self.lacking: dict[str, set[Column]] = {}
+        modules = [module, readers, numbers] if quantities else [module, readers]
         code = syntax_digest(Path(m.__file__) for m in modules)
         self._asked = [code, *(asdict(one) for one in (*responses, *quantities))]
 
@@ -158,6 +175,10 @@ class Responses:
         with netCDF4.Dataset(path) as file:
             there = list(file["run_id"][:])
         return [] if there == [run.id for run in group] else list(group)
+
+    def had(self, runs: Sequence[Run]) -> set[Column]:
+        """Nothing: files hold the responses only."""
+        return set()
 
     def count(self, groups: Sequence[Sequence[Run]]) -> int:
         """How many runs of all groups are there."""

@@ -10,7 +10,7 @@ from fpm import bars, clearance, stress
 STEEL = fpm.Material(2e11, 0.25, 7800.0)
 
 
-def cantilever(section: fpm.Section, turned=np.eye(3), elements=3) -> fpm.Scene:
+def cantilever(section: fpm.Section, turned: np.ndarray, elements=3) -> fpm.Scene:
     """A bar of 1 m along x, its height along z, turned as a whole."""
     scene = fpm.Scene("cantilever")
     scene.add_link((0, 0, 0), turned[:, 0], turned[:, 2], section, STEEL, elements, "bar")
@@ -88,7 +88,8 @@ def test_torsion_of_rectangles_has_the_stress_of_the_tables():
         assert at_z == pytest.approx(1 / (k * 0.01 * ratio * 0.01**2), rel=3e-3)
     square = fpm.Section.square(0.02)
     assert np.ptp(stress.torsion_stresses(0.02, 0.02, square.J)) < 1e-3 / 0.02**3
-    # The middle of a short side has less: 0.796 of it at 2:1 (Roark, Formulas for Stress and Strain).
+    # The middle of a short side has less: 0.796 of it at 2:1 (Roark, Formulas for Stress and
+    # Strain).
     at_y, at_z = stress.torsion_stresses(0.02, 0.01, fpm.Section.rectangle(0.02, 0.01).J)
     assert at_y / at_z == pytest.approx(0.796, abs=2e-3)
 

@@ -313,7 +313,7 @@ STAGES = {
         Stage(
             report,
             (),
-            (*_PAGE, *_WORDS, *_PLOT[1:], "fpm/motion*.py"),
+            (*_PAGE, *_WORDS, *_PLOT[1:], "fpm/motion*.py", "fpm/stress.py", "fpm/bars.py"),
             (_SAMPLES, _BOX, "sensitivities.nc", "summary.json"),
         ),
     )

@@ -217,8 +217,8 @@ def _stress(kept: Kept, label: str) -> np.ndarray:
     known = bars.bars_of(kept.scene)
     largest = np.zeros(len(kept.time))
     for bar in known.values() if label == "all" else (known[label],):
-        found = bars.sections_of(kept.scene, bar, kept.place, kept.axes)
-        largest = np.maximum(largest, element_stress(bar, found).max(axis=1))
+        stress = element_stress(kept.scene, bar.groups, kept.place, kept.axes)
+        largest = np.maximum(largest, stress.max(axis=1))
     return largest
 
 

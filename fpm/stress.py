@@ -15,10 +15,13 @@ unknown      corners of the rectangle with the same area and second moments, wit
 The shear stress of transverse forces is left out: in slender bars it is smaller by height/length.
 """
 
+from collections.abc import Iterable
+
 import numpy as np
 
-from fpm.bars import Bar, Sections, half_sizes
-from fpm.kinds.beam import Section
+from fpm.bars import half_sizes, sections
+from fpm.kinds.beam import Beams, Section
+from fpm.scene import Scene
 
 
 def torsion_stresses(width: float, height: float, J: float) -> tuple[float, float]:
@@ -58,12 +61,11 @@ def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
     return np.sqrt(normal**2 + 3.0 * shear**2)
 
 
-def element_stress(bar: Bar, found: Sections) -> np.ndarray:
-    """Largest equivalent stress (t, m) Pa in each element of a bar."""
-    stresses, first = [], 0
-    for beams in bar.groups:
-        own = slice(first, first + len(beams.length))
-        force = found.force[:, own, None]
-        stresses.append(equivalent(beams.section, force, found.moment[:, own]).max(axis=2))
-        first = own.stop
-    return np.concatenate(stresses, axis=1)
+def element_stress(scene: Scene, groups: Iterable[Beams], place, axes) -> np.ndarray:
+    """Largest equivalent stress (t, m) Pa in each element of groups of them; place and axes as for
+    `bars.sections`."""
+    found = []
+    for beams in groups:
+        force, moment = sections(scene, beams, place, axes)
+        found.append(equivalent(beams.section, force[:, :, None], moment).max(axis=2))
+    return np.concatenate(found, axis=1)

@@ -81,7 +81,7 @@ def _one(it: Definition) -> Found:
     """One column."""
     name = it.one_of(it.data[it.kind], it.labels)
     words = {"opening_rate": f"rate of the opening of hinge {name}"}
-    words["stress"] = f"largest equivalent stress of {'all bars' if name == 'all' else name}"
+    words["stress"] = f"equivalent stress in {'all bars' if name == 'all' else name}"
     return Found((name,), "", VARIABLES[it.kind].unit, words[it.kind], ((it.kind, name),))
 
 

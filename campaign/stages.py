@@ -317,8 +317,13 @@ STAGES = {
             report,
             (),
             (
-                *_PAGE, *_SUMMARY, *_BOUNDS[:2], "fpm/motion*.py", "fpm/stress.py", "fpm/bars.py",
-            ),  # fmt: skip
+                *_PAGE,
+                *_SUMMARY,
+                *_BOUNDS[:2],
+                "fpm/motion*.py",
+                "fpm/stress.py",
+                "fpm/bars.py",
+            ),
             (_SAMPLES, _BOX, "sensitivities.nc", "summary.json"),
         ),
     )

@@ -62,7 +62,8 @@ def digest(*places: str) -> str:
 
 EXTREMES = (
     "stable-step", "materials", "sections", "lengths", "stiffnesses", "starts", "meshes",
-    "durations", "damping", "precision", "intervals", "cables", "latches", "motors", "refusals",
+    "durations", "damping", "precision", "intervals", "cables", "latches", "motors", "joints",
+    "refusals",
 )  # fmt: skip
 
 STUDIES = {

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from evidence.extremes import parameters, runs
+from evidence.extremes import joints, parameters, runs
 from evidence.extremes.judge import STRAIGHT, WHIPPING, compare, judge
 from evidence.extremes.study import GROUPS
 from evidence.linkage.runs import closing_time, curves, first_closing, simulate
@@ -93,3 +93,15 @@ def test_cables_pass():
 @pytest.mark.slow
 def test_loops_motors_and_releases_pass():
     assert [row.name for row in GROUPS["motors"]() if not row.passed] == []
+
+
+@pytest.mark.slow
+def test_joints_that_are_solved_together_pass():
+    assert [row.name for row in GROUPS["joints"]() if not row.passed] == []
+
+
+def test_the_slowest_swing_of_many_rods_is_that_of_a_hanging_chain():
+    """2.4048/2 √(g/l): the first zero of the Bessel function (Daniel Bernoulli, 1733)."""
+    rate, shape = joints.slowest([joints.Rod(0.005, 1.0)] * 200)
+    assert rate == pytest.approx(2.404826 / 2 * np.sqrt(joints.G), rel=0.01)
+    assert shape[-1] == 1.0

@@ -97,6 +97,14 @@ STUDIES = {
             parts=(*(case.name for case in CASES), "peers"),
         ),
         Study(
+            "scaling",
+            "Timing scissor masts of 1 to 100 units, and joints alone and coupled",
+            uses=("evidence/scaling", "evidence/benchmark"),
+            plots=("cost",),
+            alone=True,
+            quick=True,
+        ),
+        Study(
             "calibration",
             "Fitting K_F to the paper's two numbers",
             uses=("intervals", "evidence/calibration"),

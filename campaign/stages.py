@@ -39,7 +39,11 @@ def plan(folder: Folder, tell: Tell, experiment: Any) -> None:
 def plan_round(folder: Folder, tell: Tell, experiment: Any) -> None:
     """Choose the runs of the next round of an adaptive campaign, or say why it ends."""
     from campaign.plan.plan import read_plan, write_plan
-    from campaign.plan.rounds import first_plan, next_plan
+
+    if experiment.is_sought:
+        from campaign.plan.accuracy import first_plan, next_plan
+    else:
+        from campaign.plan.rounds import first_plan, next_plan
 
     if before := folder.previous():
         made = next_plan(experiment, read_plan(before.plan), before.samples, before.bounds)
@@ -48,8 +52,9 @@ def plan_round(folder: Folder, tell: Tell, experiment: Any) -> None:
         made = first_plan(experiment)
     write_plan(made, folder.plan)
     if not made.is_finished:
-        order = list(made.experiment.design.order)
-        tell(f"{experiment.name}: {len(made.unique_runs())} runs of order {order}")
+        order = made.experiment.design.order
+        told = f" of order {list(order)}" if order else ""
+        tell(f"{experiment.name}: {len(made.unique_runs())} runs{told}")
 
 
 def simulate(
@@ -79,14 +84,19 @@ def bounds(
 
     What mesh and step add to the error is told too, where that is asked for.
     """
+    from campaign.answers.finer import check_bounds, finer_parts
+    from campaign.plan.plan import read_plan
     from campaign.results.bounds import analyse
 
-    if not verify.finer:
+    parts = finer_parts(read_plan(folder.plan), verify)
+    if not parts:
         analyse(folder, bounds)
         return
-    from campaign.answers.finer import finer_curves
 
-    analyse(folder, bounds, lambda found: finer_curves(folder, found, jobs, tell, threads))
+    def more(found: Any) -> Any:
+        return check_bounds(folder, found, jobs, tell, threads, parts)
+
+    analyse(folder, bounds, more)
 
 
 def quantities(folder: Folder, tell: Tell, verify: Any, jobs: Any, threads: int = 1) -> None:

@@ -48,11 +48,10 @@ def next_plan(
         cost = _cost(plan)
         decision = decide(asked, shares, plan.adaptive, cost, now.solver.step == "auto")
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
-        elements = int(now.scene.parameters.get(asked.mesh, 0)) if asked.mesh else 0
         safety = now.solver.safety if now.solver.step == "auto" else now.solver.step
         done = Round(
             (), (), cost.runs, whole, decision.action, decision.reason,
-            shares, elements, float(safety), cost.seconds,
+            shares, cost.elements, float(safety), cost.seconds,
         )  # fmt: skip
         rounds = (*before.rounds, done)
         if decision.action == "stop":
@@ -63,7 +62,7 @@ def next_plan(
             points += _sought(now, samples, unmet, len(rounds)).tolist()
     refined = now
     if decision.action == "mesh":
-        parameters = {**now.scene.parameters, asked.mesh: 2 * elements}
+        parameters = {**now.scene.parameters, asked.mesh: 2 * cost.elements}
         refined = replace(now, scene=replace(now.scene, parameters=parameters))
     elif decision.action == "step":
         refined = replace(now, solver=replace(now.solver, safety=now.solver.safety / 2))
@@ -152,7 +151,9 @@ def _cost(plan: Plan) -> Cost:
         seconds += _whole(checked) * factor[part] * each
     before = rounds[-1] if rounds else None
     spent = (before.runs, before.seconds) if before else (0, 0.0)
-    return Cost(spent[0] + runs, spent[1] + seconds, nodes, added(nodes), checked, each)
+    elements = int(plan.experiment.scene.parameters.get(plan.experiment.accuracy.mesh, 0))
+    spent = spent[0] + runs, spent[1] + seconds
+    return Cost(*spent, nodes, added(nodes), checked, each, elements)
 
 
 def added(nodes: int) -> int:

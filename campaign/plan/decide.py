@@ -20,11 +20,15 @@ _FIRST, _LATER = 0.5, 0.75
 """Share of what is asked for that step and mesh together may take: with the first runs, when a
 finer mesh is cheap, and once there are more."""
 
+_HARDLY = 1.3
+"""Factor by which the error of a mesh must fall for the next one to be worth its cost."""
+
 
 @dataclass(frozen=True)
 class Cost:
     """What was spent, `runs` and `seconds` of a core by estimate, and what is at hand: so many
-    `nodes`, `more` in the next round, `checked` places in a check, a run takes `each` second."""
+    `nodes` with so many `elements`, `more` in the next round, `checked` places in a check, a run
+    takes `each` second."""
 
     runs: int
     seconds: float
@@ -32,6 +36,7 @@ class Cost:
     more: int
     checked: int
     each: float
+    elements: int
 
     def of(self, action: str) -> tuple[int, float]:
         """Runs and seconds of the next round after an action, with the check that belongs to it."""
@@ -70,8 +75,9 @@ def decide(
     unmet = {name: parts for name, parts in shares.items() if _whole(parts) > asked.shares[name]}
     if not unmet:
         if _is_checked(shares, state):
-            reason = "the whole error is as small as asked for: " + told(asked, shares)
-            return Decision("stop", reason, met=True)
+            near = max(shares, key=lambda name: _whole(shares[name]) / asked.shares[name])
+            reason = "the whole error is as small as asked for; nearest to that is "
+            return Decision("stop", reason + told(asked, {near: shares[near]}), met=True)
         reason = "the surrogate's error is small enough; step and mesh are checked where it decides"
         return Decision("check", reason, ("step", "mesh"))
     action, worst = _next(asked, unmet, state)
@@ -87,6 +93,9 @@ def decide(
         spent = duration_text(max(1.0, cost.seconds))
         budget = f"the budget of {asked.minutes:g} minutes does not allow more ({spent} are spent)"
         return _end(asked, unmet, budget, state, cost)
+    if action == "mesh" and _is_hopeless(asked, worst, unmet[worst], state, cost):
+        why = "a finer mesh does not get there within the budget"
+        return _end(asked, unmet, why, state, cost)
     if action == "runs":
         return Decision("runs", f"{reason}{cost.more} runs are added")
     check = ("mesh",) if action == "mesh" else ("step", "mesh")
@@ -127,9 +136,10 @@ def _is_checked(shares: Shares, state: Rounds) -> bool:
 
 
 def _end(asked: Accuracy, unmet: Shares, why: str, state: Rounds, cost: Cost) -> Decision:
-    if not _is_checked(unmet, state) and "check" not in (r.action for r in state.rounds[-1:]):
-        reason = f"{why}; step and mesh are checked where the bounds are decided"
-        return Decision("check", reason, ("step", "mesh"))
+    if not _is_checked(unmet, state):
+        missing = tuple(p for p in ("step", "mesh") if not all(p in e for e in unmet.values()))
+        if "step" in missing and "check" not in (done.action for done in state.rounds[-1:]):
+            return Decision("check", f"{why}; the step is checked too", ("step",))
     needs = "; ".join(_needs(asked.shares[name], name, unmet[name], state, cost) for name in unmet)
     return Decision("stop", f"{why}: {told(asked, unmet)}. {needs}")
 
@@ -139,8 +149,10 @@ def _needs(aim: float, name: str, parts: Mapping[str, float], state: Rounds, cos
     others = parts.get("mesh", 0.0) + parts.get("step", 0.0)
     nodes, seconds, texts = cost.nodes, cost.each, []
     if others > _LATER * aim:
-        fall = _fall(name, state)
-        halvings = max(1, math.ceil(math.log(2 * others / aim) / math.log(fall)))
+        fall = _fall(name, parts.get("mesh", 0.0), state, cost) or 2.0
+        if fall < _HARDLY:
+            return f"{name} has an error of the mesh that hardly falls with a finer one"
+        halvings = _halvings(others, aim, fall)
         seconds *= 4**halvings
         texts.append(f"a mesh {2**halvings} times as fine")
     left = max(aim - min(others, aim / 2), 0.1 * aim)
@@ -151,13 +163,33 @@ def _needs(aim: float, name: str, parts: Mapping[str, float], state: Rounds, cos
     return f"{name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"
 
 
-def _fall(name: str, state: Rounds) -> float:
-    """The factor by which a mesh's error fell when it was halved last; 2 where that is unknown."""
-    meshes: dict[int, float] = {}
-    for done in state.rounds:
-        meshes[done.elements] = done.shares.get(name, {}).get("mesh", 0.0)
-    known = [share for _, share in sorted(meshes.items()) if share > 0]
-    return min(max(known[-2] / known[-1], 1.3), 8.0) if len(known) > 1 else 2.0
+def _is_hopeless(
+    asked: Accuracy, name: str, parts: Mapping[str, float], state: Rounds, cost: Cost
+) -> bool:
+    """Whether the mesh that is needed, by how its error fell last, takes more than the budget."""
+    fall = _fall(name, parts.get("mesh", 0.0), state, cost)
+    if fall is None:  # the first mesh tells nothing
+        return False
+    if fall < _HARDLY:
+        return True
+    others = parts.get("mesh", 0.0) + parts.get("step", 0.0)
+    halvings = _halvings(others, asked.shares[name], fall)
+    factor = sum(4.0**i for i in range(1, halvings + 1))
+    seconds = (cost.nodes + 4 * cost.checked) * cost.each * factor
+    return cost.seconds + seconds > 60 * asked.minutes
+
+
+def _halvings(error: float, aim: float, fall: float) -> int:
+    """How often a mesh must be halved for its error to take half of the aim."""
+    return max(1, math.ceil(math.log(2 * error / aim) / math.log(fall)))
+
+
+def _fall(name: str, now: float, state: Rounds, cost: Cost) -> float | None:
+    """The factor by which the error of the mesh, now that, fell when it was last halved, at most 8;
+    None where it was not."""
+    meshes = {done.elements: done.shares.get(name, {}).get("mesh", 0.0) for done in state.rounds}
+    coarser = [share for elements, share in sorted(meshes.items()) if elements < cost.elements]
+    return min(coarser[-1] / now, 8.0) if coarser and now > 0 else None
 
 
 def _whole(parts: Mapping[str, float]) -> float:

@@ -71,9 +71,11 @@ def quantities_dataset(bench: Bench, ends: list[Ends], finer: Mapping[str, np.nd
     nominal = bench.surrogates()
     at = bench.nominal[None]
     put("nominal", of, [s.evaluate(at)[0] for s in nominal], "at the nominal values, by surrogate")
-    errors = [e.surrogate.error for e in ends]
+    sought = bench.experiment.is_sought
+    errors = [e.surrogate.usual_error if sought else e.surrogate.error for e in ends]
     errors = [error if np.isfinite(error) else np.nan for error in errors]
-    put("error", of, errors, "estimated error of the surrogate: its largest left-out one")
+    kind = "mean" if sought else "largest"
+    put("error", of, errors, f"estimated error of the surrogate: its {kind} left-out one")
     for name, values in finer.items():
         put(f"error_{name}", of, values, f"change of the ends with a finer {name}")
     if finer:

@@ -126,7 +126,7 @@ def _quantity(experiment: Experiment, samples: Any, i: int) -> tuple[float, floa
     width = surrogate.range().width
     if not np.isfinite(width) or width <= 0:
         return 0.0, 0.0
-    return float(min(surrogate.error / width, 1e6)), float(width)
+    return float(min(surrogate.usual_error / width, 1e6)), float(width)
 
 
 def _surrogate(experiment: Experiment, samples: Any, i: int) -> Any:

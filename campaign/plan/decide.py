@@ -74,7 +74,7 @@ def decide(
     """
     unmet = {name: parts for name, parts in shares.items() if _whole(parts) > asked.shares[name]}
     if not unmet:
-        if _is_checked(shares, state):
+        if "step" in state.check:
             near = max(shares, key=lambda name: _whole(shares[name]) / asked.shares[name])
             reason = "the whole error is as small as asked for; nearest to that is "
             return Decision("stop", reason + told(asked, {near: shares[near]}), met=True)
@@ -130,16 +130,10 @@ def _next(asked: Accuracy, unmet: Shares, state: Rounds) -> tuple[str, str]:
     return "runs", max(unmet, key=lambda name: _whole(unmet[name]) / asked.shares[name])
 
 
-def _is_checked(shares: Shares, state: Rounds) -> bool:
-    """Whether step and mesh were looked at with the runs that there are now."""
-    return "step" in state.check and all("step" in parts for parts in shares.values())
-
-
 def _end(asked: Accuracy, unmet: Shares, why: str, state: Rounds, cost: Cost) -> Decision:
-    if not _is_checked(unmet, state):
-        missing = tuple(p for p in ("step", "mesh") if not all(p in e for e in unmet.values()))
-        if "step" in missing and "check" not in (done.action for done in state.rounds[-1:]):
-            return Decision("check", f"{why}; the step is checked too", ("step",))
+    if "step" not in state.check:
+        reason = f"{why}; step and mesh are checked where the bounds are decided"
+        return Decision("check", reason, ("step", "mesh"))
     needs = "; ".join(_needs(asked.shares[name], name, unmet[name], state, cost) for name in unmet)
     return Decision("stop", f"{why}: {told(asked, unmet)}. {needs}")
 

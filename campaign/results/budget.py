@@ -59,8 +59,8 @@ def parts_text(errors: Mapping[str, float | None]) -> str:
 
 
 def accuracy_facts(plan: Plan) -> dict[str, Any]:
-    """What the rounds of an accuracy came to: whether it is `met`, and why they ended; the mesh; and
-    by estimate the runs and the seconds of a core that they took, with those of checks."""
+    """What the rounds of an accuracy came to: whether it is `met`, and why they ended; the mesh;
+    and by estimate the runs and the seconds of a core that they took, with those of checks."""
     last, experiment = plan.adaptive.rounds[-1], plan.experiment
     mesh = experiment.accuracy.mesh
     return {

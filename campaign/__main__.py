@@ -6,8 +6,8 @@ import sys
 
 def program() -> int:
     """The console script `deployable-intervals`."""
-    # As jobs of Snakemake have it: more threads of linear algebra would round otherwise. The library
-    # that has them is loaded with this package, and reads their number then.
+    # As jobs of Snakemake have it: more threads of linear algebra would round otherwise. Their
+    # library is loaded with this package, and reads the number of threads then.
     if "OMP_NUM_THREADS" not in os.environ:
         os.environ["OMP_NUM_THREADS"] = "1"
         os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])

@@ -167,6 +167,7 @@ def test_the_true_error_is_what_was_asked_for(met, tmp_path):
         assert (bounds["error"].mean("time") >= off.mean("time")).all()
 
 
+@pytest.mark.slow
 def test_a_campaign_that_was_stopped_goes_on_to_the_same_end(met, tmp_path):
     """Without its last rounds, as a killed one is."""
     shutil.copytree(met.path, tmp_path / "asked")

@@ -288,6 +288,7 @@ def test_an_accuracy_is_met_alike_in_the_workflow_and_in_one_call(workplace):
     results, again = workplace.folder / "results" / "aim", workplace.folder / "again" / "aim"
     assert json.loads((results / "summary.json").read_text())["accuracy"]["met"]
     command = [sys.executable, "-m", "campaign", "run", path, "--no-figures"]
+    command += ["--results", str(again.parent)]
     environment = {k: v for k, v in workplace.environment().items() if k != "OMP_NUM_THREADS"}
     subprocess.run(
         [*command, "--results", str(again.parent)],

@@ -70,6 +70,7 @@ def pendulum_ends(time):
     return np.array([np.cos(one) + np.cos(two), -np.sin(one) - np.sin(two), 0.0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("type", ["hinge", "revolute", "spherical"])
 def test_double_pendulum_moves_by_lagranges_equations(type):
     """Of second order in the step; a spherical joint keeps a plane motion plane."""
@@ -89,6 +90,7 @@ def test_double_pendulum_moves_by_lagranges_equations(type):
     assert off[1] < 0.27 * off[0]
 
 
+@pytest.mark.slow
 def test_a_fixed_joint_makes_one_body_of_two():
     """Two rods fixed to each other swing as one of 2 m and 2 kg."""
     scene = double_pendulum(lambda s, pair, at: s.add_joint("lower", "fixed", pair, at))
@@ -170,6 +172,7 @@ def n_four_bar() -> fpm.Scene:
     return scene
 
 
+@pytest.mark.slow
 def test_n_four_bar_mechanism_goes_through_its_singular_position():
     """../shared/references.md; 2 m of travel in 10 s, five times through the position."""
     outcome = run(n_four_bar(), duration=10.0, instants=1001)
@@ -193,6 +196,7 @@ def bricard(side: float = 0.1) -> fpm.Scene:
     return scene
 
 
+@pytest.mark.slow
 def test_bricard_six_bar_of_rigid_rods():
     """Its redundant condition is met by the smallest impulses; ../shared/references.md."""
     outcome = run(bricard(), duration=2.0, step=5e-4, instants=201)
@@ -216,6 +220,7 @@ def test_a_loop_that_cannot_close_fails_by_name():
     assert outcome.failure.element.startswith("joint pin")
 
 
+@pytest.mark.slow
 def test_samples_do_not_depend_on_their_neighbours():
     """Alone and in a batch, bit for bit, though one of them needs more rounds."""
     scenes = []
@@ -292,6 +297,7 @@ def test_planar_holds_change_nothing_in_a_plane():
     np.testing.assert_allclose(one.points["tip"][0], two.points["tip"][0], atol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_point_held_along_axes_slides_in_the_others():
     """A rod whose ends are held on the axes x and y: Cardan's ellipse, and the time it takes."""
     scene = double_pendulum()  # another structure beside it, which is no matter

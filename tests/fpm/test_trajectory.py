@@ -200,6 +200,7 @@ def test_curves_of_a_file_have_its_contact_events(tmp_path):
     np.testing.assert_array_equal(curves.time, outcome.time)
 
 
+@pytest.mark.slow
 def test_a_scene_without_hinges_or_points_has_curves_too(tmp_path):
     scene = fpm.Scene("bar")
     section, material = fpm.Section.square(0.1), fpm.Material(1e9, 0.3, 1e3)

@@ -27,7 +27,7 @@ def points_in(k, count, seed):
     return np.random.default_rng(seed).uniform(-1, 1, (count, k))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(1, 8), st.integers(10, 40), st.integers(0, 10**6))
 @example(1, 40, 275)  # two runs at a distance of 3e-7
 def test_it_goes_through_every_run_and_keeps_linear_functions(k, count, seed):

@@ -141,14 +141,14 @@ def ranges(folder: Folder, tell: Tell) -> None:
     """Draw each quantity over the box, or what each parameter contributes to it."""
     from campaign.results.ranges import draw_ranges
 
-    draw_ranges(folder, folder.figures)
+    draw_ranges(folder, folder.overviews)
 
 
 def sensitivities(folder: Folder, tell: Tell) -> None:
     """Draw which parameter widens the bounds, and when."""
     from campaign.results.figures import draw_sensitivities
 
-    draw_sensitivities(folder.sensitivities, folder.figures)
+    draw_sensitivities(folder.sensitivities, folder.overviews)
 
 
 def linkage(folder: Folder, tell: Tell, figures: Any) -> None:
@@ -161,7 +161,7 @@ def linkage(folder: Folder, tell: Tell, figures: Any) -> None:
     made, store = read_plan(folder.plan), folder.runs("trajectories")
     nominal = [run for run in made.runs if run.role == "nominal"]
     make_again(made, open_store("trajectories", store, made.experiment), nominal, tell)
-    draw_nominal(folder.samples, folder.runs("trajectories"), figures.moments, folder.figures)
+    draw_nominal(folder.samples, folder.runs("trajectories"), figures.moments, folder.overviews)
 
 
 def summary(
@@ -211,7 +211,7 @@ class Stage:
         """
         sections = {name: arguments[name] for name in self.sections}
         try:
-            for place in (folder.path, folder.figures, folder / "batches"):
+            for place in (folder.path, folder.figures, folder.overviews, folder / "batches"):
                 sweep(place)
             facts = {"basis": self.basis(sections), **self._plan(folder)}
             with results_of(facts):

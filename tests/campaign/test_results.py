@@ -169,7 +169,7 @@ def files_of(finished) -> list:
 
 
 ODD = ("v", "v_inner", "v_inner_lower", "time", "values", "a", "parameter_a", "lower", "response",
-       "run", "position", "nominal", "box_lower")  # fmt: skip
+       "run", "position", "nominal", "box_lower", "linkage", "campaign")  # fmt: skip
 
 
 def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
@@ -199,8 +199,9 @@ def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
 def test_responses_of_any_name_have_figures_of_their_own(raw, tmp_path):
     raw["responses"] = {name: {"distance": ["B", "D"]} for name in ODD}
     campaign.run(raw, tmp_path, tell=lambda text: None)
-    figures = (tmp_path / "test/figures").iterdir()
-    assert {path.stem for path in figures} == {*ODD, "linkage"}
+    figures = [path for path in (tmp_path / "test/figures").rglob("*.*")]
+    assert len(figures) == 2 * len({*ODD, "of the campaign"})
+    assert {path.stem for path in figures} == set(ODD)
 
 
 def test_files_tell_what_is_in_them(finished):

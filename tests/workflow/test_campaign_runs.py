@@ -98,7 +98,7 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
             xr.open_dataset(tmp_path / "small" / name) as second,
         ):
             xr.testing.assert_identical(first, second)
-    ends = [path.relative_to(results) for path in results.glob("figures/*")]
+    ends = [path.relative_to(results) for path in results.rglob("figures/**/*.*")]
     assert len(ends) == 8
     for name in ("nodes.json", "summary.json", "summary.md", *ends):
         first, second = (

@@ -199,7 +199,7 @@ def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
 def test_responses_of_any_name_have_figures_of_their_own(raw, tmp_path):
     raw["responses"] = {name: {"distance": ["B", "D"]} for name in ODD}
     campaign.run(raw, tmp_path, tell=lambda text: None)
-    figures = [path for path in (tmp_path / "test/figures").rglob("*.*")]
+    figures = list((tmp_path / "test/figures").rglob("*.*"))
     assert len(figures) == 2 * len({*ODD, "of the campaign"})
     assert {path.stem for path in figures} == set(ODD)
 

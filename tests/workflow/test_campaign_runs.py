@@ -37,6 +37,7 @@ ALL_RULES = {
 }
 
 
+OVERVIEWS = ("campaign/linkage.png", "campaign/linkage.pdf")
 OF_BOUNDS = {"bounds", "envelopes", "sensitivities", "summary", "report"}
 
 
@@ -48,7 +49,7 @@ def planned(output: str) -> set[str]:
 
 def test_a_campaign_leaves_its_results(small):
     results = small.folder / "results" / "small"
-    for name in ("BD.png", "BD.pdf", "vBz.png", "vBz.pdf", "linkage.png", "linkage.pdf"):
+    for name in ("BD.png", "BD.pdf", "vBz.png", "vBz.pdf", *OVERVIEWS):
         assert (results / "figures" / name).stat().st_size > 5000
     summary = json.loads((results / "summary.json").read_text())
     assert [row["name"] for row in summary["responses"]] == ["BD", "vBz"]

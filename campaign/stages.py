@@ -261,12 +261,13 @@ _FILES = (
 """How files are read and written, and what is in plans and configs: of all stages."""
 _DESIGN = (
     "campaign/config/design.py",
+    "campaign/config/accuracy.py",
     "intervals/box.py",
     "intervals/chebyshev.py",
     "intervals/points.py",
     "intervals/designs/*.py",
 )
-_BOUNDS = ("campaign/results/bounds.py", _DESIGN[0], "intervals/**/*.py", *_FILES)
+_BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py", *_FILES)
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
 _WORDS = (
     "campaign/results/answers.py", "campaign/results/budget.py",

@@ -292,7 +292,7 @@ STAGES = {
     stage.name: stage
     for stage in (
         Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN, *_FILES)),
-        Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:])),
+        Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:], *_RUNS)),
         Stage(simulate, ("jobs",), _RUNS, (_PLAN,)),
         Stage(gather, ("jobs",), ("campaign/results/samples.py", *_RUNS), (_PLAN,)),
         Stage(bounds, ("bounds", "verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),

@@ -107,7 +107,7 @@ def to_dataset(
         "hinge": [hinge.name for hinge in scene.hinges],
         "contact": [scene.hinges[contact.hinge].name for contact in scene.contacts],
     }
-    time = {"units": "s", "long_name": "time since the start"}
+    time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
     variables = _moving(found, kept) | _fixed(scene, shapes) | _events(outcome)
     if scene.cables:
         names["cable"] = [cable.name for cable in scene.cables]

@@ -65,7 +65,7 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
     if outcome.failure is not None:
         raise outcome.failure
     variables = {
-        "time": _variable("time", outcome.time, "s", "time since the start"),
+        "time": _variable("time", outcome.time, "s", "time", standard_name="time", axis="T"),
         **_points(outcome),
         **_energies(outcome),
         **_recorded(outcome),

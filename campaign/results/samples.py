@@ -124,7 +124,8 @@ def _define_curves(file: Any, record: Record, parameters: Iterable[str]) -> None
     file.createDimension("time", size)
     time = file.createVariable("time", "f8", ("time",))
     time[:] = record.time
-    time.setncatts({"units": "s", "long_name": "time since the start"})
+    named = {"long_name": "time", "standard_name": "time", "axis": "T"}
+    time.setncatts({"units": "s", **named})
     write_dimension(file, "contact", record.contacts, "name of the contact, stop or latch")
     # Doubles hardly shrink; whoever keeps them has the trajectories beside, a hundred times larger.
     compact = {}

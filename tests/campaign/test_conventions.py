@@ -1,4 +1,4 @@
-"""Files follow CF-1.8; judged by a checker that is not ours."""
+"""Files follow CF-1.8 but for what docs/data.md says; judged by a checker that is not ours."""
 
 import json
 import re
@@ -8,11 +8,14 @@ import pytest
 
 DOCS = Path(__file__).parents[2] / "docs/data.md"
 
+# Of the sections in which the checker may complain: that simulated time begins at no date.
+KNOWN = {"3.1": "units", "4.4": "time"}
+
 
 @pytest.mark.parametrize(
     "file", ["samples.nc", "bounds.nc", "surrogate.nc", "sensitivities.nc", ""]
 )
-def test_the_checker_finds_no_error(finished, tmp_path, file):
+def test_the_checker_finds_no_error_but_that_time_has_no_date(finished, tmp_path, file):
     runner = pytest.importorskip(
         "compliance_checker.runner", reason="compliance-checker is not installed"
     )
@@ -23,7 +26,10 @@ def test_the_checker_finds_no_error(finished, tmp_path, file):
         str(path), ["cf:1.8"], 0, "lenient", output_filename=str(report), output_format="json"
     )
     (found,) = json.loads(report.read_text()).values()
-    assert [(row["name"], row["msgs"]) for row in found["high_priorities"] if row["msgs"]] == []
+    errors = [(row["name"], message) for row in found["high_priorities"] for message in row["msgs"]]
+    unknown = [e for e in errors if not any(s in e[0] and w in e[1] for s, w in KNOWN.items())]
+    assert not unknown
+    assert all("time" in message for _, message in errors)
 
 
 def test_the_page_names_all_files(finished):

@@ -211,7 +211,7 @@ def test_files_tell_what_is_in_them(finished):
             titles.add(file.attrs["title"])
             assert file.attrs["Conventions"] == "CF-1.8"
             assert file.attrs["history"] and file.attrs["source"]
-            assert file["time"].attrs["units"] == "s"
+            assert file["time"].attrs["standard_name"] == "time"
             for name, variable in file.variables.items():
                 assert "long_name" in variable.attrs, (path.name, name)
                 # Those of several responses or parameters are in response_units and box_units.

@@ -87,7 +87,7 @@ def test_a_point_with_a_name_of_ours_is_refused():
 def test_the_dataset_says_what_it_holds(pair):
     motion = pair[0][0]
     assert motion.attrs["Conventions"].startswith("CF-1.")
-    assert motion["time"].attrs["long_name"] == "time since the start"
+    assert motion["time"].attrs["standard_name"] == "time"
     for name, variable in motion.data_vars.items():
         assert variable.attrs["long_name"] and variable.attrs["units"], name
     assert str(motion["element"].values[4]) == "link BC[1]"

@@ -1,5 +1,6 @@
 """Campaigns in a shell: check them, run them, or one of their stages.
 
+    python -m campaign new FOLDER                 make a folder with a campaign to edit
     python -m campaign check config/paper.yaml    check a file without running anything
     python -m campaign run config/paper.yaml      plan, simulate, bound and draw, without Snakemake
     python -m campaign structure mast.yaml        check a structure, print what it is, draw it
@@ -38,7 +39,7 @@ def main(arguments: list[str]) -> int:
 
     if arguments[:1] == ["attack"] and _evidence_is_there():
         return _attack(arguments[1:])
-    known = {"check", "run", "keys", "structure", "export", *STAGES}
+    known = {"new", "check", "run", "keys", "structure", "export", *STAGES}
     if not arguments or not (arguments[0] in known or arguments[0].startswith("-")):
         arguments = ["check", *arguments]
     options = _parser().parse_args(arguments)
@@ -62,10 +63,19 @@ def _parser() -> argparse.ArgumentParser:
         made.set_defaults(act=function)
         return made
 
+    new = command("new", _new)
+    new.add_argument("folder", type=Path, metavar="FOLDER", help="folder to make, or to fill")
+    new.add_argument(
+        "--start", default="panel", metavar="NAME",
+        help="campaign or structure to begin with, or the file of a structure (%(default)s)",
+    )  # fmt: skip
+    new.add_argument("--starts", action=_Starts, nargs=0, help="print the names and end")
     check = command("check", _check)
     check.add_argument("files", nargs="+", metavar="FILE", help="YAML file")
     whole = command("run", _run)
-    whole.add_argument("file", metavar="FILE", help="YAML file")
+    whole.add_argument(
+        "file", metavar="FILE", nargs="?", default="campaign.yaml", help="YAML file (%(default)s)"
+    )
     whole.add_argument("--results", default="results", help="folder of all results (%(default)s)")
     whole.add_argument("--no-figures", action="store_true", help="draw nothing")
     whole.add_argument(
@@ -135,6 +145,29 @@ def _add_export(export: argparse.ArgumentParser) -> None:
         "--colour", default="bars", choices=COLOURS, help="of moving pictures (%(default)s)"
     )
     export.add_argument("--output", type=Path, help="folder (exports, beside a campaign's results)")
+
+
+class _Starts(argparse.Action):
+    """Prints what a new folder can start from."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from campaign.new import starts
+
+        print("\n".join(starts()))
+        parser.exit()
+
+
+def _new(options: argparse.Namespace) -> int:
+    """Make a folder with a Snakefile, profiles and a campaign to edit."""
+    from campaign.new import CAMPAIGN, make_folder
+
+    try:
+        make_folder(options.folder, options.start)
+    except CampaignError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    print(f"Edit {options.folder / CAMPAIGN}, then call snakemake -c2 in {options.folder}")
+    return 0
 
 
 def _check(options: argparse.Namespace) -> int:

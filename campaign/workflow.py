@@ -33,6 +33,15 @@ class Workflow:
         """
         return cls(load_config([_relative(path) for path in paths], retyped(overrides or {})))
 
+    @classmethod
+    def from_module(cls, config: Mapping) -> Workflow:
+        """The campaign that a workflow gives to this one, its module; paths in it are relative to
+        the working folder.
+
+        Raises `ConfigError`.
+        """
+        return cls(load_config([], retyped(config), "the config of the module"))
+
     def sections(self, stage: str) -> str:
         """The sections of the config that a stage depends on, as JSON."""
         return as_json(**STAGES[stage].sections_of(self.campaign))
@@ -49,7 +58,7 @@ class Workflow:
     @property
     def plan_rules(self) -> str:
         """The rules that plan the runs: all at once, or in rounds."""
-        return f"workflow/rules/{'rounds' if self.campaign.is_adaptive else 'plan'}.smk"
+        return f"{'rounds' if self.campaign.is_adaptive else 'plan'}.smk"
 
     @property
     def any_stage(self) -> str:

@@ -4,33 +4,40 @@ import os
 import sys
 from pathlib import Path
 
-# Jobs use the interpreter that runs Snakemake, and find the packages of this checkout.
+# Jobs use the interpreter that runs Snakemake, and the packages of the checkout that this file is
+# of; without one, those that are installed.
+ROOT = Path(str(workflow.current_basedir)).resolve().parents[1]
+PACKAGES = [str(ROOT)] if (ROOT / "campaign").is_dir() else []
+sys.path[:0] = PACKAGES
 os.environ.update(
     PATH=os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")]),
-    PYTHONPATH=os.pathsep.join(
-        filter(None, [str(workflow.basedir), os.environ.get("PYTHONPATH")])
-    ),
+    PYTHONPATH=os.pathsep.join(filter(None, [*PACKAGES, os.environ.get("PYTHONPATH")])),
 )
-sys.path.insert(0, str(workflow.basedir))
 
 from campaign.errors import CampaignError
 from campaign.folder import ROUND_FILES
 from campaign.workflow import Workflow
 
-# Not `configfile:`, which would mix the paper's intervals into another campaign's and would let
-# a key that is given twice pass.
+IS_MODULE = not workflow.modifier.is_main_snakefile()
+ASKED = workflow.config_settings.configfiles
+
+# A module has the config that it is given. Otherwise the files that were asked for, or what the
+# including Snakefile calls CAMPAIGN, from its folder, or the paper's. Not `configfile:`, which would
+# mix one campaign's intervals into another's and would let a key that is given twice pass.
 try:
-    WORKFLOW = Workflow.from_files(
-        workflow.config_settings.configfiles
-        or [f"{workflow.basedir}/config/paper.yaml"],
-        workflow.config_settings.config,
-    )
+    if IS_MODULE and config:
+        WORKFLOW = Workflow.from_module(config)
+    else:
+        usual = globals().get("CAMPAIGN", ROOT / "config" / "paper.yaml")
+        WORKFLOW = Workflow.from_files(
+            ASKED or [Path(workflow.basedir, usual)], workflow.config_settings.config
+        )
 except CampaignError as error:
     print(error, file=sys.stderr)
     sys.exit(1)
 
 
-if "--report" in sys.argv and not workflow.config_settings.configfiles:
+if "--report" in sys.argv and not ASKED and not IS_MODULE:
     if other := WORKFLOW.other_report():
         print(other, file=sys.stderr)
         sys.exit(1)

@@ -1,0 +1,25 @@
+"""What comes along with the program: the workflow, its profiles, campaigns and structures.
+
+`workflow` and `config` are links to the checkout's folders, which a wheel has as files.
+"""
+
+from pathlib import Path
+
+_HERE = Path(__file__).parent
+
+WORKFLOW = (_HERE / "workflow").resolve()
+CONFIG = (_HERE / "config").resolve()
+SNAKEFILE = str(WORKFLOW / "Snakefile")
+"""The workflow, for `module:` of other workflows."""
+RULES = str(WORKFLOW / "rules" / "campaign.smk")
+"""Its rules without the one that asks for results, for `include:`."""
+
+
+def campaigns() -> dict[str, Path]:
+    """The files of the shipped campaigns, by name."""
+    return {path.stem: path for path in sorted(CONFIG.glob("*.yaml"))}
+
+
+def structures() -> dict[str, Path]:
+    """The files of the shipped structures, by name."""
+    return {path.stem: path for path in sorted(CONFIG.glob("structures/*.yaml"))}

@@ -1,0 +1,23 @@
+# All of a campaign but the rule that asks for it, which each Snakefile has itself: an included one
+# would not be the default.
+
+from snakemake.utils import min_version
+
+min_version("8.11")
+
+
+report: "../report/workflow.rst"
+
+
+include: "common.smk"
+include: WORKFLOW.plan_rules
+include: "runs.smk"
+include: "bounds.smk"
+include: "answers.smk"
+include: "report.smk"
+
+
+# What the page says first, and which file to open.
+onsuccess:
+    if not workflow.dag_settings.targets:
+        print(WORKFLOW.last_words())

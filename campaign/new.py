@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -106,7 +107,7 @@ def campaign_of(path: Path, name: str) -> str:
     return "\n".join(
         [
             f"# {found.description or found.name}",
-            f"campaign: {path.stem}",
+            f"campaign: {re.sub('[^A-Za-z0-9_-]+', '-', path.stem).strip('-_')}",
             "",
             "scene:",
             f"  file: {name}",

@@ -31,15 +31,11 @@ for line in sys.stdin:
 """
 
 
-class Workplace:
-    """A folder with the Snakefile, where Snakemake runs."""
+class Place:
+    """A folder where Snakemake runs."""
 
     def __init__(self, folder: Path, ready: subprocess.Popen):
         self.folder, self.ready = folder, ready
-        for name in ("workflow", "config"):
-            shutil.copytree(ROOT / name, folder / name)
-        shutil.copy(ROOT / "Snakefile", folder)
-        (folder / "profiles").symlink_to("workflow/profiles")
 
     def command(self, *arguments: str) -> list[str]:
         return [sys.executable, "-m", "snakemake", "-c2", *arguments]
@@ -58,6 +54,17 @@ class Workplace:
         output.unlink()
         return subprocess.CompletedProcess(command, status, told)
 
+
+class Workplace(Place):
+    """A folder with the Snakefile, as a checkout has it."""
+
+    def __init__(self, folder: Path, ready: subprocess.Popen):
+        super().__init__(folder, ready)
+        for name in ("workflow", "config"):
+            shutil.copytree(ROOT / name, folder / name)
+        shutil.copy(ROOT / "Snakefile", folder)
+        (folder / "profiles").symlink_to("workflow/profiles")
+
     def config(self, name: str, text: str) -> str:
         """Write a config and return its path for `--configfile`."""
         path = self.folder / "config" / f"{name}.yaml"
@@ -73,6 +80,18 @@ def ready():
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
     ) as process:  # fmt: skip
         yield process
+
+
+@pytest.fixture
+def place_in(ready):
+    """Makes a `Place` of a folder."""
+    return lambda folder: Place(folder, ready)
+
+
+@pytest.fixture
+def workplace_in(ready):
+    """Makes a `Workplace` of an empty folder."""
+    return lambda folder: Workplace(folder, ready)
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ rule quantities:
     log:
         "{stage}/logs/quantities.log",
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         config=sections("quantities"),
         code=code("quantities"),
@@ -32,7 +32,7 @@ rule requirements:
     log:
         "{stage}/logs/requirements.log",
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         config=sections("requirements"),
         code=code("requirements"),
@@ -50,7 +50,7 @@ rule choice:
     log:
         "{stage}/logs/choice.log",
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         config=sections("choice"),
         code=code("choice"),

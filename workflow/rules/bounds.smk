@@ -15,7 +15,7 @@ rule bounds:
         stage=WORKFLOW.run_stage,
     priority: 1  # most jobs wait for it
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         config=sections("bounds"),
         code=code("bounds"),

@@ -18,6 +18,12 @@ from campaign.errors import CampaignError
 from campaign.folder import ROUND_FILES
 from campaign.workflow import Workflow
 
+# Snakemake formats the whole path of an environment, so that braces in it are to be doubled.
+ENVIRONMENT = "../envs/campaign.yaml"
+if "{" in str(ROOT) or "}" in str(ROOT):
+    ENVIRONMENT = str(ROOT / "workflow" / "envs" / "campaign.yaml")
+    ENVIRONMENT = ENVIRONMENT.replace("{", "{{").replace("}", "}}")
+
 IS_MODULE = not workflow.modifier.is_main_snakefile()
 ASKED = workflow.config_settings.configfiles
 

@@ -9,7 +9,7 @@ rule plan:
     log:
         "{stage}/logs/plan.log",
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         config=sections("plan"),
         code=code("plan"),

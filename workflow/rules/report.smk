@@ -14,7 +14,7 @@ rule envelopes:
         "{stage}/logs/envelopes.log",
     priority: 1
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         config=sections("envelopes"),
         code=code("envelopes"),
@@ -37,7 +37,7 @@ rule sensitivities:
     log:
         "{stage}/logs/sensitivities.log",
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         code=code("sensitivities"),
     message:
@@ -61,7 +61,7 @@ rule ranges:
     log:
         "{stage}/logs/ranges.log",
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         code=code("ranges"),
     message:
@@ -83,7 +83,7 @@ rule linkage:
     log:
         "{stage}/logs/linkage.log",
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         config=sections("linkage"),
         code=code("linkage"),
@@ -110,7 +110,7 @@ rule summary:
         "{stage}/logs/summary.log",
     priority: 2  # the page waits for it
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         config=sections("summary"),
         code=code("summary"),
@@ -136,7 +136,7 @@ rule report:
         "{stage}/logs/report.log",
     priority: 2  # the longest of the last jobs
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         code=code("report"),
     message:

@@ -10,7 +10,7 @@ checkpoint plan_round:
     log:
         "results/{campaign}/rounds/{round}/logs/plan.log",
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         config=sections("plan_round"),
         code=code("plan_round"),
@@ -30,7 +30,7 @@ rule settle:
     log:
         "results/{campaign}/logs/settle.log",
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     message:
         "Taking the last round's results"
     shell:

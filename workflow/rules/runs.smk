@@ -13,7 +13,7 @@ rule simulate:
     wildcard_constraints:
         stage=WORKFLOW.run_stage,
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         config=sections("simulate"),
         code=code("simulate"),
@@ -36,7 +36,7 @@ rule gather:
     wildcard_constraints:
         stage=WORKFLOW.run_stage,
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         config=sections("gather"),
         code=code("gather"),

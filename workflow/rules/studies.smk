@@ -15,7 +15,7 @@ rule study_part:
         study="|".join(STUDIES),
         part="[^/]+",
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
         code=lambda wildcards: STUDIES[wildcards.study].measuring_code(),
     message:
@@ -42,7 +42,7 @@ for study in STUDIES.values():
         log:
             f"results/{study.name}/logs/report.log",
         conda:
-            "../envs/campaign.yaml"
+            ENVIRONMENT
         threads: 1024 if study.alone else 1
         params:
             call=f"{study.name} --output results/{study.name}"

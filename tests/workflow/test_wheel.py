@@ -32,9 +32,9 @@ class Environment:
     def call(self, program: str, *arguments: str | Path, folder: Path | None = None) -> str:
         """What a program of the environment prints; it must end well."""
         environment = {name: os.environ[name] for name in os.environ if name != "PYTHONPATH"}
-        compiled = {"NUMBA_CACHE_DIR": str(cache_folder().parents[1])}
+        environment["NUMBA_CACHE_DIR"] = str(cache_folder().parents[1])
         done = subprocess.run(
-            [self.bin / program, *arguments], cwd=folder or self.bin, env={**environment, **compiled},
+            [self.bin / program, *arguments], cwd=folder or self.bin, env=environment,
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
             text=True, check=False,
         )  # fmt: skip
@@ -73,10 +73,10 @@ def test_an_installed_wheel_goes_from_nothing_to_the_report(small, environment, 
 
     mine = tmp_path / "my campaign"
     environment.call("deployable-intervals", "new", mine, "--start", "small")
-    told = environment.call("snakemake", "-c2", folder=mine)
+    told = environment.call("python", "-m", "snakemake", "-c2", folder=mine)
     assert "Open results/small/report.html" in told
     assert (mine / "results/small/report.html").stat().st_size > 50_000
-    again = environment.call("snakemake", "-c2", folder=mine)
+    again = environment.call("python", "-m", "snakemake", "-c2", folder=mine)
     assert "Nothing to be done" in again
     environment.call("python", "-m", "campaign", "run", "--results", "other", folder=mine)
     expected = json.loads((small.folder / "results/small/summary.json").read_text())["responses"]
@@ -91,5 +91,9 @@ def test_an_editable_install_brings_the_workflow_too(environment, checkout, tmp_
     where = environment.call("python", "-c", "import campaign; print(campaign.__file__)")
     assert Path(where).is_relative_to(checkout)
     environment.call("deployable-intervals", "new", tmp_path / "mine", "--start", "mast")
-    assert "results/mast" in environment.call("snakemake", "-n", "-p", folder=tmp_path / "mine")
-    assert "results/paper" in environment.call("snakemake", "-n", "-p", folder=checkout)
+    assert "results/mast" in environment.call(
+        "python", "-m", "snakemake", "-n", "-p", folder=tmp_path / "mine"
+    )
+    assert "results/paper" in environment.call(
+        "python", "-m", "snakemake", "-n", "-p", folder=checkout
+    )

@@ -13,3 +13,4 @@ rule all:
     default_target: True
     input:
         campaign_results(),
+    localrule: True

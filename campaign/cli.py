@@ -24,6 +24,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
 from importlib.util import find_spec
+from inspect import signature
 from pathlib import Path
 
 from campaign.errors import CampaignError, ConfigError, of_files
@@ -100,6 +101,9 @@ def _parser() -> argparse.ArgumentParser:
         if name == "simulate":
             one.add_argument("--batch", type=int, default=0, help="number of the batch, from 0")
             one.add_argument("--batches", type=int, default=1, help="number of batches")
+            one.add_argument("--processes", type=int, default=1, help="that share the runs")
+        elif "threads" in signature(stage.work).parameters:
+            one.add_argument("--threads", type=int, default=1, help="that share the runs")
         one.add_argument("--log", type=Path, help="file that messages go to as well")
     if _evidence_is_there():
         command("attack", _attack)  # its words never come here
@@ -286,7 +290,8 @@ def _run_stage(options: argparse.Namespace) -> int:
             log = options.log.open("w", encoding="utf-8")
 
     tell = Teller(*filter(None, (sys.stderr, log)))
-    more = {key: getattr(options, key) for key in ("batch", "batches") if hasattr(options, key)}
+    keys = ("batch", "batches", "processes", "threads")
+    more = {key: getattr(options, key) for key in keys if hasattr(options, key)}
     try:
         sections = _sections(options)
         options.stage.run(Folder(options.folder), tell, **sections, **more)

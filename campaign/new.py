@@ -28,6 +28,7 @@ include: RULES
 
 
 rule all:
+    localrule: True
     default_target: True
     input:
         campaign_results(),

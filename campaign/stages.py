@@ -58,7 +58,13 @@ def plan_round(folder: Folder, tell: Tell, experiment: Any) -> None:
 
 
 def simulate(
-    folder: Folder, tell: Tell, jobs: Any, batch: int = 0, batches: int = 1, threads: int = 1
+    folder: Folder,
+    tell: Tell,
+    jobs: Any,
+    batch: int = 0,
+    batches: int = 1,
+    threads: int = 1,
+    processes: int = 1,
 ) -> None:
     """Simulate one batch of the planned runs, except those that are there already."""
     from campaign.plan.plan import read_plan
@@ -66,7 +72,7 @@ def simulate(
 
     made = read_plan(folder.plan)
     store, manifest = folder.runs(jobs.keep), folder.batch(batch)
-    run_batch(made, batch, batches, jobs, store, manifest, tell, threads)
+    run_batch(made, batch, batches, jobs, store, manifest, tell, threads, processes)
 
 
 def gather(folder: Folder, tell: Tell, jobs: Any) -> None:
@@ -341,9 +347,13 @@ STAGES = {
 }
 
 
-def batch_count(jobs: Any, runs: int) -> int:
+def batch_count(campaign: Campaign, runs: int) -> int:
     """Number of batches that runs are shared among."""
-    return -(-runs // jobs.nodes_per_job)
+    if not campaign.jobs.minutes:
+        return -(-runs // campaign.jobs.nodes_per_job)
+    from campaign.plan.jobs import runs_in_job
+
+    return -(-runs // runs_in_job(campaign))
 
 
 def answers(campaign: Campaign) -> list[str]:

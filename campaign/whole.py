@@ -78,7 +78,7 @@ def _sample(campaign: Campaign, folder: Folder, tell: Tell) -> None:
     """From the plan in `folder` to samples."""
     from campaign.plan.plan import read_plan
 
-    batches = batch_count(campaign.jobs, len(read_plan(folder.plan).runs))
+    batches = batch_count(campaign, len(read_plan(folder.plan).runs))
     # What bounds need takes a second to import; meanwhile threads integrate.
     import_ahead("xarray")
     threads = os.cpu_count() or 1

@@ -77,7 +77,26 @@ class Workflow:
         from campaign.plan.plan import read_plan
 
         runs = len(read_plan(plan_path).runs) if plan_path else count_runs(self.campaign.experiment)
-        return batch_count(self.campaign.jobs, runs)
+        return batch_count(self.campaign, runs)
+
+    @property
+    def processes(self) -> int:
+        """Cores that a job with runs shall have."""
+        return self.campaign.jobs.processes
+
+    @cache  # noqa: B019
+    def minutes(self, batches: int = 1) -> int:
+        """Minutes to ask a queue for: for one of so many jobs that the runs are shared among."""
+        from campaign.plan.jobs import job_minutes
+
+        return job_minutes(self.campaign, -(-count_runs(self.campaign.experiment) // batches))
+
+    @cache  # noqa: B019
+    def megabytes(self) -> int:
+        """Memory to ask a queue for."""
+        from campaign.plan.jobs import job_megabytes
+
+        return job_megabytes(self.campaign)
 
     def is_last(self, plan_path: str) -> bool:
         """Whether a round's plan says that the rounds are over."""

@@ -230,11 +230,16 @@ class FigureChoice:
 
 @dataclass(frozen=True)
 class Jobs:
-    """How the runs are grouped: at most so many in a job, so many side by side, what is kept."""
+    """How the runs are grouped: at most so many in a job, so many side by side, what is kept; with
+    `minutes` other than 0, a job's size is a time (min) instead, by `run_seconds` of a core for a
+    run, or by an estimate where that is 0; how many processes a job has."""
 
     nodes_per_job: int
     group: int
     keep: str
+    minutes: float = 0.0
+    run_seconds: float = 0.0
+    processes: int = 1
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
+from typing import Any
 
 from campaign.config.design import count_runs
 from campaign.config.sections import Campaign, Experiment
@@ -46,17 +47,12 @@ def estimate(campaign: Campaign) -> Estimate:
     """What a campaign takes; time is right to a factor of two or so on a recent core."""
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
-    scene = experiment.build(dict(zip(experiment.box.names, experiment.nominal, strict=True)))
     whole = math.ceil(runs / LANES) * LANES
     seconds = whole * run_seconds(experiment, choose_step(experiment)) / cores() + STARTING
     if experiment.is_sought:  # meshes and steps become finer
         seconds = 60 * experiment.accuracy.minutes / cores() + STARTING
     responses = len(experiment.responses)
-    kept = 4 * responses + 4 * responses  # each run's, and in samples.nc
-    if campaign.jobs.keep == "trajectories":
-        others = _OTHER_CURVES + responses + len(experiment.asked)
-        kept = 8 * (6 * len(scene.points) + len(scene.hinges) + others)
-    gathered = runs * kept + 8 * _BOUNDS_CURVES * responses
+    gathered = runs * _kept(campaign) + 8 * _BOUNDS_CURVES * responses
     return Estimate(runs, seconds, float(solver.instants * gathered))
 
 
@@ -90,9 +86,27 @@ def found(campaign: Campaign, folder: Folder) -> str:
 
 def run_seconds(experiment: Experiment, time: TimeStep) -> float:
     """Seconds of a core for a run, one of eight side by side."""
-    scene = experiment.build(dict(zip(experiment.box.names, experiment.nominal, strict=True)))
+    scene = _nominal_scene(experiment)
     steps = time.steps_per_instant * (experiment.solver.instants - 1)
     return steps * max(len(scene.elements), 1) * ELEMENT_STEP
+
+
+def recorded(experiment: Experiment) -> int:
+    """Curves of a trajectory, but for the responses."""
+    scene = _nominal_scene(experiment)
+    return 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + len(experiment.asked)
+
+
+def _kept(campaign: Campaign) -> int:
+    """Bytes on disk of an instant of a run: its own, and those in samples.nc."""
+    responses = len(campaign.experiment.responses)
+    if campaign.jobs.keep == "trajectories":
+        return 8 * (recorded(campaign.experiment) + responses)
+    return 4 * responses + 4 * responses
+
+
+def _nominal_scene(experiment: Experiment) -> Any:
+    return experiment.build(dict(zip(experiment.box.names, experiment.nominal, strict=True)))
 
 
 def cores() -> int:

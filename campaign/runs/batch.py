@@ -1,8 +1,9 @@
 """Simulate one batch of a plan's runs, skipping those that are there already.
 
-A batch is one process. It takes its runs in groups, integrates a group side by side, writes it and
-goes on, so that memory stays bounded and a killed job loses one group at most. A run that fails
-does not harm the others: they are written, and the failures are listed at the end.
+A batch is one process, or several that share its groups. A process takes its runs in groups,
+integrates a group side by side, writes it and goes on, so that memory stays bounded and a killed
+job loses one group of each process at most. A run that fails does not harm the others: they are
+written, and the failures are listed at the end.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from campaign.errors import CampaignError
 from campaign.files import write_result
 from campaign.plan.plan import Plan, Run, share
 from campaign.provenance import as_attribute
+from campaign.runs.processes import spread
 from campaign.runs.progress import Progress, Tell, warm_up
 from campaign.runs.store import Result, open_store
 from fpm.asked import Column, words
@@ -39,10 +41,11 @@ def run_batch(
     manifest: str | Path,
     tell: Tell,
     threads: int = 1,
+    processes: int = 1,
 ) -> None:
     """Simulate batch `batch` of `batches` into the store in `folder`, then write the manifest.
 
-    Groups are shared among `threads`, which changes no number.
+    Groups are shared among `processes`, and each among `threads`, which changes no number.
     Raises `CampaignError` that lists the runs that failed, after all others were written; then
     there is no manifest.
     """
@@ -63,13 +66,16 @@ def run_batch(
         warm_up(scene, tell, plan.experiment.asked)
         name, total = plan.experiment.name, sum(map(len, flat))
         progress = Progress(name, total, lambda: store.count(flat), tell)
-        for number, (group, missing) in enumerate(work, start=1):
-            results, failed, taken = simulate(plan, missing, threads, store.had(missing))
-            store.write(group, results)
+        begun = clocks()
+        one = partial(_simulate_group, plan, store, threads)
+        for number, (count, failed, taken) in enumerate(spread(one, work, processes), start=1):
             failures += failed
-            simulated += len(results)
+            simulated += count
             integrating += taken
             progress.report(last=number == len(work))
+        if simulated and jobs.minutes:
+            taken = (clocks() - begun)[0] * min(processes, len(work)) / simulated
+            tell(f"jobs.run_seconds: {taken:.3g} s of a core for a run here")
     if failures:
         raise CampaignError(failure_text(plan, failures))
     facts = {
@@ -81,6 +87,15 @@ def run_batch(
         "seconds_integrating": integrating.round(3).tolist(),
     }
     write_result(manifest, json.dumps(facts, indent=1) + "\n")
+
+
+def _simulate_group(
+    plan: Plan, store: Any, threads: int, group: Sequence[Run], missing: Sequence[Run]
+) -> tuple[int, list[Failure], np.ndarray]:
+    """Simulate what is missing of a group and write it: how many, failures, seconds."""
+    results, failed, taken = simulate(plan, missing, threads, store.had(missing))
+    store.write(group, results)
+    return len(results), failed, taken
 
 
 def check_structure(plan: Plan) -> None:

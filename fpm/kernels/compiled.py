@@ -3,7 +3,8 @@
 Numba's cache looks at the file of the cached function only; the loop is made of many files. So the
 cache folder is named after a digest of all kernel sources, and of the files of kinds from
 elsewhere with what they import from beside them: an edited kernel never meets old code. Every set
-has a folder of its own, so that no kind is needed to load a loop without it.
+has a folder of its own, so that no kind is needed to load a loop without it, and so has every kind
+of processor, so that machines can share a cache.
 """
 
 import fcntl
@@ -11,10 +12,9 @@ import functools
 import hashlib
 import json
 import os
-import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import numba
@@ -52,12 +52,25 @@ def source_digest(parts: tuple[type, ...] = ()) -> str:
     return digest.hexdigest()[:16]
 
 
+@functools.cache
+def processor() -> str:
+    """Hexadecimal digest of what numba compiles for: the processor's name and features.
+
+    Machines that share a file system may differ in it.
+    """
+    from numba.core.registry import cpu_target
+
+    target = repr(cpu_target.target_context.codegen().magic_tuple())
+    return hashlib.sha256(target.encode()).hexdigest()[:8]
+
+
 def cache_folder(parts: tuple[type, ...] = ()) -> Path:
     """Where compiled code is kept: where NUMBA_CACHE_DIR says, beside the sources, or at home.
 
     parts: the named tuples of the kinds in the loop.
     """
-    name = Path(f"numba-{source_digest(parts)}") / "-".join(["loop", *(p.__name__ for p in parts)])
+    loop_name = "-".join(["loop", *(p.__name__ for p in parts)])
+    name = Path(f"numba-{source_digest(parts)}-{processor()}", loop_name)
     if numba.config.CACHE_DIR:
         return Path(numba.config.CACHE_DIR) / name
     beside = Path(__file__).parent / "__pycache__"
@@ -80,13 +93,13 @@ THREADS = threading.Lock()
 """Held by the thread that makes a loop ready."""
 
 
-def _loop(parts: tuple[type, ...]) -> Dispatcher:
+def _loop(parts: tuple[type, ...], is_cached: bool) -> Dispatcher:
     """The loop for a set of kinds, cached in its folder without changing numba's own setting."""
     if parts not in LOOPS:
         before, folder = numba.config.CACHE_DIR, cache_folder(parts)
         numba.config.CACHE_DIR = str(folder)
         try:
-            LOOPS[parts] = numba.njit(cache=True, **OPTIONS)(loop.run.py_func)
+            LOOPS[parts] = numba.njit(cache=is_cached, **OPTIONS)(loop.run.py_func)
         finally:
             numba.config.CACHE_DIR = before
     return LOOPS[parts]
@@ -101,14 +114,14 @@ def loop_for(arguments: tuple) -> Callable:
     parts, world = arguments[:2]
     kinds = tuple(map(type, parts))
     if (kinds, world.state.dtype) not in READY:  # to find the whole signature takes milliseconds
-        with THREADS:
-            run = _loop(kinds)
-            with _one_at_a_time(folder := cache_folder(kinds)):
-                if not _is_intact(folder):
-                    for path in _kept(folder):
-                        path.unlink(missing_ok=True)
-                run.compile(tuple(map(numba.typeof, arguments)))
-                with suppress(OSError):  # a cache that can not be written is done without
+        with THREADS, _one_at_a_time(folder := cache_folder(kinds)) as is_locked:
+            run = _loop(kinds, is_cached=is_locked)
+            if is_locked and not _is_intact(folder):
+                for path in _kept(folder):
+                    path.unlink(missing_ok=True)
+            run.compile(tuple(map(numba.typeof, arguments)))
+            if is_locked:
+                with suppress(OSError):  # a full disk, say
                     (folder / DIGESTS).write_text(json.dumps(_digests(folder)), encoding="utf-8")
             READY.add((kinds, world.state.dtype))
     return LOOPS[kinds]
@@ -140,9 +153,20 @@ def _is_intact(folder: Path) -> bool:
 
 
 @contextmanager
-def _one_at_a_time(folder: Path) -> Iterator[None]:
-    """Hold a lock for a folder among all processes of this user."""
-    name = hashlib.sha256(str(folder).encode()).hexdigest()[:16]
-    with open(Path(tempfile.gettempdir()) / f"fpm-{os.getuid()}-{name}.lock", "a") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        yield
+def _one_at_a_time(folder: Path) -> Iterator[bool]:
+    """Hold a lock for a folder among all processes, on all machines that share its file system.
+
+    Gives False where there is no lock to have, as the folder cannot be written or its file system
+    knows no locks; then nothing can be kept there safely.
+    """
+    with ExitStack() as stack:
+        try:
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            # In its parent, since a lock is beside what it guards, and stays.
+            file = stack.enter_context(open(folder.with_name(f"{folder.name}.lock"), "a"))
+            fcntl.flock(file, fcntl.LOCK_EX)
+        except OSError:
+            is_locked = False
+        else:
+            is_locked = True
+        yield is_locked

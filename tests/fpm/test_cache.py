@@ -1,5 +1,7 @@
 """Compiled afresh or loaded from the cache, the solver gives the same bits."""
 
+import errno
+import fcntl
 import importlib
 import os
 import subprocess
@@ -108,7 +110,7 @@ def test_threads_do_not_mix_up_their_caches(monkeypatch, tmp_path):
     def ask(kind):
         start.wait()
         try:
-            compiled.loop_for(((kind(np.zeros(1)),), world))
+            compiled.loop_for(((Lonely(np.zeros(1)),), world))
         except ValueError as error:  # such a world has no type, so that nothing is compiled
             refused.append(str(error))
 
@@ -128,3 +130,52 @@ def test_threads_do_not_mix_up_their_caches(monkeypatch, tmp_path):
     for kind in kinds:
         folder = compiled.cache_folder((kind,))
         assert Path(compiled.LOOPS[kind,].stats.cache_path).parent == folder
+
+
+def test_another_processor_has_another_cache_beside(monkeypatch):
+    before = compiled.cache_folder()
+    monkeypatch.setattr(compiled, "processor", lambda: "another")
+    assert compiled.cache_folder() != before
+    assert compiled.cache_folder().parents[1] == before.parents[1]
+
+
+def test_the_lock_is_where_the_cache_is(tmp_path):
+    program = """
+import sys
+from pathlib import Path
+from fpm.kernels.compiled import _one_at_a_time
+with _one_at_a_time(Path(sys.argv[1])) as is_locked:
+    print(is_locked, flush=True)
+    sys.stdin.read()
+"""
+    folder = tmp_path / "cache" / "loop"
+    command = [sys.executable, "-c", program, str(folder)]
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, env=environment, **streams) as other:
+        assert other.stdout.readline() == "True\n"
+        with open(tmp_path / "cache" / "loop.lock") as file, pytest.raises(BlockingIOError):
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        other.communicate()
+    with compiled._one_at_a_time(folder) as is_locked:
+        assert is_locked
+
+
+class Lonely(NamedTuple):
+    """What a kind has, of which there is no kernel."""
+
+    on: np.ndarray
+
+
+@pytest.mark.parametrize("reason", [errno.ENOLCK, errno.EOPNOTSUPP])
+def test_without_locks_nothing_is_kept(monkeypatch, tmp_path, reason):
+    def refuse(*_):
+        raise OSError(reason, os.strerror(reason))
+
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(compiled, "LOOPS", {})
+    monkeypatch.setattr(compiled.fcntl, "flock", refuse)
+    with pytest.raises(ValueError, match="Cannot determine Numba type"):
+        compiled.loop_for(((Lonely(np.zeros(1)),), SimpleNamespace(state=np.zeros(1))))
+    assert compiled.LOOPS[Lonely,].stats.cache_path is None
+    assert not list(tmp_path.rglob("*.nb*"))

@@ -13,13 +13,18 @@ rule quantities:
         "{stage}/logs/quantities.log",
     conda:
         ENVIRONMENT
+    threads: WORKFLOW.processes
+    resources:
+        runtime=lambda wildcards, attempt: attempt * WORKFLOW.minutes(),
+        mem_mb=lambda wildcards, attempt: attempt * WORKFLOW.megabytes(),
     params:
         config=sections("quantities"),
         code=code("quantities"),
     message:
         "Finding and verifying the intervals of the quantities"
     shell:
-        "python -m campaign quantities {wildcards.stage} --config {params.config:q} --log {log}"
+        "python -m campaign quantities {wildcards.stage} --config {params.config:q}"
+        " --threads {threads} --log {log}"
 
 
 rule requirements:
@@ -33,13 +38,18 @@ rule requirements:
         "{stage}/logs/requirements.log",
     conda:
         ENVIRONMENT
+    threads: WORKFLOW.processes
+    resources:
+        runtime=lambda wildcards, attempt: attempt * WORKFLOW.minutes(),
+        mem_mb=lambda wildcards, attempt: attempt * WORKFLOW.megabytes(),
     params:
         config=sections("requirements"),
         code=code("requirements"),
     message:
         "Judging the requirements"
     shell:
-        "python -m campaign requirements {wildcards.stage} --config {params.config:q} --log {log}"
+        "python -m campaign requirements {wildcards.stage} --config {params.config:q}"
+        " --threads {threads} --log {log}"
 
 
 rule choice:
@@ -51,10 +61,15 @@ rule choice:
         "{stage}/logs/choice.log",
     conda:
         ENVIRONMENT
+    threads: WORKFLOW.processes
+    resources:
+        runtime=lambda wildcards, attempt: attempt * WORKFLOW.minutes(),
+        mem_mb=lambda wildcards, attempt: attempt * WORKFLOW.megabytes(),
     params:
         config=sections("choice"),
         code=code("choice"),
     message:
         "Finding the best choice"
     shell:
-        "python -m campaign choice {wildcards.stage} --config {params.config:q} --log {log}"
+        "python -m campaign choice {wildcards.stage} --config {params.config:q}"
+        " --threads {threads} --log {log}"

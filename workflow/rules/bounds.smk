@@ -14,6 +14,7 @@ rule bounds:
     wildcard_constraints:
         stage=WORKFLOW.run_stage,
     priority: 1  # most jobs wait for it
+    localrule: True
     conda:
         ENVIRONMENT
     params:

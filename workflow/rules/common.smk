@@ -94,6 +94,11 @@ def batch_count(wildcards):
     return WORKFLOW.batch_count(plan)
 
 
+def job_minutes(wildcards):
+    """Minutes to ask a queue for, for a batch of runs."""
+    return WORKFLOW.minutes(batch_count(wildcards))
+
+
 def batches(wildcards):
     """The manifests of all batches of a stage."""
     return [

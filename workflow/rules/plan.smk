@@ -8,6 +8,7 @@ rule plan:
         "{stage}/nodes.json",
     log:
         "{stage}/logs/plan.log",
+    localrule: True
     conda:
         ENVIRONMENT
     params:

@@ -13,6 +13,7 @@ rule envelopes:
     log:
         "{stage}/logs/envelopes.log",
     priority: 1
+    localrule: True
     conda:
         ENVIRONMENT
     params:
@@ -36,6 +37,7 @@ rule sensitivities:
         "{stage}/figures/campaign/sensitivities.pdf",
     log:
         "{stage}/logs/sensitivities.log",
+    localrule: True
     conda:
         ENVIRONMENT
     params:
@@ -60,6 +62,7 @@ rule ranges:
         "{stage}/figures/campaign/ranges.pdf",
     log:
         "{stage}/logs/ranges.log",
+    localrule: True
     conda:
         ENVIRONMENT
     params:
@@ -82,6 +85,7 @@ rule linkage:
         "{stage}/figures/campaign/linkage.pdf",
     log:
         "{stage}/logs/linkage.log",
+    localrule: True
     conda:
         ENVIRONMENT
     params:
@@ -109,6 +113,7 @@ rule summary:
     log:
         "{stage}/logs/summary.log",
     priority: 2  # the page waits for it
+    localrule: True
     conda:
         ENVIRONMENT
     params:
@@ -135,6 +140,7 @@ rule report:
     log:
         "{stage}/logs/report.log",
     priority: 2  # the longest of the last jobs
+    localrule: True
     conda:
         ENVIRONMENT
     params:

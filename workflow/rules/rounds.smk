@@ -9,6 +9,7 @@ checkpoint plan_round:
         "results/{campaign}/rounds/{round}/nodes.json",
     log:
         "results/{campaign}/rounds/{round}/logs/plan.log",
+    localrule: True
     conda:
         ENVIRONMENT
     params:
@@ -29,6 +30,7 @@ rule settle:
         [f"results/{{campaign}}/{name}" for name in ROUND_FILES],
     log:
         "results/{campaign}/logs/settle.log",
+    localrule: True
     conda:
         ENVIRONMENT
     message:

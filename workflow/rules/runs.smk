@@ -14,6 +14,10 @@ rule simulate:
         stage=WORKFLOW.run_stage,
     conda:
         ENVIRONMENT
+    threads: WORKFLOW.processes
+    resources:
+        runtime=lambda wildcards, attempt: attempt * job_minutes(wildcards),
+        mem_mb=lambda wildcards, attempt: attempt * WORKFLOW.megabytes(),
     params:
         config=sections("simulate"),
         code=code("simulate"),
@@ -22,7 +26,8 @@ rule simulate:
         "Simulating batch {wildcards.batch}"
     shell:
         "python -m campaign simulate {wildcards.stage} --config {params.config:q}"
-        " --batch {wildcards.batch} --batches {params.batch_count} --log {log}"
+        " --batch {wildcards.batch} --batches {params.batch_count}"
+        " --processes {threads} --log {log}"
 
 
 rule gather:
@@ -35,6 +40,7 @@ rule gather:
         "{stage}/logs/gather.log",
     wildcard_constraints:
         stage=WORKFLOW.run_stage,
+    localrule: True
     conda:
         ENVIRONMENT
     params:

@@ -1,4 +1,5 @@
-"""A Slurm cluster of two nodes on this machine, for tests: munge, slurmctld, two slurmd, loopback only.
+"""A Slurm cluster of three nodes on this machine, for tests: munge, slurmctld, a slurmd each,
+loopback only.
 
     python tests/slurm/cluster.py up      needs root, and Debian's slurm-wlm and munge
     python tests/slurm/cluster.py down
@@ -23,7 +24,7 @@ from pathlib import Path
 HOME = Path("/tmp/slurm-of-tests")
 CONFIG, KEY = Path("/etc/slurm/slurm.conf"), Path("/etc/munge/munge.key")
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "scancel", "scontrol", "squeue", "srun")
-NODES = ("one", "two")
+NODES = ("one", "two", "three")
 PORT = 17300
 
 TEXT = """\
@@ -71,7 +72,7 @@ def find(name: str) -> str | None:
     return shutil.which(name, path=os.environ.get("PATH", "") + ":/usr/sbin:/sbin")
 
 
-def up(cores: int = 2) -> None:
+def up(cores: int = 1) -> None:
     """Start the cluster, and wait until its nodes are idle. Each has so many cores."""
     down()
     for folder in ("state", *(f"spool-{name}" for name in NODES)):

@@ -92,8 +92,8 @@ def test_an_editable_install_brings_the_workflow_too(environment, checkout, tmp_
     assert Path(where).is_relative_to(checkout)
     environment.call("deployable-intervals", "new", tmp_path / "mine", "--start", "mast")
     assert "results/mast" in environment.call(
-        "python", "-m", "snakemake", "-n", "-p", folder=tmp_path / "mine"
+        "python", "-m", "snakemake", "-n", "-p", "--quiet", "host", folder=tmp_path / "mine"
     )
     assert "results/paper" in environment.call(
-        "python", "-m", "snakemake", "-n", "-p", folder=checkout
+        "python", "-m", "snakemake", "-n", "-p", "--quiet", "host", folder=checkout
     )

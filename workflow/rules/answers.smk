@@ -18,13 +18,14 @@ rule quantities:
         runtime=lambda wildcards, attempt: attempt * WORKFLOW.minutes(),
         mem_mb=lambda wildcards, attempt: attempt * WORKFLOW.megabytes(),
     params:
+        folder=folder_of,
         config=sections("quantities"),
         code=code("quantities"),
     message:
         "Finding and verifying the intervals of the quantities"
     shell:
-        "python -m campaign quantities {wildcards.stage} --config {params.config:q}"
-        " --threads {threads} --log {log}"
+        "python -m campaign quantities {params.folder:q} --config {params.config:q}"
+        " --threads {threads} --log {log:q}"
 
 
 rule requirements:
@@ -43,13 +44,14 @@ rule requirements:
         runtime=lambda wildcards, attempt: attempt * WORKFLOW.minutes(),
         mem_mb=lambda wildcards, attempt: attempt * WORKFLOW.megabytes(),
     params:
+        folder=folder_of,
         config=sections("requirements"),
         code=code("requirements"),
     message:
         "Judging the requirements"
     shell:
-        "python -m campaign requirements {wildcards.stage} --config {params.config:q}"
-        " --threads {threads} --log {log}"
+        "python -m campaign requirements {params.folder:q} --config {params.config:q}"
+        " --threads {threads} --log {log:q}"
 
 
 rule choice:
@@ -66,10 +68,11 @@ rule choice:
         runtime=lambda wildcards, attempt: attempt * WORKFLOW.minutes(),
         mem_mb=lambda wildcards, attempt: attempt * WORKFLOW.megabytes(),
     params:
+        folder=folder_of,
         config=sections("choice"),
         code=code("choice"),
     message:
         "Finding the best choice"
     shell:
-        "python -m campaign choice {wildcards.stage} --config {params.config:q}"
-        " --threads {threads} --log {log}"
+        "python -m campaign choice {params.folder:q} --config {params.config:q}"
+        " --threads {threads} --log {log:q}"

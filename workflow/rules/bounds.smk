@@ -18,9 +18,10 @@ rule bounds:
     conda:
         ENVIRONMENT
     params:
+        folder=folder_of,
         config=sections("bounds"),
         code=code("bounds"),
     message:
         "Fitting the surrogate and taking its bounds"
     shell:
-        "python -m campaign bounds {wildcards.stage} --config {params.config:q} --log {log}"
+        "python -m campaign bounds {params.folder:q} --config {params.config:q} --log {log:q}"

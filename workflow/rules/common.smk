@@ -75,6 +75,12 @@ def no_files(wildcards):
     return []
 
 
+def folder_of(wildcards, output):
+    """The folder of a stage's results as its job sees it, with the prefix of a storage or module."""
+    folder = Path(output[0]).parent
+    return str(folder.parent if folder.name in ("batches", "figures") else folder)
+
+
 def sections(stage):
     """What a stage needs of the config; with it as `params` a rule runs again when it changes."""
     return WORKFLOW.sections(stage)

@@ -12,10 +12,11 @@ rule plan:
     conda:
         ENVIRONMENT
     params:
+        folder=folder_of,
         config=sections("plan"),
         code=code("plan"),
         mechanics=WORKFLOW.mechanics,
     message:
         "Choosing the runs and the time step"
     shell:
-        "python -m campaign plan {wildcards.stage} --config {params.config:q} --log {log}"
+        "python -m campaign plan {params.folder:q} --config {params.config:q} --log {log:q}"

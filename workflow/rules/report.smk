@@ -17,12 +17,13 @@ rule envelopes:
     conda:
         ENVIRONMENT
     params:
+        folder=folder_of,
         config=sections("envelopes"),
         code=code("envelopes"),
     message:
         "Drawing the envelopes"
     shell:
-        "python -m campaign envelopes {wildcards.stage} --config {params.config:q} --log {log}"
+        "python -m campaign envelopes {params.folder:q} --config {params.config:q} --log {log:q}"
 
 
 rule sensitivities:
@@ -41,11 +42,12 @@ rule sensitivities:
     conda:
         ENVIRONMENT
     params:
+        folder=folder_of,
         code=code("sensitivities"),
     message:
         "Drawing which parameter matters when"
     shell:
-        "python -m campaign sensitivities {wildcards.stage} --log {log}"
+        "python -m campaign sensitivities {params.folder:q} --log {log:q}"
 
 
 rule ranges:
@@ -66,11 +68,12 @@ rule ranges:
     conda:
         ENVIRONMENT
     params:
+        folder=folder_of,
         code=code("ranges"),
     message:
         "Drawing the quantities over the box"
     shell:
-        "python -m campaign ranges {wildcards.stage} --log {log}"
+        "python -m campaign ranges {params.folder:q} --log {log:q}"
 
 
 rule linkage:
@@ -89,12 +92,13 @@ rule linkage:
     conda:
         ENVIRONMENT
     params:
+        folder=folder_of,
         config=sections("linkage"),
         code=code("linkage"),
     message:
         "Drawing the structure"
     shell:
-        "python -m campaign linkage {wildcards.stage} --config {params.config:q} --log {log}"
+        "python -m campaign linkage {params.folder:q} --config {params.config:q} --log {log:q}"
 
 
 rule summary:
@@ -117,12 +121,13 @@ rule summary:
     conda:
         ENVIRONMENT
     params:
+        folder=folder_of,
         config=sections("summary"),
         code=code("summary"),
     message:
         "Summing up"
     shell:
-        "python -m campaign summary {wildcards.stage} --config {params.config:q} --log {log}"
+        "python -m campaign summary {params.folder:q} --config {params.config:q} --log {log:q}"
 
 
 rule report:
@@ -144,8 +149,9 @@ rule report:
     conda:
         ENVIRONMENT
     params:
+        folder=folder_of,
         code=code("report"),
     message:
         "Making the page"
     shell:
-        "python -m campaign report {wildcards.stage} --log {log}"
+        "python -m campaign report {params.folder:q} --log {log:q}"

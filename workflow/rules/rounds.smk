@@ -13,14 +13,14 @@ checkpoint plan_round:
     conda:
         ENVIRONMENT
     params:
+        folder=folder_of,
         config=sections("plan_round"),
         code=code("plan_round"),
         mechanics=WORKFLOW.mechanics,
     message:
         "Choosing the runs of round {wildcards.round}"
     shell:
-        "python -m campaign plan_round results/{wildcards.campaign}/rounds/{wildcards.round}"
-        " --config {params.config:q} --log {log}"
+        "python -m campaign plan_round {params.folder:q} --config {params.config:q} --log {log:q}"
 
 
 rule settle:
@@ -33,7 +33,9 @@ rule settle:
     localrule: True
     conda:
         ENVIRONMENT
+    params:
+        folder=folder_of,
     message:
         "Taking the last round's results"
     shell:
-        "cp {input} results/{wildcards.campaign} 2> {log}"
+        "cp {input:q} {params.folder:q} 2> {log:q}"

@@ -19,15 +19,16 @@ rule simulate:
         runtime=lambda wildcards, attempt: attempt * job_minutes(wildcards),
         mem_mb=lambda wildcards, attempt: attempt * WORKFLOW.megabytes(),
     params:
+        folder=folder_of,
         config=sections("simulate"),
         code=code("simulate"),
         batch_count=batch_count,
     message:
         "Simulating batch {wildcards.batch}"
     shell:
-        "python -m campaign simulate {wildcards.stage} --config {params.config:q}"
+        "python -m campaign simulate {params.folder:q} --config {params.config:q}"
         " --batch {wildcards.batch} --batches {params.batch_count}"
-        " --processes {threads} --log {log}"
+        " --processes {threads} --log {log:q}"
 
 
 rule gather:
@@ -44,9 +45,10 @@ rule gather:
     conda:
         ENVIRONMENT
     params:
+        folder=folder_of,
         config=sections("gather"),
         code=code("gather"),
     message:
         "Gathering the responses of all runs"
     shell:
-        "python -m campaign gather {wildcards.stage} --config {params.config:q} --log {log}"
+        "python -m campaign gather {params.folder:q} --config {params.config:q} --log {log:q}"

@@ -24,7 +24,7 @@ if "{" in str(ROOT) or "}" in str(ROOT):
     ENVIRONMENT = str(ROOT / "workflow" / "envs" / "campaign.yaml")
     ENVIRONMENT = ENVIRONMENT.replace("{", "{{").replace("}", "}}")
 
-IS_MODULE = not workflow.modifier.is_main_snakefile()
+IS_MODULE = workflow.modifier.namespace is not None
 ASKED = workflow.config_settings.configfiles
 
 # A module has the config that it is given. Otherwise the files that were asked for, or what the

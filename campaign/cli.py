@@ -102,6 +102,11 @@ def _parser() -> argparse.ArgumentParser:
             one.add_argument("--batch", type=int, default=0, help="number of the batch, from 0")
             one.add_argument("--batches", type=int, default=1, help="number of batches")
             one.add_argument("--processes", type=int, default=1, help="that share the runs")
+            one.add_argument(
+                "--bundle", type=Path, help="file for the runs, if no folder is shared"
+            )
+        elif name == "gather":
+            one.add_argument("--bundles", nargs="*", type=Path, default=[], help="runs, as files")
         elif "threads" in signature(stage.work).parameters:
             one.add_argument("--threads", type=int, default=1, help="that share the runs")
         one.add_argument("--log", type=Path, help="file that messages go to as well")
@@ -290,7 +295,7 @@ def _run_stage(options: argparse.Namespace) -> int:
             log = options.log.open("w", encoding="utf-8")
 
     tell = Teller(*filter(None, (sys.stderr, log)))
-    keys = ("batch", "batches", "processes", "threads")
+    keys = ("batch", "batches", "processes", "threads", "bundle", "bundles")
     more = {key: getattr(options, key) for key in keys if hasattr(options, key)}
     try:
         sections = _sections(options)

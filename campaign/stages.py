@@ -65,21 +65,27 @@ def simulate(
     batches: int = 1,
     threads: int = 1,
     processes: int = 1,
+    bundle: Any = None,
 ) -> None:
     """Simulate one batch of the planned runs, except those that are there already."""
     from campaign.plan.plan import read_plan
     from campaign.runs.batch import run_batch
+    from campaign.runs.bundle import pack
 
     made = read_plan(folder.plan)
     store, manifest = folder.runs(jobs.keep), folder.batch(batch)
     run_batch(made, batch, batches, jobs, store, manifest, tell, threads, processes)
+    if bundle:
+        pack(store, bundle)
 
 
-def gather(folder: Folder, tell: Tell, jobs: Any) -> None:
+def gather(folder: Folder, tell: Tell, jobs: Any, bundles: Any = ()) -> None:
     """Gather the responses of all runs into samples.nc."""
     from campaign.plan.plan import read_plan
     from campaign.results.samples import gather
+    from campaign.runs.bundle import unpack
 
+    unpack(bundles, folder.runs(jobs.keep))
     gather(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples, tell)
 
 

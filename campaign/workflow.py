@@ -188,8 +188,10 @@ class Workflow:
         )
 
     def last_words(self) -> str:
-        """What was told when the page was made: the answer, and which file to open."""
-        return (self.folder / "logs/report.log").read_text(encoding="utf-8").strip()
+        """What was told when the page was made: the answer, and which file to open; nothing where
+        the log is kept elsewhere."""
+        log = self.folder / "logs/report.log"
+        return log.read_text(encoding="utf-8").strip() if log.exists() else ""
 
 
 def _answer_files(folder: Folder) -> dict[str, list[Path]]:

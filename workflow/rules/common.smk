@@ -3,6 +3,7 @@
 import os
 import sys
 from pathlib import Path
+from shlex import quote
 
 # Jobs use the interpreter that runs Snakemake, and the packages of the checkout that this file is
 # of; without one, those that are installed.
@@ -25,6 +26,8 @@ if "{" in str(ROOT) or "}" in str(ROOT):
     ENVIRONMENT = ENVIRONMENT.replace("{", "{{").replace("}", "}}")
 
 IS_MODULE = workflow.modifier.namespace is not None
+# Whether jobs get the files that rules declare, and no others.
+IS_APART = workflow.storage_settings.default_storage_provider is not None
 ASKED = workflow.config_settings.configfiles
 
 # A module has the config that it is given. Otherwise the files that were asked for, or what the
@@ -105,12 +108,24 @@ def job_minutes(wildcards):
     return WORKFLOW.minutes(batch_count(wildcards))
 
 
-def batches(wildcards):
+def batch_files(name):
+    """The files that a batch leaves beside its runs: its manifest, and its runs as one file."""
+    return {"manifest": f"{name}.json"} | (
+        {"bundle": f"{name}.tar"} if IS_APART else {}
+    )
+
+
+def batches(wildcards, kind="json"):
     """The manifests of all batches of a stage."""
     return [
-        f"{wildcards.stage}/batches/{batch}.json"
+        f"{wildcards.stage}/batches/{batch}.{kind}"
         for batch in range(batch_count(wildcards))
     ]
+
+
+def bundles(wildcards):
+    """The runs of all batches of a stage, where they are not in a folder that all jobs share."""
+    return batches(wildcards, "tar") if IS_APART else []
 
 
 def previous_round(wildcards):

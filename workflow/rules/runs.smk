@@ -2,12 +2,12 @@
 
 
 # Trajectories are not listed as outputs: they are named by their content, so that any later design
-# and a campaign that was killed find them again.
+# and a campaign that was killed find them again. Where jobs share no folder, a bundle carries them.
 rule simulate:
     input:
         "{stage}/nodes.json",
     output:
-        "{stage}/batches/{batch}.json",
+        **batch_files("{stage}/batches/{batch}"),
     log:
         "{stage}/logs/batch-{batch}.log",
     wildcard_constraints:
@@ -23,18 +23,22 @@ rule simulate:
         config=sections("simulate"),
         code=code("simulate"),
         batch_count=batch_count,
+        bundle=lambda wildcards, output: (
+            f"--bundle {quote(output.bundle)}" if IS_APART else ""
+        ),
     message:
         "Simulating batch {wildcards.batch}"
     shell:
         "python -m campaign simulate {params.folder:q} --config {params.config:q}"
         " --batch {wildcards.batch} --batches {params.batch_count}"
-        " --processes {threads} --log {log:q}"
+        " --processes {threads} {params.bundle} --log {log:q}"
 
 
 rule gather:
     input:
         nodes="{stage}/nodes.json",
         batches=batches,
+        bundles=bundles,
     output:
         "{stage}/samples.nc",
     log:
@@ -52,3 +56,4 @@ rule gather:
         "Gathering the responses of all runs"
     shell:
         "python -m campaign gather {params.folder:q} --config {params.config:q} --log {log:q}"
+        " --bundles {input.bundles:q}"

@@ -1,4 +1,4 @@
-"""Runs as one file, for jobs that share no folder: what a rule does not declare is lost to others."""
+"""Runs as one file, for jobs that share no folder and get declared files only."""
 
 from __future__ import annotations
 

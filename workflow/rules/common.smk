@@ -81,7 +81,9 @@ def no_files(wildcards):
 def folder_of(wildcards, output):
     """The folder of a stage's results as its job sees it, with the prefix of a storage or module."""
     folder = Path(output[0]).parent
-    return str(folder.parent if folder.name in ("batches", "figures") else folder)
+    while folder.name in ("batches", "campaign", "figures"):
+        folder = folder.parent
+    return str(folder)
 
 
 def sections(stage):

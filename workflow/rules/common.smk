@@ -80,10 +80,11 @@ def no_files(wildcards):
 
 def folder_of(wildcards, output):
     """The folder of a stage's results as its job sees it, with the prefix of a storage or module."""
-    folder = Path(output[0]).parent
-    while folder.name in ("batches", "campaign", "figures"):
-        folder = folder.parent
-    return str(folder)
+    stage = wildcards.get("stage") or f"results/{wildcards.campaign}"
+    if "round" in wildcards.keys():
+        stage += f"/rounds/{wildcards.round}"
+    path = str(output[0])
+    return path[: path.rindex(f"{stage}/") + len(stage)]
 
 
 def sections(stage):

@@ -24,7 +24,7 @@ def runs_in_job(campaign: Campaign) -> int:
     if not jobs.minutes:
         return jobs.nodes_per_job
     fitting = 60.0 * jobs.minutes * jobs.processes / seconds_of_run(campaign)
-    return max(1, jobs.processes, round(fitting / jobs.group)) * jobs.group
+    return max(1, jobs.processes, int(fitting / jobs.group)) * jobs.group
 
 
 def job_minutes(campaign: Campaign, runs: int) -> int:

@@ -135,14 +135,15 @@ def sensitivities(folder: Folder, tell: Tell) -> None:
 def linkage(folder: Folder, tell: Tell, figures: Any) -> None:
     """Draw the structure at some moments of the nominal run."""
     from campaign.plan.plan import read_plan
+    from campaign.plan.runs import ROLES
     from campaign.results.linkage import draw_nominal
     from campaign.runs.batch import make_again
     from campaign.runs.store import open_store
 
-    made, store = read_plan(folder.plan), folder.runs("trajectories")
-    nominal = [run for run in made.runs if run.role == "nominal"]
-    make_again(made, open_store("trajectories", store, made.experiment), nominal, tell)
-    draw_nominal(folder.samples, folder.runs("trajectories"), figures.moments, folder.figures)
+    made, kept = read_plan(folder.plan), folder.runs("trajectories")
+    store = open_store("trajectories", kept, made.experiment)
+    make_again(made, store, made.runs[made.runs.role == ROLES.index("nominal")], 1, tell)
+    draw_nominal(folder.samples, kept, figures.moments, folder.figures)
 
 
 def summary(

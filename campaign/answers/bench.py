@@ -6,7 +6,6 @@ Further runs go through the campaign's store, so that they are found again.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,12 +13,11 @@ from typing import Any
 import numpy as np
 
 from campaign.config.sections import Experiment, Jobs
-from campaign.errors import CampaignError
 from campaign.files import open_netcdf
 from campaign.folder import Folder
-from campaign.plan.make import run_id
-from campaign.plan.plan import Plan, Run, read_plan
-from campaign.runs.batch import check_structure, failure_text, simulate, tell_damaged
+from campaign.plan.plan import Plan, read_plan
+from campaign.plan.runs import Run, Runs, run_id
+from campaign.runs.batch import Simulation, check_structure, tell_damaged
 from campaign.runs.progress import Tell, warm_up
 from campaign.runs.store import open_store
 
@@ -108,21 +106,17 @@ class Bench:
     def measure(self, plan: Plan, runs: Sequence[Run]) -> np.ndarray:
         """The quantities (r, q) of runs of a plan, simulated unless the store has them."""
         store = open_store(self.jobs.keep, self.store, plan.experiment)
-        plan = replace(plan, runs=tuple(runs))
-        found, failures = {}, []
-        for group in plan.groups(1, self.jobs.group)[0]:
+        found, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
+        for group in store.groups(Runs.of(runs).unique(), self.jobs.group):
             missing = store.missing(group)
             tell_damaged(store, self.tell)
-            if missing:
+            if len(missing):
                 check_structure(plan)
                 warm_up(plan.experiment.build(plan.named(missing[0])), self.tell)
-                results, failed, _ = simulate(plan, missing, self.threads)
-                store.write(group, results)
-                failures += failed
-                self.simulated += len(results)
+                store.write(group, simulation.results(missing))
             found |= store.read(group)
-        if failures:
-            raise CampaignError(failure_text(plan, failures))
+        self.simulated += simulation.count
+        simulation.check()
         return np.array([found[run.id].numbers for run in runs])
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from campaign.config.design import count_runs
 from campaign.config.sections import Campaign
 from campaign.plan.make import choose_step
+from campaign.runs.extremes import LARGE, MOST
 from campaign.runs.progress import duration_text
 
 ELEMENT_STEP = 10e-9
@@ -23,6 +24,8 @@ STARTING = 4.0
 
 _OTHER_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
 _BOUNDS_CURVES = 12  # of a response in bounds, surrogate and sensitivities, compressed
+_SHARE_CURVES = 4  # of a response in the file of a share of a scan
+_EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
 
 
 @dataclass(frozen=True)
@@ -48,12 +51,25 @@ def estimate(campaign: Campaign) -> Estimate:
     steps = choose_step(experiment).steps_per_instant * (solver.instants - 1)
     whole = math.ceil(runs / LANES) * LANES
     seconds = whole * steps * len(scene.elements) * ELEMENT_STEP / cores() + STARTING
-    responses = len(experiment.responses)
-    kept = 4 * responses + 4 * responses  # each run's, and in samples.nc
-    if campaign.jobs.keep == "trajectories":
-        kept = 8 * (6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + responses)
-    gathered = runs * kept + 8 * _BOUNDS_CURVES * responses
-    return Estimate(runs, seconds, float(solver.instants * gathered))
+    curves = _BOUNDS_CURVES * len(experiment.responses)
+    if campaign.jobs.keep == "extremes":
+        curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)
+    size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
+    return Estimate(runs, seconds, float(size))
+
+
+def bytes_of_run(campaign: Campaign) -> float:
+    """Bytes that a run takes on disk, about, in its own file and in samples.nc."""
+    experiment = campaign.experiment
+    instants, responses = experiment.solver.instants, len(experiment.responses)
+    if campaign.jobs.keep == "extremes":
+        numbers = 2 * len(experiment.quantities) + 2 * len(experiment.intervals)
+        return 8.0 * numbers + 2 * _EVENTS_BYTES
+    if campaign.jobs.keep == "responses":
+        return 8.0 * instants * responses
+    scene = experiment.build(dict(zip(experiment.box.names, experiment.nominal, strict=True)))
+    curves = 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES
+    return 8.0 * instants * (curves + responses)
 
 
 def cores() -> int:

@@ -103,7 +103,7 @@ class Work:
 class PageData:
     """All that the page tells.
 
-    time (t,) s; bounds_kind: what the bounds are, in words; moving: the nominal run first, then
+    time (t,) s; bounds_kind: what the bounds are, in words; runs: of `run_count` that were made; moving: the nominal run first, then
     those at which bounds are attained; provenance: name -> text; config: text to start from again;
     answers: what the summary tells of quantities, requirements and the best choice;
     overlap: of the faces of a contact, rad.
@@ -116,6 +116,7 @@ class PageData:
     parameters: tuple[Parameter, ...]
     responses: tuple[Response, ...]
     runs: tuple[Run, ...]
+    run_count: int
     moving: tuple[MovingRun, ...] = ()
     work: tuple[Work, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)

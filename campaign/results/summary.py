@@ -14,6 +14,7 @@ from campaign.folder import Folder
 from campaign.plan.plan import read_plan
 from campaign.results.answers import answer_lines, answer_rows
 from campaign.results.units import pretty
+from campaign.results.which import counts, nominal_row
 
 
 def summarise(
@@ -39,9 +40,7 @@ def summarise(
 
 def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
     """The headline numbers as plain numbers and text, from the open `bounds.nc`, `samples.nc`."""
-    roles, ids = list(samples["role"][:]), list(samples["run_id"][:])
-    nodes = {run for run, role in zip(ids, roles, strict=True) if role == "node"}
-    held_out = {run for run, role in zip(ids, roles, strict=True) if role == "held_out"} - nodes
+    found = counts(samples)
     names = list(bounds["response"][:])
     parameters = [
         {
@@ -68,15 +67,15 @@ def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
         "design": {
             "method": bounds.design_method,
             "order": np.atleast_1d(bounds.design_order).tolist(),
-            "nodes": len(nodes),
-            "held_out": len(held_out),
-            "runs": len(set(ids)),
-            "nominal_among_them": ids[roles.index("nominal")] in nodes | held_out,
+            "nodes": found.nodes,
+            "held_out": found.held_out,
+            "runs": found.runs,
+            "nominal_among_them": found.nominal_among_them,
         },
         "bounds": bounds_text(bounds),
         "time_step": float(bounds.time_step),
         "overlap": float(samples["overlap"][:].max()),
-        "closures": closures(samples, roles.index("nominal")),
+        "closures": closures(samples, nominal_row(samples)),
         "responses": [
             _response(bounds, i, name, published.get(name)) for i, name in enumerate(names)
         ],

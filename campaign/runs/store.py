@@ -2,19 +2,24 @@
 
 A finished run is found again by a campaign that was killed, and by any later design that asks for
 it if its trajectory was kept. A file that is not as it was written, or is another run's, counts as
-absent, and is noted in `damaged` until it is written again. Two ways to keep a run, with the same
+absent, and is noted in `damaged` until it is written again. Three ways to keep a run, with the same
 methods:
 
 `Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded;
-`Responses`     one netCDF file per group, `<digest of the group's run ids>.nc`, with the
+`Responses`     one netCDF file per group, `<digest of the group's runs>.nc`, with the
                 responses, contact events and quantities only. Other groups have other files:
-                another design, size of group or response simulates its runs again.
+                another design, size of group or response simulates its runs again;
+`Extremes`      one netCDF file per share of a scan, with the least and largest values over time
+                (`campaign.runs.extremes`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import hashlib
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +28,7 @@ import numpy as np
 from campaign.config.sections import Experiment, digest
 from campaign.errors import CampaignError
 from campaign.files import whole_file
-from campaign.plan.plan import Run
+from campaign.plan.runs import Run, Runs
 from fpm.sealed import DamagedError, check
 
 # Contact events as the interval side gets them, in the order of the columns of `Record.events`.
@@ -34,9 +39,14 @@ EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
 class Result:
     """A run that went well: its `fpm.Outcome`, and attributes for its file."""
 
-    id: str
+    run: Run
     outcome: Any
     attributes: Mapping[str, Any]
+
+    @property
+    def id(self) -> str:
+        """Name of the run."""
+        return self.run.id
 
 
 @dataclass(frozen=True)
@@ -54,14 +64,21 @@ class Record:
     overlap: float
 
 
-def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Trajectories | Responses:
+def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
     """The store for a config's `jobs.keep` in `folder`; the experiment says which responses
     and quantities."""
-    kind = {"trajectories": Trajectories, "responses": Responses}[keep]
-    return kind(Path(folder), experiment.curves, experiment.numbers)
+    from campaign.runs.extremes import Extremes
+
+    kind = {"trajectories": Trajectories, "responses": Responses, "extremes": Extremes}[keep]
+    return kind(Path(folder), experiment)
 
 
-def _numbers(quantities: Sequence[Any], curves: Any) -> np.ndarray:
+def groups_of(runs: Runs, size: int) -> list[Runs]:
+    """Runs in groups of `size`; only the last group may be smaller."""
+    return [runs[first : first + size] for first in range(0, len(runs), size)]
+
+
+def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
     """Numbers (q,) of one run; raises `CampaignError` where they cannot be told."""
     try:
         return np.array([quantity.evaluate(curves) for quantity in quantities], dtype=float)
@@ -72,37 +89,43 @@ def _numbers(quantities: Sequence[Any], curves: Any) -> np.ndarray:
 class Trajectories:
     """One netCDF file per run. It does not depend on the responses: any can be taken from it."""
 
-    def __init__(self, folder: Path, responses: Sequence[Any], quantities: Sequence[Any] = ()):
-        self.folder, self.responses, self.quantities = folder, responses, quantities
+    def __init__(self, folder: Path, experiment: Experiment):
+        self.folder = folder
+        self.responses, self.quantities = experiment.curves, experiment.numbers
         self.damaged: dict[Path, DamagedError] = {}
+
+    def groups(self, runs: Runs, size: int) -> list[Runs]:
+        """Runs that are written together."""
+        return groups_of(runs, size)
 
     def path(self, run: Run) -> Path:
         return self.folder / f"{run.id}.nc"
 
-    def missing(self, group: Sequence[Run]) -> list[Run]:
+    def missing(self, group: Runs) -> Runs:
         """The runs of the group that are still to be simulated."""
-        return [run for run in group if self._curves(run) is None]
+        return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
-    def count(self, groups: Sequence[Sequence[Run]]) -> int:
-        """How many runs of all groups are there, by file name alone."""
-        there = {path.stem for path in self.folder.glob("*.nc")} if self.folder.is_dir() else set()
-        return sum(run.id in there for group in groups for run in group)
+    def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
+        """A function that tells how many runs of groups are there, by the names of files alone."""
+        names = {f"{run.id}.nc" for group in groups for run in group}
+        return lambda: sum(name in names for name in listed(self.folder))
 
-    def write(self, group: Sequence[Run], results: Sequence[Result]) -> None:
-        """Write the results that a group has left; ValueError if a number is not finite."""
+    def write(self, group: Runs, results: Iterable[Result]) -> None:
+        """Write the results of runs of a group as they come; ValueError if a number is not
+        finite."""
         from fpm import trajectory
 
         for result in results:
             contents = trajectory.contents(result.outcome, attributes=result.attributes)
             trajectory.write(contents, self.folder / f"{result.id}.nc")
 
-    def read(self, group: Sequence[Run]) -> dict[str, Record]:
+    def read(self, group: Runs) -> dict[str, Record]:
         """Those runs of a group that are there, by id."""
         found = {}
         for run in group:
             if (curves := self._curves(run)) is not None:
                 values = np.stack([r.evaluate(curves) for r in self.responses])
-                numbers = _numbers(self.quantities, curves)
+                numbers = numbers_of(self.quantities, curves)
                 overlap = largest_overlap(curves.openings, curves.contacts)
                 found[run.id] = Record(
                     curves.time, values, curves.events, curves.contacts, numbers, overlap
@@ -125,22 +148,21 @@ class Trajectories:
 class Responses:
     """One netCDF file per group, with the responses only, in single precision."""
 
-    def __init__(self, folder: Path, responses: Sequence[Any], quantities: Sequence[Any] = ()):
-        from fpm import quantities as numbers
-        from fpm import responses as module
-        from fpm.sources import syntax_digest
-
-        self.folder, self.responses, self.quantities = folder, responses, quantities
+    def __init__(self, folder: Path, experiment: Experiment):
+        self.folder = folder
+        self.responses, self.quantities = experiment.curves, experiment.numbers
         self.damaged: dict[Path, DamagedError] = {}
-        modules = [module, numbers] if quantities else [module]
-        code = syntax_digest(Path(m.__file__) for m in modules)
-        self._asked = [code, *(asdict(one) for one in (*responses, *quantities))]
+        self._named = partial(group_digest, asked_of(self.responses, self.quantities), experiment)
 
-    def path(self, group: Sequence[Run]) -> Path:
+    def groups(self, runs: Runs, size: int) -> list[Runs]:
+        """Runs that are written together."""
+        return groups_of(runs, size)
+
+    def path(self, group: Runs) -> Path:
         """Other runs or responses, or another way to read responses, have another file."""
-        return self.folder / f"{digest([self._asked, *(run.id for run in group)])}.nc"
+        return self.folder / f"{self._named(group)}.nc"
 
-    def missing(self, group: Sequence[Run]) -> list[Run]:
+    def missing(self, group: Runs) -> Runs:
         """The runs of the group that are still to be simulated: all of them, or none.
 
         A group in which a run had failed is simulated again as a whole.
@@ -152,23 +174,25 @@ class Responses:
             check(path, _name(path))
         except DamagedError as error:
             self.damaged[path] = error
-            return list(group)
+            return group
         except FileNotFoundError:
-            return list(group)
+            return group
         with netCDF4.Dataset(path) as file:
             there = list(file["run_id"][:])
-        return [] if there == [run.id for run in group] else list(group)
+        return group[:0] if there == [run.id for run in group] else group
 
-    def count(self, groups: Sequence[Sequence[Run]]) -> int:
-        """How many runs of all groups are there."""
-        return sum(len(group) for group in groups if self.path(group).exists())
+    def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
+        """A function that tells how many runs of groups are there, by the names of files alone."""
+        sizes = {self.path(group).name: len(group) for group in groups}
+        return lambda: sum(sizes.get(name, 0) for name in listed(self.folder))
 
-    def write(self, group: Sequence[Run], results: Sequence[Result]) -> None:
-        """Write the results that a group has left; ValueError if a number is not finite."""
+    def write(self, group: Runs, results: Iterable[Result]) -> None:
+        """Write the results of runs of a group; ValueError if a number is not finite."""
         import netCDF4
 
         from fpm.trajectory import curves_of, impact_events
 
+        results = list(results)
         if not results:
             return
         first = results[0].outcome
@@ -206,9 +230,9 @@ class Responses:
                 write_dimension(file, "quantity", [q.name for q in self.quantities], "quantity")
                 variable = file.createVariable("quantities", "f8", ("run", "quantity"))
                 for row, result in enumerate(results):
-                    variable[row] = _numbers(self.quantities, curves_of(result.outcome))
+                    variable[row] = numbers_of(self.quantities, curves_of(result.outcome))
 
-    def read(self, group: Sequence[Run]) -> dict[str, Record]:
+    def read(self, group: Runs) -> dict[str, Record]:
         """Those runs of a group that are there, by id."""
         import netCDF4
 
@@ -232,6 +256,29 @@ class Responses:
             )
             for row, run in enumerate(group)
         }
+
+
+def asked_of(responses: Sequence[Any], quantities: Sequence[Any]) -> list:
+    """What a file depends on that holds responses and quantities and not what they are made of:
+    their definitions, and the code that reads them."""
+    from fpm import quantities as numbers
+    from fpm import responses as module
+    from fpm.sources import syntax_digest
+
+    modules = [module, numbers] if quantities else [module]
+    code = syntax_digest(Path(m.__file__) for m in modules)
+    return [code, *(asdict(one) for one in (*responses, *quantities))]
+
+
+def group_digest(asked: list, experiment: Experiment, group: Runs) -> str:
+    """What the file of a group of runs is named after: all that its contents depend on."""
+    values = hashlib.sha256(group.values.tobytes()).hexdigest()
+    return digest([asked, list(experiment.intervals), group[0].id, values])
+
+
+def listed(folder: Path) -> list[str]:
+    """Names of the files in a folder that may not be there yet."""
+    return os.listdir(folder) if folder.is_dir() else []
 
 
 def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str]) -> float:

@@ -24,8 +24,9 @@ WINDOW = 0.01  # share of the duration
 
 
 def share_outside(runs: int, confidence: float | None = None) -> float:
-    """Share of the box on which the model leaves the least and the largest value of runs, at one
-    instant, if the runs were drawn from the box at random: on average, or at most with a confidence.
+    """Share of the box on which the model leaves the least and the largest value of so many runs,
+    at one instant, if these were drawn from the box at random: on average, or at most with a
+    confidence.
 
     By order statistics, whatever the model (Wilks 1941): the share between the extremes of N draws
     has the density N (N - 1) s^(N - 2) (1 - s), so that the mean share outside is 2 / (N + 1), and

@@ -7,7 +7,6 @@ from typing import Any
 
 from campaign.config.sections import DesignChoice, Experiment, Solver
 
-
 MOST_SAMPLES = 10_000_000
 """Runs of a scan."""
 

@@ -101,7 +101,7 @@ def _of_results(folder: Folder, run: str) -> Chosen:
         raise CampaignError(f"{folder.path} has no samples.nc: it holds no finished campaign")
     with open_netcdf(folder.samples) as samples:
         nominal, values = nominal_row(samples), samples["value"][:]
-        known, names = ids(samples, range(len(values))), list(samples["parameter"][:])
+        known, names = ids(samples, slice(None)), list(samples["parameter"][:])
         config, mechanics = json.loads(samples.config), samples.mechanics
         step = float(samples.time_step)
     experiment = from_data(Experiment, config)

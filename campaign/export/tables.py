@@ -73,7 +73,7 @@ def runs(folder: Folder) -> list[list]:
         if "quantities" in file.variables:
             rows[0] += _headings(file, "quantity", "quantity_units")
             numbers = file["quantities"][:]
-        known = ids(file, range(len(values))), roles(file), values.tolist(), numbers
+        known = ids(file, slice(None)), roles(file), values.tolist(), numbers
         for name, role, place, own in zip(*known, strict=True):
             rows.append([name, role, *place, *_cells(own)])
     return rows

@@ -103,9 +103,10 @@ class Work:
 class PageData:
     """All that the page tells.
 
-    time (t,) s; bounds_kind: what the bounds are, in words; runs: of `run_count` that were made; moving: the nominal run first, then
-    those at which bounds are attained; provenance: name -> text; config: text to start from again;
-    answers: what the summary tells of quantities, requirements and the best choice;
+    time (t,) s; bounds_kind: what the bounds are, in words; runs: those that are told, of
+    `run_count` that were made; moving: the nominal run first, then those at which bounds are
+    attained; provenance: name -> text; config: text to start from again; answers: what the summary
+    tells of quantities, requirements and the best choice;
     overlap: of the faces of a contact, rad.
     """
 

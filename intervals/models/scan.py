@@ -12,6 +12,8 @@ runs in their place (`Samples.quarters`).
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from ..designs import Design, SplitDesign
@@ -69,7 +71,7 @@ def _quarters(samples: Samples, step: int):
         yield from kept
         return
     ends = quarter_ends(len(samples.unit))
-    for first, last in zip(ends, ends[1:], strict=False):
+    for first, last in pairwise(ends):
         found = None
         for start in range(first, last, step):
             stop = min(start + step, last)

@@ -12,7 +12,7 @@ from campaign.config.check import check_config
 from campaign.config.design import count_runs
 from campaign.plan.make import make_plan
 from campaign.plan.plan import read_plan, share, write_plan
-from campaign.runs.store import open_store
+from campaign.runs.store import groups_of, open_store
 from campaign.stages import STAGES
 from fpm.scenes import SceneType
 
@@ -148,7 +148,8 @@ def test_a_plan_survives_its_file(config, tmp_path):
 @pytest.mark.parametrize(("batches", "size"), [(1, 1), (2, 2), (3, 4), (7, 2), (1, 100)])
 def test_batches_and_groups_hold_every_run_once(config, batches, size):
     plan = make_plan(config.experiment)
-    groups = plan.groups(batches, size)
+    every = groups_of(plan.unique_runs(), size)
+    groups = [share(every, batch, batches) for batch in range(batches)]
     assert len(groups) == batches
     flat = [run.id for mine in groups for group in mine for run in group]
     assert flat == [run.id for run in plan.unique_runs()]

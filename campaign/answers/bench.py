@@ -17,6 +17,7 @@ from campaign.files import open_netcdf
 from campaign.folder import Folder
 from campaign.plan.plan import Plan, read_plan
 from campaign.plan.runs import Run, Runs, run_id
+from campaign.results.which import fitted_rows
 from campaign.runs.batch import Simulation, check_structure, tell_damaged
 from campaign.runs.progress import Tell, warm_up
 from campaign.runs.store import open_store
@@ -28,12 +29,16 @@ NEAR, SAME = 1e-6, 1e-3
 class Bench:
     """Runs of a plan's experiment at unit points `unit` (R, k), with the numbers (R, q) of their
     quantities; `further` are those that were asked for here, `simulated` of which were not there.
+
+    Of a large scan it has some of the runs (`fitted_rows`): `others` (q) counts the rest of them
+    that have each number, `left_out` the rest.
     """
 
     def __init__(self, plan: Plan, jobs: Jobs, store: Path, tell: Tell, threads: int = 1) -> None:
         self.plan, self.jobs, self.store, self.tell, self.threads = plan, jobs, store, tell, threads
         self.unit = np.zeros((0, len(plan.experiment.intervals)))
         self.numbers = np.zeros((0, len(plan.experiment.quantities)))
+        self.others, self.left_out = np.zeros(len(plan.experiment.quantities), int), 0
         self.further: list[Run] = []
         self.simulated = 0
 
@@ -44,7 +49,11 @@ class Bench:
         """The runs of a campaign that was sampled, perhaps with the further ones of quantities."""
         bench = cls(read_plan(folder.plan), jobs, folder.runs(jobs.keep), tell, threads)
         with open_netcdf(folder.samples) as samples:
-            bench.unit, bench.numbers = samples["unit"][:], samples["quantities"][:]
+            unit, numbers = samples["unit"][:], samples["quantities"][:]
+        rows = fitted_rows(numbers)
+        bench.unit, bench.numbers = unit[rows], numbers[rows]
+        bench.left_out = len(numbers) - len(rows)
+        bench.others = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
         if further:
             with open_netcdf(folder.further) as file:
                 if len(points := file["unit"][:]):

@@ -79,9 +79,10 @@ def quantities_dataset(bench: Bench, ends: list[Ends], finer: Mapping[str, np.nd
     if finer:
         whole = np.sum([errors, *finer.values()], axis=0)
         put("error_whole", of, whole, "errors of surrogate, step and mesh together")
-    there = np.isfinite(bench.numbers).sum(axis=0)
+    runs = len(bench.unit) + bench.left_out
+    there = np.isfinite(bench.numbers).sum(axis=0) + bench.others
     put("runs_with", of, there, "runs that have the number", "1")
-    put("runs_without", of, len(bench.unit) - there, "runs in which it does not happen", "1")
+    put("runs_without", of, runs - there, "runs in which it does not happen", "1")
     shares = np.array([e.surrogate.occurrence.share() for e in ends])
     put("happens", of, shares[:, 0], "share of the box in which it happens", "1")
     put("open", of, shares[:, 1], "share of the box in which that is not known", "1")
@@ -144,6 +145,6 @@ def attributes_of(bench: Bench) -> dict:
         "config_hash": bench.plan.config_hash,
         "config": json.dumps(plain_data(bench.experiment)),
         "mechanics": bench.plan.mechanics,
-        "runs": len(bench.unit),
+        "runs": len(bench.unit) + bench.left_out,
         "further_runs": len(bench.further),
     }

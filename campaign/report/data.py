@@ -107,7 +107,7 @@ class PageData:
     `run_count` that were made; moving: the nominal run first, then those at which bounds are
     attained; provenance: name -> text; config: text to start from again; answers: what the summary
     tells of quantities, requirements and the best choice;
-    overlap: of the faces of a contact, rad.
+    overlap: of the faces of a contact, rad; scan: what the summary tells of a scan's bounds.
     """
 
     campaign: str
@@ -124,6 +124,7 @@ class PageData:
     config: str = ""
     answers: Mapping[str, Any] = field(default_factory=dict)
     overlap: float = 0.0
+    scan: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def nominal(self) -> Run | None:

@@ -49,6 +49,7 @@ def from_results(folder: str | Path) -> PageData:
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
         answers={name: summary[name] for name in _ANSWERS if name in summary},
         overlap=float(samples["overlap"].max()),
+        scan=summary.get("scan", {}),
     )
     drawn = {*data.lines, *(moving.run for moving in data.moving)}
     if keeps_extremes(samples):

@@ -13,6 +13,7 @@ from campaign.files import open_netcdf, write_result
 from campaign.folder import Folder
 from campaign.plan.plan import read_plan
 from campaign.results.answers import answer_lines, answer_rows
+from campaign.results.scan_words import scan_facts, scan_text
 from campaign.results.units import pretty
 from campaign.results.which import counts, nominal_row
 
@@ -26,6 +27,8 @@ def summarise(
     """
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
         summary = headline(bounds, samples, published)
+        if scan := scan_facts(bounds):
+            summary["scan"] = scan
         asked = "quantities" in samples.variables
     if asked:
         summary |= answer_rows(folder, requirements, choice)
@@ -127,6 +130,8 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict:
         row["error_at_largest_difference"] = float(error[at])
         if bounds.bounds_kind.startswith("least") and not error[at]:
             row["error_at_largest_difference"] = None  # it did not grow, which tells nothing
+    if "growth_quarter" in bounds.variables:
+        row["largest_growth_quarter"] = float(bounds["growth_quarter"][i].max())
     if "worst_violation" in bounds.variables:
         row["runs_outside_by"] = float(bounds["worst_violation"][i])
         row["outside"] = outside_text(bounds, i)
@@ -150,7 +155,7 @@ def closures(samples: Any, run: int) -> list[dict]:
 
 def as_text(summary: Mapping) -> str:
     """The summary as Markdown."""
-    design = summary["design"]
+    design, rows = summary["design"], summary["responses"]
     order = "" if not any(design["order"]) else f" of order {max(design['order'])}"
     lines = [
         f"# {summary['campaign']}",
@@ -168,7 +173,10 @@ def as_text(summary: Mapping) -> str:
         f"| {pretty(p['units'])} |"
         for p in summary["parameters"]
     ]
-    lines += ["", *_response_table(summary["responses"]), "", _error_line(summary)]
+    lines += ["", *_response_table(rows), "", _error_line(summary)]
+    if "scan" in summary:
+        parts = [(row["name"], _quantity(row, "largest_growth_quarter")) for row in rows]
+        lines += ["", scan_text(summary["scan"], [" ".join(part) for part in parts])]
     lines += _doubts(summary)
     if "adaptive" in summary:
         rounds = summary["adaptive"]["rounds"]

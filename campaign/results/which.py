@@ -38,6 +38,28 @@ def nominal_row(samples: Any) -> int | None:
     return int(found[0]) if len(found) else None
 
 
+MOST_FITTED = 10_000
+"""Runs up to which surrogates of quantities are fitted to all of them."""
+
+_FITTED = 4_000  # of more runs
+
+
+def fitted_rows(numbers: np.ndarray) -> np.ndarray:
+    """Places of the runs that surrogates of quantities are fitted to, by their numbers (R, q): all,
+    or of a large scan its beginning, which fills the box too, and whatever may decide: of each
+    quantity the ends, and the first run that has none."""
+    if len(numbers) <= MOST_FITTED:
+        return np.arange(len(numbers))
+    rows = set(range(_FITTED))
+    for column in numbers.T:
+        there = np.isfinite(column)
+        if there.any():
+            rows |= {int(np.nanargmin(column)), int(np.nanargmax(column))}
+        if not there.all():
+            rows.add(int(np.argmin(there)))
+    return np.array(sorted(rows))
+
+
 def roles(samples: Any) -> list[str]:
     """What each run is for."""
     if keeps_extremes(samples):

@@ -9,15 +9,13 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 def program() -> int:
     """The console script `deployable-intervals`."""
-    try:
-        from campaign.cli import main
+    from campaign.stopping import end_on_ctrl_c
 
-        return main(sys.argv[1:])
-    except KeyboardInterrupt:
-        print(
-            "stopped; finished runs are kept, the same command goes on from there", file=sys.stderr
-        )
-        return 130
+    end_on_ctrl_c()
+
+    from campaign.cli import main
+
+    return main(sys.argv[1:])
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from contextlib import suppress
@@ -24,13 +25,18 @@ _READY = (
 )  # fmt: skip
 
 
-# Ctrl-C goes to both processes; the one that asked tells, and ends the other.
+# Ctrl-C goes to both processes; the one that asked tells. While Python starts it is ignored: it
+# would tell of itself.
 _CHILD = """
 import signal
-signal.signal(signal.SIGINT, signal.SIG_IGN)
+signal.signal(signal.SIGINT, signal.SIG_DFL)
 from campaign.drawing import draw
 draw()
 """
+
+
+def _ignore_ctrl_c() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 class Draughtsman:
@@ -43,6 +49,7 @@ class Draughtsman:
             [sys.executable, "-c", _CHILD],
             stdin=subprocess.PIPE,
             env={**os.environ, "PYTHONPATH": paths},
+            preexec_fn=_ignore_ctrl_c,
             text=True,
         )
         return self

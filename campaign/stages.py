@@ -10,9 +10,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from pathlib import Path
-from threading import Thread
 from typing import Any, get_type_hints
 
 from campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
@@ -20,6 +18,7 @@ from campaign.errors import of_files
 from campaign.files import results_of
 from campaign.folder import Folder
 from campaign.runs.progress import Tell
+from campaign.stopping import import_ahead
 from fpm.sealed import DamagedError, check, sweep
 
 
@@ -73,11 +72,21 @@ def gather(folder: Folder, tell: Tell, jobs: Any) -> None:
     gather(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples, tell)
 
 
-def bounds(folder: Folder, tell: Tell, bounds: Any) -> None:
-    """Fit the surrogate to samples.nc, take its bounds, and tell which parameter matters."""
+def bounds(
+    folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int = 1
+) -> None:
+    """Fit the surrogate to samples.nc, take its bounds, and tell which parameter matters.
+
+    What mesh and step add to the error is told too, where that is asked for.
+    """
     from campaign.results.bounds import analyse
 
-    analyse(folder, bounds)
+    if not verify.finer:
+        analyse(folder, bounds)
+        return
+    from campaign.answers.finer import finer_curves
+
+    analyse(folder, bounds, lambda found: finer_curves(folder, found, jobs, tell, threads))
 
 
 def quantities(folder: Folder, tell: Tell, verify: Any, jobs: Any, threads: int = 1) -> None:
@@ -160,7 +169,7 @@ def report(folder: Folder, tell: Tell) -> None:
     from campaign.report import from_results, make_motions, words, write_page
 
     # What turns frames into quaternions is imported while the runs are integrated.
-    Thread(target=import_module, args=("scipy.spatial.transform",), daemon=True).start()
+    import_ahead("scipy.spatial.transform")
     if not make_motions(folder.path):
         tell("no run is made again: the structure or the mechanics have changed since")
     data = from_results(folder.path)
@@ -249,7 +258,8 @@ _PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/f
 _BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py", *_FILES)
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
 _WORDS = (
-    "campaign/results/answers.py", "campaign/results/decisions.py", "campaign/results/words.py",
+    "campaign/results/answers.py", "campaign/results/budget.py",
+    "campaign/results/decisions.py", "campaign/results/words.py",
 )  # fmt: skip
 _SUMMARY = ("campaign/results/summary.py", *_WORDS)
 _RUNS = (
@@ -271,7 +281,7 @@ STAGES = {
         Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:])),
         Stage(simulate, ("jobs",), _RUNS, (_PLAN,)),
         Stage(gather, ("jobs",), ("campaign/results/samples.py", *_RUNS), (_PLAN,)),
-        Stage(bounds, ("bounds",), _BOUNDS, (_SAMPLES,)),
+        Stage(bounds, ("bounds", "verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
         Stage(quantities, ("verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
         Stage(
             requirements,

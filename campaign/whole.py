@@ -7,9 +7,7 @@ import shutil
 import sys
 from collections.abc import Mapping
 from contextlib import nullcontext
-from importlib import import_module
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 from campaign.config.check import check_config, load_config
@@ -19,6 +17,7 @@ from campaign.files import open_dataset
 from campaign.folder import ROUND_FILES, Folder
 from campaign.runs.progress import Tell, Teller
 from campaign.stages import STAGES, answers, batch_count, drawings
+from campaign.stopping import import_ahead
 
 
 def run(
@@ -48,7 +47,7 @@ def run(
             if "linkage" in wanted:  # the one figure that needs no bounds
                 wanted.remove("linkage")
                 draughtsman.ask("linkage", campaign, folder)
-            _stage("bounds", campaign, folder, tell)
+            _stage("bounds", campaign, folder, tell, threads=os.cpu_count() or 1)
         for name in answers(campaign):
             _stage(name, campaign, folder, tell, threads=os.cpu_count() or 1)
         for name in wanted:
@@ -81,7 +80,7 @@ def _sample(campaign: Campaign, folder: Folder, tell: Tell) -> None:
 
     batches = batch_count(campaign.jobs, len(read_plan(folder.plan).runs))
     # What bounds need takes a second to import; meanwhile threads integrate.
-    Thread(target=import_module, args=("xarray",), daemon=True).start()
+    import_ahead("xarray")
     threads = os.cpu_count() or 1
     for batch in range(batches):
         _stage("simulate", campaign, folder, tell, batch=batch, batches=batches, threads=threads)
@@ -99,7 +98,7 @@ def _run_rounds(campaign: Campaign, folder: Folder, tell: Tell) -> None:
         if read_plan(place.plan).is_finished:
             break
         _sample(campaign, place, tell)
-        _stage("bounds", campaign, place, tell)
+        _stage("bounds", campaign, place, tell, threads=os.cpu_count() or 1)
         number += 1
     last = [place.plan, *(place.previous() / name for name in ROUND_FILES[1:])]
     for path in last:

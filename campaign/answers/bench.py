@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,7 @@ from campaign.plan.runs import Run, Runs, run_id
 from campaign.results.which import fitted_rows
 from campaign.runs.batch import Simulation, check_structure, tell_damaged
 from campaign.runs.progress import Tell, warm_up
-from campaign.runs.store import open_store
+from campaign.runs.store import Record, open_store
 
 # In unit coordinates: places nearer than this have one run, or need none of their own.
 NEAR, SAME = 1e-6, 1e-3
@@ -34,8 +33,13 @@ class Bench:
     that have each number, `left_out` the rest.
     """
 
-    def __init__(self, plan: Plan, jobs: Jobs, store: Path, tell: Tell, threads: int = 1) -> None:
-        self.plan, self.jobs, self.store, self.tell, self.threads = plan, jobs, store, tell, threads
+    def __init__(
+        self, plan: Plan, jobs: Jobs, folder: Folder, tell: Tell, threads: int = 1
+    ) -> None:
+        self.plan, self.jobs, self.tell, self.threads = plan, jobs, tell, threads
+        # Of runs that are asked for one by one all responses are wanted.
+        self.keep = "responses" if jobs.keep == "extremes" else jobs.keep
+        self.store = folder.runs(self.keep)
         self.unit = np.zeros((0, len(plan.experiment.intervals)))
         self.numbers = np.zeros((0, len(plan.experiment.quantities)))
         self.others, self.left_out = np.zeros(len(plan.experiment.quantities), int), 0
@@ -47,9 +51,12 @@ class Bench:
         cls, folder: Folder, jobs: Jobs, tell: Tell, threads: int = 1, further: bool = False
     ) -> Bench:
         """The runs of a campaign that was sampled, perhaps with the further ones of quantities."""
-        bench = cls(read_plan(folder.plan), jobs, folder.runs(jobs.keep), tell, threads)
+        bench = cls(read_plan(folder.plan), jobs, folder, tell, threads)
         with open_netcdf(folder.samples) as samples:
-            unit, numbers = samples["unit"][:], samples["quantities"][:]
+            unit = samples["unit"][:]
+            numbers = np.zeros((len(unit), 0))
+            if bench.experiment.quantities:
+                numbers = samples["quantities"][:]
         rows = fitted_rows(numbers)
         bench.unit, bench.numbers = unit[rows], numbers[rows]
         bench.left_out = len(numbers) - len(rows)
@@ -114,7 +121,14 @@ class Bench:
 
     def measure(self, plan: Plan, runs: Sequence[Run]) -> np.ndarray:
         """The quantities (r, q) of runs of a plan, simulated unless the store has them."""
-        store = open_store(self.jobs.keep, self.store, plan.experiment)
+        return np.array([record.numbers for record in self.records(plan, runs)])
+
+    def records(self, plan: Plan, runs: Sequence[Run]) -> list[Record]:
+        """What there is of runs of a plan, simulated unless the store has them.
+
+        Raises `CampaignError` if one fails.
+        """
+        store = open_store(self.keep, self.store, plan.experiment)
         found, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
         for group in store.groups(Runs.of(runs).unique(), self.jobs.group):
             missing = store.missing(group)
@@ -126,7 +140,7 @@ class Bench:
             found |= store.read(group)
         self.simulated += simulation.count
         simulation.check()
-        return np.array([found[run.id].numbers for run in runs])
+        return [found[run.id] for run in runs]
 
 
 def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[Run]:

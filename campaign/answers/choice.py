@@ -48,7 +48,7 @@ def answer(
     asked = read_plan(folder.plan)
     experiment = widened(asked.experiment, choose)
     plan = Plan(experiment, asked.mechanics, choose_step(experiment), Runs.of([]))
-    bench = Bench(plan, jobs, folder.runs(jobs.keep), tell, threads)
+    bench = Bench(plan, jobs, folder, tell, threads)
     points = design_points(experiment, choose)
     tell(f"{experiment.name}: {len(points)} runs over choices and intervals")
     bench.add(points)

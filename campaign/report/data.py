@@ -33,6 +33,8 @@ class Response:
     """A response with its bounds over time, arrays (t,) in `units`.
 
     error: estimated error of the bounds; published: a largest difference to be put beside ours;
+    errors: its parts, means over time, with `whole` and `share` of the width; empty where only that
+    of the fit is known;
     shares (k,) and widths (k, t): what each parameter contributes, overall and at every instant;
     outside: by how much runs that were not fitted leave the bounds; share_outside: at which share
     of their instants; impossible: by how much the fitted curve falls below what is possible.
@@ -51,6 +53,7 @@ class Response:
     outside: float | None = None
     share_outside: float = 0.0
     impossible: float = 0.0
+    errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def widest(self) -> int:

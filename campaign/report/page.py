@@ -11,8 +11,10 @@ from campaign.report.data import PageData
 from campaign.report.pack import payload
 from campaign.report.trust import trust
 from campaign.results import answers, decisions
+from campaign.results.budget import parts_text
 from campaign.results.summary import kind_text
 from campaign.results.units import pretty
+from campaign.results.words import percent
 
 _FOLDER = Path(__file__).parent
 
@@ -38,7 +40,11 @@ def render(data: PageData) -> str:
         undefined=jinja2.StrictUndefined,
     )  # fmt: skip
     environment.filters.update(
-        number=words.number, quantity=words.quantity, percent=words.percent, pretty=pretty
+        number=words.number,
+        quantity=words.quantity,
+        percent=percent,
+        pretty=pretty,
+        parts=parts_text,
     )
     return environment.get_template("page.html").render(
         data=data,

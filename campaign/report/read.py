@@ -39,7 +39,7 @@ def from_results(folder: str | Path) -> PageData:
         time=bounds["time"].values,
         parameters=_parameters(bounds),
         responses=_responses(
-            bounds, _load(sensitivities) if sensitivities.exists() else None, _published(summary)
+            bounds, _load(sensitivities) if sensitivities.exists() else None, summary
         ),
         runs=runs,
         run_count=counts(samples).runs,
@@ -81,8 +81,10 @@ def _parameters(bounds: xarray.Dataset) -> tuple[Parameter, ...]:
 
 
 def _responses(
-    bounds: xarray.Dataset, sensitivities: xarray.Dataset | None, published: dict[str, float]
+    bounds: xarray.Dataset, sensitivities: xarray.Dataset | None, summary: dict
 ) -> tuple[Response, ...]:
+    published, errors = _told_of(summary, "published"), _told_of(summary, "errors")
+
     def values(name: str, i: int, dataset: xarray.Dataset | None = bounds) -> np.ndarray | None:
         return None if dataset is None or name not in dataset else dataset[name].values[i]
 
@@ -99,6 +101,7 @@ def _responses(
                 nominal=values("nominal", i),
                 error=values("error", i),
                 published=published.get(name),
+                errors=errors.get(name, {}),
                 shares=values("width_overall", i, sensitivities),
                 widths=_told(values("width", i, sensitivities), values("error", i, sensitivities)),
                 outside=None if outside is None else float(outside),
@@ -119,9 +122,10 @@ def _summary(folder: Path) -> dict:
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
 
 
-def _published(summary: dict) -> dict[str, float]:
+def _told_of(summary: dict, key: str) -> dict:
+    """What the summary tells of the responses under a key, by response, where it tells it."""
     rows = summary.get("responses", [])
-    return {row["name"]: row["published"] for row in rows if row.get("published") is not None}
+    return {row["name"]: row[key] for row in rows if row.get(key) is not None}
 
 
 _ANSWERS = ("quantities", "requirements", "together", "choice")

@@ -62,7 +62,13 @@ def _error(data: PageData) -> str:
         source = "how much the fit misses each run by when that run is left out"
     else:
         source = "how much the bounds grew from the first half of the runs to all of them"
+    further = (
+        "; it knows nothing of mesh and time step"
+        if not any(response.errors for response in data.responses)
+        else ". To it is added what half the time step, and a mesh twice as fine, change in runs "
+        "at places where the bounds are attained"
+    )
     return (
         f"An estimate of how far the drawn bounds may be from those of the simulated model, made "
-        f"from {source}. It is often too large and sometimes too small; it proves nothing."
+        f"from {source}{further}. It is often too large and sometimes too small; it proves nothing."
     )

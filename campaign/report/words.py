@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 from campaign.report.data import PageData, Parameter, Response
 from campaign.results.answers import interval
+from campaign.results.budget import parts_text
 from campaign.results.decisions import verdict as decided
 from campaign.results.summary import SOFT
 from campaign.results.units import pretty
+from campaign.results.words import percent
 
 SMALL, LARGE = 0.05, 0.25
 """Shares of the largest difference below which an estimated error is called small, and from which
@@ -30,6 +32,7 @@ class Verdict:
     worst_error: str
     published: str
     outside: str
+    parts: str
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -47,11 +50,6 @@ def quantity(value: float, units: str, digits: int = 3) -> str:
     """A number with its unit."""
     unit = pretty(units)
     return number(value, digits) + ("" if unit == "1" else f" {unit}")
-
-
-def percent(share: float) -> str:
-    """`0.0749` as `7 %`; two digits below one per cent."""
-    return f"{100 * share:.2g} %" if abs(share) < 0.01 else f"{100 * share:.0f} %"
 
 
 def spread(parameter: Parameter) -> str:
@@ -166,6 +164,7 @@ def verdict(data: PageData, response: Response) -> Verdict:
         f"{number(low, 4)} to {quantity(high, units, 4)}",
         "" if error is None else quantity(error, units, 2),
         share, grade, worst, _published(response, width, error), outside,
+        parts_text(response.errors),
     )  # fmt: skip
 
 

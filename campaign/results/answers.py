@@ -11,6 +11,7 @@ import numpy as np
 
 from campaign.files import open_netcdf
 from campaign.folder import Folder
+from campaign.results.budget import quantity_errors
 from campaign.results.decisions import choice_lines, requirement_lines
 from campaign.results.units import pretty
 from campaign.results.words import place, table, with_unit
@@ -66,6 +67,8 @@ def quantity_rows(data: Any) -> list[dict]:
         for key in _ERRORS:
             if key in data.variables:
                 row[key] = _number(data[key][i])
+        if errors := quantity_errors(row):
+            row["errors"] = errors
         row |= {key: int(data[key][i]) for key in ("runs_with", "runs_without")}
         row["verified"] = not (data["moving_lower"][i] or data["moving_upper"][i])
         for key in ("argmin", "argmax"):
@@ -104,8 +107,6 @@ def quantity_lines(rows: list[Mapping], runs: int, further_runs: int) -> list[st
         ],
     )
     lines += ["", f"Answers took {further_runs} further runs, {runs} in all."]
-    if any("error_whole" in row for row in rows):
-        lines += ["", "### Errors", "", *_errors(rows)]
     for row in rows:
         if row["runs_without"]:
             lines += ["", occurrence(row)]
@@ -152,14 +153,6 @@ def occurrence(row: Mapping) -> str:
         f"{100 * row['open']:.2g} % of the box they do not tell. "
         "The interval is that of the part in which it happens."
     )
-
-
-def _errors(rows: list[Mapping]) -> list[str]:
-    """The errors of surrogate, step and mesh, and their sum, as a table."""
-    kinds = ["error", *(key for key in _ERRORS if key in rows[0])]
-    head = ["quantity", "surrogate", *(key.removeprefix("error_") for key in kinds[1:])]
-    cells = [[row["name"], *(with_unit(row[k], row["units"], 2) for k in kinds)] for row in rows]
-    return table(head, cells)
 
 
 def _influence(rows: list[Mapping]) -> list[str]:

@@ -13,6 +13,7 @@ from campaign.files import open_netcdf, write_result
 from campaign.folder import Folder
 from campaign.plan.plan import read_plan
 from campaign.results.answers import answer_lines, answer_rows
+from campaign.results.budget import error_lines, response_errors
 from campaign.results.scan_words import scan_facts, scan_text
 from campaign.results.units import pretty
 from campaign.results.which import counts, nominal_row
@@ -135,6 +136,8 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict:
     if "worst_violation" in bounds.variables:
         row["runs_outside_by"] = float(bounds["worst_violation"][i])
         row["outside"] = outside_text(bounds, i)
+    if errors := response_errors(bounds, i):
+        row["errors"] = errors
     row["impossible_by"] = float(bounds["largest_impossible"][i])
     row["time_of_impossible"] = float(bounds["largest_impossible_time"][i])
     return row
@@ -183,6 +186,7 @@ def as_text(summary: Mapping) -> str:
         lines += ["", f"Order found in {len(rounds)} rounds: {rounds[-1]['reason']}."]
     if "quantities" in summary:
         lines += answer_lines(summary)
+    lines += error_lines([*summary["responses"], *summary.get("quantities", [])])
     if summary["closures"]:
         what = "Contacts, stops and latches that close in the nominal run"
         lines += ["", f"{what}: {_closure_text(summary)}."]

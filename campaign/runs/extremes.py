@@ -35,7 +35,8 @@ _AT_ONCE = 32  # runs that are taken in side by side
 
 
 class Extremes:
-    """One netCDF file per share of a scan; the same methods as `store.Responses`."""
+    """One netCDF file per share of a scan; the methods of `store.Responses`, but for `load` in the
+    place of `read`."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder = folder
@@ -87,13 +88,6 @@ class Extremes:
                 written = time.monotonic()
         if share.done.any():
             self._save(group, share)
-
-    def read(self, group: Runs) -> dict[str, store.Record]:
-        """Those runs of a share that are there, by id; without values."""
-        share = self.load(group)
-        if share is None:
-            return {}
-        return {run.id: share.record(row) for row, run in enumerate(group) if share.done[row]}
 
     def load(self, group: Runs) -> Share | None:
         """What is there of a share: of several files the one with most runs that is whole."""

@@ -78,13 +78,6 @@ class Share:
                 self.events[name] = np.pad(self.events[name], grown, constant_values=fill)
             self.events[name][row, : len(events)] = events[:, column]
 
-    def record(self, row: int) -> store.Record:
-        """What is known of one run; no values."""
-        table = np.stack([values[row].astype(float) for values in self.events.values()], axis=-1)
-        table = table[np.isfinite(table[:, 0])]
-        none = np.zeros((0, len(self.time)))
-        return store.Record(self.time, none, table, self.contacts, self.numbers[row], self.overlap)
-
     def write(self, path: Path) -> None:
         """Write the netCDF file."""
         import netCDF4

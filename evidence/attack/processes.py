@@ -18,6 +18,8 @@ from evidence.attack.ledger import Ledger
 from evidence.attack.victim import Victim, broken_in, left_in
 
 ROOT = Path(__file__).parents[2]
+LIMIT = 30.0
+"""Seconds (see `time_limit`) for a run of some three, and once more."""
 
 
 def command(victim: Victim, place: Path, figures: bool = False) -> list[str]:
@@ -61,7 +63,7 @@ def attack_by_kill(victim: Victim, place: Path, ledger: Ledger, rng: random.Rand
     with suppress(ProcessLookupError):  # it was faster
         os.killpg(process.pid, how)
     what = f"after {after:.2f} s, keep: {victim.keep}"
-    ledger.attempt(name, what, 120.0, lambda: _after_death(victim, place, process))
+    ledger.attempt(name, what, LIMIT, lambda: _after_death(victim, place, process))
 
 
 def attack_by_full_disk(victim: Victim, place: Path, ledger: Ledger, rng: random.Random) -> None:
@@ -69,7 +71,7 @@ def attack_by_full_disk(victim: Victim, place: Path, ledger: Ledger, rng: random
     limit = int(10 ** rng.uniform(1.0, 5.2))
     process = start(command(victim, place), limit)
     what = f"no file above {limit} bytes, keep: {victim.keep}"
-    ledger.attempt("full disk", what, 120.0, lambda: _after_death(victim, place, process))
+    ledger.attempt("full disk", what, LIMIT, lambda: _after_death(victim, place, process))
 
 
 def _after_death(victim: Victim, place: Path, process: subprocess.Popen) -> str:

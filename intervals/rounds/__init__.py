@@ -2,6 +2,16 @@
 
 from .decide import Decision, Progress, Specification, decide
 from .measure import measure_round
+from .places import Places, deciding_places
 from .seek import seek_points
 
-__all__ = ["Decision", "Progress", "Specification", "decide", "measure_round", "seek_points"]
+__all__ = [
+    "Decision",
+    "Places",
+    "Progress",
+    "Specification",
+    "decide",
+    "deciding_places",
+    "measure_round",
+    "seek_points",
+]

@@ -75,10 +75,18 @@ def test_killed_runs_and_full_disks_leave_nothing_broken(victims, tmp_path):
 
 
 @pytest.mark.slow
-def test_many_files_configs_and_processes(victims, tmp_path):
+def test_many_damaged_files(victims, tmp_path):
     damage(victims, tmp_path, 100)
+
+
+@pytest.mark.slow
+def test_many_mutated_configs(tmp_path):
     configs(tmp_path, 2300, 100)
-    processes(victims, tmp_path, 10)
+
+
+@pytest.mark.slow
+def test_many_killed_runs_and_full_disks(victims, tmp_path):
+    processes(victims, tmp_path, 8)
 
 
 def test_a_mutant_is_changed_in_one_place():

@@ -3,6 +3,7 @@
 
 rule bounds:
     input:
+        "{stage}/nodes.json",
         "{stage}/samples.nc",
     output:
         "{stage}/surrogate.nc",

@@ -1,0 +1,41 @@
+"""Ctrl-C ends a shell's run at once; where it raises, no thread imports."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+
+import pytest
+
+from campaign.stopping import end_on_ctrl_c, import_ahead
+
+
+@pytest.fixture
+def interrupts():
+    """SIGINT as Python starts with it, and after the test as it was."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def imported(name: str) -> bool:
+    sys.modules.pop(name, None)
+    import_ahead(name)
+    for thread in threading.enumerate():
+        if thread.name.endswith("(import_module)"):
+            thread.join()
+    return name in sys.modules
+
+
+def test_nothing_is_imported_beside_what_an_interrupt_can_hit(interrupts):
+    assert not imported("colorsys")
+    end_on_ctrl_c()
+    assert signal.getsignal(signal.SIGINT) is not signal.default_int_handler
+    assert imported("colorsys")
+
+
+def test_ctrl_c_stays_ignored_where_it_is(interrupts):
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_on_ctrl_c()
+    assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN

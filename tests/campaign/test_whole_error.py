@@ -1,0 +1,75 @@
+"""The whole error of responses: surrogate, step and mesh."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import campaign
+from campaign.folder import Folder
+from campaign.report.read import from_results
+from campaign.report.words import verdict
+
+
+@pytest.fixture(scope="module")
+def campaigns(tmp_path_factory):
+    """Bounds of a campaign, and of the same with half the step and on the finer mesh."""
+    results = tmp_path_factory.mktemp("whole")
+    raw = {
+        "scene": {"name": "bennett", "parameters": {"elements_per_link": 2}},
+        "solver": {"duration": 0.02, "instants": 41},
+        "intervals": {"K_F": {"relative": 0.05}},
+        "design": {"method": "tensor_lobatto", "order": 2},
+        "held_out": 2,
+        "responses": {"BD": {"distance": ["B", "D"]}, "vBz": {"velocity": "B", "component": "z"}},
+    }
+
+    def run(name, **change):
+        whole = {**raw, "campaign": name, **change}
+        return campaign.run(whole, results, figures=False, tell=lambda text: None)
+
+    found = {"usual": run("usual", verify={"finer": True})}
+    halved = {**raw["solver"], "step": found["usual"].attrs["time_step"] / 2}
+    found["step"] = run("step", solver=halved)
+    finer = {"name": "bennett", "parameters": {"elements_per_link": 4}}
+    found["mesh"] = run("mesh", scene=finer)
+    return found | {"folder": Folder(results / "usual")}
+
+
+@pytest.mark.parametrize("part", ["step", "mesh"])
+def test_parts_are_what_a_finer_campaign_changes(campaigns, part):
+    """Bounds of BD are attained at the ends of the interval, where there are runs in both; at a few
+    instants those of the velocity are not, which may tell by a twentieth of the largest change."""
+    usual, finer = campaigns["usual"], campaigns[part]
+    changed = np.maximum(abs(finer["lower"] - usual["lower"]), abs(finer["upper"] - usual["upper"]))
+    found = usual[f"error_{part}"].values
+    assert found.max() > 0
+    # Instants are farther apart than the window of the estimate, which thus changes nothing.
+    for i, near in enumerate((1e-4, 0.05)):
+        most = found[i].max()
+        assert found[i] == pytest.approx(changed.values[i], rel=1e-6, abs=near * most)
+
+
+def test_the_error_is_that_of_all_parts(campaigns):
+    bounds = campaigns["usual"]
+    parts = [bounds[f"error_{name}"] for name in ("surrogate", "step", "mesh")]
+    assert bounds["error"].values == pytest.approx(sum(parts).values)
+    shares = sum(bounds[f"share_{name}"] for name in ("surrogate", "step", "mesh"))
+    assert bounds["error_share_of_width"].values == pytest.approx(shares.values)
+    assert bounds["largest_error"].values == pytest.approx(bounds["error"].values.max(axis=1))
+    assert "error_mesh" not in campaigns["mesh"]
+
+
+def test_summary_and_page_tell_all_parts(campaigns):
+    folder, bounds = campaigns["folder"], campaigns["usual"]
+    summary = json.loads((folder / "summary.json").read_text())
+    for i, row in enumerate(summary["responses"]):
+        parts = row["errors"]
+        assert parts["whole"] == pytest.approx(sum(parts[n] for n in ("surrogate", "step", "mesh")))
+        assert parts["share"] == pytest.approx(float(bounds["error_share_of_width"][i]))
+    text = (folder / "summary.md").read_text()
+    assert "| error of | surrogate | step | mesh | together |" in text
+    data = from_results(folder.path)
+    assert all("mesh" in verdict(data, response).parts for response in data.responses)

@@ -1,0 +1,61 @@
+"""Budgets of errors, and the places that decide."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import intervals
+
+
+def test_places_follow_where_bounds_are_attained():
+    """Bounds that are attained at one end, then at the other: these are the places."""
+    argmin = np.where(np.arange(50) < 30, -1.0, 1.0).reshape(1, 50, 1)
+    places = intervals.deciding_places(argmin, -argmin, np.ones((1, 50)), 8)
+    assert sorted(places.unit[:, 0]) == [-1.0, 1.0]
+    assert (places.unit[places.lower, 0] == argmin[..., 0]).all()
+    assert (places.unit[places.upper, 0] == -argmin[..., 0]).all()
+
+
+def test_few_places_are_spread_by_the_weight_of_the_instants(rng_seed=3):
+    """With one place it lies where the wide instants are; with more, all are nearer."""
+    attained = np.random.default_rng(rng_seed).uniform(-1, 1, (2, 300, 2))
+    width = np.ones((2, 300))
+    width[:, :200] = 1e-3
+    attained[:, 200:] = 0.1 * attained[:, 200:] + 0.5
+    one = intervals.deciding_places(attained, attained, width, 1)
+    assert abs(one.unit - 0.5).max() < 0.1
+    spread = []
+    for count in (1, 4, 8):
+        places = intervals.deciding_places(attained, attained, width, count)
+        assert len(places.unit) == count
+        apart = np.linalg.norm(attained - places.unit[places.lower], axis=-1)
+        spread.append(float((apart * width).sum()))
+    assert spread == sorted(spread, reverse=True)
+
+
+def test_errors_of_places_are_those_of_the_nearest():
+    argmin, argmax = np.full((1, 4, 1), -1.0), np.full((1, 4, 1), 1.0)
+    places = intervals.deciding_places(argmin, argmax, np.ones((1, 4)), 8)
+    changes = np.zeros((2, 1, 4))
+    changes[int(places.lower[0, 0]), 0] = [0.1, -0.3, 0.0, 0.2]
+    changes[int(places.upper[0, 0]), 0] = [-0.2, 0.1, 0.0, 0.2]
+    assert places.errors(changes)[0].tolist() == [0.2, 0.3, 0.0, 0.2]
+
+
+def test_a_budget_adds_its_parts():
+    time = np.linspace(0.0, 1.0, 5)
+    curves = {name: (("response", "time"), np.full((1, 5), value))
+              for name, value in (("lower", 0.0), ("upper", 2.0), ("error", 0.1))}  # fmt: skip
+    numbers = ("largest_error", "largest_error_time", "error_share_of_width")
+    curves |= {name: ("response", [0.0]) for name in numbers}
+    bounds = xr.Dataset(curves, coords={"time": time})
+    mesh = np.array([[0.0, 0.0, -0.4, 0.0, 0.0]])
+    found = intervals.add_errors(bounds, {"mesh": mesh})
+    assert found["error"].values[0].tolist() == pytest.approx([0.1, 0.1, 0.5, 0.1, 0.1])
+    assert float(found["largest_error_time"][0]) == 0.5
+    assert float(found["share_surrogate"][0]) == pytest.approx(0.05)
+    assert float(found["share_mesh"][0]) == pytest.approx(0.4 * 0.25 / 2)
+    share = float(found["error_share_of_width"][0])
+    assert share == pytest.approx(0.05 + 0.4 * 0.25 / 2)

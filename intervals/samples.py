@@ -114,7 +114,8 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
     Variables ``values`` (run, response, time), ``unit`` and ``value`` (run, parameter), perhaps
     ``role`` (run); coordinates ``time`` and ``response``. A scan may have, in the place of
     ``values`` and ``role``, the running bounds ``lower``, ``upper``, ``lower_run``, ``upper_run``
-    (quarter, response, time) of each quarter of its runs, and perhaps ``nominal`` (response, time).
+    (quarter, response, time) of each quarter of its runs, and perhaps ``nominal`` (response, time),
+    which the first of its runs then is.
     """
     what = ("values",) if "lower_run" not in samples else _RUNNING
     for name in ("time", "response", *what, "unit", "value"):
@@ -131,6 +132,8 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
     if "role" in samples:
         found = np.flatnonzero(samples["role"].values.astype(str) == "nominal")
         nominal = int(found[0]) if len(found) else None
+    elif "nominal" in samples:
+        nominal = 0
     return Samples(
         names,
         [known.index(name) for name in names],

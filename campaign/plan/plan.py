@@ -96,6 +96,10 @@ class Plan:
 
     def unique_runs(self) -> Runs:
         """The runs, each once, in their order."""
+        return self._unique
+
+    @cached_property
+    def _unique(self) -> Runs:
         return self.runs.unique()
 
     def named(self, run: Run) -> dict[str, float]:

@@ -7,6 +7,7 @@ the workflow. Imports stay inside, so that a stage loads what it needs and no mo
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -322,7 +323,10 @@ STAGES = {
 
 def batch_count(jobs: Any, runs: int) -> int:
     """Number of batches that runs are shared among."""
-    return -(-runs // jobs.nodes_per_job)
+    if jobs.nodes_per_job != "auto":
+        return -(-runs // jobs.nodes_per_job)
+    several = max(8, os.cpu_count() or 1)
+    return min(-(-runs // 512), max(several, min(-(-runs // 4096), 64)))
 
 
 def answers(campaign: Campaign) -> list[str]:

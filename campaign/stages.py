@@ -68,9 +68,10 @@ def simulate(
 def gather(folder: Folder, tell: Tell, jobs: Any) -> None:
     """Gather the responses of all runs into samples.nc."""
     from campaign.plan.plan import read_plan
-    from campaign.results.samples import gather
+    from campaign.results import kept_extremes, samples
 
-    gather(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples, tell)
+    collect = kept_extremes.gather if jobs.keep == "extremes" else samples.gather
+    collect(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples, tell)
 
 
 def bounds(
@@ -256,21 +257,27 @@ _DESIGN = (
     "intervals/designs/*.py",
 )
 _PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py", *_FILES)
-_BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py", *_FILES)
+_WHICH = ("campaign/results/which.py", "campaign/plan/runs.py")
+_BOUNDS = ("campaign/results/bounds.py", *_WHICH, *_DESIGN[:2], "intervals/**/*.py", *_FILES)
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
 _WORDS = (
     "campaign/results/answers.py", "campaign/results/budget.py",
-    "campaign/results/decisions.py", "campaign/results/words.py",
+    "campaign/results/decisions.py", "campaign/results/scan_words.py",
+    "campaign/results/words.py", *_WHICH,
 )  # fmt: skip
 _SUMMARY = ("campaign/results/summary.py", *_WORDS)
 _RUNS = (
     "campaign/runs/*.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py",
-    "fpm/quantities.py", "fpm/quantity_definitions.py", *_FILES,
+    "fpm/quantities.py", "fpm/quantity_definitions.py", "campaign/plan/runs.py",
+    "intervals/running.py", *_FILES,
 )  # fmt: skip
 _ANSWERS = (
     "campaign/answers/*.py", "campaign/config/answers.py", "campaign/config/scenes.py",
     "campaign/plan/make.py",
     *_BOUNDS, *_RUNS,
+)  # fmt: skip
+_GATHERED = (
+    "campaign/results/samples.py", "campaign/results/kept_extremes.py", "intervals/samples.py",
 )  # fmt: skip
 _PLAN, _SAMPLES, _BOX = "nodes.json", "samples.nc", "bounds.nc"
 
@@ -281,7 +288,7 @@ STAGES = {
         Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN, *_FILES)),
         Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:])),
         Stage(simulate, ("jobs",), _RUNS, (_PLAN,)),
-        Stage(gather, ("jobs",), ("campaign/results/samples.py", *_RUNS), (_PLAN,)),
+        Stage(gather, ("jobs",), (*_GATHERED, *_RUNS), (_PLAN,)),
         Stage(bounds, ("bounds", "verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
         Stage(quantities, ("verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
         Stage(
@@ -296,7 +303,7 @@ STAGES = {
         Stage(
             ranges,
             (),
-            ("campaign/results/ranges.py", "intervals/**/*.py", *_PLOT),
+            ("campaign/results/ranges.py", *_WHICH, "intervals/**/*.py", *_PLOT),
             (_SAMPLES, "quantities.nc", "further.nc"),
         ),
         Stage(

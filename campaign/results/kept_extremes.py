@@ -44,8 +44,8 @@ _LONG_NAMES = {
 }
 
 
-def gather_extremes(
-    plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell
+def gather(
+    plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
 ) -> None:
     """Write `samples.nc` at `path` from the shares in `folder`; memory is that of the plan.
 

@@ -67,10 +67,6 @@ def gather(
     """
     import netCDF4
 
-    if jobs.keep == "extremes":
-        from campaign.results.kept_extremes import gather_extremes
-
-        return gather_extremes(plan, jobs, folder, path, tell)
     store = open_store(jobs.keep, folder, plan.experiment)
     groups = store.groups(plan.unique_runs(), jobs.group)
     rows: dict[str, list[int]] = {}

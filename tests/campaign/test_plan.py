@@ -145,6 +145,24 @@ def test_a_plan_survives_its_file(config, tmp_path):
     assert read_plan(tmp_path / "nodes.json") == plan
 
 
+def test_a_plan_of_many_runs_is_packed_to_the_last_bit(raw, tmp_path, monkeypatch):
+    raw["intervals"]["E"] = {"relative": 0.05}
+    raw["design"] = {"method": "scan", "samples": 10_000}
+    plan = plan_of(raw)
+    write_plan(plan, tmp_path / "nodes.json")
+    found = read_plan(tmp_path / "nodes.json")
+    assert found == plan
+    assert found.digest == plan.digest
+    assert [run.id for run in found.runs[:5]] == [run.id for run in plan.runs[:5]]
+    assert (tmp_path / "nodes.json").stat().st_size < 40 * len(plan.runs)
+
+
+def test_runs_with_the_same_values_are_one(config):
+    plan = make_plan(config.experiment)
+    rows = plan.runs[[0, 1, 0, 2, 1]]
+    assert [run.id for run in rows.unique()] == [plan.runs[i].id for i in (0, 1, 2)]
+
+
 @pytest.mark.parametrize(("batches", "size"), [(1, 1), (2, 2), (3, 4), (7, 2), (1, 100)])
 def test_batches_and_groups_hold_every_run_once(config, batches, size):
     plan = make_plan(config.experiment)

@@ -68,9 +68,10 @@ def simulate(
 def gather(folder: Folder, tell: Tell, jobs: Any) -> None:
     """Gather the responses of all runs into samples.nc."""
     from campaign.plan.plan import read_plan
-    from campaign.results import kept_extremes, samples
+    from campaign.results.kept_extremes import gather as gather_extremes
+    from campaign.results.samples import gather
 
-    collect = kept_extremes.gather if jobs.keep == "extremes" else samples.gather
+    collect = gather_extremes if jobs.keep == "extremes" else gather
     collect(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples, tell)
 
 

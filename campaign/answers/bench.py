@@ -19,7 +19,8 @@ from campaign.plan.runs import Run, Runs, run_id
 from campaign.results.which import fitted_rows
 from campaign.runs.batch import Simulation, check_structure, tell_damaged
 from campaign.runs.progress import Tell, warm_up
-from campaign.runs.store import Record, open_store
+from campaign.runs.results import Record
+from campaign.runs.store import open_store
 
 # In unit coordinates: places nearer than this have one run, or need none of their own.
 NEAR, SAME = 1e-6, 1e-3

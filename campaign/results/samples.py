@@ -39,7 +39,8 @@ from campaign.plan.runs import Runs
 from campaign.provenance import as_attribute
 from campaign.runs.batch import make_again
 from campaign.runs.progress import Tell
-from campaign.runs.store import EVENT_VARIABLES, Record, open_store, write_dimension
+from campaign.runs.results import EVENT_VARIABLES, Record, write_dimension
+from campaign.runs.store import open_store
 from fpm.trajectory import CONVENTIONS
 
 _CHUNK_RUNS = 64

@@ -24,7 +24,8 @@ from campaign.plan.plan import Plan, share
 from campaign.plan.runs import Run, Runs
 from campaign.provenance import as_attribute
 from campaign.runs.progress import Progress, Tell, warm_up
-from campaign.runs.store import Result, groups_of, open_store
+from campaign.runs.results import Result, groups_of
+from campaign.runs.store import open_store
 from fpm.sealed import sweep
 
 Failure = tuple[Run, str]

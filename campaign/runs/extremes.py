@@ -18,7 +18,7 @@ import numpy as np
 from campaign.config.sections import Experiment
 from campaign.files import whole_file
 from campaign.plan.runs import Runs
-from campaign.runs import store
+from campaign.runs import results as common
 from campaign.runs.share import Share
 from fpm.sealed import DamagedError, check
 
@@ -42,8 +42,8 @@ class Extremes:
         self.folder = folder
         self.responses, self.quantities = experiment.curves, experiment.numbers
         self.damaged: dict[Path, DamagedError] = {}
-        asked = store.asked_of(self.responses, self.quantities)
-        self._named = partial(store.group_digest, ["extremes", *asked], experiment)
+        asked = common.asked_of(self.responses, self.quantities)
+        self._named = partial(common.group_digest, ["extremes", *asked], experiment)
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
         """The shares of a scan; they do not depend on the size of groups."""
@@ -59,7 +59,7 @@ class Extremes:
 
         def count() -> int:
             done: dict[str, int] = {}
-            for name in store.listed(self.folder):
+            for name in common.listed(self.folder):
                 share = name.split(".")[0]
                 if share in names:
                     done[share] = max(_runs_in(Path(name)), done.get(share, 0))
@@ -72,7 +72,7 @@ class Extremes:
         found = self.load(group)
         return group if found is None else group[np.flatnonzero(~found.done)]
 
-    def write(self, group: Runs, results: Iterable[store.Result]) -> None:
+    def write(self, group: Runs, results: Iterable[common.Result]) -> None:
         """Take in the results of runs of a share as they come, in the order of its runs.
 
         It is written whenever `PAUSE` has passed, and at the end; ValueError if a number is not

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from campaign.runs import store
+from campaign.runs import results as common
 from intervals.running import Running
 
 CURVES = ("lower", "upper", "lower_run", "upper_run")
@@ -44,7 +44,7 @@ class Share:
         self.time = self.first = np.zeros(0)
         self.contacts: list[str] = []
 
-    def take(self, rows: Sequence[int], results: Sequence[store.Result]) -> None:
+    def take(self, rows: Sequence[int], results: Sequence[common.Result]) -> None:
         """Take in results; rows: their places in the share, which increase.
 
         ValueError if a number is not finite.
@@ -64,9 +64,11 @@ class Share:
             found = impact_events(outcome.events, outcome.eventful)
             self.contacts = found["contacts"]
             self._note(row, found["events"])
-            self.overlap = max(self.overlap, store.largest_overlap(outcome.openings, self.contacts))
+            self.overlap = max(
+                self.overlap, common.largest_overlap(outcome.openings, self.contacts)
+            )
             if self.quantities:
-                self.numbers[row] = store.numbers_of(self.quantities, curves_of(outcome))
+                self.numbers[row] = common.numbers_of(self.quantities, curves_of(outcome))
             self.done[row] = True
 
     def _note(self, row: int, events: np.ndarray) -> None:
@@ -93,7 +95,7 @@ class Share:
                 ("quantity", [q.name for q in self.quantities]),
                 ("contact", self.contacts),
             ):
-                store.write_dimension(file, name, names, f"name of the {name}")
+                common.write_dimension(file, name, names, f"name of the {name}")
             curves, running = ("response", "time"), self.running
             found = (running.low, running.high, running.low_run, running.high_run, self.first)
             for name, values in zip((*CURVES, "first"), found, strict=True):

@@ -12,7 +12,8 @@ from campaign.config.check import check_config
 from campaign.config.design import count_runs
 from campaign.plan.make import make_plan
 from campaign.plan.plan import read_plan, share, write_plan
-from campaign.runs.store import groups_of, open_store
+from campaign.runs.results import groups_of
+from campaign.runs.store import open_store
 from campaign.stages import STAGES
 from fpm.scenes import SceneType
 

@@ -113,11 +113,12 @@ def section_corners(scene: Scene) -> np.ndarray:
         return np.zeros((0, 2, 4, 3))
     nodes, _, half = elements_of(scene)
     triads = np.concatenate([beams.triad for beams in scene.beams])
+    start = scene.frame if scene.unstrained is None else scene.unstrained
     faces = _contact_faces(scene)
     out = np.zeros((len(nodes), 2, 4, 3))
     for e, ends in enumerate(nodes):
         for k, particle in enumerate(ends):
-            axes = scene.frame[particle].T @ triads[e]
+            axes = start[particle].T @ triads[e]
             corners = (2.0 * half[e] * BOX_CORNERS) @ axes[:, 1:].T
             for point, normal in faces.get(int(particle), ()):
                 slope = normal @ axes[:, 0]

@@ -6,6 +6,7 @@ Everything is in SI units; positions, directions and loads are given in global a
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,6 +29,9 @@ from fpm.kinds import (
 from fpm.kinds.beam import Material, Section, triad
 from fpm.kinds.lumping import lump
 from fpm.kinds.virtual_beam import VirtualBeam
+
+if TYPE_CHECKING:
+    from fpm.assembly import Assembly
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,8 @@ class Scene:
         self.position = np.zeros((0, 3))
         self.frame = np.zeros((0, 3, 3))
         self.unstrained: np.ndarray | None = None  # frames (n, 3, 3) without strain; None: `frame`
+        self.unstrained_position: np.ndarray | None = None  # and positions (n, 3); None: `position`
+        self.assembly: Assembly | None = None  # what forced it together (fpm/assembly)
         self.velocity = np.zeros((0, 3))
         self.spin = np.zeros((0, 3))
         self.mass = np.zeros(0)
@@ -193,7 +199,8 @@ class Scene:
         references: two vectors (3,), fixed to the first and the second particle and normal to the
         axis, as they lie at the start; their angle is the opening. `opening` (rad) picks the turn:
         the starting value is the one closest to it. Without references the hinge starts at
-        `opening`. support: global axes ("", "z", "xyz") along which the hinge point is held.
+        `opening`. support: global axes ("", "z", "xyz") along which the hinge point is held. point
+        and axis may be (2, 3), one for each particle, for fpm.assembly to bring together.
         """
         return self.add(
             Hinge.between(self, name, particles, point, axis, references, opening, support)
@@ -203,7 +210,8 @@ class Scene:
         """Join two particles at `point` (3,), if not by a hinge; returns the joint's index.
 
         type: "spherical"; "fixed"; "universal", about `axis` (3,) of the first and `other` (3,) of
-        the second, normal to it; "prismatic": the second slides on the first along `axis`.
+        the second, normal to it; "prismatic": the second slides on the first along `axis`. point
+        may be (2, 3), one for each particle, for fpm.assembly to bring together.
         """
         return self.add(Joint.between(self, name, type, particles, point, axis, other))
 
@@ -256,7 +264,8 @@ class Scene:
 
         All in global axes; the arm, as it lies at the start, is fixed to the particle.
         """
-        beam = VirtualBeam(int(particle), self.frame[particle].T @ np.asarray(arm, float))
+        frame = self.frame if self.unstrained is None else self.unstrained
+        beam = VirtualBeam(int(particle), frame[particle].T @ np.asarray(arm, float))
         self.add(Load(beam, np.asarray(force, float), np.asarray(moment, float), int(curve)))
 
     def drive(self, particle: int, velocity=(0, 0, 0), spin=(0, 0, 0), curve: int = -1) -> None:
@@ -271,12 +280,22 @@ class Scene:
         """Name a point fixed to a particle, at `position` (3,) m (default: the particle itself)."""
         if name in self.points:
             raise SceneError("point", name, f"a name not yet used ({', '.join(self.points)})")
-        point = self.position[particle] if position is None else position
-        self.points[name] = self.arm_to(int(particle), point)
+        self.points[name] = self.arm_to(int(particle), position)
 
-    def arm_to(self, particle: int, point) -> VirtualBeam:
-        """The virtual beam from a particle to a point (3,) m."""
-        return VirtualBeam.to_point(particle, self.position[particle], self.frame[particle], point)
+    def arm_to(self, particle: int, point=None) -> VirtualBeam:
+        """The virtual beam from a particle to a point (3,) m, by default itself.
+
+        Of a scene that was assembled, both are taken where they lay before.
+        """
+        position, frame = (
+            now if before is None else before
+            for now, before in (
+                (self.position, self.unstrained_position),
+                (self.frame, self.unstrained),
+            )
+        )
+        point = position[particle] if point is None else point
+        return VirtualBeam.to_point(particle, position[particle], frame[particle], point)
 
     # -- names -----------------------------------------------------------------------
 

@@ -84,6 +84,9 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
         "steps": outcome.steps,
         "events_dropped": outcome.events_dropped,
     }
+    if outcome.scene.assembly is not None:
+        assembly = outcome.scene.assembly
+        known |= {"assembly_energy": assembly.energy, "assembly_gap": assembly.gap}
     if limit is not None:
         known |= {"time_step_limit": limit.step, "limiting_element": limit.element}
     return Contents({**known, **(attributes or {})}, variables)

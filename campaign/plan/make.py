@@ -46,14 +46,17 @@ def choose_step(experiment: Experiment) -> TimeStep:
     import fpm
 
     solver, box = experiment.solver, experiment.box
-    limit, element = math.inf, ""
+    limit, element, energy = math.inf, "", 0.0
     for unit in np.vstack([np.zeros((1, box.dimension)), box.corners()]):
         named = dict(zip(box.names, map(float, box.from_unit(unit)), strict=True))
-        stable = fpm.stable_step(experiment.build(named))
+        scene = experiment.build(named)
+        stable = fpm.stable_step(scene)
         if stable.step < limit:
             limit, element = float(stable.step), str(stable.element)
+        if scene.assembly is not None:
+            energy = max(energy, scene.assembly.energy)
     wanted = solver.safety * limit if solver.step == "auto" else solver.step
     for problem in steps_problems(solver, wanted):
         raise CampaignError(problem)
     division = fpm.divide_time(solver.duration, solver.instants, wanted)
-    return TimeStep(division.step, division.per_instant, limit, element)
+    return TimeStep(division.step, division.per_instant, limit, element, energy)

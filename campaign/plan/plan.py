@@ -3,7 +3,7 @@
 `nodes.json` holds it:
 
     campaign, config_hash, config   the sections of the config that decide the runs, resolved
-    step, step_limit (s), limiting_element, steps_per_instant, mechanics
+    step, step_limit (s), limiting_element, steps_per_instant, assembly_energy (J), mechanics
     runs      [{id, role, unit (k), values (k)}], one a line; role is node, nominal or held_out
     packed    in the place of these, where they are many: {count, role, unit}, the arrays (count) of
               indices into `runs.ROLES`, one byte each, and (count, k) of little-endian doubles, in
@@ -36,12 +36,16 @@ MOST_LISTED = 10_000
 
 @dataclass(frozen=True)
 class TimeStep:
-    """The step that serves all runs, the largest stable one (s), and what limits it where."""
+    """The step that serves all runs, the largest stable one (s), and what limits it where.
+
+    assembly_energy: most strain energy (J) that forcing parts together leaves, there.
+    """
 
     step: float
     steps_per_instant: int
     step_limit: float
     limiting_element: str
+    assembly_energy: float = 0.0
 
 
 @dataclass(frozen=True)

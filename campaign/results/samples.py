@@ -138,6 +138,7 @@ def write_box(file: Any, plan: Plan) -> list[str]:
             "time_step": plan.time.step,
             "time_step_limit": plan.time.step_limit,
             "limiting_element": plan.time.limiting_element,
+            "assembly_energy": plan.time.assembly_energy,
             "mechanics": plan.mechanics,
             "provenance": as_attribute(),
         }

@@ -79,6 +79,7 @@ def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
         "bounds": bounds_text(bounds),
         "time_step": float(bounds.time_step),
         "overlap": float(samples["overlap"][:].max()),
+        "assembly_energy": float(getattr(samples, "assembly_energy", 0.0)),
         "closures": closures(samples, nominal_row(samples)),
         "responses": [
             _response(bounds, i, name, published.get(name)) for i, name in enumerate(names)
@@ -180,6 +181,11 @@ def as_text(summary: Mapping) -> str:
     if "scan" in summary:
         parts = [(row["name"], _quantity(row, "largest_growth_quarter")) for row in rows]
         lines += ["", scan_text(summary["scan"], [" ".join(part) for part in parts])]
+    if summary["assembly_energy"] > 0:
+        lines += ["", (
+            "Parts are forced together before the start, which leaves a strain energy of up to "
+            f"{summary['assembly_energy']:.3g} J at the centre and the corners of the box."
+        )]  # fmt: skip
     lines += _doubts(summary)
     if "adaptive" in summary:
         rounds = summary["adaptive"]["rounds"]

@@ -9,47 +9,32 @@ import random
 import shutil
 import subprocess
 import sys
+import tempfile
 from fnmatch import fnmatch
 from pathlib import Path
 
+from evidence.attack.reach import PACKAGES, Reach
+
 ROOT = Path(__file__).parents[2]
-
-TESTS = {
-    "intervals/designs/*.py": ["tests/intervals/test_designs.py", "tests/intervals"],
-    "intervals/ranges/*.py": ["tests/intervals/test_ranges.py", "tests/intervals"],
-    "intervals/models/spline/*.py": ["tests/intervals/test_splines.py", "tests/intervals"],
-    "intervals/rounds/*.py": ["tests/intervals/test_decide.py", "tests/intervals"],
-    "intervals/models/*.py": ["tests/intervals"],
-    "intervals/*.py": ["tests/intervals"],
-    "campaign/config/*.py": [
-        "tests/campaign/test_config.py", "tests/campaign/test_refused.py",
-        "tests/campaign/test_loader.py", "tests/campaign/test_presets.py",
-        "tests/campaign/test_structure_files.py", "tests/campaign/test_plan.py",
-    ],
-    "campaign/plan/*.py": ["tests/campaign/test_plan.py", "tests/campaign/test_rounds.py"],
-    "campaign/runs/*.py": ["tests/campaign/test_batch.py", "tests/campaign/test_plan.py"],
-    "campaign/results/samples.py": ["tests/campaign/test_batch.py"],
-    "campaign/results/*.py": ["tests/campaign/test_results.py"],
-    "campaign/files.py": ["tests/campaign/test_results.py", "tests/campaign/test_whole.py"],
-    "campaign/workflow.py": ["tests/campaign/test_whole.py", "tests/workflow"],
-    "fpm/sealed.py": ["tests/fpm/test_sealed.py"],
-    "fpm/trajectory.py": ["tests/fpm/test_trajectory.py", "tests/fpm/test_classic.py"],
-    "fpm/classic.py": ["tests/fpm/test_classic.py"],
-    "fpm/responses.py": ["tests/fpm/test_trajectory.py", "tests/campaign/test_config.py"],
-    "fpm/timestep.py": ["tests/fpm/test_stable_step.py"],
-    "fpm/simulate.py": ["tests/fpm/test_time_loop.py", "tests/fpm/test_trajectory.py"],
-    "fpm/scenes/bennett_geometry.py": ["tests/fpm/test_bennett_geometry.py"],
-}  # fmt: skip
-"""Tests that run a file's code, the first that are likely to notice first."""
-
-SLOWEST = 600.0  # s
+MUTATED = ("intervals/**/*.py", "campaign/**/*.py", "fpm/*.py", "fpm/structures/**/*.py")
+"""What is changed: all that numba does not compile, which would take minutes for each change."""
+LEFT_OUT = (
+    "*/__init__.py", "*/__main__.py", "*/cli.py", "*/table.py", "*/progress.py", "*/warming.py",
+    "campaign/pictures/*", "campaign/drawing.py", "campaign/results/figures.py",
+    "campaign/results/linkage.py",
+)  # fmt: skip
+"""Command lines, drawings, progress: nothing there changes a number."""
+TESTS = ("intervals", "campaign", "structures", "fpm", "golden", "export", "report")
+LONGEST = 300.0  # s, of the tests of one change, as they were measured without coverage's share
 
 
 class Hunt:
-    """Mutants made so far: file, line, change, and whether it was noticed."""
+    """Mutants made so far: file, line, change, and by what it was noticed (None: not)."""
 
-    def __init__(self, seed: int):
+    def __init__(self, seed: int, reach: Path | None = None):
         self.rng, self.found = random.Random(seed), []
+        self._place: Path | None = None
+        self._reach = Reach.read(reach) if reach else None
 
     @property
     def tried(self) -> int:
@@ -57,60 +42,106 @@ class Hunt:
         return len(self.found)
 
     def one(self, place: Path) -> None:
-        """Change one place of the code in a copy of the checkout, and run the tests there."""
-        pattern = self.rng.choice(list(TESTS))
-        files = [path for path in ROOT.glob(pattern) if path.name != "__init__.py"]
-        path = self.rng.choice(sorted(files))
-        name = str(path.relative_to(ROOT))
-        tests = next(tests for other, tests in TESTS.items() if fnmatch(name, other))
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        if not (found := sites(tree)):
-            return
-        line, what, tree = change_at(tree, self.rng.choice(found))
-        make_copy(place)
-        (place / name).write_text(ast.unparse(tree), encoding="utf-8")
-        self.found.append(
-            {"file": name, "line": line, "change": what, "noticed": not passes(place, tests)}
-        )
-        shutil.rmtree(place)
+        """Change one place of the code in a copy of the checkout, and run the tests there.
+
+        place: the folder of the copy, made once and kept.
+        """
+        if self._place != place:
+            make_copy(place)
+            self._place = place
+        self._reach = self._reach or measured(place)
+        name, number = self.rng.choice(all_sites())
+        line, last, what, tree = change_at(parsed(name), number)
+        path = place / name
+        before = path.read_bytes()
+        path.write_text(ast.unparse(tree), encoding="utf-8")
+        try:
+            noticed = noticed_by(place, self._tests(name, line, last))
+        finally:
+            path.write_bytes(before)
+        self.found.append({"file": name, "line": line, "change": what, "noticed": noticed})
+
+    def _tests(self, name: str, first: int, last: int) -> list[str]:
+        """The tests of a change, as long as they take no longer than they may."""
+        chosen, spent = [], 0.0
+        for test in self._reach.tests(name, first, last):
+            if (spent := spent + self._reach.cost(test)) > LONGEST:
+                break
+            chosen.append(test)
+        return chosen
 
     def table(self) -> str:
         """The share noticed, and what was not."""
-        noticed = sum(one["noticed"] for one in self.found)
+        noticed = sum(one["noticed"] is not None for one in self.found)
         lines = [f"{noticed} of {self.tried} changes of the code were noticed by tests.", ""]
         lines += ["| not noticed | change |", "|---|---|"]
         for one in self.found:
-            if not one["noticed"]:
+            if one["noticed"] is None:
                 lines.append(f"| {one['file']}:{one['line']} | {one['change']} |")
         return "\n".join(lines) + "\n"
+
+
+def parsed(name: str) -> ast.Module:
+    """The syntax tree of a file of the checkout."""
+    return ast.parse((ROOT / name).read_text(encoding="utf-8"))
+
+
+def all_sites() -> list[tuple[str, int]]:
+    """Every place that can be changed: file, and number in it."""
+    files = {path for pattern in MUTATED for path in ROOT.glob(pattern)}
+    names = sorted(str(path.relative_to(ROOT)) for path in files)
+    mutated = [name for name in names if not any(fnmatch(name, out) for out in LEFT_OUT)]
+    return [(name, number) for name in mutated for number in sites(parsed(name))]
 
 
 def make_copy(place: Path) -> None:
     """A copy of what the tests need."""
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
-    for name in ("fpm", "intervals", "campaign", "evidence", "tests", "config", "workflow"):
-        ignored = shutil.ignore_patterns("*.nb?", "numba-*")
+    for name in (*PACKAGES, "evidence", "tests", "config", "workflow", "docs"):
+        ignored = shutil.ignore_patterns("*.nb?", "numba-*", "__pycache__")
         shutil.copytree(ROOT / name, place / name, ignore=ignored)
     for name in ("Snakefile", "pyproject.toml", "README.md"):
         shutil.copy(ROOT / name, place)
     (place / "profiles").symlink_to("workflow/profiles")
 
 
-def passes(place: Path, tests: list[str]) -> bool:
-    """Whether the tests pass in a copy; one that takes too long does not."""
-    environment = {**os.environ, "PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1"}
-    cache = ROOT / "fpm" / "kernels" / "__pycache__"
-    environment.setdefault("NUMBA_CACHE_DIR", str(cache))
-    command = [sys.executable, "-m", "pytest", "-q", "-x", "-n", "0", "-p", "no:cacheprovider"]
-    try:
-        done = subprocess.run(
-            [*command, *tests], cwd=place, env=environment, stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=SLOWEST, check=False,
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        return False
-    return done.returncode == 0
+def measured(place: Path) -> Reach:
+    """Which tests run what, measured in a copy; takes some minutes."""
+    left = place / "reach.json"
+    folders = [f"tests/{name}" for name in TESTS]
+    run_tests(place, ["-p", "evidence.attack.reach", *folders], 3600.0, REACH=str(left))
+    return Reach.read(left)
+
+
+def noticed_by(place: Path, tests: list[str]) -> str | None:
+    """What notices that something is wrong in a copy: the first test that fails, or the time."""
+    if not tests:
+        return None
+    with tempfile.NamedTemporaryFile("w", suffix=".txt") as chosen:
+        chosen.write("\n".join(tests))
+        chosen.flush()
+        try:
+            done = run_tests(place, ["-x", f"@{chosen.name}"], 60.0 + 5.0 * LONGEST)
+        except subprocess.TimeoutExpired:
+            return "time"
+    if done.returncode == 0:
+        return None
+    failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    return failed[0].split(" - ")[0] if failed else done.stdout[-300:]
+
+
+def run_tests(
+    place: Path, words: list[str], limit: float, **more: str
+) -> subprocess.CompletedProcess:
+    """Run pytest in a copy; what it compiles is kept there."""
+    environment = {**os.environ, "PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1", **more}
+    environment["NUMBA_CACHE_DIR"] = str(place / "numba")
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider"]
+    return subprocess.run(
+        [*command, *words], cwd=place, env=environment, stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=limit, check=False, text=True,
+    )  # fmt: skip
 
 
 _COMPARED = {
@@ -132,13 +163,14 @@ def sites(tree: ast.Module) -> list[int]:
     ]
 
 
-def change_at(tree: ast.Module, number: int) -> tuple[int, str, ast.Module]:
-    """A copy of a module with one node changed: line, what, and the changed tree."""
+def change_at(tree: ast.Module, number: int) -> tuple[int, int, str, ast.Module]:
+    """A copy of a module with one node changed: its lines, what, and the changed tree."""
     changed = copy.deepcopy(tree)
     node = next(node for i, node in enumerate(ast.walk(changed)) if i == number)
     before = ast.unparse(node)
     _change(node)
-    return node.lineno, f"`{before}` to `{ast.unparse(node)}`".replace("|", "or"), changed
+    what = f"`{before}` to `{ast.unparse(node)}`".replace("|", "or")
+    return node.lineno, node.end_lineno or node.lineno, what, changed
 
 
 def _change(node: ast.AST) -> bool:

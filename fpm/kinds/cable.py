@@ -71,10 +71,7 @@ class Cable(Kind):
         if (rest is None) == (preload is None):
             found = (rest, preload)
             raise SceneError(f"rest, preload of cable {name}", found, "one of the two")
-        beams = tuple(
-            scene.arm_to(int(p), scene.position[p] if place is None else place)
-            for p, place in points
-        )
+        beams = tuple(scene.arm_to(int(p), place) for p, place in points)
         curve, reel, stiffness = int(curve), float(reel), float(stiffness)
         if rest is None:
             if not (stiffness > 0 and 0 <= preload < np.inf):

@@ -56,19 +56,22 @@ class Hinge(Kind):
             raise SceneError(f"particles of hinge {name}", particles, "two different particles")
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
-        axis = unit(axis, f"axis of hinge {name}")
+        axes = [unit(a, f"axis of hinge {name}") for a in np.broadcast_to(axis, (2, 3))]
+        axis = axes[0]
         if references is None:
             normal = unit(np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), "reference")
             turned = np.cos(opening) * normal + np.sin(opening) * np.cross(axis, normal)
+            if np.any(axes[1] != axis):  # the second's reference is normal to its own axis
+                turned = turned - (turned @ axes[1]) * axes[1]
             references = (normal, turned)
         references = [unit(r, f"reference of hinge {name}") for r in references]
-        if max(abs(np.dot(r, axis)) for r in references) > 1e-9:
+        if max(abs(np.dot(r, a)) for r, a in zip(references, axes, strict=True)) > 1e-9:
             raise SceneError(f"references of hinge {name}", references, "normal to the axis")
         frames = [scene.frame[p].T for p in (first, second)]
         return Hinge(
             name,
-            tuple(scene.arm_to(p, point) for p in (first, second)),
-            axes=np.array([frame @ axis for frame in frames]),
+            arms(scene, (first, second), point),
+            axes=np.array([frame @ a for frame, a in zip(frames, axes, strict=True)]),
             references=np.array([f @ r for f, r in zip(frames, references, strict=True)]),
             opening=opening_angle(axis, *references, near=opening),
             support="".join(sorted(support)),
@@ -129,7 +132,7 @@ class Hinge(Kind):
         """The largest gaps."""
         gap, tilt = part.gaps[:, :, lane].T
         return {
-            "hinge_gap": Recorded(gap, "m", "largest gap between hinge points"),
+            "hinge_gap": Recorded(gap, "m", "largest gap of a hinge, or to where it is held"),
             "hinge_axis_gap": Recorded(tilt, "rad", "largest angle between hinge axes"),
         }
 
@@ -177,6 +180,12 @@ def alone(scene) -> list[bool]:
     shared = {p for p, count in uses.items() if count > 1 and not held[p]}
     shared.update(drive.particle for drive in scene.drives)
     return [shared.isdisjoint(h.particles) and is_regular(h, scene.fixed) for h in scene.hinges]
+
+
+def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
+    """Virtual beams from two particles to a point (3,), or each to its own (2, 3)."""
+    points = np.broadcast_to(point, (2, 3))
+    return tuple(scene.arm_to(p, q) for p, q in zip(particles, points, strict=True))
 
 
 def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:

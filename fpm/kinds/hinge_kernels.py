@@ -202,8 +202,7 @@ def move(part, world, now):
                 open_[h] = any_negative(far)
                 if open_[h] and n + 1 == ROUNDS:
                     open_[h] = False
-                    gap, ep, eq = get3(w, h, OFF), load(w, h, OFF + 3), load(w, h, OFF + 4)
-                    watch(part, dot(gap, gap), ep * ep + eq * eq)
+                    watch(part, *opened(part, state, h))
                 if open_[h]:
                     left = True
                     for r in (2 * h, 2 * h + 1):
@@ -212,6 +211,18 @@ def move(part, world, now):
             break
     for h in range(w.shape[0]):
         nudge(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, now.step)
+
+
+@kernel
+def opened(part, state, h):
+    """Squares of what a hinge is open by: of the gap of its point (m) or, if that is larger, its
+    distance from where it is held, and of the angle between its axes (rad)."""
+    point, gap, ep, eq = gaps(part, state, h)
+    gap2 = dot(gap, gap)
+    if part.supported:
+        off = times(get3(part.hinges, h, HELD), point - get3(part.hinges, h, PLACE))
+        gap2 = larger(gap2, dot(off, off))
+    return gap2, ep * ep + eq * eq
 
 
 @kernel
@@ -235,14 +246,13 @@ def watch(part, gap2, tilt2):
 
 @hook(Hinges)
 def record(part, world, row):
-    """Record the largest gaps of all hinges."""
+    """Record the largest gaps of all hinges, those to where they are held among them."""
     count = part.hinges.shape[0]
     gap2 = 0.0 * load(world.state, 0, X)
     tilt2 = gap2
     for h in range(count):
-        _, gap, ep, eq = gaps(part, world.state, h)
-        size, tilt = dot(gap, gap), ep * ep + eq * eq
-        gap2, tilt2 = larger(gap2, size), larger(tilt2, tilt)
+        gap, tilt = opened(part, world.state, h)
+        gap2, tilt2 = larger(gap2, gap), larger(tilt2, tilt)
     gap, tilt = watch(part, gap2, tilt2)
     store(part.gaps, row, GAP, gap)
     store(part.gaps, row, TILT, tilt)
@@ -252,7 +262,6 @@ def record(part, world, row):
 def list_excess(part, world):
     """Squares of either gap as shares of what is allowed."""
     for h in range(part.hinges.shape[0]):
-        _, gap, ep, eq = gaps(part, world.state, h)
-        gap2, tilt2 = dot(gap, gap), ep * ep + eq * eq
+        gap2, tilt2 = opened(part, world.state, h)
         excess = gap2 * (1.0 / MOST_GAP**2) + tilt2 * (1.0 / MOST_TILT**2)
         store(part.rows, h, 0, excess)

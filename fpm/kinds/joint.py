@@ -17,7 +17,7 @@ from fpm.errors import SceneError
 from fpm.kinds import joint_arrays as at
 from fpm.kinds.drive import Drive
 from fpm.kinds.gravity import LOAD_WORK
-from fpm.kinds.hinge import Hinge, alone, unit
+from fpm.kinds.hinge import Hinge, alone, arms, unit
 from fpm.kinds.hinge_limits import MOST_GAP, MOST_TILT
 from fpm.kinds.kind import AXES, Kind, Recorded, Watch
 from fpm.kinds.virtual_beam import VirtualBeam
@@ -91,7 +91,7 @@ class Joint(Kind):
         return Joint(
             name,
             type,
-            tuple(scene.arm_to(p, point) for p in (first, second)),
+            arms(scene, (first, second), point),
             axes=np.array([frames[0] @ axis, frames[1] @ along]),
             references=np.array([frame @ across for frame in frames]),
         )

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fpm.assembly import MisfitError, assemble
 from fpm.errors import SceneError
 from fpm.scene import Scene
 from fpm.structures.expressions import ExpressionError
@@ -16,6 +17,9 @@ from fpm.structures.statement import PARTS
 if TYPE_CHECKING:
     from fpm.structures.model import Model
 
+
+BEFORE = ("materials", "sections", *PARTS, "masses", "supports", "joints")
+"""Groups that are built before parts are forced together."""
 
 APART = 1e-9
 """Points that differ by less, as a share of the structure's size, are one."""
@@ -63,8 +67,11 @@ class Builder:
     """Builds the scene of a model at given values; `scene` is complete when no problem was found.
 
     numbers: all named numbers in SI units; size (m): the largest extent of the structure; joined:
-    the joints at each particle.
+    the joints at each particle; hold: joints that are held while parts are forced together, None
+    where they are not.
     """
+
+    hold: list[str] | None = None
 
     def __init__(self, model: "Model", values: Mapping[str, float], problems: Problems):
         self.problems = problems
@@ -76,7 +83,12 @@ class Builder:
             self._place(model)
             self.scene = self._scene(model)
             for entry in model.entries:
-                self._build(entry)
+                if entry.statement.group in BEFORE:
+                    self._build(entry)
+            self._assemble(model)
+            for entry in model.entries:
+                if entry.statement.group not in BEFORE:
+                    self._build(entry)
             self._finish(model)
 
     def number(self, bound: Bound, key: str) -> float:
@@ -176,6 +188,22 @@ class Builder:
             made.particles = np.arange(before, len(self.scene.position))
             self._made["parts", entry.name] = made
         self._made[entry.statement.group, entry.name] = made
+
+    def _assemble(self, model: "Model") -> None:
+        """Force parts together that do not meet, if the file asks for it."""
+        if self.hold is None or self.problems:
+            return
+        line = model.overall.lines.get("assemble", 0)
+        held = [self._made["joints", name] for name in self.hold]
+        try:
+            if None in held:
+                name = self.hold[held.index(None)]
+                raise SceneError("assemble.hold", name, "names of revolute joints")
+            assemble(self.scene, self.hold)
+        except MisfitError as error:
+            self._note(line, f"assemble: {error.key}", error)
+        except SceneError as error:
+            self._note(line, error.key, error)
 
     def _finish(self, model: "Model") -> None:
         scene = self.scene

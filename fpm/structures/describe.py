@@ -37,6 +37,7 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
         f"mobility      {mobility.degrees} ways to move: {mobility.parts} moving parts, "
         f"{mobility.conditions} conditions, {mobility.redundant} of them redundant",
         *([f"redundant     {', '.join(redundant)}"] if redundant else []),
+        *([f"assembled     {_forced(scene)}"] if scene.assembly is not None else []),
         f"stable step   {_step(cost)}",
         f"a run         {len(scene.elements)} elements, {cost.steps} steps for {duration:g} s, "
         f"{cost.element_steps:.3g} steps of elements",
@@ -49,6 +50,14 @@ def _step(cost: report.Cost) -> str:
     if cost.step == np.inf:
         return "none, as nothing is elastic: a step is at most the time between two instants"
     return f"{cost.step:.4g} s, set by {cost.element}"
+
+
+def _forced(scene: Scene) -> str:
+    """What forced the parts together."""
+    _, joint, gap, tilt, _ = scene.assembly
+    parts = [f"{gap:.4g} m"] * (gap > 0) + [f"{tilt:.4g} rad"] * (tilt > 0)
+    found = f"joint {joint} was open by {' and '.join(parts)}" if parts else "nothing was open"
+    return f"{found}; {scene.assembly.energy:.4g} J of strain energy are left"
 
 
 def _row(parameter: Parameter, is_mesh: bool) -> list[str]:

@@ -282,6 +282,21 @@ class Either(Key):
 
 
 @dataclass(frozen=True)
+class Assembled(Key):
+    """Whether parts are forced together: None, or the names of the joints that are held then."""
+
+    allowed = "true, false, or {hold: [revolute joints]}"
+
+    def read(self, node: Node, place: Place) -> list[str] | None:
+        if isinstance(node, Text) and node.value in ("true", "false"):
+            return [] if node.value == "true" else None
+        if not isinstance(node, Table) or node.entries.keys() != {"hold"}:
+            place.refuse(node, self.allowed)
+        joints = Many(kind=Reference(group="joints"))
+        return joints.read(node.entries["hold"], place.inside("hold"))
+
+
+@dataclass(frozen=True)
 class Choice(Key):
     """One of a few words."""
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from fpm.scene import Scene
 from fpm.structures import repeat
-from fpm.structures.keys import COMMA, Number, Vector
+from fpm.structures.keys import COMMA, Assembled, Number, Vector
 from fpm.structures.names import Context, Names
 from fpm.structures.names import Number as Named
 from fpm.structures.parameters import Given
@@ -19,7 +19,6 @@ from fpm.structures.reading import Items, Table, Text, plain
 from fpm.structures.repeat import Sheet
 from fpm.structures.statement import PARTS, Entry, read_entry, statement
 from fpm.structures.statements import GROUPS
-from fpm.structures.today import LATER_KEYS, refuse_later
 from fpm.structures.units import NUMBER, unit
 
 TEXTS = ("name", "description", "mesh")
@@ -29,9 +28,14 @@ TEXTS = ("name", "description", "mesh")
     "",
     gravity=Vector(np.zeros(3), "acceleration of everything", unit="m/s2"),
     damping=Number(0.0, "mass-proportional damping", unit="1/s", least=0),
-)
+    assemble=Assembled(
+        None, "whether parts are forced together whose points do not meet at their joints; `hold`: "
+        "joints that keep their opening"
+    ),
+)  # fmt: skip
 def overall(build, it):
     """What holds for the whole structure."""
+    build.hold = it.assemble
     return Scene(it.name, it.gravity, it.damping)
 
 
@@ -50,8 +54,7 @@ class Model:
     ):
         self.problems, self.names = problems, Names(problems)
         self.points: list[str] = []
-        refuse_later(table, problems)
-        check_keys(table, "", (*KEYS, *LATER_KEYS), problems)
+        check_keys(table, "", KEYS, problems)
         for name, one in given.items():
             key = f"parameters.{name}"
             if is_name(name, key, one.line, problems, number=True):

@@ -55,6 +55,18 @@ def problems(raw: dict) -> str:
     return "\n".join(refused.value.problems)
 
 
+def test_the_plan_tells_the_strain_energy_that_forcing_parts_together_leaves(path):
+    """The panel's pin is two millimetres too far out, and its tip is held where it is stated."""
+    edit(path, "mesh: elements", "mesh: elements\nassemble: true")
+    edit(path, "  tip: [", "  seat: [2 mm, 0, 0]\n  tip: [")
+    edit(path, "at: root, axis", "at: {ground: seat, panel: root}, axis")
+    edit(path, "record:", "supports: {tip: {part: panel, at: tip, rotations: none}}\nrecord:")
+    plan = make_plan(load_config([path]).experiment)
+    scene = load_config([path]).experiment.build({"k": 0.1})
+    assert scene.assembly.gap == pytest.approx(2e-3)
+    assert 0 < scene.assembly.energy == pytest.approx(plan.time.assembly_energy, rel=1e-12)
+
+
 def test_an_interval_of_a_file_is_bounded_as_the_closed_form_says(path, tmp_path):
     said = []
     bounds = campaign.run(path, tmp_path / "results", tell=said.append)

@@ -191,6 +191,20 @@ def test_a_hinge_whose_particles_turn_too_far_in_a_step_is_refused():
     assert coarse.failure.largest["gap"] > 1e-6
 
 
+def test_a_hinge_that_leaves_where_it_is_held_is_refused():
+    """Two equal bodies swing as one about a held point: nothing between them can open."""
+    scene = fpm.Scene("twins")
+    spin = (0.0, 0.0, 40.0)
+    twins = scene.add_particles([(0.3, 0, 0)] * 2, 1.0, (0.1, 0.2, 0.25), spin=spin)
+    scene.velocity[twins] = np.cross(spin, (0.3, 0.0, 0.0))
+    scene.add_hinge("pivot", tuple(map(int, twins)), (0, 0, 0), (0.0, 0.6, 0.8), support="xyz")
+    fine, coarse = run(scene, step=1e-3, steps=500), run(scene, step=0.5 / 30, steps=30)
+    assert fine[0].failure is None
+    assert fine[0].gap.max() < 1e-10
+    assert coarse[0].failure.largest["gap"] > 1e-6
+    assert "hinge pivot" in str(coarse[0].failure)
+
+
 def test_axes_of_a_hinge_that_open_are_refused():
     """Two bodies about one point: only their axes can part."""
     scene = fpm.Scene("gimbal")

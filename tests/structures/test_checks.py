@@ -105,7 +105,7 @@ WRONG = [
         "bodies: {box: {mass: 1, centre: B, box: [1, 0, 0]}}\nrecord:",
         "edges >= 0, at most one of them 0",
     ),
-    ("record:", "assemble: true\nrecord:", "assemble: comes later"),
+    ("record:", "assemble: yes\nrecord:", "assemble: 'yes' is not allowed; allowed: true, false"),
     ("  L: {", "  M: {value: 1}\n  L: {", "parameters.M: nothing uses it"),
 ]
 

@@ -18,7 +18,7 @@ AT = Either(
 
 
 def meet(build, it) -> tuple[list[int], np.ndarray]:
-    """The particles of a joint's parts and the point where they meet (3,); for every joint."""
+    """The particles of a joint's parts, and their points there (k, 3); for every joint."""
     each = it.at if isinstance(it.at, dict) else {part.name: it.at for part in it.parts}
     names = [part.name for part in it.parts]
     if each.keys() != set(names):
@@ -27,14 +27,30 @@ def meet(build, it) -> tuple[list[int], np.ndarray]:
     particles = [part.particle(p.name) for part, p in zip(it.parts, points, strict=True)]
     for (one, two), (p, q) in zip(pairwise(names), pairwise(points), strict=True):
         gap = float(np.linalg.norm(p.position - q.position))
-        if not gap <= APART * build.size:
+        if not gap <= APART * build.size and build.hold is None:
             build.refuse(
                 "at", f"{p.name} of {one} and {q.name} of {two}, {gap:.6g} m apart",
-                f"points that coincide to {APART * build.size:.2g} m", gap,
+                f"points that coincide to {APART * build.size:.2g} m, or `assemble: true`", gap,
             )  # fmt: skip
     for particle in particles:
         build.joined.setdefault(particle, []).append(it.name)
-    return particles, points[0].position
+    if build.hold is None:  # what is apart by rounding meets at the first part's point
+        points = points[:1] * len(points)
+    return particles, np.array([point.position for point in points])
+
+
+def axes_of(build, it) -> np.ndarray:
+    """The axis of a revolute joint for each of its parts (k, 3)."""
+    names = [part.name for part in it.parts]
+    if not isinstance(it.axis, dict):
+        return np.tile(it.axis, (len(names), 1))
+    if it.axis.keys() != set(names):
+        build.refuse("axis", list(it.axis), f"one for each of {', '.join(names)}")
+    axes = np.array([it.axis[name] for name in names])
+    apart = float(np.abs(axes - axes[0]).max())
+    if apart > APART and build.hold is None:
+        build.refuse("axis", axes.tolist(), "axes that agree, or `assemble: true`", apart)
+    return axes if build.hold is not None else np.tile(axes[0], (len(names), 1))
 
 
 @statement(
@@ -42,7 +58,11 @@ def meet(build, it) -> tuple[list[int], np.ndarray]:
     "revolute",
     parts=PARTS,
     at=AT,
-    axis=Direction(about="of the turn"),
+    axis=Either(
+        about="of the turn; or the axis of each part, which must agree",
+        kind=Direction(),
+        each=Each(group="parts", kind=Direction()),
+    ),
     opening=Number(
         0.0,
         "angle at the start; grows as the second part turns about the axis against the "
@@ -63,18 +83,22 @@ def revolute(build, it):
 
     The opening is that of the first two parts. Further ones are hinged to the first.
     """
-    particles, point = meet(build, it)
-    references = it.references
+    particles, points = meet(build, it)
+    axes, references = axes_of(build, it), it.references
     if references is not None:
         names = [part.name for part in it.parts]
         if references.keys() != set(names):
             build.refuse("references", list(references), f"one for each of {', '.join(names)}")
-        references = [_across(build, references[name], it.axis) for name in names]
+        references = [
+            _across(build, references[name], axis) for name, axis in zip(names, axes, strict=True)
+        ]
     scene = build.scene
     pair = particles[:2]
-    hinge = scene.add_hinge(it.name, pair, point, it.axis, references, it.opening, it.held)
-    for part, particle in zip(it.parts[2:], particles[2:], strict=True):
-        scene.add_hinge(f"{it.name}_{_own(part)}", (particles[0], particle), point, it.axis)
+    hinge = scene.add_hinge(it.name, pair, points[:2], axes[:2], references, it.opening, it.held)
+    for k in range(2, len(particles)):
+        both = [0, k]
+        name, pair = f"{it.name}_{_own(it.parts[k])}", (particles[0], particles[k])
+        scene.add_hinge(name, pair, points[both], axes[both])
     return hinge
 
 
@@ -85,10 +109,11 @@ def _own(part) -> str:
 
 def _join(build, it, type: str, axis=(1.0, 0.0, 0.0), other=None) -> None:
     """Join all parts to the first."""
-    particles, point = meet(build, it)
-    for k, (part, particle) in enumerate(zip(it.parts[1:], particles[1:], strict=True)):
-        name = f"{it.name}_{_own(part)}" if k else it.name
-        build.scene.add_joint(name, type, (particles[0], particle), point, axis, other)
+    particles, points = meet(build, it)
+    for k in range(1, len(particles)):
+        name = f"{it.name}_{_own(it.parts[k])}" if k > 1 else it.name
+        pair = (particles[0], particles[k])
+        build.scene.add_joint(name, type, pair, points[[0, k]], axis, other)
 
 
 @statement("joints", "spherical", parts=PARTS, at=AT)

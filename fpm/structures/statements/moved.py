@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fpm.kinds import Load
 from fpm.structures.builder import APART
 from fpm.structures.keys import Many, Number, Part, Reference, Vector
 from fpm.structures.statement import statement
@@ -36,9 +37,8 @@ def _index(curve: int | None) -> int:
 )
 def load(build, it):
     """A force and a moment in global axes at a point of a part."""
-    particle = it.part.particle(it.at.name)
-    arm = it.at.position - build.scene.position[particle]
-    build.scene.add_load(particle, it.force, it.moment, arm, _index(it.curve))
+    beam = build.scene.arm_to(it.part.particle(it.at.name), it.at.position)
+    build.scene.add(Load(beam, it.force, it.moment, _index(it.curve)))
 
 
 @statement(
@@ -52,7 +52,7 @@ def load(build, it):
 def drive(build, it):
     """Prescribes how a point of a part moves and turns."""
     particle = it.part.particle(it.at.name)
-    off = float(np.linalg.norm(it.at.position - build.scene.position[particle]))
+    off = float(np.linalg.norm(build.scene.arm_to(particle, it.at.position).arm))
     if off > APART * build.size and np.any(it.spin):
         build.refuse("at", it.at.name, "the centre of a body, or a point on the bar's axis", off)
     build.scene.drive(particle, it.velocity, it.spin, _index(it.curve))

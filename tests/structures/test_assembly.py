@@ -1,0 +1,232 @@
+"""Parts that do not meet are forced together: closed forms, rest, and what is refused."""
+
+import numpy as np
+import pytest
+from structures_for_tests import FOLDER, problems_of
+
+import fpm
+from fpm import structures
+from fpm.assembly import MisfitError, assemble
+from fpm.structures import StructureError, check, loads
+
+STEEL, ROD = fpm.Material(210e9, 0.3, 7850.0), fpm.Section.circle(0.02)
+EA, EI, GJ = STEEL.E * ROD.A, STEEL.E * ROD.Iy, STEEL.G * ROD.J
+
+# Three bars from the ground meet at a pin, in a plane; one is longer than its place by `slack`.
+STAR = """
+assemble: true
+parameters:
+  slack: {value: 0.1, unit: mm, range: [-10, 10]}
+let:
+  half: sqrt(3)/2*(1 m)
+points:
+  middle: [0, 0, 0]
+  end: [slack, 0, 0]
+  A: [-1 m, 0, 0]
+  B: [0.5 m, half, 0]
+  C: [0.5 m, -half, 0]
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
+sections: {rod: {type: circle, diameter: 40 mm}}
+bars:
+  a: {through: [A, end], section: rod, material: steel, elements: 2}
+  b: {through: [B, middle], section: rod, material: steel, elements: 2}
+  c: {through: [C, middle], section: rod, material: steel, elements: 2}
+joints:
+  pin: {type: revolute, parts: [b, a, c], at: {a: end, b: middle, c: middle}, axis: z}
+  A: {type: revolute, parts: [ground, a], at: A, axis: z}
+  B: {type: revolute, parts: [ground, b], at: B, axis: z}
+  C: {type: revolute, parts: [ground, c], at: C, axis: z}
+record:
+  pin: {part: b, at: middle}
+"""
+
+# A plane four-bar whose coupler is a bar of length 1 m + slack, stated from B.
+FOURBAR = """
+assemble: {hold: [A]}
+parameters:
+  slack: {value: 10, unit: mm, range: [-500, 5000]}
+points:
+  A: [0, 0, 0]
+  B: [0, 1 m, 0]
+  end: [1 m + slack, 1 m, 0]
+  C: [1 m, 1 m, 0]
+  D: [1 m, 0, 0]
+materials: {steel: {E: 210 GPa, rho: 7850}}
+sections: {rod: {type: circle, diameter: 20 mm}}
+bars:
+  AB: {through: [A, B], section: rod, material: steel, elements: 2}
+  BC: {through: [B, end], section: rod, material: steel, elements: 2}
+  CD: {through: [C, D], section: rod, material: steel, elements: 2}
+joints:
+  A: {type: revolute, parts: [ground, AB], at: A, axis: z}
+  B: {type: revolute, parts: [AB, BC], at: B, axis: z}
+  C: {type: revolute, parts: [BC, CD], at: {BC: end, CD: C}, axis: z}
+  D: {type: revolute, parts: [CD, ground], at: D, axis: z}
+record:
+  C: {part: CD, at: C}
+"""
+
+
+def bar(length: float, elements: int = 8) -> tuple[fpm.Scene, int, fpm.scene.Link]:
+    """A bar along x, clamped at its start; the scene, the ground and the bar."""
+    scene = fpm.Scene("bar")
+    ground = int(scene.add_particles((0, 0, 0), 1.0, 1.0)[0])
+    scene.fix(ground)
+    link = scene.add_link((0, 0, 0), (length, 0, 0), (0, 0, 1), ROD, STEEL, elements)
+    scene.add_joint("clamp", "fixed", (ground, link.particles[0]), (0, 0, 0))
+    return scene, ground, link
+
+
+@pytest.mark.parametrize("strain", [1e-5, -1e-3, -0.01])
+def test_a_bar_between_points_too_near_or_far_is_strained_evenly(strain):
+    scene, ground, link = bar(1 + strain)
+    ends = [(1, 0, 0), (1 + strain, 0, 0)]
+    scene.add_joint("end", "spherical", (ground, link.particles[-1]), ends)
+    assemble(scene)
+    assert scene.assembly.joint == "end"
+    assert scene.assembly.gap == pytest.approx(abs(strain), rel=1e-9)
+    assert scene.assembly.energy == pytest.approx(EA * strain**2 / (2 * (1 + strain)), rel=1e-9)
+    assert scene.position[link.particles[-1]] == pytest.approx([1, 0, 0], abs=1e-11)
+
+
+def test_a_clamped_bar_whose_end_is_pulled_aside_is_bent():
+    aside = 1e-4
+    scene, ground, link = bar(1.0)
+    ends = [(1, 0, aside), (1, 0, 0)]
+    pair = (ground, int(link.particles[-1]))
+    scene.add_joint("end", "prismatic", pair, ends, axis=(1, 0, 0))
+    assemble(scene)  # both ends keep their direction, and the end may slide along the bar
+    assert scene.assembly.energy == pytest.approx(6 * EI * aside**2, rel=1e-6)
+
+
+def test_a_bar_whose_axis_is_not_that_of_its_bearing_is_twisted():
+    turn = 0.01
+    scene, ground, link = bar(1.0)
+    axes = [(0, 1, 0), (0, np.cos(turn), np.sin(turn))]
+    scene.add_hinge("end", (ground, link.particles[-1]), (1, 0, 0), axes)
+    assemble(scene)
+    assert scene.assembly.tilt == pytest.approx(turn, rel=1e-4)
+    assert scene.assembly.energy == pytest.approx(GJ * turn**2 / 2, rel=1e-4)
+
+
+def test_a_truss_with_a_bar_too_long_shares_the_strain():
+    """The other two bars are a spring of k/2 along the first, which is one of k."""
+    slack = 1e-4
+    found = loads(STAR).build(slack=1e3 * slack).assembly
+    area = np.pi * 0.02**2
+    one = 210e9 * area / (1 + slack)
+    both = 210e9 * area / 2
+    assert found.energy == pytest.approx(slack**2 / 2 / (1 / one + 1 / both), rel=3e-4)
+    assert found.joint in ("pin", "pin_c")
+
+
+@pytest.mark.slow
+def test_what_was_forced_together_is_at_rest_and_its_energy_counts_from_the_start():
+    scenes = [loads(STAR).build(slack=slack) for slack in (0.1, -2.0, 0.0)]
+    together = fpm.simulate(scenes, duration=2e-3, instants=11)
+    for scene, outcome in zip(scenes, together, strict=True):
+        stored = outcome.energies["strain"]
+        assert outcome.failure is None
+        assert stored[0] == pytest.approx(scene.assembly.energy, rel=1e-9, abs=1e-18)
+        assert stored == pytest.approx(stored[0], rel=1e-6, abs=1e-15)
+        assert outcome.energies["kinetic"].max() <= 1e-9 * stored[0] + 1e-15
+        assert np.abs(outcome.energies["balance"]).max() <= 1e-9 * stored[0] + 1e-15
+    alone = fpm.simulate(
+        loads(STAR).build(slack=-2.0), duration=2e-3, instants=11, step=together[0].step
+    )[0]
+    assert np.array_equal(alone.energies["strain"], together[1].energies["strain"])
+    assert np.array_equal(alone.points["pin"][0], together[1].points["pin"][0])
+    data = together[0].dataset()
+    assert data.attrs["assembly_energy"] == scenes[0].assembly.energy
+    assert data.attrs["assembly_gap"] == pytest.approx(1e-4, rel=1e-9)
+
+
+def test_a_mechanism_closes_without_strain_and_keeps_the_opening_that_is_held():
+    scene = loads(FOURBAR).build(slack=10)
+    # C: 1.01 m from B at (0, 1), 1 m from D at (1, 0).
+    middle, half = np.array([0.5, 0.5]), np.sqrt(0.5)
+    along = (1.01**2 - 1 + 2 * half**2 - 2 * half**2) / (4 * half) * np.array([1, -1]) / np.sqrt(2)
+    across = np.sqrt(1 - np.sum((middle + along - [1, 0]) ** 2)) * np.array([1, 1]) / np.sqrt(2)
+    beam = scene.points["C"]
+    place = scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm
+    assert place[:2] == pytest.approx(middle + along + across, abs=1e-10)
+    assert scene.assembly.energy < 1e-20 * EA
+    assert scene.hinges[0].opening == pytest.approx(0, abs=1e-12)
+    assert scene.hinges[2].opening != 0
+
+
+def test_without_anything_held_a_mechanism_moves_little_and_only_in_its_plane():
+    scene = loads(FOURBAR.replace("{hold: [A]}", "true")).build(slack=10)
+    assert scene.assembly.energy < 1e-20 * EA
+    assert np.abs(scene.position - scene.unstrained_position).max() < 0.012
+    assert np.abs(scene.position[:, 2]).max() < 1e-12
+
+
+def bennett(assemble: str) -> structures.StructureType:
+    """The Bennett linkage of the library, its link AB too long by `slack`."""
+    text = (FOLDER / "bennett.yaml").read_text()
+    for old, new in (
+        ("mesh: elements", f"mesh: elements\nassemble: {assemble}"),
+        ("  a: {value", "  slack: {value: 0.1, unit: mm, range: [-10, 10]}\n  a: {value"),
+        ("AB_end: [end_x, end_y, end_z]",
+         "AB_end: [end_x + slack*x_x, end_y + slack*x_y, end_z + slack*x_z]\n"
+         "  B2: [slack*x_x, span_y + slack*x_y, span_z + slack*x_z]"),
+        ("{A: AB_start, B: AB_end}", "{A: AB_start, B2: AB_end}"),
+        ("parts: [AB, BC], at: B,", "parts: [AB, BC], at: {AB: B2, BC: B},"),
+        ("B: {part: AB, at: B}", "B: {part: AB, at: B2}"),
+    ):  # fmt: skip
+        assert old in text
+        text = text.replace(old, new, 1)
+    return loads(text)
+
+
+def test_a_bennett_linkage_with_a_link_off_is_strained_by_the_square_of_that():
+    """No other lengths move: its conditions are more than its ways to move."""
+    found = bennett("{hold: [B]}")
+    scenes = [found.build(start=40, elements=4, slack=slack) for slack in (0, 0.1, 0.2)]
+    none, one, two = (scene.assembly for scene in scenes)
+    assert none.energy < 1e-18
+    assert two.energy / one.energy == pytest.approx(4, rel=1e-2)
+    assert scenes[1].hinges[1].opening == pytest.approx(scenes[0].hinges[1].opening, abs=1e-11)
+    assert one.gap == pytest.approx(1e-4, rel=1e-9)
+
+
+def test_a_load_and_a_recorded_point_stay_where_they_are_on_their_bar():
+    text = STAR.replace("record:", "loads: {push: {part: a, at: end, force: [1 N, 0, 0]}}\nrecord:")
+    scene = loads(text).build(slack=1)
+    assert scene.loads[0].beam.arm == pytest.approx(0, abs=1e-15)
+    assert scene.points["pin"].arm == pytest.approx(0, abs=1e-15)
+
+
+def test_what_cannot_be_forced_together_is_refused_with_the_joint_and_the_misfit():
+    found = loads(FOURBAR)
+    with pytest.raises(StructureError, match=r"line 2: assemble: joint C: '.* m.*apart' is not"):
+        found.build(slack=4000)
+    with pytest.raises(StructureError, match="in 1 of 2 samples, worst at slack = 4000"):
+        check(found, [{"slack": 0.0}, {"slack": 4000.0}])
+
+
+def test_rigid_bodies_whose_lengths_contradict_each_other_are_refused():
+    scene = fpm.Scene("rigid")
+    ground, body = (int(p) for p in scene.add_particles([(0, 0, 0), (0.5, 0, 0)], 1.0, 1.0))
+    scene.fix(ground)
+    scene.add_joint("one", "spherical", (ground, body), (0, 0, 0))
+    scene.add_joint("two", "spherical", (ground, body), [(1, 0, 0), (1.1, 0, 0)])
+    with pytest.raises(MisfitError, match=r"joint (one|two) = '0.05 m apart' is not allowed"):
+        assemble(scene)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("assemble: {hold: [A]}", "assemble: maybe", "assemble: 'maybe' is not allowed; allowed"),
+        ("{hold: [A]}", "{hold: [K]}", "assemble.hold: there is no joint 'K'"),
+        ("{hold: [A]}", "false", "or `assemble: true`"),
+        ("A: {type: revolute, parts: [ground, AB], at: A, axis: z}",
+         "A: {type: spherical, parts: [ground, AB], at: A}", "names of revolute joints"),
+    ],
+)  # fmt: skip
+def test_wrong_ways_to_ask_for_it_are_refused(old, new, said):
+    assert old in FOURBAR
+    found = problems_of(FOURBAR.replace(old, new))
+    assert any(said in problem for problem in found), found

@@ -120,7 +120,8 @@ def _add_export(export: argparse.ArgumentParser) -> None:
 def _check(options: argparse.Namespace) -> int:
     """Check configs without running anything, and say how many runs, how long and how much disk."""
     from campaign.config.check import load_config
-    from campaign.plan.estimate import estimate
+    from campaign.folder import Folder
+    from campaign.plan.estimate import estimate, found
 
     status = 0
     for path in options.files:
@@ -130,7 +131,8 @@ def _check(options: argparse.Namespace) -> int:
             print(error, file=sys.stderr)
             status = 1
         else:
-            print(f"{path}: {campaign.name}, {estimate(campaign)}")
+            there = found(campaign, Folder(Path("results", campaign.name)))
+            print(f"{path}: {campaign.name}, {estimate(campaign)}{there and '; '}{there}")
     return status
 
 

@@ -248,32 +248,35 @@ class Stage:
         return syntax_digest(file for pattern in self.code for file in root.glob(pattern))
 
 
-_FILES = ("fpm/sealed.py", "campaign/files.py", "campaign/provenance.py")
+_FILES = (
+    "fpm/sealed.py", "campaign/files.py", "campaign/provenance.py", "campaign/config/scenes.py",
+    "campaign/config/sections.py", "campaign/plan/plan.py",
+)  # fmt: skip
+"""How files are read and written, and what is in plans and configs: of all stages."""
 _DESIGN = (
     "campaign/config/design.py",
-    "campaign/config/sections.py",
     "intervals/box.py",
     "intervals/chebyshev.py",
     "intervals/points.py",
     "intervals/designs/*.py",
 )
-_PLOT = ("campaign/results/figures.py", "campaign/results/units.py", "campaign/folder.py", *_FILES)
 _WHICH = ("campaign/results/which.py", "campaign/plan/runs.py")
-_BOUNDS = ("campaign/results/bounds.py", *_WHICH, *_DESIGN[:2], "intervals/**/*.py", *_FILES)
+_BOUNDS = ("campaign/results/bounds.py", *_WHICH, _DESIGN[0], "intervals/**/*.py", *_FILES)
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
 _WORDS = (
     "campaign/results/answers.py", "campaign/results/budget.py",
     "campaign/results/decisions.py", "campaign/results/scan_words.py",
     "campaign/results/words.py", *_WHICH,
 )  # fmt: skip
-_SUMMARY = ("campaign/results/summary.py", *_WORDS)
+_SUMMARY = ("campaign/results/summary.py", "campaign/results/units.py", *_WORDS, *_FILES)
+_PLOT = ("campaign/results/figures.py", "campaign/folder.py", *_SUMMARY)
 _RUNS = (
     "campaign/runs/*.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py",
-    "fpm/quantities.py", "fpm/quantity_definitions.py", "campaign/plan/runs.py",
-    "intervals/running.py", *_FILES,
+    "fpm/asked.py", "fpm/asked_responses.py", "fpm/quantities.py", "fpm/quantity_definitions.py",
+    "campaign/plan/runs.py", "intervals/running.py", *_FILES,
 )  # fmt: skip
 _ANSWERS = (
-    "campaign/answers/*.py", "campaign/config/answers.py", "campaign/config/scenes.py",
+    "campaign/answers/*.py", "campaign/config/answers.py", "campaign/config/schema_checks.py",
     "campaign/plan/make.py",
     *_BOUNDS, *_RUNS,
 )  # fmt: skip
@@ -299,7 +302,7 @@ STAGES = {
             (_PLAN, _SAMPLES, "further.nc"),
         ),
         Stage(choice, ("choose", "requirements", "verify", "jobs"), _ANSWERS, (_PLAN,)),
-        Stage(envelopes, ("error",), (*_PLOT, "campaign/results/summary.py"), (_BOX,)),
+        Stage(envelopes, ("error",), _PLOT, (_BOX,)),
         Stage(sensitivities, (), _PLOT, ("sensitivities.nc",)),
         Stage(
             ranges,
@@ -316,13 +319,20 @@ STAGES = {
         Stage(
             summary,
             ("published", "requirements", "choose"),
-            (*_SUMMARY, *_PLOT[1:]),
+            _SUMMARY,
             (_PLAN, _SAMPLES, _BOX),
         ),
         Stage(
             report,
             (),
-            (*_PAGE, *_WORDS, *_PLOT[1:], "fpm/motion*.py"),
+            (
+                *_PAGE,
+                *_SUMMARY,
+                *_BOUNDS[:2],
+                "fpm/motion*.py",
+                "fpm/stress.py",
+                "fpm/bars.py",
+            ),
             (_SAMPLES, _BOX, "sensitivities.nc", "summary.json"),
         ),
     )

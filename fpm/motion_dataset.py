@@ -9,6 +9,7 @@ import numpy as np
 
 from fpm.outcome import Outcome
 from fpm.scene import Scene
+from fpm.stress import element_stress
 from fpm.trajectory import CONVENTIONS, contact_events
 
 if TYPE_CHECKING:
@@ -135,9 +136,12 @@ def to_dataset(
 
 def _moving(found: Recorded, kept: np.ndarray) -> dict[str, tuple]:
     """What changes in time: name -> dimensions, values, units, long name."""
-    modulus = [np.full(len(b.length), b.material.E) for b in found.scene.beams]
-    modulus.append(np.zeros(found.axial.shape[1] - sum(map(len, modulus))))  # of rigid bodies
-    stress = np.concatenate(modulus) * (np.abs(found.axial) + found.bending)
+    stress = np.zeros(found.axial.shape)  # none in rigid bodies, which come last
+    if beams := found.scene.beams:
+        found_stress = element_stress(
+            found.scene, beams, lambda p: found.position[:, p], lambda p: found.frame[:, p]
+        )
+        stress[:, : found_stress.shape[1]] = found_stress
     vector, element = ("time", "particle", "axis"), ("time", "element")
     points = [found.outcome.points[name][0][kept] for name in found.scene.points]
     places = np.stack(points, axis=1) if points else np.zeros((len(kept), 0, 3))
@@ -149,7 +153,7 @@ def _moving(found: Recorded, kept: np.ndarray) -> dict[str, tuple]:
         "point_position": (("time", "point", "axis"), places, "m", "position of named points"),
         "axial_strain": (element, found.axial[kept], "1", "stretch over unstrained length"),
         "bending_strain": (element, found.bending[kept], "1", "largest bending strain at surface"),
-        "stress": (element, stress[kept], "Pa", "largest normal stress in the element"),
+        "stress": (element, stress[kept], "Pa", "largest equivalent stress (von Mises)"),
         "largest_stress": ("element", stress.max(axis=0), "Pa", "largest stress of all instants"),
         "largest_stress_time": ("element", when, "s", "instant of the largest stress"),
     }

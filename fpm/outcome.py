@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from fpm.asked import VARIABLES, Column
 from fpm.errors import InstabilityError
 from fpm.kinds import energies_of
 from fpm.kinds.kind import Energy, Recorded
@@ -77,6 +78,15 @@ class Outcome:
         return self._by_name("cable_tension")
 
     @property
+    def asked(self) -> dict[Column, np.ndarray]:
+        """What was recorded because it was asked (fpm.asked): values (t,) by column."""
+        return {
+            (name, label): values
+            for name in VARIABLES
+            for label, values in self._by_name(name).items()
+        }
+
+    @property
     def gap(self) -> np.ndarray:
         """Largest gap (t,) in m of all hinges."""
         return self._recorded_or_zero("hinge_gap")
@@ -105,8 +115,10 @@ class Outcome:
         return to_dataset(self, responses, attributes, parameters)
 
 
-def outcome_of(run, lane: int, times: np.ndarray, division, limit: StableStep | None) -> Outcome:
-    """The outcome of one lane of a run, (Batch, parts, World, Record)."""
+def outcome_of(
+    run, lane: int, times: np.ndarray, division, limit: StableStep | None, asked=()
+) -> Outcome:
+    """The outcome of one lane of a run, (Batch, parts, World, Record); asked: further columns."""
     batch, parts, world, record = run
     scene, instants = batch.scenes[lane], len(times)
     steps = division.per_instant * (instants - 1)
@@ -118,6 +130,11 @@ def outcome_of(run, lane: int, times: np.ndarray, division, limit: StableStep | 
         for name, found in kind.recorded(part, scene, lane).items():
             recorded[name] = found._replace(values=found.values[:instants])
     failed = record.failed_step[lane] >= 0
+    if asked and not failed:
+        from fpm.kept import Kept
+        from fpm.recording import recorded as columns
+
+        recorded |= columns(Kept(batch, parts, lane, times, division.step), asked)
     watches = [watch for kind in batch.kinds for watch in kind.watches]
     values = record.failed_watched[:, lane] if failed else world.watched[0, :, lane]
     largest = {watch.name: float(x) for watch, x in zip(watches, values, strict=True)}

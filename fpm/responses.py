@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fpm import asked_responses
+from fpm.asked import Column
 from fpm.errors import SceneError
 
 if TYPE_CHECKING:
@@ -12,6 +14,9 @@ if TYPE_CHECKING:
     from fpm.simulate import Outcome
 
 _NEVER_NEGATIVE = ("strain", "spring", "contact")  # energies: sums of squares
+ALWAYS = ("distance", "position", "velocity", "opening", "tension", "energy")
+"""The kinds of responses that every run records."""
+
 COMPONENTS = ("x", "y", "z", "norm")
 
 
@@ -19,7 +24,8 @@ COMPONENTS = ("x", "y", "z", "norm")
 class Response:
     """A named response: `kind`, what it is about (points, a hinge, ...), `component` of a vector.
 
-    unit (UDUNITS) and long_name are those of the values that `evaluate` returns.
+    unit (UDUNITS) and long_name are those of the values that `evaluate` returns. needs: columns
+    that a run must record for it (fpm.asked), beside what is always recorded.
     """
 
     name: str
@@ -28,6 +34,7 @@ class Response:
     component: str
     unit: str
     long_name: str
+    needs: tuple[Column, ...] = ()
 
     @property
     def least(self) -> float | None:
@@ -36,12 +43,16 @@ class Response:
         The kinetic energy is a product of velocities half a step apart (`fpm.kernels.record`),
         which can differ in sign.
         """
-        size = self.kind in ("distance", "tension") or self.component == "norm"
+        size = self.kind in ("distance", "tension", "stress") or self.component == "norm"
         stored = self.kind == "energy" and self.about[0] in _NEVER_NEGATIVE
         return 0.0 if size or stored else None
 
     def evaluate(self, outcome: "Outcome") -> np.ndarray:
-        """Values (t,) of the response for one outcome."""
+        """Values (t,) of the response for one outcome; KeyError if it did not record its needs."""
+        if self.kind in asked_responses.KINDS:
+            return asked_responses.evaluate(
+                self.kind, self.about, self.component, self.needs, outcome
+            )
         if self.kind == "distance":
             first, second = (outcome.points[p][0] for p in self.about)
             return np.linalg.norm(first - second, axis=1)
@@ -68,12 +79,15 @@ def parse(name: str, definition: dict, scene_type: "SceneType") -> Response:
 
     One of: {distance: [P, Q]}, {position: P, component: z}, {velocity: P, component: z},
     {opening: H}, {tension: C}, {energy: kind}; points P, Q, hinges H, cables C and kinds as the
-    scene has them.
+    scene has them; or one of `asked_responses.KINDS`, which docs/responses.md describes.
     """
-    kinds = ("distance", "position", "velocity", "opening", "tension", "energy")
+    kinds = (*ALWAYS, *asked_responses.KINDS)
     if not isinstance(definition, dict) or len(set(definition) & set(kinds)) != 1:
         raise SceneError(f"responses.{name}", definition, f"exactly one of {', '.join(kinds)}")
     kind = next(k for k in kinds if k in definition)
+    if kind in asked_responses.KINDS:
+        found = asked_responses.read(name, kind, definition, scene_type.sample)
+        return Response(name, kind, *found)
     value, key = definition[kind], f"responses.{name}.{kind}"
     others = set(definition) - {kind, "component"}
     if others or ("component" in definition) != (kind in ("position", "velocity")):

@@ -77,6 +77,8 @@ class Scene:
         self.kinds: dict[type[Kind], list] = {}
         self.curves: list[tuple[np.ndarray, np.ndarray]] = []
         self.points: dict[str, VirtualBeam] = {}
+        self.bodies: dict[str, int] = {}  # rigid ones that have a name, with their particles
+        self.supports: dict[str, VirtualBeam] = {}  # named points that are held or driven
         self.gravity, self.damping = gravity, damping
 
     beams = _elements(Beams)

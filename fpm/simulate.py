@@ -1,11 +1,12 @@
 """Run scenes side by side in lanes, and hand each sample's outcome back on its own."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from fpm.asked import Column
 from fpm.errors import SceneError
 from fpm.outcome import Outcome, outcome_of
 from fpm.scene import Scene
@@ -42,6 +43,7 @@ def simulate(
     safety: float = SAFETY,
     energy_tolerance: float = 0.02,
     dtype=np.float64,
+    record: Iterable[Column] = (),
 ) -> list[Outcome]:
     """Integrate scenes of one topology over `duration` s; one Outcome per scene, in order.
 
@@ -50,7 +52,9 @@ def simulate(
     instants; None: `safety` times the smallest stable step of the scenes given. A sample's
     numbers depend on its scene and the step only, bit for bit, not on the scenes beside it.
     energy_tolerance: a sample fails when its energy balance is off by more than this share of the
-    largest energy it held. SceneError for bad arguments or topologies that differ.
+    largest energy it held. record: columns that are recorded as well (fpm.asked); the motion and
+    what is always recorded do not depend on them. SceneError for bad arguments or topologies that
+    differ.
     """
     from fpm.kernels.lanes import width as lanes_of
     from fpm.pack import check_topology
@@ -58,6 +62,11 @@ def simulate(
     scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
     if not scenes:
         return []
+    record = tuple(dict.fromkeys(record))
+    if record:
+        from fpm.recording import prepared
+
+        scenes = [prepared(scene, record) for scene in scenes]
     if not (np.isfinite(duration) and duration > 0):
         raise SceneError("duration", duration, "a positive number (s)")
     if instants < 2:
@@ -76,7 +85,7 @@ def simulate(
         some = slice(first, first + width)
         run = _integrate(scenes[some], width, dtype, instants, division, energy_tolerance)
         for lane, limit in enumerate(limits[some]):
-            outcomes.append(outcome_of(run, lane, times, division, limit))
+            outcomes.append(outcome_of(run, lane, times, division, limit, record))
     return outcomes
 
 

@@ -15,9 +15,9 @@ from fpm.errors import SceneError
 HERE = Path(__file__).parent
 
 OTHER = {
-    "classic.py", "compiled.py", "errors.py", "motion.py", "motion_dataset.py", "quantities.py",
-    "quantity_definitions.py", "responses.py", "sealed.py", "sources.py", "trajectory.py",
-    "warming.py",
+    "asked.py", "asked_responses.py", "classic.py", "compiled.py", "errors.py", "motion.py",
+    "motion_dataset.py", "quantities.py", "quantity_definitions.py", "responses.py", "sealed.py",
+    "sources.py", "trajectory.py", "warming.py",
 }  # fmt: skip
 """Files of the mechanics that do not change a run's numbers: how code and files are kept, and what
 is read off a run."""

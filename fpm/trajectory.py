@@ -9,11 +9,13 @@ kinds give them; all others are fixed.
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from fpm import classic, sealed
+from fpm.asked import VARIABLES, Column
 
 if TYPE_CHECKING:
     import xarray
@@ -38,7 +40,8 @@ class Curves(NamedTuple):
 
     Also events (e, 3) of contacts: time (s), index among the contacts, 1 if it closes; contacts:
     names of their hinges. happened: times (s) by element and event, of all that have events;
-    events_dropped: how many more there were.
+    events_dropped: how many more there were. asked: values (t,) of the columns that were asked for
+    (fpm.asked).
     """
 
     time: np.ndarray
@@ -50,6 +53,7 @@ class Curves(NamedTuple):
     contacts: list[str]
     happened: dict[tuple[str, str], np.ndarray]
     events_dropped: int
+    asked: Mapping[Column, np.ndarray] = MappingProxyType({})
 
 
 def contents(outcome, responses=(), attributes=None, parameters=None) -> Contents:
@@ -286,6 +290,7 @@ def curves_of(outcome) -> Curves:
         **impact_events(outcome.events, eventful),
         happened=happened(outcome.events, eventful),
         events_dropped=outcome.events_dropped,
+        asked=outcome.asked,
     )
 
 
@@ -333,6 +338,11 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
             **impact_events(found, list(zip(elements, own, strict=True))),
             happened=happened(found, list(zip(elements, own, strict=True))),
             events_dropped=int(attributes.get("events_dropped", 0)),
+            asked={
+                (name, label): values(name)[:, i]
+                for name, (_, _, dimension) in VARIABLES.items()
+                for i, label in enumerate(names(dimension))
+            },
         )
     except KeyError as missing:
         raise OSError(f"{os.fspath(path)} has no variable {missing}") from None

@@ -4,6 +4,10 @@ from fpm.scene import Scene
 from fpm.simulate import simulate
 
 
-def warm_up(scene: Scene) -> None:
-    """Compile the solver for the kinds in a scene, or load it from the cache on disk."""
-    simulate(scene, duration=1e-9, instants=2, step=1e-9)  # one step; a stable one takes a while
+def warm_up(scene: Scene, record=()) -> None:
+    """Compile the solver for the kinds in a scene, or load it from the cache on disk.
+
+    record: as for `simulate`.
+    """
+    # One step; a stable one takes a while.
+    simulate(scene, duration=1e-9, instants=2, step=1e-9, record=record)

@@ -17,7 +17,7 @@ from campaign.folder import Folder
 from campaign.plan.plan import Plan, read_plan
 from campaign.plan.runs import Run, Runs, run_id
 from campaign.results.which import fitted_rows
-from campaign.runs.batch import Simulation, check_structure, tell_damaged
+from campaign.runs.batch import Simulation, check_structure, tell_again
 from campaign.runs.progress import Tell, warm_up
 from campaign.runs.results import Record
 from campaign.runs.store import open_store
@@ -133,11 +133,12 @@ class Bench:
         found, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
         for group in store.groups(Runs.of(runs).unique(), self.jobs.group):
             missing = store.missing(group)
-            tell_damaged(store, self.tell)
+            tell_again(store, self.tell)
             if len(missing):
                 check_structure(plan)
-                warm_up(plan.experiment.build(plan.named(missing[0])), self.tell)
-                store.write(group, simulation.results(missing))
+                scene = plan.experiment.build(plan.named(missing[0]))
+                warm_up(scene, self.tell, plan.experiment.asked)
+                store.write(group, simulation.results(missing, store.had(missing)))
             found |= store.read(group)
         self.simulated += simulation.count
         simulation.check()

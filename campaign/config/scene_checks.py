@@ -52,6 +52,11 @@ def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
             built = campaign.experiment.built
             problems += _time_problems(campaign.experiment)
     problems += _response_problems(campaign, built)
+    if not problems and campaign.experiment.asked:
+        from fpm.recording import numbers
+
+        kept = numbers(built.sample, campaign.experiment.asked)
+        problems += _memory_problems(campaign.experiment, built.sample, kept)
     if not problems:
         problems += _quantity_problems(campaign.experiment) + answer_problems(campaign)
     if not trouble:
@@ -123,11 +128,19 @@ def _time_problems(experiment: Experiment) -> list[str]:
                 f"{limit:.4g}"
             )
         problems += steps_problems(solver, step)
-    numbers = 8 * (6 * len(scene.points) + len(scene.hinges) + 10)
+    return problems + _memory_problems(experiment, scene)
+
+
+def _memory_problems(experiment: Experiment, scene: Any, kept: int = 0) -> list[str]:
+    """Whether the runs that are integrated side by side find room in memory; kept: how many numbers
+    of a run are recorded at an instant because responses ask."""
+    solver, problems = experiment.solver, []
+    numbers = 8 * (6 * len(scene.points) + len(scene.hinges) + 10 + kept)
     if solver.instants * numbers > MOST_NUMBERS:
         problems.append(
-            f"solver.instants: {solver.instants} are more than memory should hold of this scene; "
-            f"allowed: at most {MOST_NUMBERS // numbers}"
+            f"solver.instants: {solver.instants} are more than memory should hold of this scene"
+            f"{' and what its responses ask for' if kept else ''}; allowed: at most "
+            f"{MOST_NUMBERS // numbers}"
         )
     return problems
 

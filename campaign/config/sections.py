@@ -92,9 +92,11 @@ class Experiment:
 
         How many there are may depend on parameters. Raises `fpm.SceneError`.
         """
-        scene = self.build(dict(zip(self.intervals, self.nominal, strict=True)))
+        nominal = dict(zip(self.intervals, self.nominal, strict=True))
+        scene, values = self.build(nominal), self.parameters(nominal)
         hinges = tuple(hinge.name for hinge in scene.hinges)
-        return replace(self.scene_type, points=tuple(scene.points), hinges=hinges)
+        points = tuple(scene.points)
+        return replace(self.scene_type, points=points, hinges=hinges, values=values)
 
     @cached_property
     def curves(self) -> list[Any]:
@@ -102,6 +104,11 @@ class Experiment:
         import fpm
 
         return [fpm.responses.parse(n, d, self.built) for n, d in self.responses.items()]
+
+    @cached_property
+    def asked(self) -> tuple[tuple[str, str], ...]:
+        """Columns that runs have to record for the responses (fpm.asked), in order."""
+        return tuple(sorted({need for curve in self.curves for need in curve.needs}))
 
     @cached_property
     def numbers(self) -> list[Any]:

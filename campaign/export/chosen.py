@@ -54,7 +54,8 @@ class Chosen:
         """The run's `fpm.Outcome`; raises `CampaignError` if it fails."""
         import fpm
 
-        (outcome,) = fpm.simulate([self.scene], **self._times())
+        record = [need for response in self.responses for need in response.needs]
+        (outcome,) = fpm.simulate([self.scene], record=record, **self._times())
         if outcome.failure is not None:
             raise CampaignError(f"the run fails: {outcome.failure}")
         return outcome

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from campaign.config.design import count_runs
 from campaign.config.sections import Campaign
+from campaign.folder import Folder
 from campaign.plan.make import choose_step
 from campaign.runs.extremes import LARGE, MOST
 from campaign.runs.progress import duration_text
@@ -69,7 +70,35 @@ def bytes_of_run(campaign: Campaign) -> float:
         return 8.0 * instants * responses
     scene = experiment.build(dict(zip(experiment.box.names, experiment.nominal, strict=True)))
     curves = 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES
-    return 8.0 * instants * (curves + responses)
+    return 8.0 * instants * (curves + responses + len(experiment.asked))
+
+
+def found(campaign: Campaign, folder: Folder) -> str:
+    """Which of a campaign's runs are there, and why others must be made again; nothing where none
+    is there, and for `order: auto`, whose runs are not known beforehand."""
+    from campaign.plan.make import make_plan
+    from campaign.runs.store import open_store
+    from fpm.asked import words
+
+    keep = campaign.jobs.keep
+    if campaign.is_adaptive or not folder.runs(keep).is_dir():
+        return ""
+    plan = make_plan(campaign.experiment)
+    store = open_store(keep, folder.runs(keep), campaign.experiment)
+    groups = store.groups(plan.unique_runs(), campaign.jobs.group)
+    missing = sum(len(store.missing(group)) for group in groups)
+    total, lacking = sum(map(len, groups)), len(store.lacking)
+    if missing - lacking == total:
+        return ""
+    text = f"{total - missing} of them are there"
+    if lacking:
+        what = words(sorted(set().union(*store.lacking.values())))
+        seconds = _rounded(estimate(campaign).seconds * missing / total)
+        text += (
+            f"; {lacking} more were recorded without {what} and are simulated again, all in all "
+            f"about {duration_text(seconds)}"
+        )
+    return text
 
 
 def cores() -> int:

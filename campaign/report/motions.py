@@ -92,7 +92,7 @@ def motions_of(samples: xarray.Dataset, runs: Sequence[int], frames: int = 401) 
         return motions
     curves = [
         np.array([response.evaluate(outcome) for response in experiment.curves])
-        for outcome in fpm.simulate(scenes, **how)
+        for outcome in fpm.simulate(scenes, **how, record=experiment.asked)
     ]
     return [
         motion.assign(curves=(("response", "instant"), own, {"long_name": "value of the response"}))

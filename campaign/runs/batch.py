@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -26,6 +26,7 @@ from campaign.provenance import as_attribute
 from campaign.runs.progress import Progress, Tell, warm_up
 from campaign.runs.results import Result, groups_of
 from campaign.runs.store import open_store
+from fpm.asked import Column, words
 from fpm.sealed import sweep
 
 Failure = tuple[Run, str]
@@ -55,17 +56,18 @@ def run_batch(
     groups = store.groups(plan.unique_runs(), jobs.group)
     mine = share(groups, batch, batches)
     work = [(group, missing) for group in mine if len(missing := store.missing(group))]
-    tell_damaged(store, tell)
+    tell_again(store, tell)
 
     simulation = Simulation(plan, jobs.group, threads)
     if work:
         check_structure(plan)
-        warm_up(plan.experiment.build(plan.named(work[0][1][0])), tell)
+        scene = plan.experiment.build(plan.named(work[0][1][0]))
+        warm_up(scene, tell, plan.experiment.asked)
         total = sum(map(len, groups))
         progress = Progress(plan.experiment.name, total, store.counter(groups), tell)
         simulation.after = lambda: progress.report(last=False)
         for group, missing in work:
-            store.write(group, simulation.results(missing))
+            store.write(group, simulation.results(missing, store.had(missing)))
         progress.report()
     simulation.check()
     facts = {
@@ -89,11 +91,15 @@ def check_structure(plan: Plan) -> None:
         raise CampaignError(f"{what} has changed since the runs were planned; start again")
 
 
-def tell_damaged(store: Any, tell: Tell) -> None:
+def tell_again(store: Any, tell: Tell) -> None:
     """Tell which files of a store can not be used, and will be made again; each once."""
     for error in store.damaged.values():
         tell(f"{error}; its runs are made again")
     store.damaged.clear()
+    if store.lacking:
+        what = words(sorted(set().union(*store.lacking.values())))
+        tell(f"{len(store.lacking)} runs were recorded without {what}; they are simulated again")
+    store.lacking.clear()
 
 
 def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> None:
@@ -102,13 +108,13 @@ def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> No
     Raises `CampaignError` that lists those that failed.
     """
     missing = store.missing(group)
-    tell_damaged(store, tell)
+    tell_again(store, tell)
     if not len(missing):
         return
     check_structure(plan)
     tell(f"{plan.experiment.name}: {len(missing)} runs are missing and made again")
     simulation = Simulation(plan, size)
-    store.write(group, simulation.results(missing))
+    store.write(group, simulation.results(missing, store.had(missing)))
     simulation.check()
 
 
@@ -125,10 +131,10 @@ class Simulation:
         self.failures: list[Failure] = []
         self.after: Callable[[], None] = lambda: None
 
-    def results(self, runs: Runs) -> Iterator[Result]:
-        """The results of those runs that go well, as they come."""
+    def results(self, runs: Runs, also: Iterable[Column] = ()) -> Iterator[Result]:
+        """The results of those runs that go well, as they come; also: as for `simulate`."""
         for group in groups_of(runs, self.size):
-            results, failed, taken = simulate(self.plan, group, self.threads)
+            results, failed, taken = simulate(self.plan, group, self.threads, also)
             self.count += len(results)
             self.failures += failed
             self.seconds += taken
@@ -142,10 +148,11 @@ class Simulation:
 
 
 def simulate(
-    plan: Plan, runs: Sequence[Run], threads: int = 1
+    plan: Plan, runs: Sequence[Run], threads: int = 1, also: Iterable[Column] = ()
 ) -> tuple[list[Result], list[Failure], np.ndarray]:
     """Simulate runs side by side: those that went well, those that failed with the reason, and the
-    seconds (by `clocks`) that it took to integrate them."""
+    seconds (by `clocks`) that it took to integrate them. also: what is recorded beside what the
+    responses need."""
     import fpm
 
     experiment, solver = plan.experiment, plan.experiment.solver
@@ -158,6 +165,7 @@ def simulate(
         instants=solver.instants,
         step=plan.time.step,
         energy_tolerance=solver.energy_tolerance,
+        record=sorted({*experiment.asked, *also}),
     )
     threads = max(1, min(threads, len(scenes) // 4))  # eight runs take as long as one
     with ThreadPoolExecutor(threads) as pool:

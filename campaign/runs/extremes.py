@@ -42,6 +42,7 @@ class Extremes:
         self.folder = folder
         self.responses, self.quantities = experiment.curves, experiment.numbers
         self.damaged: dict[Path, DamagedError] = {}
+        self.lacking: dict[str, set] = {}  # of what is asked, as in the other stores: nothing
         asked = common.asked_of(self.responses, self.quantities)
         self._named = partial(common.group_digest, ["extremes", *asked], experiment)
 
@@ -52,6 +53,10 @@ class Extremes:
             count *= 2
         ends = [-(-len(runs) * share // count) for share in range(count + 1)]
         return [runs[a:b] for a, b in pairwise(ends) if b > a]
+
+    def had(self, runs: Runs) -> set:
+        """Nothing: files hold extremes only."""
+        return set()
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
         """A function that tells how many runs of groups are there, by the names of files alone."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any, TextIO
 
@@ -79,12 +79,15 @@ def duration_text(seconds: float) -> str:
     return f"{minutes} min {rest} s" if minutes else f"{rest} s"
 
 
-def warm_up(scene: Any, tell: Tell) -> None:
-    """Compile the kernels for a scene, or load them, and tell if that takes a while."""
+def warm_up(scene: Any, tell: Tell, record: Sequence = ()) -> None:
+    """Compile the kernels for a scene, or load them, and tell if that takes a while.
+
+    record: as for `fpm.simulate`.
+    """
     import fpm
 
     slow = threading.Timer(5.0, tell, ["compiling the kernels, once; this takes about a minute"])
     slow.daemon = True
     slow.start()
-    fpm.warm_up(scene)
+    fpm.warm_up(scene, record)
     slow.cancel()

@@ -64,11 +64,12 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
 def asked_of(responses: Sequence[Any], quantities: Sequence[Any]) -> list:
     """What a file depends on that holds responses and quantities and not what they are made of:
     their definitions, and the code that reads them."""
+    from fpm import asked_responses as readers
     from fpm import quantities as numbers
     from fpm import responses as module
     from fpm.sources import syntax_digest
 
-    modules = [module, numbers] if quantities else [module]
+    modules = [module, readers, numbers] if quantities else [module, readers]
     code = syntax_digest(Path(m.__file__) for m in modules)
     return [code, *(asdict(one) for one in (*responses, *quantities))]
 

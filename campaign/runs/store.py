@@ -5,7 +5,9 @@ it if its trajectory was kept. A file that is not as it was written, or is anoth
 absent, and is noted in `damaged` until it is written again. Three ways to keep a run, with the same
 methods:
 
-`Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded;
+`Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded. What is recorded
+                only when a response asks (`fpm.asked`) may be lacking: then the run is noted in
+                `lacking` and counts as absent, and what it had is recorded again as well;
 `Responses`     one netCDF file per group, `<digest of the group's runs>.nc`, with the
                 responses, contact events and quantities only. Other groups have other files:
                 another design, size of group or response simulates its runs again;
@@ -38,6 +40,7 @@ from campaign.runs.results import (
     numbers_of,
     write_dimension,
 )
+from fpm.asked import Column
 from fpm.sealed import DamagedError, check
 
 
@@ -49,12 +52,15 @@ def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
 
 
 class Trajectories:
-    """One netCDF file per run. It does not depend on the responses: any can be taken from it."""
+    """One netCDF file per run. It depends on the responses only by what they ask to be recorded."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder = folder
         self.responses, self.quantities = experiment.curves, experiment.numbers
         self.damaged: dict[Path, DamagedError] = {}
+        self.lacking: dict[str, set[Column]] = {}
+        self._had: dict[str, set[Column]] = {}
+        self._needs = {need for response in self.responses for need in response.needs}
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
         """Runs that are written together."""
@@ -66,6 +72,10 @@ class Trajectories:
     def missing(self, group: Runs) -> Runs:
         """The runs of the group that are still to be simulated."""
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
+
+    def had(self, runs: Runs) -> set[Column]:
+        """Columns that some of these runs have in files that lack others."""
+        return set().union(*(self._had.get(run.id, ()) for run in runs))
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
         """A function that tells how many runs of groups are there, by the names of files alone."""
@@ -95,11 +105,16 @@ class Trajectories:
         return found
 
     def _curves(self, run: Run) -> Any:
-        """The run's `fpm.trajectory.Curves`; None if its file is not there or not whole."""
+        """The run's `fpm.trajectory.Curves`; None if its file is not there, not whole, or lacks
+        what responses need."""
         from fpm import trajectory
 
         try:
-            return trajectory.read_curves(self.path(run), run.id)
+            curves = trajectory.read_curves(self.path(run), run.id)
+            lacks = self._needs - set(curves.asked)
+            if not lacks:
+                return curves
+            self.lacking[run.id], self._had[run.id] = lacks, set(curves.asked)
         except DamagedError as error:
             self.damaged[error.path] = error
         except FileNotFoundError:
@@ -114,6 +129,7 @@ class Responses:
         self.folder = folder
         self.responses, self.quantities = experiment.curves, experiment.numbers
         self.damaged: dict[Path, DamagedError] = {}
+        self.lacking: dict[str, set[Column]] = {}
         self._named = partial(group_digest, asked_of(self.responses, self.quantities), experiment)
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
@@ -142,6 +158,10 @@ class Responses:
         with netCDF4.Dataset(path) as file:
             there = list(file["run_id"][:])
         return group[:0] if there == [run.id for run in group] else group
+
+    def had(self, runs: Runs) -> set[Column]:
+        """Nothing: files hold the responses only."""
+        return set()
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
         """A function that tells how many runs of groups are there, by the names of files alone."""

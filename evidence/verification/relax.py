@@ -41,7 +41,9 @@ class NotAtRest(RuntimeError):
     """A scene that did not come to rest in the time given to it."""
 
 
-def settle(bench: Bench, scenes: list[fpm.Scene], rest: float = REST) -> list[fpm.Outcome]:
+def settle(
+    bench: Bench, scenes: list[fpm.Scene], rest: float = REST, record=()
+) -> list[fpm.Outcome]:
     """Bring loads up slowly and run to rest, in lanes; the last instant is the equilibrium.
 
     Mass-proportional damping at twice the lowest frequency makes all modes die out like
@@ -53,7 +55,8 @@ def settle(bench: Bench, scenes: list[fpm.Scene], rest: float = REST) -> list[fp
         scene.damping = 2.0 * lowest
         curve = scene.add_curve(times, 0.5 - 0.5 * np.cos(np.pi * times / times[-1]))
         scene.loads = [replace(load, curve=curve) for load in scene.loads]
-    outcomes = bench.simulate(scenes, duration=(RAMP + rest) / lowest, instants=51)
+    duration = (RAMP + rest) / lowest
+    outcomes = bench.simulate(scenes, duration=duration, instants=51, record=record)
     for outcome in outcomes:
         moving, stored = outcome.energies["kinetic"][-1], outcome.energies["strain"][-1]
         if not moving <= 1e-10 * stored:

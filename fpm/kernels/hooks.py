@@ -167,6 +167,11 @@ def record_points(parts, world, points, row, now):
     """Correct the recorded velocities of points on particles that the kind moves itself."""
 
 
+@_unrolled()
+def record_step(parts, world, row, now):
+    """Write row `row` of what the step from now.time on did; World.kept has its start."""
+
+
 def energy_of(part, world, e):
     """Return the energy (lanes, J) of element e; it stands for `stored` and `list_energies`."""
 

@@ -87,6 +87,7 @@ def record_after(parts, world, record, row, now):
         turn = to_global(axes, times(get3(world.particles, i, IJ), to_local(axes, p)))
         put3(points, at, VELOCITY, v + cross(turn, arm))
     hooks.record_points(parts, world, points, row, now)
+    hooks.record_step(parts, world, row, now)
     store(record.energies, row, KINETIC, kinetic_energy(world))
     balance(world, record.energies, row)
 

@@ -141,6 +141,16 @@ def add3(a, i, k, v):
 
 
 @kernel
+def add_where(a, i, k, v, where):
+    """Add a vector to fields k, k+1, k+2 of row i in the lanes where `where` is negative."""
+    before = get3(a, i, k)
+    after = before + v
+    store(a, i, k, where_negative(where, after.x, before.x))
+    store(a, i, k + 1, where_negative(where, after.y, before.y))
+    store(a, i, k + 2, where_negative(where, after.z, before.z))
+
+
+@kernel
 def dot(a, b):
     """Scalar product."""
     return a.x * b.x + a.y * b.y + a.z * b.z

@@ -15,6 +15,7 @@ from fpm.kinds.latch import Latch
 from fpm.kinds.load import Load
 from fpm.kinds.motor import Motor, TorqueMotor
 from fpm.kinds.opening import Opening
+from fpm.kinds.probe import Probe
 from fpm.kinds.release import Release
 from fpm.kinds.stop import Stop
 from fpm.kinds.support import Support
@@ -44,10 +45,11 @@ KINDS: tuple[type[Kind], ...] = (
     Support,
     Damping,
     Joint,
+    Probe,
 )
 """The registry. The order is that of sums, hence of the last digits: add new kinds at the end,
 before Drive if they act with forces (drives feel them, supports take them out, damping scales all,
-joints come last).
+joints and the probe come last).
 """
 
 

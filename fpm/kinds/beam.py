@@ -49,12 +49,19 @@ class Material:
 
 @dataclass(frozen=True)
 class Section:
-    """Cross-section: `A` (m2), `Iy` = ∫z² dA and `Iz` = ∫y² dA (m4), torsion constant `J` (m4)."""
+    """Cross-section: `A` (m2), `Iy` = ∫z² dA and `Iz` = ∫y² dA (m4), torsion constant `J` (m4).
+
+    outline: what is known of its contour, for stresses (fpm/stress.py): "rectangle", "round" or ""
+    with its `width` and `height` (m) along the local y and z axes.
+    """
 
     A: float
     Iy: float
     Iz: float
     J: float
+    outline: str = ""
+    width: float = 0.0
+    height: float = 0.0
 
     @staticmethod
     def rectangle(width: float, height: float) -> "Section":
@@ -68,9 +75,8 @@ class Section:
         odd = np.arange(1, 40, 2)
         series = np.sum(np.tanh(odd * np.pi * long / (2 * short)) / odd**5)
         J = long * short**3 * (1 / 3 - 64 / np.pi**5 * short / long * series)
-        return Section(
-            A=width * height, Iy=width * height**3 / 12, Iz=height * width**3 / 12, J=float(J)
-        )
+        Iy, Iz = width * height**3 / 12, height * width**3 / 12
+        return Section(width * height, Iy, Iz, float(J), "rectangle", width, height)
 
     @staticmethod
     def square(side: float) -> "Section":
@@ -80,8 +86,14 @@ class Section:
     @staticmethod
     def circle(radius: float) -> "Section":
         """Solid circle of the given radius (m)."""
-        inertia = np.pi * radius**4 / 4
-        return Section(A=np.pi * radius**2, Iy=inertia, Iz=inertia, J=2 * inertia)
+        return Section.tube(radius, 0.0)
+
+    @staticmethod
+    def tube(outer: float, inner: float) -> "Section":
+        """Round tube between two radii (m)."""
+        inertia = np.pi / 4 * (outer**4 - inner**4)
+        area = np.pi * (outer**2 - inner**2)
+        return Section(area, inertia, inertia, 2 * inertia, "round", 2 * outer, 2 * outer)
 
 
 @dataclass(frozen=True)

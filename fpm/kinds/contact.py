@@ -22,6 +22,7 @@ class Contact(Kind):
     stores = Energy("contact", "contact_energy", "energy of the face-to-face contacts")
     events = ("opens", "closes")
     reads = (Opening,)
+    acts_as = "contact"
     always_acts = False
 
     def check(self, scene):
@@ -87,7 +88,7 @@ class Contact(Kind):
         return Contacts(
             batch.integers(c.hinge for c in cls.of(batch.one)),
             batch.table(cls, 1, lambda c: [c.stiffness]),
-            batch.part(Opening),
+            Opening.seen_by(cls, batch),
             batch.rows_of(cls),
             batch.log_of(cls),
         )

@@ -26,6 +26,7 @@ class Damper(Kind):
 
     takes = JOINT_LOSS
     reads = (Opening,)
+    acts_as = "damper"
 
     def check(self, scene):
         """Hinge and damping."""
@@ -53,7 +54,7 @@ class Damper(Kind):
         return Dampers(
             batch.integers(d.hinge for d in cls.of(batch.one)),
             batch.table(cls, 1, lambda d: [d.damping]),
-            batch.part(Opening),
+            Opening.seen_by(cls, batch),
             pack_past(batch, cls),
             batch.taken_by(cls),
         )

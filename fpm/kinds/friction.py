@@ -47,6 +47,7 @@ class Friction(Kind):
     stores = Energy("friction", "friction_energy", "energy of the bristles of friction")
     takes = JOINT_LOSS
     reads = (Opening,)
+    acts_as = "friction"
 
     @property
     def stiffness(self) -> float:
@@ -105,7 +106,7 @@ class Friction(Kind):
         return Frictions(
             on=batch.integers(f.hinge for f in found),
             bristle=batch.stack(len(found), BRISTLE, bristles),
-            openings=batch.part(Opening),
+            openings=Opening.seen_by(cls, batch),
             past=pack_past(batch, cls),
             state=batch.stack(len(found), STATE, feet),
             account=batch.taken_by(cls),

@@ -18,6 +18,7 @@ from fpm.errors import SceneError
 from fpm.kinds.hinge_limits import MOST_GAP, MOST_TILT
 from fpm.kinds.kind import AXES, Kind, Recorded, Watch
 from fpm.kinds.opening import opening_angle
+from fpm.kinds.probe import Probe
 from fpm.kinds.virtual_beam import VirtualBeam
 
 
@@ -109,12 +110,20 @@ class Hinge(Kind):
     @classmethod
     def pack(cls, batch):
         from fpm.kinds import hinge_kernels  # noqa: F401, its hooks
-        from fpm.kinds.hinge_arrays import BODY, BODY_SCRATCH, HINGE, HINGE_SCRATCH, Hinges
+        from fpm.kinds.hinge_arrays import (
+            BODY,
+            BODY_SCRATCH,
+            HINGE,
+            HINGE_SCRATCH,
+            SUMS,
+            CountedHinges,
+            Hinges,
+        )
 
         hinges = cls.of(batch.one)
         h, rows = len(hinges), batch.instants + 1
         held = [[axis in hinge.support for axis in AXES] for hinge in hinges]
-        return Hinges(
+        found = Hinges(
             ends=batch.integers(cls.moved(batch.one)),
             bodies=batch.stack(2 * h, BODY, _bodies),
             hinges=batch.stack(h, HINGE, _places),
@@ -127,6 +136,9 @@ class Hinge(Kind):
             rows=batch.rows_of(cls),
             gaps=batch.blank(rows, 2),
         )
+        if not Probe.asked(batch.one).impulses:
+            return found
+        return CountedHinges(*found, batch.blank(h, SUMS), batch.blank(rows * h, SUMS))
 
     @classmethod
     def recorded(cls, part, scene, lane):

@@ -61,6 +61,23 @@ class Hinges(NamedTuple):
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)
 
 
+ON_ONE, ABOUT_ONE, ON_TWO, ABOUT_TWO = 0, 3, 6, 9
+SUMS = 12
+"""Impulses of a joint over a step: force on a body and moment about it, of both (3 each). Divided
+by the length of the kick they are its constraint forces.
+"""
+
+CountedHinges = NamedTuple(
+    "CountedHinges",
+    [
+        *Hinges.__annotations__.items(),
+        ("sums", np.ndarray),  # (h, SUMS, lanes) of this step
+        ("forces", np.ndarray),  # ((instants + 1) h, SUMS, lanes) recorded
+    ],
+)
+"""Hinges whose impulses are counted."""
+
+
 @kernel
 def get6(a, i, k):
     """The six lanes in fields k .. k+5 of row i."""

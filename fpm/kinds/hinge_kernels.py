@@ -51,7 +51,9 @@ from fpm.kinds.hinge_arrays import (
     PLACE,
     QA,
     REF,
+    SUMS,
     TILT,
+    CountedHinges,
     Hinges,
     get6,
 )
@@ -63,6 +65,7 @@ from fpm.kinds.hinge_matrix import (
     prepare_matrices,
 )
 from fpm.kinds.hinge_supports import prepare_supports
+from fpm.kinds.impulse_sums import ALL, clear, count
 
 
 @hook(Hinges)
@@ -96,6 +99,7 @@ def aim(part, state):
     find_impulses(part, -1.0)
     for h in range(w.shape[0]):
         push(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b)
+        count(part, h, ALL)
 
 
 @kernel
@@ -207,10 +211,12 @@ def move(part, world, now):
                     left = True
                     for r in (2 * h, 2 * h + 1):
                         push_where_far(state, ends[r], r, b, far)
+                    count(part, h, far)
         if not left:
             break
     for h in range(w.shape[0]):
         nudge(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, now.step)
+        count(part, h, ALL)
 
 
 @kernel
@@ -265,3 +271,24 @@ def list_excess(part, world):
         gap2, tilt2 = opened(part, world.state, h)
         excess = gap2 * (1.0 / MOST_GAP**2) + tilt2 * (1.0 / MOST_TILT**2)
         store(part.rows, h, 0, excess)
+
+
+@hook(CountedHinges, "prepare")
+def prepare_counted(part, world, now):
+    """Count from zero."""
+    clear(part.sums)
+    prepare(part, world, now)
+
+
+@hook(CountedHinges)
+def record_step(part, world, row, now):
+    """Record the constraint forces of the step."""
+    count = part.sums.shape[0]
+    for h in range(count):
+        for k in range(SUMS):
+            force = (1.0 / now.kick) * load(part.sums, h, k)
+            store(part.forces, row * count + h, k, force)
+
+
+for _name, _kernel in (("move", move), ("record", record), ("list_excess", list_excess)):
+    hook(CountedHinges, _name)(_kernel)

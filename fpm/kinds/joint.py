@@ -20,6 +20,7 @@ from fpm.kinds.gravity import LOAD_WORK
 from fpm.kinds.hinge import Hinge, alone, arms, unit
 from fpm.kinds.hinge_limits import MOST_GAP, MOST_TILT
 from fpm.kinds.kind import AXES, Kind, Recorded, Watch
+from fpm.kinds.probe import Probe
 from fpm.kinds.virtual_beam import VirtualBeam
 
 TYPES = {
@@ -155,7 +156,8 @@ class Joint(Kind):
         joints, slots = [joints[j] for j in order], slots[order]
         found, entries = pattern([j.conditions for j in joints], slots, movable, below)
         driven = set(Drive.moved(one))
-        return at.Joints(
+        conditions, rows = sum(j.conditions for j in joints), batch.instants + 1
+        coupled = at.Joints(
             types=batch.integers(TYPES[j.type] for j in joints),
             names=batch.integers(order),
             slots=slots.ravel(),
@@ -166,15 +168,21 @@ class Joint(Kind):
             driven=batch.integers(p in driven for p in on),
             bodies=batch.stack(len(on), at.BODY, lambda s: _bodies(s, on)),
             body_scratch=batch.blank(len(on), at.BODY_SCRATCH),
-            rows=batch.blank(sum(j.conditions for j in joints), at.ROW),
+            rows=batch.blank(conditions, at.ROW),
             matrix=batch.blank(entries, 1),
             pattern=found,
             ease=EASE[np.dtype(batch.dtype).itemsize],
             account=batch.given_by(cls),
             watched=batch.watched_by(cls),
             excess=batch.rows_of(cls),
-            gaps=batch.blank(batch.instants + 1, 2),
+            gaps=batch.blank(rows, 2),
         )
+        if not Probe.asked(one).impulses:
+            return coupled
+        from fpm.kinds.hinge_arrays import SUMS
+
+        forces = batch.blank(rows * len(joints), SUMS)
+        return at.CountedJoints(*coupled, batch.blank(conditions, 1), forces)
 
     @classmethod
     def recorded(cls, part, scene, lane):

@@ -86,3 +86,14 @@ class Joints(NamedTuple):
     watched: np.ndarray  # (1, 2, lanes)
     excess: np.ndarray  # (j, 1, lanes) rows that say how bad a joint is
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)
+
+
+CountedJoints = NamedTuple(
+    "CountedJoints",
+    [
+        *Joints.__annotations__.items(),
+        ("sums", np.ndarray),  # (r, 1, lanes) impulses of the conditions in this step
+        ("forces", np.ndarray),  # ((instants + 1) j, SUMS of hinges, lanes) recorded
+    ],
+)
+"""Joints whose impulses are counted."""

@@ -12,6 +12,7 @@ from fpm.kernels.layout import D2, D3, F, M, P, V, X
 from fpm.kernels.rotation import frame, half_turn, put_turned
 from fpm.kernels.vectors import (
     add3,
+    add_where,
     cross,
     dot,
     get3,
@@ -22,10 +23,11 @@ from fpm.kernels.vectors import (
     times,
     to_local,
 )
-from fpm.kinds.hinge_arrays import get6, put6
+from fpm.kinds.hinge_arrays import ABOUT_ONE, ABOUT_TWO, ON_ONE, ON_TWO, get6, put6
 from fpm.kinds.hinge_kernels import watch
 from fpm.kinds.hinge_limits import COARSE_GAP, COARSE_TILT, MOST_GAP, MOST_TILT, ROUNDS
 from fpm.kinds.hinge_matrix import world_inverse
+from fpm.kinds.impulse_sums import ALL, clear, count
 from fpm.kinds.joint_arrays import (
     AHEAD,
     ALL_FORCE,
@@ -50,6 +52,7 @@ from fpm.kinds.joint_arrays import (
     TURN1,
     TURN2,
     TURNS,
+    CountedJoints,
     Joints,
 )
 from fpm.kinds.joint_matrix import build, factorise, substitute
@@ -115,6 +118,7 @@ def aim(part, state):
     find_impulses(part, -1.0)
     for s in range(part.on.shape[0]):
         push(part, state, s)
+    count(part, 0, ALL)
 
 
 @kernel
@@ -170,16 +174,6 @@ def push_where_far(part, state, s, far):
         add_where(state, i, P, moment, far)
     add_where(b, s, ALL_FORCE, force, far)
     add_where(b, s, ALL_MOMENT, moment, far)
-
-
-@kernel
-def add_where(a, i, k, v, where):
-    """Add a vector to fields k, k+1, k+2 of row i in the lanes where `where` is negative."""
-    before = get3(a, i, k)
-    after = before + v
-    store(a, i, k, where_negative(where, after.x, before.x))
-    store(a, i, k + 1, where_negative(where, after.y, before.y))
-    store(a, i, k + 2, where_negative(where, after.z, before.z))
 
 
 @kernel
@@ -242,8 +236,10 @@ def move(part, world, now):
             break
         for s in range(part.on.shape[0]):
             push_where_far(part, state, s, far)
+        count(part, 0, far)
     for s in range(part.on.shape[0]):
         nudge(part, state, s, now.step)
+    count(part, 0, ALL)
 
 
 @hook(Joints)
@@ -298,3 +294,38 @@ def list_excess(part, world):
         gap2, tilt2 = find_gaps(part, world.state, j)
         excess = gap2 * (1.0 / MOST_GAP**2) + tilt2 * (1.0 / MOST_TILT**2)
         store(part.excess, part.names[j], 0, excess)
+
+
+@hook(CountedJoints, "prepare")
+def prepare_counted(part, world, now):
+    """Count from zero."""
+    clear(part.sums)
+    prepare(part, world, now)
+
+
+@hook(CountedJoints)
+def record_step(part, world, row, now):
+    """Record the constraint forces of the step, in the order of the scene.
+
+    Of moments only those about axes about which a body may turn.
+    """
+    rows, pattern, count = part.rows, part.pattern, part.types.shape[0]
+    for j in range(count):
+        force = 0.0 * get3(rows, 0, ALONG)
+        first, second = force, force
+        for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
+            impulse = (1.0 / now.kick) * load(part.sums, r, 0)
+            force = force + impulse * get3(rows, r, ALONG)
+            first = first + impulse * get3(rows, r, TURN1)
+            second = second + impulse * get3(rows, r, TURN2)
+        at = row * count + part.names[j]
+        put3(part.forces, at, ON_ONE, force)
+        put3(part.forces, at, ABOUT_ONE, first)
+        put3(part.forces, at, ON_TWO, -1.0 * force)
+        put3(part.forces, at, ABOUT_TWO, -1.0 * second)
+
+
+for _name, _kernel in (
+    ("move", move), ("work_after", work_after), ("record", record), ("list_excess", list_excess),
+):  # fmt: skip
+    hook(CountedJoints, _name)(_kernel)

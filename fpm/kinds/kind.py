@@ -78,6 +78,7 @@ class Kind:
     events: ClassVar[tuple[str, ...]] = ()  # names of its events, in the order of their numbers
     watches: ClassVar[tuple[Watch, ...]] = ()  # of several that are too large, the last counts
     reads: ClassVar[tuple[type["Kind"], ...]] = ()  # kinds whose arrays it needs in every step
+    acts_as: ClassVar[str] = ""  # which part of the moment on openings is its own (opening.py)
     joins: ClassVar[bool] = False  # whether its elements hold their `particles` together
     always_acts: ClassVar[bool] = True  # False: only in the position that `shut` describes
 

@@ -51,6 +51,7 @@ class Latch(Kind):
     takes = JOINT_LOSS
     events = ("latches", "misses")
     reads = (Opening,)
+    acts_as = "latch"
 
     def check(self, scene):
         """Hinge, numbers, and a label that no other latch has."""
@@ -112,7 +113,7 @@ class Latch(Kind):
         return Latches(
             on=batch.integers(x.hinge for x in latches),
             latch=batch.table(cls, LATCH, constants),
-            openings=batch.part(Opening),
+            openings=Opening.seen_by(cls, batch),
             past=pack_past(batch, cls),
             state=batch.blank(len(latches), STATE),
             account=batch.taken_by(cls),

@@ -60,6 +60,7 @@ class Motor(Kind):
     gives = MOTOR_WORK
     takes = JOINT_LOSS
     reads = (Opening,)
+    acts_as = "motor"
 
     def check(self, scene):
         """Hinge, drive train and curve; one motor on a hinge."""
@@ -103,7 +104,7 @@ class Motor(Kind):
             motors=batch.table(cls, 4, lambda m: [m.stiffness, m.damping, m.start, m.turn]),
             past=pack_past(batch, cls),
             now=batch.blank(len(motors), STATE),
-            openings=batch.part(Opening),
+            openings=Opening.seen_by(cls, batch),
             given=batch.given_by(cls),
             taken=batch.taken_by(cls),
             rows=batch.rows_of(cls),
@@ -131,6 +132,7 @@ class TorqueMotor(Kind):
 
     gives = MOTOR_WORK
     reads = (Opening,)
+    acts_as = "motor"
 
     def check(self, scene):
         """Hinge, torque, speed and curve; one torque motor on a hinge."""
@@ -174,7 +176,7 @@ class TorqueMotor(Kind):
             motors=batch.table(cls, 2, lambda m: [m.torque, m.no_load]),
             past=pack_past(batch, cls),
             now=batch.blank(len(motors), STATE),
-            openings=batch.part(Opening),
+            openings=Opening.seen_by(cls, batch),
             given=batch.given_by(cls),
             track=batch.blank((batch.instants + 1) * len(motors), 1),
         )

@@ -13,6 +13,7 @@ import numpy as np
 from fpm.cross import cross
 from fpm.errors import SceneError
 from fpm.kinds.kind import Deformations, Energy, Kind, Recorded, rows_of
+from fpm.kinds.probe import Probe
 
 JOINT_LOSS = Energy("joint_loss", "joint_loss", "energy lost on joints: friction, dampers, impacts")
 """The account of all kinds that lose energy on openings."""
@@ -21,6 +22,12 @@ ONSET = 1.5
 """Largest share of a kick with which a damper begins (losses_kernels.onset): counted in the stable
 step, so that an impact is not thrown back by its damper alone.
 """
+
+
+PARTS = (
+    "spring", "contact", "damper", "friction", "stop", "latch", "motor", "release", "loop", "other",
+)  # fmt: skip
+"""Parts of the moment on an opening, by the kinds that act on it (Kind.acts_as)."""
 
 
 @dataclass(frozen=True)
@@ -38,17 +45,35 @@ class Opening(Kind):
 
     @classmethod
     def pack(cls, batch):
-        from fpm.kinds.opening_kernels import SIDE, Openings
+        from fpm.kinds.opening_kernels import SIDE, TOLD, Openings, ToldOpenings
 
         hinges = batch.one.hinges
         rows = batch.instants + 1
-        return Openings(
+        openings = Openings(
             ends=batch.integers(p for hinge in hinges for p in hinge.particles),
             sides=batch.stack(2 * len(hinges), SIDE, _sides),
             angles=batch.table(cls, 2, lambda hinge: [hinge.opening] * 2),
             followed=batch.is_read(cls),
             track=batch.blank(rows * len(hinges), 1),
         )
+        if not Probe.asked(batch.one).moments:
+            return openings
+        count = len(hinges) * len(PARTS)
+        return ToldOpenings(
+            *openings,
+            which=PARTS.index("other"),
+            parts=len(PARTS),
+            told=batch.blank(count, TOLD),
+            told_track=batch.blank(rows * count, 2),
+        )
+
+    @classmethod
+    def seen_by(cls, kind: type[Kind], batch):
+        """The arrays of all openings as a kind that acts on them gets them."""
+        openings = batch.part(cls)
+        if Probe.asked(batch.one).moments and kind.acts_as:
+            return openings._replace(which=PARTS.index(kind.acts_as))
+        return openings
 
     @classmethod
     def recorded(cls, part, scene, lane):

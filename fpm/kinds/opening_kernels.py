@@ -4,13 +4,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import overload
 
 from fpm.kernels.angles import arctan2
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import floor, load, store
 from fpm.kernels.layout import M
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import cross, dot, get3, kernel, put3, to_global
+from fpm.kernels.vectors import INLINED, cross, dot, get3, kernel, put3, to_global
 
 TURN = 2 * math.pi
 
@@ -18,6 +19,10 @@ AXIS, REFERENCE = 0, 3  # of either side, in its particle's frame (3 each)
 SIDE = 6
 
 NOW, BEFORE = 0, 1  # fields of the angles
+
+# Of a part of the moment on an opening: now and one step ago (N m), and its work so far (J).
+MOMENT, MOMENT_BEFORE, WORK = 0, 1, 2
+TOLD = 3
 
 
 class Openings(NamedTuple):
@@ -28,6 +33,20 @@ class Openings(NamedTuple):
     angles: np.ndarray  # (h, 2, lanes) now and one step ago (rad)
     followed: bool  # whether they are needed in every step
     track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded
+
+
+class ToldOpenings(NamedTuple):
+    """Openings that tell apart who acts on them; the part `which` of `parts` is a kind's own."""
+
+    ends: np.ndarray
+    sides: np.ndarray
+    angles: np.ndarray
+    followed: bool
+    track: np.ndarray
+    which: int
+    parts: int
+    told: np.ndarray  # (h parts, TOLD, lanes)
+    told_track: np.ndarray  # ((instants + 1) h parts, 2, lanes) recorded: moment, work
 
 
 @hook(Openings)
@@ -61,6 +80,27 @@ def turn(openings, state, h, moment):
     axis = to_global(frame(state, one), get3(openings.sides, 2 * h, AXIS))
     put3(state, two, M, moment * axis + get3(state, two, M))
     put3(state, one, M, (-1.0 * moment) * axis + get3(state, one, M))
+    tell(openings, h, moment)
+
+
+def tell(openings, h, moment):
+    """Count a moment as that of the kind that sees these openings, where they are told apart."""
+    if isinstance(openings, ToldOpenings):
+        add_told(openings, h, moment)
+
+
+@kernel
+def add_told(openings, h, moment):
+    """Add a moment to what the kind has on opening h."""
+    row = h * openings.parts + openings.which
+    store(openings.told, row, MOMENT, load(openings.told, row, MOMENT) + moment)
+
+
+@overload(tell, jit_options=INLINED)
+def _tell(openings, h, moment):
+    if openings.instance_class is ToldOpenings:
+        return lambda openings, h, moment: add_told(openings, h, moment)
+    return lambda openings, h, moment: None
 
 
 @hook(Openings)
@@ -71,3 +111,32 @@ def record(part, world, row):
     count = part.angles.shape[0]
     for h in range(count):
         store(part.track, row * count + h, 0, load(part.angles, h, NOW))
+
+
+@hook(ToldOpenings, "forces")
+def begin_told(part, world, now):
+    """New openings; nobody acts on them yet."""
+    forces(part, world, now)
+    for r in range(part.told.shape[0]):
+        store(part.told, r, MOMENT_BEFORE, load(part.told, r, MOMENT))
+        store(part.told, r, MOMENT, 0.0)
+
+
+@hook(ToldOpenings, "work_before")
+def work_told(part, world, now):
+    """Work of every part over the step up to now, by the trapezium rule (losses_kernels.lose)."""
+    for h in range(part.angles.shape[0]):
+        turned = load(part.angles, h, NOW) - load(part.angles, h, BEFORE)
+        for r in range(h * part.parts, (h + 1) * part.parts):
+            both = load(part.told, r, MOMENT) + load(part.told, r, MOMENT_BEFORE)
+            store(part.told, r, WORK, load(part.told, r, WORK) + 0.5 * both * turned)
+
+
+@hook(ToldOpenings, "record")
+def record_told(part, world, row):
+    """Record the openings, and the moment and work of every part."""
+    record(part, world, row)
+    count = part.told.shape[0]
+    for r in range(count):
+        store(part.told_track, row * count + r, 0, load(part.told, r, MOMENT))
+        store(part.told_track, row * count + r, 1, load(part.told, r, WORK))

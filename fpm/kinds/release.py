@@ -41,6 +41,7 @@ class Release(Kind):
     takes = JOINT_LOSS
     events = ("releases",)
     reads = (Opening,)
+    acts_as = "release"
 
     def check(self, scene):
         """Hinges and numbers; that it holds at the start, and may let go."""
@@ -96,7 +97,7 @@ class Release(Kind):
             ),
             past=pack_past(batch, cls),
             now=batch.blank(len(found), STATE),
-            openings=batch.part(Opening),
+            openings=Opening.seen_by(cls, batch),
             account=batch.taken_by(cls),
             rows=batch.rows_of(cls),
             log=batch.log_of(cls),

@@ -42,6 +42,7 @@ class Stop(Kind):
     takes = JOINT_LOSS
     events = ("leaves", "hits")
     reads = (Opening,)
+    acts_as = "stop"
 
     def check(self, scene):
         """Hinge, side and numbers."""
@@ -79,7 +80,7 @@ class Stop(Kind):
         return Stops(
             batch.integers(s.hinge for s in cls.of(batch.one)),
             batch.table(cls, STOP, lambda s: [s.angle, SIDES[s.side], s.stiffness, s.damping]),
-            batch.part(Opening),
+            Opening.seen_by(cls, batch),
             pack_past(batch, cls),
             batch.taken_by(cls),
             batch.rows_of(cls),

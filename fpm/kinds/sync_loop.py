@@ -37,6 +37,7 @@ class SyncLoop(Kind):
     stores = Energy("loop", "loop_energy", "energy of the synchronising loops")
     events = ("tightens", "slackens")
     reads = (Opening,)
+    acts_as = "loop"
 
     def check(self, scene):
         """Hinges, radii and numbers; names are for messages and files."""
@@ -98,7 +99,7 @@ class SyncLoop(Kind):
             on=batch.integers((loop.hinges for loop in loops), 2),
             loops=batch.table(cls, LOOP, lambda x: [x.stiffness, *x.radii, *x.rest, x.tight]),
             now=batch.blank(len(loops), STATE),
-            openings=batch.part(Opening),
+            openings=Opening.seen_by(cls, batch),
             rows=batch.rows_of(cls),
             log=batch.log_of(cls),
             track=batch.blank((batch.instants + 1) * len(loops), 1),

@@ -25,6 +25,7 @@ class TableSpring(Kind):
 
     stores = Energy("table_spring", "table_spring_energy", "energy of the springs by tables")
     reads = (Opening,)
+    acts_as = "spring"
 
     def check(self, scene):
         """The hinge and the table."""
@@ -86,6 +87,6 @@ class TableSpring(Kind):
                 [np.column_stack([s.angles, s.bends]) for s in cls.of(scene)]
             )),
             spring=batch.table(cls, 2, lambda s: [s.moments[0], s.lift]),
-            openings=batch.part(Opening),
+            openings=Opening.seen_by(cls, batch),
             rows=batch.rows_of(cls),
         )  # fmt: skip

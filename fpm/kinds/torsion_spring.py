@@ -16,6 +16,7 @@ class TorsionSpring(Kind):
 
     stores = Energy("spring", "spring_energy", "energy of the torsion springs")
     reads = (Opening,)
+    acts_as = "spring"
 
     def check(self, scene):
         """Hinge and stiffness."""
@@ -42,6 +43,6 @@ class TorsionSpring(Kind):
         return Springs(
             batch.integers(s.hinge for s in cls.of(batch.one)),
             batch.table(cls, 2, lambda s: [s.stiffness, s.rest]),
-            batch.part(Opening),
+            Opening.seen_by(cls, batch),
             batch.rows_of(cls),
         )

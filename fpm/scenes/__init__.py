@@ -1,10 +1,11 @@
 """The scenes that a campaign can name, and what may be set in each."""
 
 import hashlib
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
+from typing import Any
 
 from fpm import sources
 from fpm.errors import SceneError
@@ -100,11 +101,17 @@ class SceneType:
     hinges: tuple[str, ...]
     function: Callable[..., Scene]
     cables: tuple[str, ...] = ()
+    values: Mapping[str, Any] = field(default_factory=dict)  # of parameters, for its `sample`
+
+    @cached_property
+    def sample(self) -> Scene:
+        """The scene at `values`: what there is, whatever the other parameters are."""
+        return self.build(**self.values)
 
     @cached_property
     def energies(self) -> tuple[str, ...]:
         """Names of the energies that its runs have."""
-        own = (energy.name for energy in energies_of(self.build().kinds))
+        own = (energy.name for energy in energies_of(self.sample.kinds))
         return ("kinetic", *own, "balance")
 
     @property

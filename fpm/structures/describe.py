@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from fpm.bars import bars_of
 from fpm.kinds.cable import Cable, length_through
 from fpm.kinds.joint import Joint
 from fpm.kinds.virtual_beam import VirtualBeam
@@ -29,6 +30,9 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
         *_table([["parameter", "default", "unit", "allowed", "description"], *rows]),
         "",
         *_listed("points", points),
+        *(_listed("bars", bars_of(scene)) if scene.beams else ()),
+        *(_listed("bodies", scene.bodies) if scene.bodies else ()),
+        *(_listed("supports", scene.supports) if scene.supports else ()),
         *_listed("joints", joints),
         *(_listed("cables", cables) if cables else ()),
         "",

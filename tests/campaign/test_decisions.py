@@ -158,7 +158,14 @@ def test_the_exit_status_tells_of_unmet_requirements_where_asked(tmp_path, capsy
         ({"requirements": {"r": {"t_open": {"at_least": 3, "at_most": 1}}}}, "above at_most"),
         ({"requirements": {"r": {"t_open": {"happens": False, "at_most": 1}}}}, "no other limit"),
         ({"choose": {"parameters": {"k": [0.1, 0.2]}}}, "0 goals"),
-        ({"choose": {"parameters": {"k": [0.1, 0.2]}, "minimise": "t_open"}}, "upper"),
+        (
+            {"choose": {"parameters": {"k": [0.1, 0.2]}, "minimise": "t_open"}},
+            "choose.minimise: 't_open'.*upper",
+        ),
+        (
+            {"choose": {"parameters": {"k": [0.1, 0.2]}, "maximise": "t_open"}},
+            "choose.maximise: 't_open'.*upper",
+        ),
         ({"choose": {"parameters": {"k": [0.1, 0.2]}, "minimise": "upper(x)"}}, "no such quantity"),
         (
             {"choose": {"parameters": {"k": [0.2, 0.1]}, "minimise": "upper(t_open)"}},
@@ -171,3 +178,22 @@ def test_the_exit_status_tells_of_unmet_requirements_where_asked(tmp_path, capsy
 def test_what_cannot_be_asked_is_refused_before_any_run(changes, words):
     with pytest.raises(ConfigError, match=words):
         campaign.check_config(panel(quantities=QUANTITIES, **changes))
+
+
+@pytest.mark.parametrize(
+    ("k", "ends"),
+    [
+        ({"nominal": 0.1, "relative": 0.05}, (0.19, 0.21)),
+        ({"nominal": 0.1, "absolute": 0.02}, (0.18, 0.22)),
+        ({"lower": 0.08, "upper": 0.11, "nominal": 0.1}, (0.18, 0.21)),
+    ],
+)
+def test_an_interval_follows_its_nominal_value(k, ends):
+    """About the given one it is as given; about another only a relative one grows."""
+    choose = {"parameters": {"k": [0.1, 0.2]}, "minimise": "upper(t_open)"}
+    wanted = campaign.check_config(panel(quantities=QUANTITIES, intervals={"k": k}, choose=choose))
+    given = wanted.experiment.intervals["k"]
+    here = wanted.choose.interval("k", 0.1, wanted.experiment)
+    assert here == pytest.approx((given.lower, given.upper))
+    assert wanted.choose.interval("k", 0.2, wanted.experiment) == pytest.approx(ends)
+    assert wanted.choose.ends("k", wanted.experiment) == pytest.approx((given.lower, ends[1]))

@@ -92,6 +92,19 @@ def test_bounds_are_attained_where_they_are_said_to_be(model, parts):
             assert there == pytest.approx(float(found[values][0, t]), abs=slack)
 
 
+def test_the_order_of_the_parts_of_a_split_box_does_not_matter():
+    cuts = ((-1.0, -0.2), (-0.2, 0.5), (0.5, 1.0))
+    parts = [((low, -1.0), (high, 1.0)) for low, high in cuts]
+    found = []
+    for turned in range(3):
+        shuffled = parts[turned:] + parts[:turned]
+        design = split_design(make_design("tensor_lobatto", BOX, 4), shuffled)
+        found.append(bounds_dataset(samples_of(wave, BOX, design, TIME), design))
+    for other in found[1:]:
+        for name in ("lower", "upper", "inner_lower", "inner_upper"):
+            np.testing.assert_allclose(other[name], found[0][name], atol=1e-9)
+
+
 @pytest.mark.parametrize("model", ["polynomial", "spline", "scan"])
 def test_bounds_do_not_depend_on_when_time_begins(model):
     design = make_design("tensor_lobatto", BOX, 3)

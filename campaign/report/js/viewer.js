@@ -120,7 +120,7 @@ function viewerControls(viewer) {
   const top = usualTop();
   painter.topShare = top;
   const ends = make("span", {}, make("b", {}, "0"), make("b", {}, `${top < 1 ? "≥ " : ""}${digits(top * MOTION.largestStress / 1e6, 2)} MPa`));
-  byId("scale").append("largest normal stress of an element", make("i", { style: `background:linear-gradient(90deg,${stops})` }), ends);
+  byId("scale").append("largest stress of an element (von Mises)", make("i", { style: `background:linear-gradient(90deg,${stops})` }), ends);
   for (const button of document.querySelectorAll("[data-view]")) {
     button.addEventListener("click", () => viewer.look(button.dataset.view));
   }

@@ -51,5 +51,5 @@ def body(build, it):
         made = build.scene.add_particles(it.centre.position, it.mass, inertia, axes)
     except SceneError as error:
         build.refuse("mass", error.value, error.allowed)
-    particle = int(made[0])
+    particle = build.scene.bodies[it.name] = int(made[0])
     return Part(it.name, {point.name: particle for point in (it.centre, *it.points)})

@@ -17,6 +17,7 @@ from fpm.structures.statement import statement
 def support(build, it):
     """Holds a point of a part along and about global axes."""
     scene, particle = build.scene, it.part.particle(it.at.name)
+    scene.supports[it.name] = scene.arm_to(particle, it.at.position)
     off = np.linalg.norm(it.at.position - scene.position[particle])
     whole = len(it.translations) == len(it.rotations) == len("xyz")
     if whole or off <= APART * build.size or not it.translations:

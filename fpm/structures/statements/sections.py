@@ -1,7 +1,5 @@
 """Materials and cross-sections of bars."""
 
-import math
-
 from fpm.kinds.beam import Material, Section
 from fpm.structures.keys import Number
 from fpm.structures.statement import statement
@@ -52,8 +50,7 @@ def tube(build, it):
     outer, inner = it.diameter / 2, it.diameter / 2 - it.thickness
     if inner < 0:
         build.refuse("thickness", it.thickness, f"at most half the diameter, {outer:.9g} m")
-    inertia = math.pi / 4 * (outer**4 - inner**4)
-    return Section(math.pi * (outer**2 - inner**2), inertia, inertia, 2 * inertia)
+    return Section.tube(outer, inner)
 
 
 @statement(

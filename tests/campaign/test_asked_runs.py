@@ -1,0 +1,86 @@
+"""Responses that are recorded only when asked, in a campaign: what is simulated again, and told."""
+
+import copy
+
+import numpy as np
+import pytest
+
+import campaign
+from campaign.folder import Folder
+from campaign.plan.estimate import found
+from fpm.trajectory import read_curves
+
+pytestmark = pytest.mark.slow  # time loops of their own
+
+STRESS = {"stress": {"stress": "all"}}
+SPIN = {"spin": {"angular_velocity": "B", "component": "norm"}}
+
+
+def run(raw, folder, **responses):
+    """Run a campaign with further responses; what it told."""
+    config, told = copy.deepcopy(raw), []
+    config["responses"] |= responses
+    campaign.run(config, folder, figures=False, tell=told.append)
+    return campaign.check_config(config), "\n".join(told)
+
+
+def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, tmp_path):
+    folder = Folder(tmp_path / "test")
+    config, told = run(raw, tmp_path)
+    assert "simulated again" not in told
+    assert found(config, folder) == "5 of them are there"
+    files = sorted(folder.runs("trajectories").glob("*.nc"))
+    plain = {path: read_curves(path) for path in files}
+    assert all(curves.asked == {} for curves in plain.values())
+
+    asking = campaign.check_config({**raw, "responses": {**raw["responses"], **STRESS}})
+    said = found(asking, folder)
+    assert said.startswith("0 of them are there; 5 more were recorded without stress of all and")
+    assert "simulated again, all in all about" in said
+    _, told = run(raw, tmp_path, **STRESS)
+    assert "were recorded without stress of all; they are simulated again" in told
+    assert found(asking, folder) == "5 of them are there"
+
+    _, told = run(raw, tmp_path, **SPIN)
+    assert "were recorded without angular velocity of B x, B y, B z" in told
+    config, told = run(raw, tmp_path, **STRESS, **SPIN)  # both are there now
+    assert "simulated again" not in told
+    assert sorted(folder.runs("trajectories").glob("*.nc")) == files
+    for path, before in plain.items():
+        curves = read_curves(path)
+        assert set(curves.asked) == set(config.experiment.asked)
+        for name, tracks in before.points.items():
+            assert np.array_equal(tracks, curves.points[name])
+
+
+def test_their_quantities_have_intervals(raw, tmp_path):
+    """The largest stress of a few milliseconds: with ends that were simulated."""
+    raw["responses"] |= STRESS
+    raw["quantities"] = {"peak": {"largest": "stress"}}
+    campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    folder = Folder(tmp_path / "test")
+    import xarray
+
+    with xarray.open_dataset(folder.quantities) as quantities:
+        assert quantities["quantity_units"].values.tolist() == ["Pa"]
+        assert 0 < quantities["lower"][0] < quantities["upper"][0] < 1e9
+    with xarray.open_dataset(folder.samples) as samples:
+        stress = samples["values"].sel(response="stress")
+        peaks = stress.max("time").values
+        np.testing.assert_allclose(samples["quantities"][:, 0], peaks, rtol=0.05)
+
+
+def test_with_responses_only_they_are_there_too(raw, tmp_path):
+    raw["responses"] |= STRESS
+    raw["jobs"] = {"group": 2, "keep": "responses"}
+    bounds = campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    assert bounds["response_units"].sel(response="stress") == "Pa"
+    assert found(campaign.check_config(raw), Folder(tmp_path / "test")) == "5 of them are there"
+
+
+def test_memory_counts_what_responses_ask(raw):
+    raw["solver"] = {"duration": 1.0, "instants": 400_000, "step": "auto"}
+    campaign.check_config(raw)
+    raw["responses"] |= STRESS
+    with pytest.raises(campaign.ConfigError, match="what its responses ask for; allowed: at most"):
+        campaign.check_config(raw)

@@ -1,0 +1,148 @@
+"""What joints and supports bear, accelerations and spins of rigid bodies: against closed forms."""
+
+import numpy as np
+import pytest
+from asking import curves, vector, vectors
+from test_joints import DOWN, G, Z, on_ground, rod
+
+import fpm
+
+pytestmark = pytest.mark.slow  # a time loop of its own
+
+START = np.radians(70.0)  # of pendulums, from the vertical
+
+
+def hung(angle: float, length: float) -> np.ndarray:
+    return length * np.array([np.sin(angle), -np.cos(angle), 0.0])
+
+
+def everything() -> fpm.Scene:
+    """A rod and a heavy bob on hinges of their own, two rods that are rigidly joined and turn about
+    an end as one, and a spinning body that falls: one time loop for all."""
+    scene, ground = on_ground()
+    bodies = {"rod": rod(scene, (0, 0, 0), hung(START, 1.0))}
+    bodies["bob"] = int(scene.add_particles(hung(START, 1.0), 2.0, [1e-9] * 3)[0])
+    bodies["near"] = rod(scene, (0, 0, 0), hung(START, 1.0))
+    bodies["far"] = rod(scene, hung(START, 1.0), hung(START, 2.0))
+    for name in ("rod", "bob", "near"):
+        scene.add_hinge(name, (ground, bodies[name]), (0, 0, 0), Z)
+    scene.add_joint("weld", "fixed", (bodies["near"], bodies["far"]), hung(START, 1.0))
+    spin = (1.0, 2.0, -1.5)
+    bodies["free"] = int(scene.add_particles((5, 0, 0), 3.0, [0.2] * 3, spin=spin)[0])
+    for name, body in bodies.items():
+        scene.add_point(name, body)
+    scene.add_point("corner", bodies["free"], (5.0, 0.3, 0.1))
+    scene.add_point("ground", ground)
+    return scene
+
+
+POINTS = ("rod", "bob", "near", "far", "free", "corner")
+DEFINITIONS = {
+    **{f"a {name}": d for name, d in vectors("acceleration", *POINTS).items()},
+    **{f"w {name}": d for name, d in vectors("angular_velocity", "free", "far").items()},
+    **{f"F {n}": d for n, d in vectors("constraint_force", "rod", "bob", "near", "weld").items()},
+    **{f"M {n}": d for n, d in vectors("constraint_moment", "rod", "near", "weld").items()},
+    **{f"R {name}": d for name, d in vectors("reaction_force", "ground").items()},
+    **{f"T {name}": d for name, d in vectors("reaction_moment", "ground").items()},
+    **{f"rate {name}": {"opening_rate": name} for name in ("rod", "bob", "near")},
+    "pull": {"constraint_force": "bob", "component": "norm"},
+}
+
+
+@pytest.fixture(scope="module")
+def run():
+    return curves(everything(), DEFINITIONS, duration=1.0, instants=201, step=1e-3)
+
+
+def polar(outcome, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Angle (t,) of a body's middle from the vertical; unit vectors away from the hinge, across."""
+    place = outcome.points[name][0]
+    angle = np.arctan2(place[:, 0], -place[:, 1])
+    away = np.stack([np.sin(angle), -np.cos(angle), 0 * angle], axis=1)
+    return angle, away, np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+
+
+def test_a_heavy_bob_pulls_by_m_g_3_cos_less_2_cos_of_the_start(run):
+    """m g (3 cos θ - 2 cos θ0); 1e-4 of m g."""
+    _, found, outcome = run
+    angle, _, _ = polar(outcome, "bob")
+    exact = 2.0 * G * (3 * np.cos(angle) - 2 * np.cos(START))
+    np.testing.assert_allclose(found["pull"], exact, atol=1e-4 * 2.0 * G)
+
+
+def test_a_rod_on_a_hinge_has_the_force_of_a_compound_pendulum(run):
+    """Along it m g (5 cos θ - 3 cos θ0)/2, across m g sin θ/4, from the energy and from moments
+    about the hinge with the inertia m L²/3; 1e-4 of m g."""
+    _, found, outcome = run
+    angle, away, across = polar(outcome, "rod")
+    force = vector(found, "F rod")
+    along = -G * (5 * np.cos(angle) - 3 * np.cos(START)) / 2
+    np.testing.assert_allclose((force * away).sum(1), along, atol=1e-4 * G)
+    np.testing.assert_allclose((force * across).sum(1), G * np.sin(angle) / 4, atol=1e-4 * G)
+    assert np.abs(vector(found, "M rod")).max() < 1e-9  # a plane motion asks for no moment
+
+
+def test_a_falling_column_bends_most_where_it_breaks(run):
+    """M = m g sin θ x (L - x)²/(4 L²) at x from the hinge, m and L of the whole (Madsen, Am. J.
+    Phys. 45 (1977) 182): at the weld in its middle m g L sin θ/32; 1e-4 of m g L."""
+    _, found, outcome = run
+    angle, _, _ = polar(outcome, "far")
+    size = 2.0 * G * 2.0
+    # It turns the far half on, as the near one lags behind.
+    moment = vector(found, "M weld")[:, 2]
+    np.testing.assert_allclose(np.abs(moment), size * np.abs(np.sin(angle)) / 32, atol=1e-4 * size)
+    assert np.abs(vector(found, "M weld")[:, :2]).max() < 1e-6
+
+
+def test_momentum_and_angular_momentum_of_all_change_by_reaction_and_weight(run):
+    """To rounding at every instant: forces of joints are the impulses that moved the bodies."""
+    _, found, _ = run
+    masses = {"rod": 1.0, "bob": 2.0, "near": 1.0, "far": 1.0}
+    change = sum(m * vector(found, f"a {name}") for name, m in masses.items())
+    weight = sum(masses.values()) * np.array(DOWN)
+    np.testing.assert_allclose(vector(found, "R ground"), change - weight, atol=1e-9)
+    # What joints do on either side, seen from the ground.
+    on_ground_ = -sum(vector(found, f"F {name}") for name in ("rod", "bob", "near"))
+    np.testing.assert_allclose(vector(found, "R ground"), -on_ground_, atol=1e-9)
+    np.testing.assert_allclose(vector(found, "T ground")[:, 2], 0.0, atol=1e-9)
+    far = vector(found, "a far") - np.array(DOWN)
+    np.testing.assert_allclose(vector(found, "F weld"), far, atol=1e-9)
+
+
+def test_rates_of_openings_are_those_of_the_energy(run):
+    """ω² = 3 g (cos θ - cos θ0)/L of a rod, half of it where it is twice as long; 1e-4 of the
+    largest."""
+    _, found, outcome = run
+    for name, middle, length in (("rod", "rod", 1.0), ("near", "far", 2.0)):
+        angle, _, _ = polar(outcome, middle)
+        square = 3 * G * (np.cos(angle) - np.cos(START)) / length
+        np.testing.assert_allclose(found[f"rate {name}"] ** 2, square, atol=2e-4 * square.max())
+    np.testing.assert_allclose(found["rate near"], found["w far z"], atol=1e-12)
+
+
+def test_a_free_body_falls_and_keeps_its_spin(run):
+    _, found, _ = run
+    np.testing.assert_allclose(vector(found, "a free"), np.tile(DOWN, (201, 1)), atol=1e-10)
+    spin = np.array([1.0, 2.0, -1.5])
+    np.testing.assert_allclose(vector(found, "w free"), np.tile(spin, (201, 1)), atol=1e-12)
+    _, _, outcome = run
+    arm = outcome.points["corner"][0] - outcome.points["free"][0]
+    exact = np.array(DOWN) + np.cross(spin, np.cross(spin, arm))
+    np.testing.assert_allclose(vector(found, "a corner"), exact, atol=1e-9)
+
+
+def test_what_is_asked_changes_no_motion_and_no_neighbour(run):
+    """The run without it, and the run beside others, to the last bit."""
+    _, _, outcome = run
+    (plain,) = fpm.simulate(everything(), duration=1.0, instants=201, step=1e-3)
+    for name, tracks in outcome.points.items():
+        for one, other in zip(tracks, plain.points[name], strict=True):
+            assert np.array_equal(one, other)
+    assert plain.asked == {}
+    need = list(outcome.asked)
+    scenes = [everything(), everything(), everything()]
+    scenes[0].spin[:] *= 0.5
+    scenes[2].mass[2] *= 1.1
+    batch = fpm.simulate(scenes, duration=1.0, instants=201, step=1e-3, record=need)
+    for column, values in outcome.asked.items():
+        assert np.array_equal(values, batch[1].asked[column])

@@ -1,0 +1,97 @@
+"""Moments on openings by who acts, their power and what they lose: against closed forms."""
+
+import numpy as np
+import pytest
+from asking import curves
+from flaps import FAR, J, flap
+
+import fpm
+
+pytestmark = pytest.mark.slow  # a time loop of its own
+
+PARTS = ("spring", "latch", "damper", "friction", "stop")
+LOSING = ("latch", "damper", "friction", "stop")
+DEFINITIONS = {
+    "rate": {"opening_rate": "hinge"},
+    "opening": {"opening": "hinge"},
+    "sum": {"joint_moment": "hinge"},
+    "power": {"joint_power": "hinge"},
+    "all": {"loss": "all"},
+    "account": {"energy": "joint_loss"},
+    **{f"M {part}": {"joint_moment": "hinge", "part": part} for part in PARTS},
+    **{f"P {part}": {"joint_power": "hinge", "part": part} for part in PARTS},
+    **{f"lost {part}": {"loss": part} for part in LOSING},
+    "turning": {"constraint_moment": "hinge", "component": "z"},
+}
+TIMES = {"duration": 1.0, "instants": 501, "step": 2e-4}
+
+
+def test_a_spring_has_minus_k_psi_and_the_sum_turns_the_flap():
+    _, found, _ = curves(flap(rate=1.0, spring=(3.0, 0.4)), DEFINITIONS, **TIMES)
+    np.testing.assert_allclose(found["M spring"], -3.0 * (found["opening"] - 0.4), atol=1e-12)
+    assert np.array_equal(found["sum"], found["M spring"])
+    # ψ - 0.4 is a sine: its rate to 1e-6, as ω h = 6e-4 makes errors of its square.
+    time, turn = 0.002 * np.arange(501), np.sqrt(3.0 / J)
+    rate = np.cos(turn * time) + 0.4 * turn * np.sin(turn * time)
+    np.testing.assert_allclose(found["rate"], rate, atol=1e-6)
+    np.testing.assert_allclose(found["P spring"], found["M spring"] * found["rate"], atol=1e-12)
+    assert np.abs(found["turning"]).max() == 0.0  # a hinge bears no moment about its axis
+    assert np.abs(found["all"]).max() == 0.0
+
+
+def test_friction_bears_its_moment_and_loses_it_times_the_way():
+    """M is 0.2 N m: 2 rad/s last 3.3 s; the bristle of 1 mrad is a thousandth of the way."""
+    scene = flap(rate=2.0, friction={"moment": 0.2})
+    _, found, _ = curves(scene, DEFINITIONS, **TIMES)
+    slides = found["opening"] > 2e-3
+    np.testing.assert_allclose(found["M friction"][slides], -0.2, rtol=1e-12)
+    lost = 0.2 * (found["opening"] - 1e-3)
+    np.testing.assert_allclose(found["lost friction"][slides], lost[slides], atol=2e-4)
+    np.testing.assert_allclose(found["lost friction"], found["account"], atol=1e-5)
+
+
+def test_a_damper_has_minus_c_times_the_rate():
+    """ψ' = exp(-c t/J); the moment's rate is extrapolated, of second order: 1e-6 of c."""
+    time, found, _ = curves(flap(rate=1.0, damper=0.1), DEFINITIONS, **TIMES)
+    rate = np.exp(-0.1 * time / J)
+    np.testing.assert_allclose(found["rate"], rate, atol=1e-6)
+    np.testing.assert_allclose(found["M damper"], -0.1 * rate, atol=1e-7)
+    np.testing.assert_allclose(found["lost damper"], 0.5 * J * (1 - rate**2), atol=1e-6)
+    np.testing.assert_allclose(found["lost damper"], found["account"], atol=1e-12)
+
+
+def test_latch_and_stop_lose_what_the_account_of_all_has():
+    """A flap that flies into a latch and, held by it, against a stop: by part and in sum, to 1e-4
+    of the energy at first, which edges of springs between two steps leave."""
+    scene = flap(
+        rate=2.0, damper=0.02, friction={"moment": 0.05},
+        latch={"angle": 0.5, "stiffness": 40.0, "damping": 0.3},
+        stop={"angle": 0.55, "side": "above", "stiffness": 200.0, "damping": 0.5},
+    )  # fmt: skip
+    time, found, outcome = curves(scene, DEFINITIONS, **TIMES)
+    energy = 0.5 * J * 2.0**2
+    assert outcome.events_dropped == 0 and len(outcome.events) > 1
+    lost = {part: found[f"lost {part}"] for part in LOSING}
+    np.testing.assert_allclose(sum(lost.values()), found["account"], atol=1e-4 * energy)
+    np.testing.assert_array_equal(found["all"], found["account"])
+    for part, values in lost.items():
+        assert np.diff(values).min() > -1e-4 * energy, part
+        assert values[-1] > 1e-3 * energy, part
+    before = found["opening"] < 0.499
+    before &= time < 0.3
+    assert not found["M latch"][before].any() and not found["M stop"][before].any()
+    assert found["M stop"].min() < -1.0 and found["M stop"].max() <= 0.0
+    np.testing.assert_allclose(
+        found["M latch"], outcome.recorded["latch_moment"].values[:, 0], atol=1e-12
+    )
+    np.testing.assert_allclose(found["sum"], sum(found[f"M {part}"] for part in PARTS), atol=1e-12)
+    # What turns the flap is the sum: J ψ'' at the instants, J from the energy of the flap.
+    np.testing.assert_allclose(found["power"], found["sum"] * found["rate"], atol=1e-12)
+
+
+def test_what_does_not_act_on_a_hinge_is_refused_by_name():
+    scene = flap(latch={"angle": FAR, "stiffness": 0.0})
+    with pytest.raises(fpm.SceneError, match="one of spring, latch, damper, friction, stop, sum"):
+        curves(scene, {"m": {"joint_moment": "hinge", "part": "motor"}}, **TIMES)
+    with pytest.raises(fpm.SceneError, match="one of all, damper, friction, stop, latch, damping"):
+        curves(scene, {"m": {"loss": "motor"}}, **TIMES)

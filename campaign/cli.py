@@ -99,7 +99,7 @@ def _version() -> str:
 
 
 def _add_export(export: argparse.ArgumentParser) -> None:
-    from campaign.export import KINDS
+    from campaign.export import COLOURS, KINDS
 
     export.add_argument(
         "what", metavar="RUN",
@@ -114,6 +114,9 @@ def _add_export(export: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     export.add_argument("--duration", type=float, help="s, of a config's or structure's run")
     export.add_argument("--frames", type=int, help="number of frames, evenly spread")
+    export.add_argument(
+        "--colour", default="bars", choices=COLOURS, help="of moving pictures (%(default)s)"
+    )
     export.add_argument("--output", type=Path, help="folder (exports, beside a campaign's results)")
 
 
@@ -210,7 +213,7 @@ def _export(options: argparse.Namespace) -> int:
         chosen = choose(options.what, options.run, settings, options.duration)
         if chosen.folder and not options.output:
             place = chosen.folder / "exports"
-        paths = export(chosen, options.to, place, options.frames)
+        paths = export(chosen, options.to, place, options.frames, options.colour)
     except (CampaignError, fpm.SceneError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1

@@ -75,8 +75,13 @@ class Folder:
 
     @property
     def figures(self) -> Path:
-        """The folder of the figures."""
+        """The folder of the figures of responses."""
         return self / "figures"
+
+    @property
+    def overviews(self) -> Path:
+        """The folder of the figures of the whole campaign, where no response's can be."""
+        return self.figures / "campaign"
 
     def batch(self, number: int) -> Path:
         """What a batch of runs leaves when all of them are there."""
@@ -97,5 +102,9 @@ class Folder:
         return Folder(self.path.parent / str(number - 1)) if number else None
 
     def pictures(self, names: Iterable[str]) -> list[str]:
-        """The files of figures."""
+        """The files of the figures of responses."""
         return [str(self.figures / f"{name}.{kind}") for name in names for kind in PICTURES]
+
+    def overview(self, stage: str) -> list[str]:
+        """The files of the figure of the whole campaign that a stage draws."""
+        return [str(self.overviews / f"{stage}.{kind}") for kind in PICTURES]

@@ -40,7 +40,11 @@ def plan(folder: Folder, tell: Tell, experiment: Any) -> None:
 def plan_round(folder: Folder, tell: Tell, experiment: Any) -> None:
     """Choose the runs of the next round of an adaptive campaign, or say why it ends."""
     from campaign.plan.plan import read_plan, write_plan
-    from campaign.plan.rounds import first_plan, next_plan
+
+    if experiment.is_sought:
+        from campaign.plan.accuracy import first_plan, next_plan
+    else:
+        from campaign.plan.rounds import first_plan, next_plan
 
     if before := folder.previous():
         made = next_plan(experiment, read_plan(before.plan), before.samples, before.bounds)
@@ -49,8 +53,9 @@ def plan_round(folder: Folder, tell: Tell, experiment: Any) -> None:
         made = first_plan(experiment)
     write_plan(made, folder.plan)
     if not made.is_finished:
-        order = list(made.experiment.design.order)
-        tell(f"{experiment.name}: {len(made.unique_runs())} runs of order {order}")
+        order = made.experiment.design.order
+        told = f" of order {list(order)}" if order else ""
+        tell(f"{experiment.name}: {len(made.unique_runs())} runs{told}")
 
 
 def simulate(
@@ -82,14 +87,19 @@ def bounds(
 
     What mesh and step add to the error is told too, where that is asked for.
     """
+    from campaign.answers.finer import check_bounds, finer_parts
+    from campaign.plan.plan import read_plan
     from campaign.results.bounds import analyse
 
-    if not verify.finer:
+    parts = finer_parts(read_plan(folder.plan), verify)
+    if not parts:
         analyse(folder, bounds)
         return
-    from campaign.answers.finer import finer_curves
 
-    analyse(folder, bounds, lambda found: finer_curves(folder, found, jobs, tell, threads))
+    def more(found: Any) -> Any:
+        return check_bounds(folder, found, jobs, tell, threads, parts)
+
+    analyse(folder, bounds, more)
 
 
 def quantities(folder: Folder, tell: Tell, verify: Any, jobs: Any, threads: int = 1) -> None:
@@ -134,14 +144,14 @@ def ranges(folder: Folder, tell: Tell) -> None:
     """Draw each quantity over the box, or what each parameter contributes to it."""
     from campaign.results.ranges import draw_ranges
 
-    draw_ranges(folder, folder.figures)
+    draw_ranges(folder, folder.overviews)
 
 
 def sensitivities(folder: Folder, tell: Tell) -> None:
     """Draw which parameter widens the bounds, and when."""
     from campaign.results.figures import draw_sensitivities
 
-    draw_sensitivities(folder.sensitivities, folder.figures)
+    draw_sensitivities(folder.sensitivities, folder.overviews)
 
 
 def linkage(folder: Folder, tell: Tell, figures: Any) -> None:
@@ -155,7 +165,7 @@ def linkage(folder: Folder, tell: Tell, figures: Any) -> None:
     made, kept = read_plan(folder.plan), folder.runs("trajectories")
     store = open_store("trajectories", kept, made.experiment)
     make_again(made, store, made.runs[made.runs.role == ROLES.index("nominal")], 1, tell)
-    draw_nominal(folder.samples, kept, figures.moments, folder.figures)
+    draw_nominal(folder.samples, kept, figures.moments, folder.overviews)
 
 
 def summary(
@@ -205,7 +215,7 @@ class Stage:
         """
         sections = {name: arguments[name] for name in self.sections}
         try:
-            for place in (folder.path, folder.figures, folder / "batches"):
+            for place in (folder.path, folder.figures, folder.overviews, folder / "batches"):
                 sweep(place)
             facts = {"basis": self.basis(sections), **self._plan(folder)}
             with results_of(facts):
@@ -255,13 +265,14 @@ _FILES = (
 """How files are read and written, and what is in plans and configs: of all stages."""
 _DESIGN = (
     "campaign/config/design.py",
+    "campaign/config/accuracy.py",
     "intervals/box.py",
     "intervals/chebyshev.py",
     "intervals/points.py",
     "intervals/designs/*.py",
 )
 _WHICH = ("campaign/results/which.py", "campaign/plan/runs.py")
-_BOUNDS = ("campaign/results/bounds.py", *_WHICH, _DESIGN[0], "intervals/**/*.py", *_FILES)
+_BOUNDS = ("campaign/results/bounds.py", *_WHICH, *_DESIGN[:2], "intervals/**/*.py", *_FILES)
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
 _WORDS = (
     "campaign/results/answers.py", "campaign/results/budget.py",
@@ -290,7 +301,7 @@ STAGES = {
     stage.name: stage
     for stage in (
         Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN, *_FILES)),
-        Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:])),
+        Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:], *_RUNS)),
         Stage(simulate, ("jobs",), _RUNS, (_PLAN,)),
         Stage(gather, ("jobs",), (*_GATHERED, *_RUNS), (_PLAN,)),
         Stage(bounds, ("bounds", "verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),

@@ -110,8 +110,9 @@ class Workflow:
             files["simulate"] = sorted(folder.path.glob("batches/*.json"))
         if figures:
             for name in drawings(self.campaign):
-                named = self.campaign.experiment.responses if name == "envelopes" else [name]
-                files[name] = list(map(Path, folder.pictures(named)))
+                responses = folder.pictures(self.campaign.experiment.responses)
+                drawn = responses if name == "envelopes" else folder.overview(name)
+                files[name] = list(map(Path, drawn))
             files["summary"] = [folder / f"summary.{kind}" for kind in ("json", "md")]
             files["report"] = [folder.report]
         of = None
@@ -140,7 +141,8 @@ class Workflow:
 
     def results(self) -> list[str]:
         """The files that a campaign leaves for its reader."""
-        others = self.folder.pictures(drawings(self.campaign)[1:])  # named as their stages are
+        stages = drawings(self.campaign)[1:]
+        others = [path for stage in stages for path in self.folder.overview(stage)]
         summary = [str(self.folder / f"summary.{kind}") for kind in ("json", "md")]
         figures = self.envelope_figures(str(self.folder.path)) + others
         return [*figures, *summary, str(self.folder.report)]

@@ -62,7 +62,8 @@ def digest(*places: str) -> str:
 
 EXTREMES = (
     "stable-step", "materials", "sections", "lengths", "stiffnesses", "starts", "meshes",
-    "durations", "damping", "precision", "intervals", "cables", "latches", "motors", "refusals",
+    "durations", "damping", "precision", "intervals", "cables", "latches", "motors", "joints",
+    "refusals",
 )  # fmt: skip
 
 STUDIES = {
@@ -94,6 +95,14 @@ STUDIES = {
             uses=("intervals", "campaign/config/presets.py", "evidence/tradeoff/measure"),
             plots=tuple(f"pareto_{case.name}" for case in CASES),
             parts=(*(case.name for case in CASES), "peers"),
+        ),
+        Study(
+            "scaling",
+            "Timing scissor masts of 1 to 100 units, and joints alone and coupled",
+            uses=("evidence/scaling", "evidence/benchmark"),
+            plots=("cost",),
+            alone=True,
+            quick=True,
         ),
         Study(
             "calibration",

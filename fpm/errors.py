@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Iterable
-from math import isfinite
+from math import inf, isfinite
 
 
 class SceneError(ValueError):
@@ -44,6 +44,11 @@ class InstabilityError(RuntimeError):
             "the step is below the limit of the undeformed scene, so the motion itself is "
             "too violent for it: halve solver.step, refine the mesh, or soften the contact"
         )
+        if limit == inf:
+            remedy = (
+                "nothing is elastic: halve solver.step; or joints of rigid bodies contradict each "
+                "other, by lengths or axes that do not fit"
+            )
         if step > limit:
             remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
         elif words is not None and isfinite(balance):

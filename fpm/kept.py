@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.bars import Bar, Sections, bars_of, sections_of
 from fpm.kinds.drive import Drive
 from fpm.kinds.hinge import Hinge
 from fpm.kinds.joint import Joint
@@ -30,6 +31,7 @@ class Kept:
         self.time, self.step, self._lane = time, step, lane
         self._parts = dict(zip(batch.kinds, parts, strict=True))
         self.probe = Probe.asked(self.scene)
+        self._sections: dict[str, tuple[Bar, Sections]] = {}
 
     def _rows(self, array: np.ndarray, count: int) -> np.ndarray:
         """What was recorded of `count` things: (t, count, fields)."""
@@ -125,6 +127,13 @@ class Kept:
     def told(self, hinge: int, part: str) -> tuple[np.ndarray, np.ndarray]:
         """Moment (t,) N m of a part on a hinge of that index, and its work so far (t,) J."""
         return tuple(self._told[:, hinge * len(PARTS) + PARTS.index(part)].T)
+
+    def sections(self, bar: str) -> tuple[Bar, Sections]:
+        """A bar, and what the sections of its elements bear."""
+        if bar not in self._sections:
+            found = bars_of(self.scene)[bar]
+            self._sections[bar] = found, sections_of(self.scene, found, self.place, self.axes)
+        return self._sections[bar]
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:

@@ -68,16 +68,7 @@ def _refers(definition: object) -> bool:
 
 def _parse(name, definition, responses, elements, others) -> Quantity:
     key = f"quantities.{name}"
-    if not isinstance(definition, Mapping) or len(set(definition) & set(KEYS)) != 1:
-        raise SceneError(key, definition, f"exactly one of {', '.join(KEYS)}")
-    kind = next(k for k in KEYS if k in definition)
-    for other in definition:
-        if other != kind and other not in KEYS[kind]:
-            allowed = f"{kind} with {', '.join(KEYS[kind])}" if KEYS[kind] else f"{kind} alone"
-            raise SceneError(f"{key}.{other}", definition[other], allowed)
-    for needed in NEEDED.get(kind, ()):
-        if needed not in definition:
-            raise SceneError(key, definition, f"{kind} with {needed}")
+    kind = _kind_of(key, definition)
     number = definition.get("number", 1)
     if not isinstance(number, int) or isinstance(number, bool) or number < 1:
         raise SceneError(f"{key}.number", number, "a whole number of at least 1")
@@ -88,12 +79,8 @@ def _parse(name, definition, responses, elements, others) -> Quantity:
         raise SceneError(
             f"{key}.{kind}", of, f"one of {', '.join(responses)}{_hint(of, responses)}"
         )
-    response, more = responses[of], {}
-    for field in ("level", "about", "within"):
-        if field in definition:
-            more[field] = _real(f"{key}.{field}", definition[field], response.unit)
-    if more.get("within", 1.0) <= 0:
-        raise SceneError(f"{key}.within", definition["within"], "a number above 0")
+    response = responses[of]
+    more = _numbers(key, definition, response.unit)
     if kind == "crossing":
         more |= {"number": number, "way": definition.get("way", "either")}
         if more["way"] not in WAYS:
@@ -103,6 +90,30 @@ def _parse(name, definition, responses, elements, others) -> Quantity:
     time = kind in ("crossing", "settling")
     quantity = Quantity(name, kind, "s" if time else response.unit, "", response, **more)
     return _named(quantity)
+
+
+def _kind_of(key: str, definition: object) -> str:
+    """The kind that a definition is of; SceneError if its keys are not those of one."""
+    if not isinstance(definition, Mapping) or len(set(definition) & set(KEYS)) != 1:
+        raise SceneError(key, definition, f"exactly one of {', '.join(KEYS)}")
+    kind = next(k for k in KEYS if k in definition)
+    for other in definition:
+        if other != kind and other not in KEYS[kind]:
+            allowed = f"{kind} with {', '.join(KEYS[kind])}" if KEYS[kind] else f"{kind} alone"
+            raise SceneError(f"{key}.{other}", definition[other], allowed)
+    for needed in NEEDED.get(kind, ()):
+        if needed not in definition:
+            raise SceneError(key, definition, f"{kind} with {needed}")
+    return kind
+
+
+def _numbers(key: str, definition: Mapping, unit: str) -> dict[str, float]:
+    """The numbers of a definition that are in the unit of its response."""
+    fields = [field for field in ("level", "about", "within") if field in definition]
+    found = {field: _real(f"{key}.{field}", definition[field], unit) for field in fields}
+    if found.get("within", 1.0) <= 0:
+        raise SceneError(f"{key}.within", definition["within"], "a number above 0")
+    return found
 
 
 def _parse_event(name, definition, number, elements) -> Quantity:

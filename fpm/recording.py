@@ -206,8 +206,7 @@ def _in_section(which: int, components: dict[str, int]) -> Callable[[Kept, str],
     def values(kept, label):
         name, _, rest = label.partition(PLACE)
         share, _, component = rest.partition(" ")
-        bar = bars.bars_of(kept.scene)[name]
-        found = bars.sections_of(kept.scene, bar, kept.place, kept.axes)
+        bar, found = kept.sections(name)
         return bars.at_share(bar, found, float(share))[which][:, components[component]]
 
     return values

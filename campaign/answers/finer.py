@@ -8,26 +8,65 @@ from typing import Any
 
 import numpy as np
 
-from campaign.answers.bench import NEAR, Bench, runs_at
-from campaign.answers.ends import Ends
+from campaign.answers.bench import Bench, runs_at
+from campaign.answers.ends import Ends, settle
 from campaign.config.scenes import mesh_of
-from campaign.config.sections import Jobs, plain_data
+from campaign.config.sections import Jobs, Verify, plain_data
 from campaign.folder import Folder
 from campaign.plan.make import choose_step
-from campaign.plan.plan import Plan, read_plan
+from campaign.plan.plan import Plan
 from campaign.runs.progress import Tell
 
 PLACES = 8
 """Places at which runs are repeated for the responses: eight side by side cost what three do."""
 
+BESIDE = 0.1
+"""In unit coordinates: a planned run so near a place stands for it."""
 
-def finer_errors(bench: Bench, ends: list[Ends]) -> dict[str, np.ndarray]:
+
+PARTS = ("step", "mesh")
+
+
+def finer_parts(plan: Plan, verify: Verify) -> tuple[str, ...]:
+    """Which of step and mesh the bounds of a plan are to be checked for."""
+    if plan.experiment.is_sought:
+        return plan.adaptive.check
+    return PARTS if verify.finer else ()
+
+
+def check_bounds(
+    folder: Folder, bounds: Any, jobs: Jobs, tell: Tell, threads: int = 1, parts: tuple = PARTS
+) -> Any:
+    """The bounds' dataset of a campaign in `folder` with the errors of `step` and `mesh` added.
+
+    Of an `accuracy`, whose rounds look at quantities too, it also has ``quantity_error_<part>``
+    over quantity.
+    """
+    import intervals
+
+    bench = Bench.of(folder, jobs, tell, threads)
+    found = intervals.add_errors(bounds, _curve_errors(bench, bounds, parts))
+    if bench.experiment.is_sought and bench.experiment.quantities:
+        errors = finer_errors(bench, settle(bench, 0), parts)
+        text = "change of the ends with a finer {}".format
+        found = found.assign(
+            {
+                f"quantity_error_{name}": ("quantity", values, {"long_name": text(name)})
+                for name, values in errors.items()
+            }
+        )
+    told = " and ".join(parts)
+    tell(f"{bench.experiment.name}: the places that decide were run again with a finer {told}")
+    return found
+
+
+def finer_errors(bench: Bench, ends: list[Ends], parts: tuple = PARTS) -> dict[str, np.ndarray]:
     """Errors (q,) of `step` and `mesh` by name: the largest change of each quantity at the runs of
     its ends. NaN where it has none, or happens in one of both runs only; no mesh where no parameter
     sets it.
     """
     found = {}
-    for name, plan in _plans(bench.plan).items():
+    for name, plan in _plans(bench.plan, parts).items():
         points = np.array([at for end in ends for at in (end.argmin, end.argmax)])
         there = np.isfinite(points).all(axis=1)
         numbers = np.full((len(points), len(ends)), np.nan)
@@ -42,50 +81,39 @@ def finer_errors(bench: Bench, ends: list[Ends]) -> dict[str, np.ndarray]:
     return found
 
 
-def finer_curves(
-    folder: Folder, bounds: Any, jobs: Jobs, tell: Tell, threads: int = 1
-) -> dict[str, np.ndarray]:
-    """Errors (n, T) of `step` and `mesh` by name, for the bounds of a campaign in `folder`.
-
-    They are what half the step, and a mesh twice as fine, change at the places near which the
-    bounds are attained; no mesh where no parameter sets it.
-    """
+def _curve_errors(bench: Bench, bounds: Any, parts: tuple) -> dict[str, np.ndarray]:
+    """Errors (n, T) by part: what a finer step or mesh changes at the places near which the bounds
+    are attained, which are those of planned runs where there are some nearby."""
     import intervals
 
-    bench = Bench(read_plan(folder.plan), jobs, folder, tell, threads)
     box = bench.experiment.box
     attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
     width = (bounds["upper"] - bounds["lower"]).values
     places = intervals.deciding_places(*attained, width, PLACES)
-    usual = _curves(bench, bench.plan, places.unit)
-    found = {
-        name: places.errors(_curves(bench, plan, places.unit) - usual)
-        for name, plan in _plans(bench.plan).items()
+    known = bench.plan.runs.unit
+    apart = np.abs(known - places.unit[:, None]).max(axis=2)
+    nearest = apart.argmin(axis=1)
+    points = np.where(apart.min(axis=1)[:, None] <= BESIDE, known[nearest], places.unit)
+    usual = _curves(bench, bench.plan, points)
+    return {
+        name: places.errors(_curves(bench, plan, points) - usual)
+        for name, plan in _plans(bench.plan, parts).items()
     }
-    told = " and ".join(f"{name} finer" for name in found)
-    tell(f"{bench.experiment.name}: {len(places.unit)} runs at places that decide, with {told}")
-    return found
 
 
 def _curves(bench: Bench, plan: Plan, unit: np.ndarray) -> np.ndarray:
-    """Responses (P, n, T) of a plan's runs at unit points (P, k); planned runs are found again."""
-    known = plan.runs.unit
-    points = []
-    for point in unit:
-        apart = np.abs(known - point).max(axis=1)
-        points.append(known[apart.argmin()] if apart.min() <= NEAR else point)
-    records = bench.records(plan, runs_at(plan, points))
-    return np.array([record.values for record in records])
+    """Responses (P, n, T) of a plan's runs at unit points (P, k)."""
+    return np.array([record.values for record in bench.records(plan, runs_at(plan, unit))])
 
 
-def _plans(plan: Plan) -> dict[str, Plan]:
-    """The plan with half the step, and with a mesh twice as fine."""
+def _plans(plan: Plan, parts: tuple) -> dict[str, Plan]:
+    """The plan with half the step, and with a mesh twice as fine, those of both that are asked."""
     time, experiment = plan.time, plan.experiment
     halved = replace(time, step=time.step / 2, steps_per_instant=2 * time.steps_per_instant)
-    plans = {"step": replace(plan, time=halved)}
+    plans = {"step": replace(plan, time=halved)} if "step" in parts else {}
     scene = plain_data(experiment.scene)
     asked = {"file": scene["file"]} if scene["file"] else {"name": scene["name"]}
-    if mesh := mesh_of(asked):
+    if "mesh" in parts and (mesh := mesh_of(asked)):
         usual = experiment.scene_type.parameters[mesh].default
         finer = {**experiment.scene.parameters}
         finer[mesh] = 2 * finer.get(mesh, usual)

@@ -30,6 +30,8 @@ from campaign.folder import Folder
 from campaign.results.bounds import write_dataset
 from campaign.runs.progress import Tell
 
+_OF, _BY = ("quantity",), ("quantity", "parameter")
+
 
 def answer(folder: Folder, verify: Verify, jobs: Jobs, tell: Tell, threads: int) -> None:
     """Write quantities.nc and further.nc of a sampled campaign that has quantities."""
@@ -47,56 +49,83 @@ def quantities_dataset(bench: Bench, ends: list[Ends], finer: Mapping[str, np.nd
     """The intervals of all quantities as an xarray Dataset; finer: errors (q,) of step and mesh."""
     import xarray as xr
 
-    from intervals.scalars import influence
-
-    to_value = bench.experiment.box.from_unit
-    of, by = ("quantity",), ("quantity", "parameter")
-    variables: dict[str, tuple] = {}
-
-    def put(name: str, dims: tuple[str, ...], values: Any, text: str, units: str = "") -> None:
-        attributes = {"long_name": text} | ({"units": units} if units else {})
-        variables[name] = (dims, np.array(values), attributes)
-
-    for i, side in enumerate(("lower", "upper")):
-        put(side, of, [e.outer[i] for e in ends], f"{side} end, of runs and surrogate")
-        simulated = [getattr(e, side) for e in ends]
-        put(f"simulated_{side}", of, simulated, f"{side} end of the simulated runs")
-        found = [(e.found.low, e.found.high)[i] for e in ends]
-        put(f"surrogate_{side}", of, found, f"{side} end by the surrogate")
-        moving = [int(e.moving[i]) for e in ends]
-        put(f"moving_{side}", of, moving, f"1 where the surrogate goes beyond the {side} end", "1")
-        which = ("argmin", "argmax")[i]
-        places = to_value(np.array([getattr(e, which) for e in ends]))
-        put(which, by, places, f"parameters of the run at the {side} end")
-    nominal = bench.surrogates()
-    at = bench.nominal[None]
-    put("nominal", of, [s.evaluate(at)[0] for s in nominal], "at the nominal values, by surrogate")
-    errors = [e.surrogate.error for e in ends]
+    variables = _Variables()
+    _put_ends(variables, bench, ends)
+    sought = bench.experiment.is_sought
+    errors = [e.surrogate.usual_error if sought else e.surrogate.error for e in ends]
     errors = [error if np.isfinite(error) else np.nan for error in errors]
-    put("error", of, errors, "estimated error of the surrogate: its largest left-out one")
+    kind = "mean" if sought else "largest"
+    text = f"estimated error of the surrogate: its {kind} left-out one"
+    variables.put("error", _OF, errors, text)
     for name, values in finer.items():
-        put(f"error_{name}", of, values, f"change of the ends with a finer {name}")
+        variables.put(f"error_{name}", _OF, values, f"change of the ends with a finer {name}")
     if finer:
         whole = np.sum([errors, *finer.values()], axis=0)
-        put("error_whole", of, whole, "errors of surrogate, step and mesh together")
-    runs = len(bench.unit) + bench.left_out
-    there = np.isfinite(bench.numbers).sum(axis=0) + bench.others
-    put("runs_with", of, there, "runs that have the number", "1")
-    put("runs_without", of, runs - there, "runs in which it does not happen", "1")
-    shares = np.array([e.surrogate.occurrence.share() for e in ends])
-    put("happens", of, shares[:, 0], "share of the box in which it happens", "1")
-    put("open", of, shares[:, 1], "share of the box in which that is not known", "1")
-    found = [influence(e.surrogate, bench.nominal) for e in ends]
-    share = "share of the widths, 0 where not above the error of the surrogate"
-    put("share", by, [f.share for f in found], share, "1")
-    put("alone", by, [f.alone for f in found], "width when only this parameter varies")
-    put("fixed", by, [f.fixed for f in found], "width when this parameter is fixed")
-    put("halved", by, [f.halved for f in found], "width when its interval is half as wide")
+        variables.put("error_whole", _OF, whole, "errors of surrogate, step and mesh together")
+    _put_occurrence(variables, bench, ends)
+    _put_shares(variables, bench, ends)
     times = [int(quantity.is_time) for quantity in bench.experiment.numbers]
-    put("is_time", of, times, "1 for times of the run", "1")
+    variables.put("is_time", _OF, times, "1 for times of the run", "1")
     kinds = [e.surrogate.fit.kind if e.surrogate.fit else "none" for e in ends]
-    variables["fit"] = (of, kinds, {"long_name": "what was fitted to the runs"})
+    variables["fit"] = (_OF, kinds, {"long_name": "what was fitted to the runs"})
     return xr.Dataset(variables, coordinates(bench), attributes_of(bench))
+
+
+class _Variables(dict):
+    """Variables of a dataset: dimensions, values and attributes by name."""
+
+    def put(
+        self, name: str, dims: tuple[str, ...], values: Any, text: str, units: str = ""
+    ) -> None:
+        attributes = {"long_name": text} | ({"units": units} if units else {})
+        self[name] = (dims, np.array(values), attributes)
+
+
+def _put_ends(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
+    """The ends, where they are, and the surrogate at the nominal values."""
+    to_value = bench.experiment.box.from_unit
+    for i, side in enumerate(("lower", "upper")):
+        outer = [e.outer[i] for e in ends]
+        variables.put(side, _OF, outer, f"{side} end, of runs and surrogate")
+        simulated = [getattr(e, side) for e in ends]
+        variables.put(f"simulated_{side}", _OF, simulated, f"{side} end of the simulated runs")
+        found = [(e.found.low, e.found.high)[i] for e in ends]
+        variables.put(f"surrogate_{side}", _OF, found, f"{side} end by the surrogate")
+        moving = [int(e.moving[i]) for e in ends]
+        text = f"1 where the surrogate goes beyond the {side} end"
+        variables.put(f"moving_{side}", _OF, moving, text, "1")
+        which = ("argmin", "argmax")[i]
+        places = to_value(np.array([getattr(e, which) for e in ends]))
+        variables.put(which, _BY, places, f"parameters of the run at the {side} end")
+    nominal = [s.evaluate(bench.nominal[None])[0] for s in bench.surrogates()]
+    variables.put("nominal", _OF, nominal, "at the nominal values, by surrogate")
+
+
+def _put_occurrence(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
+    """In how many runs, and in which share of the box, there is such a number."""
+    there = np.isfinite(bench.numbers).sum(axis=0) + bench.others
+    variables.put("runs_with", _OF, there, "runs that have the number", "1")
+    without = len(bench.unit) + bench.left_out - there
+    variables.put("runs_without", _OF, without, "runs in which it does not happen", "1")
+    shares = np.array([e.surrogate.occurrence.share() for e in ends])
+    variables.put("happens", _OF, shares[:, 0], "share of the box in which it happens", "1")
+    variables.put("open", _OF, shares[:, 1], "share of the box in which that is not known", "1")
+
+
+def _put_shares(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
+    """What each parameter contributes."""
+    from intervals.scalars import influence
+
+    found = [influence(e.surrogate, bench.nominal) for e in ends]
+    texts = {
+        "share": "share of the widths, 0 where not above the error of the surrogate",
+        "alone": "width when only this parameter varies",
+        "fixed": "width when this parameter is fixed",
+        "halved": "width when its interval is half as wide",
+    }
+    for name, text in texts.items():
+        units = "1" if name == "share" else ""
+        variables.put(name, _BY, [getattr(f, name) for f in found], text, units)
 
 
 def further_dataset(bench: Bench) -> Any:

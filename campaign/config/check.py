@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from campaign.config.accuracy import accuracy_problems, with_accuracy
 from campaign.config.loader import load
 from campaign.config.presets import with_preset
 from campaign.config.scenes import anchored
@@ -55,7 +56,8 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     problems, sound = schema_problems(raw, schema())
     campaign = None
     if sound is not None:
-        campaign, more = resolve(with_defaults(with_preset(sound)))
+        problems += accuracy_problems(sound)
+        campaign, more = resolve(with_defaults(with_accuracy(with_preset(sound))))
         problems += more
     if problems or campaign is None:
         raise ConfigError(source, problems)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from campaign.config.accuracy import SOUGHT
 from campaign.config.sections import DesignChoice, Experiment, Solver
 
 MOST_SAMPLES = 10_000_000
@@ -16,8 +17,14 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
 
     Raises `intervals.IntervalError`.
     """
+    import numpy as np
+
     import intervals
 
+    if choice.method == SOUGHT:
+        points = np.array(choice.existing, dtype=float).reshape(-1, box.dimension)
+        none = np.zeros((0, box.dimension), dtype=int)
+        return intervals.Design(points, none, SOUGHT, (0,) * box.dimension)
     known = intervals.METHODS[choice.method].options
     options = {name: getattr(choice, name) for name in known if hasattr(choice, name)}
     most = MOST_SAMPLES if choice.method == "scan" else intervals.designs.MAX_RUNS
@@ -52,6 +59,8 @@ def start_of(experiment: Experiment) -> Experiment:
 def count_runs(experiment: Experiment) -> int:
     """Number of runs of the campaign, at most; those in two roles are counted twice."""
     design = experiment.design
+    if experiment.is_sought:
+        return experiment.accuracy.runs
     if design.method == "scan":  # its points take a while to make, and their number is known
         return design.samples + 1
     if design.order == "auto":

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from campaign.config.accuracy import accuracy_data
 from campaign.config.answers import answer_problems, choose_data
 from campaign.config.design import make_design, start_of, steps_problems
 from campaign.config.kept import keep_problems
@@ -18,6 +19,7 @@ from campaign.config.sections import (
     DesignChoice,
     Experiment,
     Interval,
+    Solver,
     from_data,
     plain_data,
 )
@@ -42,6 +44,7 @@ def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
     own["intervals"] = {name: plain_data(intervals[name]) for name in ordered}
     own["name"] = own.pop("campaign")
     own.pop("preset", None)
+    own["accuracy"] = accuracy_data(config)
     own["choose"] = choose_data(config["choose"], config["intervals"])
     runs = {key: own.pop(key) for key in Experiment.__dataclass_fields__}
     campaign = from_data(Campaign, {"experiment": runs, **own})
@@ -180,6 +183,8 @@ def _design_problems(campaign: Campaign) -> list[str]:
 
     experiment, design = campaign.experiment, campaign.experiment.design
     problems = []
+    if experiment.is_sought:
+        return _step_problems(experiment.solver)
     if campaign.is_adaptive and design.method == "scan":
         problems.append("design.order: 'auto' is not allowed with scan; allowed: a whole number")
     elif campaign.is_adaptive:
@@ -194,13 +199,17 @@ def _design_problems(campaign: Campaign) -> list[str]:
                 problems += _spline_problems(experiment, made)
     except IntervalError as error:
         problems.append(_sentence(f"design.{error.key}", error))
-    solver = experiment.solver
-    if solver.step != "auto" and solver.step > solver.duration:
-        problems.append(
-            f"solver.step: {solver.step:.6g} s is longer than the duration; "
-            f"allowed: auto, or at most {solver.duration:.6g}"
-        )
-    return problems
+    return problems + _step_problems(experiment.solver)
+
+
+def _step_problems(solver: Solver) -> list[str]:
+    """Whether a step that is given is longer than the run."""
+    if solver.step == "auto" or solver.step <= solver.duration:
+        return []
+    return [
+        f"solver.step: {solver.step:.6g} s is longer than the duration; "
+        f"allowed: auto, or at most {solver.duration:.6g}"
+    ]
 
 
 def _bounds_problems(bounds: BoundsChoice, design: DesignChoice, instants: int) -> list[str]:

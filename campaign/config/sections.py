@@ -67,6 +67,20 @@ class DesignChoice:
 
 
 @dataclass(frozen=True)
+class Accuracy:
+    """What the whole error may be, as shares of the widths of responses and quantities by name, and
+    what may be spent: runs, and minutes of one core. No shares: it is not asked for.
+
+    mesh: the parameter of the mesh that may be refined, "" for none.
+    """
+
+    shares: dict[str, float]
+    runs: int
+    minutes: float
+    mesh: str
+
+
+@dataclass(frozen=True)
 class Experiment:
     """All that decides which runs there are, and which of their curves are wanted."""
 
@@ -78,6 +92,12 @@ class Experiment:
     held_out: int
     responses: dict[str, dict]
     quantities: dict[str, dict] = field(default_factory=dict)
+    accuracy: Accuracy = field(default_factory=lambda: Accuracy({}, 0, 0.0, ""))
+
+    @property
+    def is_sought(self) -> bool:
+        """Whether an accuracy is asked for, towards which runs, mesh and step are chosen."""
+        return bool(self.accuracy.shares)
 
     @cached_property
     def scene_type(self) -> Any:
@@ -238,8 +258,8 @@ class Campaign:
 
     @property
     def is_adaptive(self) -> bool:
-        """Whether the order is found in rounds."""
-        return self.experiment.design.order == "auto"
+        """Whether the order, or all that an accuracy takes, is found in rounds."""
+        return self.experiment.design.order == "auto" or self.experiment.is_sought
 
 
 def as_json(**sections: Any) -> str:

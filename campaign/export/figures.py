@@ -60,4 +60,4 @@ def _figures(chosen: Chosen, frames: int) -> Iterator[tuple[str, Any]]:
             yield name, envelope(bounds, name, SHADE_ABOVE, width=COLUMN)
     with open_netcdf(chosen.folder.sensitivities) as data:
         if "width" in data.variables and len(data["parameter"]) > 1:
-            yield "sensitivities", shares(data, PAGE)
+            yield f"{chosen.name}-sensitivities", shares(data, PAGE)

@@ -7,9 +7,10 @@ import os
 from dataclasses import dataclass
 
 from campaign.config.design import count_runs
-from campaign.config.sections import Campaign
+from campaign.config.sections import Campaign, Experiment
 from campaign.folder import Folder
 from campaign.plan.make import choose_step
+from campaign.plan.plan import TimeStep
 from campaign.runs.extremes import LARGE, MOST
 from campaign.runs.progress import duration_text
 
@@ -48,10 +49,10 @@ def estimate(campaign: Campaign) -> Estimate:
     """What a campaign takes; time is right to a factor of two or so on a recent core."""
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
-    scene = experiment.build(dict(zip(experiment.box.names, experiment.nominal, strict=True)))
-    steps = choose_step(experiment).steps_per_instant * (solver.instants - 1)
     whole = math.ceil(runs / LANES) * LANES
-    seconds = whole * steps * len(scene.elements) * ELEMENT_STEP / cores() + STARTING
+    seconds = whole * run_seconds(experiment, choose_step(experiment)) / cores() + STARTING
+    if experiment.is_sought:  # meshes and steps become finer
+        seconds = 60 * experiment.accuracy.minutes / cores() + STARTING
     curves = _BOUNDS_CURVES * len(experiment.responses)
     if campaign.jobs.keep == "extremes":
         curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)
@@ -99,6 +100,13 @@ def found(campaign: Campaign, folder: Folder) -> str:
             f"about {duration_text(seconds)}"
         )
     return text
+
+
+def run_seconds(experiment: Experiment, time: TimeStep) -> float:
+    """Seconds of a core for a run, one of eight side by side."""
+    scene = experiment.build(dict(zip(experiment.box.names, experiment.nominal, strict=True)))
+    steps = time.steps_per_instant * (experiment.solver.instants - 1)
+    return steps * max(len(scene.elements), 1) * ELEMENT_STEP
 
 
 def cores() -> int:

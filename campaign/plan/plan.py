@@ -9,7 +9,8 @@
               indices into `runs.ROLES`, one byte each, and (count, k) of little-endian doubles, in
               base64; the values follow from the box
     adaptive  of a round: the `rounds` before it, all `points` so far, and whether the tolerance is
-              `met`: null unless this is the plan after the last round, which has no new runs
+              `met`: null unless this is the plan after the last round, which has no new runs; of
+              an `accuracy`, what its bounds are to `check`
 
 A run that serves two roles is listed twice, with the same id, and simulated once.
 """
@@ -19,7 +20,7 @@ from __future__ import annotations
 import json
 from base64 import b64decode, b64encode
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -51,7 +52,12 @@ class TimeStep:
 @dataclass(frozen=True)
 class Round:
     """A finished round: its design, the runs so far, its error as a share of the bounds' width in
-    the worst response, and what was decided for which reason."""
+    the worst response, and what was decided for which reason.
+
+    Of an `accuracy`: the errors by part (surrogate, step, mesh) of every response and quantity as
+    `shares` of the widths, the `elements` and the `safety` of the step (or the step, s) that the
+    runs have, and the `seconds` of a core that rounds so far took, by estimate.
+    """
 
     order: tuple[int, ...]
     parts: tuple
@@ -59,15 +65,23 @@ class Round:
     error: float
     action: str
     reason: str
+    shares: dict[str, dict[str, float]] = field(default_factory=dict)
+    elements: int = 0
+    safety: float = 0.0
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True)
 class Rounds:
-    """The rounds before a plan, and all points (n, k) that were nodes so far."""
+    """The rounds before a plan, and all points (n, k) that were nodes so far.
+
+    check: which of step and mesh the bounds of this plan are to be checked for, with finer runs.
+    """
 
     rounds: tuple[Round, ...]
     points: tuple[tuple[float, ...], ...]
     met: bool | None = None
+    check: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

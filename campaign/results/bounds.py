@@ -9,7 +9,7 @@ The files are described at `intervals.bounds_dataset`, `intervals.surrogate_data
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -22,14 +22,12 @@ from campaign.folder import Folder
 from campaign.provenance import as_attribute
 from campaign.results.which import keeps_extremes
 
-Errors = Callable[[Any], Mapping[str, np.ndarray]]
 
-
-def analyse(folder: Folder, how: BoundsChoice, more: Errors | None = None) -> None:
+def analyse(folder: Folder, how: BoundsChoice, more: Callable[[Any], Any] | None = None) -> None:
     """Fit the design that the samples were made for; write surrogate, bounds and sensitivities.
 
-    Samples of a scan are read in pieces, so that they may be larger than memory. more: takes the
-    bounds to further errors (response, time) by name, which are added to that of the surrogate.
+    Samples of a scan are read in pieces, so that they may be larger than memory. more: makes of the
+    bounds' dataset one that tells more of their errors.
     """
     import xarray as xr
 
@@ -46,11 +44,11 @@ def analyse(folder: Folder, how: BoundsChoice, more: Errors | None = None) -> No
             options = {"model": "aligned", "alignment": how.align, "enclose": how.enclose}
         bounds = intervals.bounds_dataset(samples, design, **options)
         if more is not None:
-            bounds = intervals.add_errors(bounds, more(bounds))
+            bounds = more(bounds)
         write_dataset(bounds, folder.bounds, "Bounds of the responses")
         surrogate = intervals.surrogate_dataset(samples, design)
         write_dataset(surrogate, folder.surrogate, "Surrogates of the responses")
-        if is_plain_scan:
+        if not len(design.multi_indices):
             sensitivities = xr.Dataset(attrs=samples.attrs)
         else:
             sensitivities = intervals.sensitivity_dataset(samples, design)

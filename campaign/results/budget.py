@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from campaign.plan.plan import Plan
 from campaign.results.words import percent, table, with_unit
 
 PARTS = ("surrogate", "step", "mesh")
@@ -53,7 +54,34 @@ def parts_text(errors: Mapping[str, float | None]) -> str:
         return ""
     width = errors["whole"] / errors["share"]
     parts = [f"{name} {percent(errors[name] / width)}" for name in PARTS if name in errors]
-    return f"{', '.join(parts)}, together {percent(errors['share'])}"
+    asked = f"; asked for {percent(errors['asked'])}" if "asked" in errors else ""
+    return f"{', '.join(parts)}, together {percent(errors['share'])}{asked}"
+
+
+def accuracy_facts(plan: Plan) -> dict[str, Any]:
+    """What the rounds of an accuracy came to: whether it is `met`, and why they ended; the mesh;
+    and by estimate the runs and the seconds of a core that they took, with those of checks."""
+    last, experiment = plan.adaptive.rounds[-1], plan.experiment
+    mesh = experiment.accuracy.mesh
+    return {
+        "met": plan.adaptive.met,
+        "reason": last.reason,
+        "rounds": len(plan.adaptive.rounds),
+        "mesh": {mesh: experiment.scene.parameters[mesh]} if mesh else {},
+        "runs": last.runs,
+        "seconds": last.seconds,
+    }
+
+
+def accuracy_lines(found: Mapping) -> list[str]:
+    """The same in Markdown."""
+    mesh = "".join(f", with {name} = {number}" for name, number in found["mesh"].items())
+    met = "is met" if found["met"] else "is not met"
+    seconds = "less than 1 s" if found["seconds"] < 1 else f"{found['seconds']:.2g} s"
+    return ["", (
+        f"The accuracy that was asked for {met}, after {found['rounds']} rounds of {found['runs']} "
+        f"runs in all ({seconds} of a core, by estimate){mesh}: {found['reason']}."
+    )]  # fmt: skip
 
 
 def error_lines(rows: list[Mapping]) -> list[str]:
@@ -69,5 +97,9 @@ def error_lines(rows: list[Mapping]) -> list[str]:
         share = errors["share"]
         cells.append([row["name"], *numbers, "unknown" if share is None else percent(share)])
     head = ["error of", *parts, "together", "share of the width"]
+    if any("asked" in row["errors"] for row in rows):
+        head.append("asked for")
+        for row, line in zip(rows, cells, strict=True):
+            line.append(percent(row["errors"]["asked"]))
     note = "Errors of responses, and their widths, are means over time."
     return ["", "## Errors", "", *table(head, cells), "", note]

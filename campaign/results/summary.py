@@ -13,7 +13,7 @@ from campaign.files import open_netcdf, write_result
 from campaign.folder import Folder
 from campaign.plan.plan import read_plan
 from campaign.results.answers import answer_lines, answer_rows
-from campaign.results.budget import error_lines, response_errors
+from campaign.results.budget import accuracy_facts, accuracy_lines, error_lines, response_errors
 from campaign.results.scan_words import scan_facts, scan_text
 from campaign.results.units import pretty
 from campaign.results.which import counts, nominal_row
@@ -33,9 +33,13 @@ def summarise(
         asked = "quantities" in samples.variables
     if asked:
         summary |= answer_rows(folder, requirements, choice)
-    rounds = read_plan(folder.plan).adaptive
-    if rounds is not None:
+    plan = read_plan(folder.plan)
+    if (rounds := plan.adaptive) is not None:
         summary["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds], "met": rounds.met}
+    if plan.experiment.is_sought:
+        summary["accuracy"] = accuracy_facts(plan)
+        for row in (*summary["responses"], *summary.get("quantities", [])):
+            row["errors"]["asked"] = plan.experiment.accuracy.shares[row["name"]]
     text = as_text(summary)
     write_result(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
     write_result(folder / "summary.md", text)
@@ -187,7 +191,9 @@ def as_text(summary: Mapping) -> str:
             f"{summary['assembly_energy']:.3g} J at the centre and the corners of the box."
         )]  # fmt: skip
     lines += _doubts(summary)
-    if "adaptive" in summary:
+    if "accuracy" in summary:
+        lines += accuracy_lines(summary["accuracy"])
+    elif "adaptive" in summary:
         rounds = summary["adaptive"]["rounds"]
         lines += ["", f"Order found in {len(rounds)} rounds: {rounds[-1]['reason']}."]
     if "quantities" in summary:

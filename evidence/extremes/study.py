@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from evidence import plots
-from evidence.extremes import cables, latches, motors, parameters, runs, stable_step
+from evidence.extremes import cables, joints, latches, motors, parameters, runs, stable_step
 from evidence.results import Report
 from evidence.rows import Row, grouped
 
@@ -25,6 +25,7 @@ GROUPS: dict[str, Callable[[], list[Row]]] = {
     "cables": cables.study,
     "latches": latches.study,
     "motors": motors.study,
+    "joints": joints.study,
     "refusals": parameters.refusals,
 }
 

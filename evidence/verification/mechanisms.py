@@ -9,7 +9,7 @@ DOWN = (0.0, -9.81, 0.0)
 Z = (0.0, 0.0, 1.0)
 
 
-def rod(scene: fpm.Scene, start, end, side: float, mass: float = 1.0) -> int:
+def rod(scene: fpm.Scene, start, end, side: float = 1e-4, mass: float = 1.0) -> int:
     """A rigid rod with a square section: one particle at its middle."""
     start, end = np.array(start, float), np.array(end, float)
     length = np.linalg.norm(end - start)
@@ -21,7 +21,7 @@ def rod(scene: fpm.Scene, start, end, side: float, mass: float = 1.0) -> int:
     return int(scene.add_particles((start + end) / 2, mass, inertia, axes)[0])
 
 
-def on_ground(name: str, gravity=DOWN) -> tuple[fpm.Scene, int]:
+def on_ground(name: str = "mechanism", gravity=DOWN) -> tuple[fpm.Scene, int]:
     """A scene with one particle, the ground."""
     scene = fpm.Scene(name, gravity=gravity)
     ground = int(scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)[0])
@@ -29,11 +29,11 @@ def on_ground(name: str, gravity=DOWN) -> tuple[fpm.Scene, int]:
     return scene, ground
 
 
-def n_four_bar(bench: Bench) -> None:
-    """Two four-bars of rigid rods, three on the middle pin, through the singular position."""
+def n_four_bar_scene() -> fpm.Scene:
+    """Two four-bars of rigid rods in a row; three members meet on the middle pins."""
     scene, ground = on_ground("N four-bar")
-    up = [rod(scene, (x, 0, 0), (x, 1, 0), 1e-4) for x in range(3)]
-    across = [rod(scene, (x, 1, 0), (x + 1, 1, 0), 1e-4) for x in range(2)]
+    up = [rod(scene, (x, 0, 0), (x, 1, 0)) for x in range(3)]
+    across = [rod(scene, (x, 1, 0), (x + 1, 1, 0)) for x in range(2)]
     for x in range(3):
         scene.add_hinge(f"foot{x}", (ground, up[x]), (x, 0, 0), Z)
     for x in range(2):
@@ -42,6 +42,12 @@ def n_four_bar(bench: Bench) -> None:
     scene.velocity[up], scene.spin[up] = (0.5, 0.0, 0.0), (0.0, 0.0, -1.0)
     scene.velocity[across] = 1.0, 0.0, 0.0
     scene.add_point("B0", up[0], (0, 1, 0))
+    return scene
+
+
+def n_four_bar(bench: Bench) -> None:
+    """Two four-bars through the singular position."""
+    scene = n_four_bar_scene()
     (outcome,) = bench.simulate([scene], duration=10.0, instants=1001, step=5e-4)
     position, velocity = outcome.points["B0"]
     source = "IFToMM benchmark A02; ODE to 1e-13"
@@ -66,10 +72,8 @@ def bricard_points(length: float = 1.0) -> np.ndarray:
     return length * np.array(points, float)
 
 
-def bricard(bench: Bench) -> None:
-    """Bricard's overconstrained six-bar: of rigid rods, and of elastic ones that get stiffer."""
-    source = "IFToMM benchmark A04; ODE and Exudyn"
-    exact = {1: (0.2744813, -0.8867079, -0.4623300), 2: (-0.7781354, -0.9803527, -0.1972527)}
+def rigid_bricard() -> fpm.Scene:
+    """Bricard's six-bar of rigid rods: one condition more than it can move by."""
     scene, ground = on_ground("Bricard, rigid")
     points, axes = bricard_points(), "yzxyzx"
     rods = [rod(scene, points[i], points[i + 1], 0.1) for i in range(5)]
@@ -78,6 +82,14 @@ def bricard(bench: Bench) -> None:
         pair = chain[i : i + 2]
         scene.add_hinge(f"pin{i}", pair, points[i], np.eye(3)["xyz".index(axis)])
     scene.add_point("C", rods[1], points[2])
+    return scene
+
+
+def bricard(bench: Bench) -> None:
+    """Bricard's overconstrained six-bar: of rigid rods, and of elastic ones that get stiffer."""
+    source = "IFToMM benchmark A04; ODE and Exudyn"
+    exact = {1: (0.2744813, -0.8867079, -0.4623300), 2: (-0.7781354, -0.9803527, -0.1972527)}
+    scene = rigid_bricard()
     (outcome,) = bench.simulate([scene], duration=2.0, instants=201, step=2.5e-4)
     for second, place in exact.items():
         for k, axis in enumerate("xyz"):
@@ -159,9 +171,12 @@ def misaligned_four_bar(bench: Bench) -> None:
     figure.curve(outcome.time, 1e3 * out_of_plane, "C")
 
 
-def slider_crank(bench: Bench) -> None:
-    """A driven crank, a rod and a block that slides on the ground; the drive's work."""
-    rate, crank, length = 4.0, 0.3, 1.0
+RATE, CRANK, ROD = 4.0, 0.3, 1.0  # rad/s, m, m of the slider-crank
+
+
+def slider_crank_scene() -> fpm.Scene:
+    """A driven crank, a rod, and a block that slides on the ground along x."""
+    rate, crank, length = RATE, CRANK, ROD
     scene, ground = on_ground("slider-crank")
     wheel = int(scene.add_particles((0, 0, 0), 1.0, 0.1)[0])
     link = rod(scene, (crank, 0, 0), (crank + length, 0, 0), 1e-3)
@@ -173,10 +188,20 @@ def slider_crank(bench: Bench) -> None:
     scene.velocity[link] = 0.0, rate * crank / 2, 0.0
     scene.spin[link] = 0.0, 0.0, -rate * crank / length
     scene.add_point("block", block)
+    return scene
+
+
+def place_of_block(time) -> np.ndarray:
+    """Where the block of the slider-crank is (m) at times (s)."""
+    turn = RATE * time
+    return CRANK * np.cos(turn) + np.sqrt(ROD**2 - (CRANK * np.sin(turn)) ** 2)
+
+
+def slider_crank(bench: Bench) -> None:
+    """A driven crank, a rod and a block: its place, and the drive's work."""
+    scene = slider_crank_scene()
     (outcome,) = bench.simulate([scene], duration=2.0, instants=201, step=5e-4)
-    turn = rate * outcome.time
-    exact = crank * np.cos(turn) + np.sqrt(length**2 - (crank * np.sin(turn)) ** 2)
-    off = np.abs(outcome.points["block"][0][:, 0] - exact).max()
+    off = np.abs(outcome.points["block"][0][:, 0] - place_of_block(outcome.time)).max()
     bench.check_small("place of the block (m)", off, 1e-8, "kinematics of the slider-crank", "m")
     worst = np.abs(outcome.energies["balance"]).max() / np.ptp(outcome.energies["kinetic"])
     bench.check_small("energy balance, with the drive's work", worst, 1e-5, "no damping", "energy")

@@ -40,7 +40,7 @@ def find_failures(parts, world, record, row, n, tolerance):
             # They grow on while other lanes run.
             for k in range(world.most.shape[0]):
                 record.failed_watched[k, s] = world.watched[0, k, s]
-            record.failed_row[s] = worst_row(parts, world, cause, s)
+            record.failed_row[s] = worst_row(parts, world, record.failed_cause[s], s)
             left -= 1
     return left == 0
 

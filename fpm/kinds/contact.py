@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.kinds.kind import Energy, Kind
-from fpm.kinds.opening import Opening, check_stiffness, relative_turn
+from fpm.kinds.kind import Energy
+from fpm.kinds.opening import OnHinge, Opening, check_stiffness
 
 
 @dataclass(frozen=True)
-class Contact(Kind):
+class Contact(OnHinge):
     """hinge index; stiffness k (N m/rad)."""
 
     hinge: int
@@ -21,27 +21,13 @@ class Contact(Kind):
 
     stores = Energy("contact", "contact_energy", "energy of the face-to-face contacts")
     events = ("opens", "closes")
-    reads = (Opening,)
     acts_as = "contact"
+    called = "contact"
     always_acts = False
 
     def check(self, scene):
         """Hinge and stiffness."""
         check_stiffness(scene, "contact", self.hinge, self.stiffness)
-
-    def topology(self):
-        """The hinge."""
-        return self.hinge
-
-    @classmethod
-    def names(cls, scene):
-        return [f"contact {scene.hinges[c.hinge].name}" for c in cls.of(scene)]
-
-    @classmethod
-    def deformations(cls, scene):
-        """The openings of their hinges."""
-        contacts = cls.of(scene)
-        return relative_turn(scene, [c.hinge for c in contacts], [c.stiffness for c in contacts])
 
     @classmethod
     def shut(cls, scene, inverse):

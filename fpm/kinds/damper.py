@@ -6,46 +6,31 @@ a damper c and a spring k on an inertia J is then stable where h² k/J + 4 h c/J
 
 from dataclasses import dataclass
 
-from fpm.kinds.kind import Kind
 from fpm.kinds.opening import (
     JOINT_LOSS,
+    OnHinge,
     Opening,
     check_hinge,
     check_numbers,
     pack_past,
-    relative_turn,
 )
 
 
 @dataclass(frozen=True)
-class Damper(Kind):
+class Damper(OnHinge):
     """hinge index; damping c (N m s/rad)."""
 
     hinge: int
     damping: float
 
     takes = JOINT_LOSS
-    reads = (Opening,)
     acts_as = "damper"
+    called = "damper"
 
     def check(self, scene):
         """Hinge and damping."""
         check_hinge(scene, "damper", self.hinge)
         check_numbers("damper", damping=(self.damping, 0.0, "N m s/rad"))
-
-    def topology(self):
-        """The hinge."""
-        return self.hinge
-
-    @classmethod
-    def names(cls, scene):
-        return [f"damper {scene.hinges[d.hinge].name}" for d in cls.of(scene)]
-
-    @classmethod
-    def dampings(cls, scene):
-        """The openings of their hinges."""
-        dampers = cls.of(scene)
-        return relative_turn(scene, [d.hinge for d in dampers], [d.damping for d in dampers])
 
     @classmethod
     def pack(cls, batch):

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.kind import Energy, Kind
+from fpm.kinds.kind import Energy
 from fpm.kinds.opening import (
     JOINT_LOSS,
+    OnHinge,
     Opening,
     check_hinge,
     check_numbers,
     pack_past,
-    relative_turn,
     softness,
 )
 
@@ -34,7 +34,7 @@ step of a scene that it limits is 0.57 of the one without.
 
 
 @dataclass(frozen=True)
-class Friction(Kind):
+class Friction(OnHinge):
     """hinge index; moment M (N m) at which it slips; bend (rad) before; damping c (N m s/rad)
     of the bristle, None: as DAMPED says.
     """
@@ -46,8 +46,8 @@ class Friction(Kind):
 
     stores = Energy("friction", "friction_energy", "energy of the bristles of friction")
     takes = JOINT_LOSS
-    reads = (Opening,)
     acts_as = "friction"
+    called = "friction"
 
     @property
     def stiffness(self) -> float:
@@ -63,32 +63,12 @@ class Friction(Kind):
         if self.damping is not None:
             check_numbers("friction", damping=(self.damping, 0.0, "N m s/rad"))
 
-    def topology(self):
-        """The hinge."""
-        return self.hinge
-
     def damping_in(self, scene) -> float:
         """c (N m s/rad)."""
         if self.damping is not None:
             return self.damping
         inverse = softness(scene, self.hinge)
         return 2 * DAMPED * np.sqrt(self.stiffness / inverse) if inverse else 0.0
-
-    @classmethod
-    def names(cls, scene):
-        return [f"friction {scene.hinges[f.hinge].name}" for f in cls.of(scene)]
-
-    @classmethod
-    def deformations(cls, scene):
-        """The openings of their hinges, as if all stuck."""
-        found = cls.of(scene)
-        return relative_turn(scene, [f.hinge for f in found], [f.stiffness for f in found])
-
-    @classmethod
-    def dampings(cls, scene):
-        """The same for the dampers."""
-        found = cls.of(scene)
-        return relative_turn(scene, [f.hinge for f in found], [f.damping_in(scene) for f in found])
 
     @classmethod
     def pack(cls, batch):

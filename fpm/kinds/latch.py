@@ -16,15 +16,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.kind import Energy, Kind, Recorded
+from fpm.kinds.kind import Energy, Recorded
 from fpm.kinds.opening import (
     JOINT_LOSS,
     ONSET,
+    OnHinge,
     Opening,
     check_numbers,
     check_stiffness,
     pack_past,
-    relative_turn,
 )
 
 SIDES = {"below": 1.0, "above": -1.0, "either": 0.0}
@@ -32,7 +32,7 @@ SIDES = {"below": 1.0, "above": -1.0, "either": 0.0}
 
 
 @dataclass(frozen=True)
-class Latch(Kind):
+class Latch(OnHinge):
     """hinge index; angle, tolerance (rad); side ("below", "above", "either"); fastest (rad/s);
     stiffness k (N m/rad); damping c (N m s/rad); one_sided; name (that of the hinge if "").
     """
@@ -50,7 +50,6 @@ class Latch(Kind):
     stores = Energy("latch", "latch_energy", "energy of the latches")
     takes = JOINT_LOSS
     events = ("latches", "misses")
-    reads = (Opening,)
     acts_as = "latch"
 
     def check(self, scene):
@@ -86,19 +85,9 @@ class Latch(Kind):
     def names(cls, scene):
         return [f"latch {label}" for label in cls.labels(scene)]
 
-    @classmethod
-    def deformations(cls, scene):
-        """The openings of their hinges, as if all held."""
-        latches = cls.of(scene)
-        return relative_turn(scene, [x.hinge for x in latches], [x.stiffness for x in latches])
-
-    @classmethod
-    def dampings(cls, scene):
-        """The same for their dampers, which begin with more than a kick."""
-        latches = cls.of(scene)
-        return relative_turn(
-            scene, [x.hinge for x in latches], [ONSET * x.damping for x in latches]
-        )
+    def damping_in(self, scene):
+        """Its damper begins with more than a kick."""
+        return ONSET * self.damping
 
     @classmethod
     def pack(cls, batch):

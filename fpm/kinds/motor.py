@@ -17,15 +17,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.kind import Energy, Kind, Recorded
+from fpm.kinds.kind import Energy, Recorded
 from fpm.kinds.opening import (
     JOINT_LOSS,
+    OnHinge,
     Opening,
     check_hinge,
     check_numbers,
     check_stiffness,
     pack_past,
-    relative_turn,
 )
 
 MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
@@ -43,7 +43,7 @@ def _moments(cls, part, scene, lane, variable, dimension, text) -> dict[str, Rec
 
 
 @dataclass(frozen=True)
-class Motor(Kind):
+class Motor(OnHinge):
     """Prescribes the opening of a hinge: start + turn (rad) times the curve of that index (-1: 1).
 
     hinge: its index; stiffness (N m/rad) and damping (N m s/rad) of the drive train.
@@ -59,8 +59,8 @@ class Motor(Kind):
     stores = Energy("motor", "motor_energy", "energy of the motors' drive trains")
     gives = MOTOR_WORK
     takes = JOINT_LOSS
-    reads = (Opening,)
     acts_as = "motor"
+    called = "motor"
 
     def check(self, scene):
         """Hinge, drive train and curve; one motor on a hinge."""
@@ -76,22 +76,6 @@ class Motor(Kind):
     def topology(self):
         """Hinge and curve."""
         return self.hinge, self.curve
-
-    @classmethod
-    def names(cls, scene):
-        return [f"motor {scene.hinges[motor.hinge].name}" for motor in cls.of(scene)]
-
-    @classmethod
-    def deformations(cls, scene):
-        """The openings of their hinges."""
-        motors = cls.of(scene)
-        return relative_turn(scene, [m.hinge for m in motors], [m.stiffness for m in motors])
-
-    @classmethod
-    def dampings(cls, scene):
-        """The same for their dampers."""
-        motors = cls.of(scene)
-        return relative_turn(scene, [m.hinge for m in motors], [m.damping for m in motors])
 
     @classmethod
     def pack(cls, batch):
@@ -119,7 +103,7 @@ class Motor(Kind):
 
 
 @dataclass(frozen=True)
-class TorqueMotor(Kind):
+class TorqueMotor(OnHinge):
     """Turns a hinge by a torque (N m) times the curve of that index (-1: 1).
 
     hinge: its index; no_load: the speed (rad/s) at which no torque is left; inf: it does not fall.
@@ -131,8 +115,8 @@ class TorqueMotor(Kind):
     no_load: float = np.inf
 
     gives = MOTOR_WORK
-    reads = (Opening,)
     acts_as = "motor"
+    called = "torque motor"
 
     def check(self, scene):
         """Hinge, torque, speed and curve; one torque motor on a hinge."""
@@ -150,17 +134,7 @@ class TorqueMotor(Kind):
         """Hinge and curve."""
         return self.hinge, self.curve
 
-    @classmethod
-    def names(cls, scene):
-        return [f"torque motor {scene.hinges[motor.hinge].name}" for motor in cls.of(scene)]
-
-    @classmethod
-    def dampings(cls, scene):
-        """The openings of their hinges, which the fall of the torque damps."""
-        motors = cls.of(scene)
-        return relative_turn(scene, [m.hinge for m in motors], [m.steepest(scene) for m in motors])
-
-    def steepest(self, scene) -> float:
+    def damping_in(self, scene):
         """By how much the moment falls with the speed at most (N m s/rad)."""
         most = np.abs(scene.curves[self.curve][1]).max() if self.curve >= 0 else 1.0
         return float(abs(self.torque) * most / self.no_load)

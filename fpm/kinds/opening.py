@@ -7,6 +7,7 @@ full turns: of all angles that differ by them it is the one closest to the last.
 
 from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import ClassVar
 
 import numpy as np
 
@@ -81,6 +82,44 @@ class Opening(Kind):
         names = tuple(hinge.name for hinge in scene.hinges)
         values = part.track[:, 0, lane].reshape(-1, len(names))
         return {"opening": Recorded(values, "rad", "opening of the hinges", "hinge", names)}
+
+
+class OnHinge(Kind):
+    """What the kinds that act on the opening of one hinge, of index `hinge`, have in common."""
+
+    called: ClassVar[str]  # in messages, before the hinge's name
+    reads = (Opening,)
+
+    def topology(self):
+        """The hinge."""
+        return self.hinge
+
+    @classmethod
+    def names(cls, scene):
+        return [f"{cls.called} {scene.hinges[e.hinge].name}" for e in cls.of(scene)]
+
+    def stiffness_in(self, scene) -> float | None:
+        """Stiffness (N m/rad) that counts in the stable step; None: the kind has no springs."""
+        return getattr(self, "stiffness", None)
+
+    def damping_in(self, scene) -> float | None:
+        """Damping (N m s/rad) that counts in the stable step; None: the kind has no dampers."""
+        return getattr(self, "damping", None)
+
+    @classmethod
+    def deformations(cls, scene):
+        """The openings of their hinges, as if all acted."""
+        return cls._turns(scene, [e.stiffness_in(scene) for e in cls.of(scene)])
+
+    @classmethod
+    def dampings(cls, scene):
+        """The same for their dampers."""
+        return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
+
+    @classmethod
+    def _turns(cls, scene, values: list) -> Deformations | None:
+        on = [e.hinge for e in cls.of(scene)]
+        return None if None in values else relative_turn(scene, on, values)
 
 
 def _sides(scene) -> np.ndarray:

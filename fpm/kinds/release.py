@@ -9,20 +9,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.kind import Energy, Kind
+from fpm.kinds.kind import Energy
 from fpm.kinds.opening import (
     JOINT_LOSS,
+    OnHinge,
     Opening,
     check_hinge,
     check_numbers,
     check_stiffness,
     pack_past,
-    relative_turn,
 )
 
 
 @dataclass(frozen=True)
-class Release(Kind):
+class Release(OnHinge):
     """Holds a hinge of that index at the opening `hold` (rad).
 
     stiffness (N m/rad); damping (N m s/rad). It lets go at `time` (s), or where the opening of the
@@ -40,8 +40,8 @@ class Release(Kind):
     stores = Energy("release", "release_energy", "energy of the releases that hold")
     takes = JOINT_LOSS
     events = ("releases",)
-    reads = (Opening,)
     acts_as = "release"
+    called = "release"
 
     def check(self, scene):
         """Hinges and numbers; that it holds at the start, and may let go."""
@@ -67,22 +67,6 @@ class Release(Kind):
     def topology(self):
         """Both hinges."""
         return self.hinge, self.watch
-
-    @classmethod
-    def names(cls, scene):
-        return [f"release {scene.hinges[release.hinge].name}" for release in cls.of(scene)]
-
-    @classmethod
-    def deformations(cls, scene):
-        """The openings of their hinges, held."""
-        found = cls.of(scene)
-        return relative_turn(scene, [x.hinge for x in found], [x.stiffness for x in found])
-
-    @classmethod
-    def dampings(cls, scene):
-        """The same for their dampers."""
-        found = cls.of(scene)
-        return relative_turn(scene, [x.hinge for x in found], [x.damping for x in found])
 
     @classmethod
     def pack(cls, batch):

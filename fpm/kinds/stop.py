@@ -12,22 +12,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.kind import Energy, Kind
+from fpm.kinds.kind import Energy
 from fpm.kinds.opening import (
     JOINT_LOSS,
     ONSET,
+    OnHinge,
     Opening,
     check_numbers,
     check_stiffness,
     pack_past,
-    relative_turn,
 )
 
 SIDES = {"above": 1.0, "below": -1.0}
 
 
 @dataclass(frozen=True)
-class Stop(Kind):
+class Stop(OnHinge):
     """hinge index; angle (rad), `side` of it where it acts ("above", "below"); stiffness k
     (N m/rad); damping c (N m s/rad).
     """
@@ -41,7 +41,6 @@ class Stop(Kind):
     stores = Energy("stop", "stop_energy", "energy of the stops")
     takes = JOINT_LOSS
     events = ("leaves", "hits")
-    reads = (Opening,)
     acts_as = "stop"
 
     def check(self, scene):
@@ -61,17 +60,9 @@ class Stop(Kind):
     def names(cls, scene):
         return [f"stop {scene.hinges[s.hinge].name} {s.side}" for s in cls.of(scene)]
 
-    @classmethod
-    def deformations(cls, scene):
-        """The openings of their hinges, as if they always acted."""
-        stops = cls.of(scene)
-        return relative_turn(scene, [s.hinge for s in stops], [s.stiffness for s in stops])
-
-    @classmethod
-    def dampings(cls, scene):
-        """The same for their dampers, which begin with more than a kick."""
-        stops = cls.of(scene)
-        return relative_turn(scene, [s.hinge for s in stops], [ONSET * s.damping for s in stops])
+    def damping_in(self, scene):
+        """Its damper begins with more than a kick."""
+        return ONSET * self.damping
 
     @classmethod
     def pack(cls, batch):

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.kind import Energy, Kind
-from fpm.kinds.opening import Opening, check_hinge, relative_turn
+from fpm.kinds.kind import Energy
+from fpm.kinds.opening import OnHinge, Opening, check_hinge
 
 
 @dataclass(frozen=True)
-class TableSpring(Kind):
+class TableSpring(OnHinge):
     """hinge index; increasing angles (rad) and the moments (N m) there, two or more."""
 
     hinge: int
@@ -24,8 +24,8 @@ class TableSpring(Kind):
     moments: tuple[float, ...]
 
     stores = Energy("table_spring", "table_spring_energy", "energy of the springs by tables")
-    reads = (Opening,)
     acts_as = "spring"
+    called = "spring"
 
     def check(self, scene):
         """The hinge and the table."""
@@ -63,16 +63,9 @@ class TableSpring(Kind):
         least.append(-given[crossed] / 2 - moments[crossed] * to_zero / 2)
         return -float(np.concatenate(least).min())
 
-    @classmethod
-    def names(cls, scene):
-        return [f"spring {scene.hinges[s.hinge].name}" for s in cls.of(scene)]
-
-    @classmethod
-    def deformations(cls, scene):
-        """The openings of their hinges; the steepest fall of the moment is the stiffness."""
-        springs = cls.of(scene)
-        stiffness = [max(0.0, -float(s.slopes.min())) for s in springs]
-        return relative_turn(scene, [s.hinge for s in springs], stiffness)
+    def stiffness_in(self, scene):
+        """The steepest fall of the moment."""
+        return max(0.0, -float(self.slopes.min()))
 
     @classmethod
     def pack(cls, batch):

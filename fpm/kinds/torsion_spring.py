@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
-from fpm.kinds.kind import Energy, Kind
-from fpm.kinds.opening import Opening, check_stiffness, relative_turn
+from fpm.kinds.kind import Energy
+from fpm.kinds.opening import OnHinge, Opening, check_stiffness
 
 
 @dataclass(frozen=True)
-class TorsionSpring(Kind):
+class TorsionSpring(OnHinge):
     """hinge index; stiffness k (N m/rad); rest opening (rad)."""
 
     hinge: int
@@ -15,26 +15,12 @@ class TorsionSpring(Kind):
     rest: float = 0.0
 
     stores = Energy("spring", "spring_energy", "energy of the torsion springs")
-    reads = (Opening,)
     acts_as = "spring"
+    called = "torsion spring"
 
     def check(self, scene):
         """Hinge and stiffness."""
         check_stiffness(scene, "torsion spring", self.hinge, self.stiffness)
-
-    def topology(self):
-        """The hinge."""
-        return self.hinge
-
-    @classmethod
-    def names(cls, scene):
-        return [f"torsion spring {scene.hinges[s.hinge].name}" for s in cls.of(scene)]
-
-    @classmethod
-    def deformations(cls, scene):
-        """The openings of their hinges."""
-        springs = cls.of(scene)
-        return relative_turn(scene, [s.hinge for s in springs], [s.stiffness for s in springs])
 
     @classmethod
     def pack(cls, batch):

@@ -40,6 +40,13 @@ class Fit:
         """Estimated error: the largest left-out one; infinite where no run tests the function."""
         return float(np.abs(self.left_out).max(initial=0.0))
 
+    @property
+    def usual_error(self) -> float:
+        """Estimated error where runs were sought until they are next to what decides: the root mean
+        square of the left-out errors, on a line their mean, as of a response's spline."""
+        power = min(max(int((np.ptp(self.points, axis=0) > 0).sum()), 1), 2)
+        return float((np.abs(self.left_out) ** power).mean() ** (1 / power))
+
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
         """Values (P) at unit coordinates (P, k)."""
         return self.function.evaluate(np.asarray(unit, dtype=float))[:, 0]

@@ -23,6 +23,11 @@ class ScalarSurrogate:
         """Estimated error where there is a number; NaN where there is none."""
         return np.nan if self.fit is None else self.fit.error
 
+    @property
+    def usual_error(self) -> float:
+        """The same of runs that were sought; see `Fit.usual_error`."""
+        return np.nan if self.fit is None else self.fit.usual_error
+
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
         """Values (P) at unit coordinates (P, k), NaN where there is none."""
         unit = np.asarray(unit, dtype=float)

@@ -8,17 +8,11 @@ import pytest
 
 import campaign
 from campaign.folder import Folder
+from campaign.plan.make import make_plan
+from evidence.attack import victim
+from evidence.attack.victim import silent
 
-RAW = {
-    "campaign": "test",
-    "scene": {"name": "bennett", "parameters": {"elements_per_link": 2}},
-    "solver": {"duration": 0.004, "instants": 9},
-    "intervals": {"a": {"nominal": 0.035, "relative": 0.01}},
-    "design": {"method": "tensor_roots", "order": 2},
-    "held_out": 2,
-    "responses": {"BD": {"distance": ["B", "D"]}, "vBz": {"velocity": "B", "component": "z"}},
-    "jobs": {"group": 2},
-}
+RAW = {**victim.RAW, "campaign": "test"}
 
 
 @pytest.fixture
@@ -33,8 +27,10 @@ def config(raw) -> dict:
     return campaign.check_config(raw)
 
 
-def silent(text: str) -> None:
-    """Tell nobody."""
+@pytest.fixture(scope="session")
+def plan():
+    """The plan of the config as it is, made once."""
+    return make_plan(campaign.check_config(copy.deepcopy(RAW)).experiment)
 
 
 @pytest.fixture(scope="session")

@@ -126,6 +126,7 @@ def test_wrong_quantities_are_refused_before_any_run(definition, words):
         campaign.check_config(panel(quantities={"q": definition}))
 
 
+@pytest.mark.slow
 def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tmp_path):
     draw_ranges(opened, tmp_path)
     assert {p.name for p in tmp_path.iterdir()} == {"ranges.png", "ranges.pdf"}
@@ -168,6 +169,7 @@ def test_what_vanishes_inside_the_box_is_bordered_by_further_runs(tmp_path):
         assert float(t["lower"]) == pytest.approx(exact, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_the_whole_error_has_those_of_step_and_mesh(tmp_path):
     """The change by the step is that of a campaign with half of it."""
     t_open = {"t_open": PANEL["quantities"]["t_open"]}

@@ -54,7 +54,6 @@ REFUSED = [
     ("design.method", "guess", ["design.method", "'guess'", "tensor_roots"]),
     ("responses.BD", {"distance": ["B", "Q"]}, ["responses.BD", "'Q'", "A, B, C, D"]),
     ("responses.BD", {"distance": ["B", "B"]}, ["responses.BD", "two different points"]),
-    ("responses.linkage", {"opening": "A"}, ["responses.linkage", "not `linkage`"]),
     ("responses.x", {"speed": "B"}, ["responses.x", "velocity"]),
     ("responses.x", {"velocity": "B"}, ["responses.x", "component"]),
     ("responses.x", {"opening": "Z"}, ["responses.x", "'Z'"]),

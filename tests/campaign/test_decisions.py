@@ -114,6 +114,7 @@ def test_the_best_choice_is_that_of_the_closed_form(tmp_path):
     np.testing.assert_allclose([min(kept), max(kept)], [least, most], atol=0.15 / 32)
 
 
+@pytest.mark.slow
 def test_a_choice_of_a_parameter_without_an_interval_and_two_goals(tmp_path):
     """The time goes with the root of the mass: its range over k, for every mass."""
     choose = {"parameters": {"mass": [0.5, 2.0]}, "maximise": ["lower(t_open)"],

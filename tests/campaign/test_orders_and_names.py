@@ -37,8 +37,7 @@ def test_a_campaign_does_not_know_in_which_order_its_parameters_were_named(raw, 
         assert list(other.experiment.intervals) == list(first.experiment.intervals)
 
 
-@pytest.mark.parametrize("order", [2, "auto"])
-@pytest.mark.parametrize("names", [("a", "E"), ("E", "a")])
+@pytest.mark.parametrize(("order", "names"), [(2, ("a", "E")), ("auto", ("E", "a"))])
 def test_an_interval_without_width_does_not_hide_another(raw, tmp_path, order, names):
     raw["design"] = {"method": "tensor_lobatto", "order": order, "budget": 5}
     raw["intervals"] = {name: INTERVALS[name] for name in names}

@@ -30,8 +30,7 @@ def by_role(plan, role):
     return [run for run in plan.runs if run.role == role]
 
 
-def test_a_plan_has_the_nominal_run_the_nodes_and_the_held_out_runs(config):
-    plan = make_plan(config.experiment)
+def test_a_plan_has_the_nominal_run_the_nodes_and_the_held_out_runs(plan):
     assert [len(by_role(plan, role)) for role in ("nominal", "node", "held_out")] == [1, 3, 2]
     assert by_role(plan, "nominal")[0].values == (0.035,)
     roots = 0.035 * (1 + 0.01 * np.cos(np.pi * (np.arange(3) + 0.5) / 3))
@@ -39,9 +38,8 @@ def test_a_plan_has_the_nominal_run_the_nodes_and_the_held_out_runs(config):
     np.testing.assert_allclose(found, sorted(roots), rtol=1e-14)
 
 
-def test_a_run_in_two_roles_has_one_name_and_is_simulated_once(config):
-    plan = make_plan(config.experiment)  # order 2: the middle root is the nominal value
-    assert len(plan.runs) == 6
+def test_a_run_in_two_roles_has_one_name_and_is_simulated_once(plan):
+    assert len(plan.runs) == 6  # order 2: the middle root is the nominal value
     assert len(plan.unique_runs()) == 5
     nominal = by_role(plan, "nominal")[0]
     assert nominal.id in {run.id for run in by_role(plan, "node")}
@@ -58,8 +56,8 @@ def test_the_number_of_runs_is_known_without_a_plan(raw):
         assert count_runs(config.experiment) == len(make_plan(config.experiment).runs)
 
 
-def test_equal_configs_give_equal_plans(config):
-    assert make_plan(config.experiment) == make_plan(config.experiment)
+def test_equal_configs_give_equal_plans(config, plan):
+    assert make_plan(config.experiment) == plan
 
 
 def test_a_longer_order_reuses_the_runs_that_exist(raw):
@@ -81,22 +79,20 @@ def test_a_longer_order_reuses_the_runs_that_exist(raw):
         {"scene": {"name": "bennett", "parameters": {"elements_per_link": 2, "K_F": 5.1}}},
     ],
 )
-def test_what_changes_a_trajectory_changes_its_name(raw, change):
-    before = names(plan_of(raw))
+def test_what_changes_a_trajectory_changes_its_name(raw, plan, change):
     after = names(plan_of({**raw, **change}))
-    assert not before & after
+    assert not names(plan) & after
 
 
-def test_another_version_of_the_mechanics_gives_other_names(config, monkeypatch):
-    before = names(make_plan(config.experiment))
+def test_another_version_of_the_mechanics_gives_other_names(config, plan, monkeypatch):
     monkeypatch.setattr(SceneType, "digest", "another")
-    assert not before & names(make_plan(config.experiment))
+    assert not names(plan) & names(make_plan(config.experiment))
 
 
 def test_responses_kept_alone_are_named_after_the_code_that_reads_them(
-    config, tmp_path, monkeypatch
+    config, plan, tmp_path, monkeypatch
 ):
-    group = make_plan(config.experiment).runs
+    group = plan.runs
 
     def path(keep):
         store = open_store(keep, tmp_path, config.experiment)
@@ -112,11 +108,10 @@ def test_responses_kept_alone_are_named_after_the_code_that_reads_them(
     assert "fpm/responses.py" in STAGES["simulate"].code
 
 
-def test_what_changes_no_trajectory_keeps_its_name(raw):
-    before = names(plan_of(raw))
+def test_what_changes_no_trajectory_keeps_its_name(raw, plan):
     raw |= {"campaign": "other", "jobs": {"group": 1}, "error": {"shade_above": 0.5}}
     raw["responses"] = {"psi": {"opening": "A"}}  # a response is a function of the trajectory
-    assert names(plan_of(raw)) == before
+    assert names(plan_of(raw)) == names(plan)
 
 
 def test_the_step_is_stable_at_every_corner_and_divides_the_interval(raw):
@@ -140,8 +135,7 @@ def test_a_step_of_ones_own_is_kept(raw):
     assert plan_of(raw).time.step == pytest.approx(2.5e-5, rel=1e-12)
 
 
-def test_a_plan_survives_its_file(config, tmp_path):
-    plan = make_plan(config.experiment)
+def test_a_plan_survives_its_file(plan, tmp_path):
     write_plan(plan, tmp_path / "nodes.json")
     assert read_plan(tmp_path / "nodes.json") == plan
 
@@ -165,8 +159,7 @@ def test_runs_with_the_same_values_are_one(config):
 
 
 @pytest.mark.parametrize(("batches", "size"), [(1, 1), (2, 2), (3, 4), (7, 2), (1, 100)])
-def test_batches_and_groups_hold_every_run_once(config, batches, size):
-    plan = make_plan(config.experiment)
+def test_batches_and_groups_hold_every_run_once(plan, batches, size):
     every = groups_of(plan.unique_runs(), size)
     groups = [share(every, batch, batches) for batch in range(batches)]
     assert len(groups) == batches

@@ -117,7 +117,10 @@ def test_a_scan_keeps_responses_only(raw, tmp_path):
     raw = scan(raw, 20)
     folder = run(raw, tmp_path)
     assert not folder.runs("trajectories").exists()
-    assert "results/scan/figures/linkage.png" not in Workflow(campaign.check_config(raw)).results()
+    assert (
+        "results/scan/figures/campaign/linkage.png"
+        not in Workflow(campaign.check_config(raw)).results()
+    )
     with xr.open_dataset(folder.samples) as samples, xr.open_dataset(folder.bounds) as bounds:
         assert samples.sizes["run"] == 21
         values = samples["values"].values

@@ -25,6 +25,7 @@ def test_another_lumping_changes_the_masses_only():
     assert np.array_equal(other.inertia, plain.inertia)
 
 
+@pytest.mark.slow
 def test_the_mesh_and_the_lumping_count_and_the_step_does_not():
     """A small version of the study, against 24 elements."""
     reference, _ = accuracy.simulate(Choice(24))

@@ -88,6 +88,7 @@ def test_counting_numbers_count_as_the_compiler_fuses():
     assert kept == {"multiply": 1, "fma": 1, "add": 3, "divide": 1}
 
 
+@pytest.mark.slow
 def test_operations_of_the_loop_grow_with_the_elements():
     one, two = (machine.counts(n, steps=5)["operations"] for n in (2, 3))
     # 4 elements and 4 particles more: at least the square root and the division of each element.

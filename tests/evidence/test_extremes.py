@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from evidence.extremes import parameters, runs
+from evidence.extremes import joints, parameters, runs
 from evidence.extremes.judge import STRAIGHT, WHIPPING, compare, judge
 from evidence.extremes.study import GROUPS
 from evidence.linkage.runs import closing_time, curves, first_closing, simulate
@@ -30,6 +30,7 @@ def test_a_wrong_curve_fails():
     assert not any(row.passed for row in other)
 
 
+@pytest.mark.slow
 def test_a_refused_run_is_a_passed_row_and_its_remedy_is_tried():
     rows = judge("K_F = 1e4", {"K_F": 1e4}, WHIPPING, past_closure=True)
     assert str(rows[0].value).startswith("refused: unstable")
@@ -38,6 +39,7 @@ def test_a_refused_run_is_a_passed_row_and_its_remedy_is_tried():
     assert all("after the remedy" in row.name and row.passed for row in rows[1:])
 
 
+@pytest.mark.slow
 def test_a_refusal_that_no_mesh_helps_is_the_last_word():
     rows = judge("E = 1e5", {"E": 1e5}, WHIPPING, past_closure=True)
     assert "refine the mesh" in rows[0].value
@@ -56,6 +58,7 @@ def test_damping_passes():
     assert [row.name for row in GROUPS["damping"]() if not row.passed] == []
 
 
+@pytest.mark.slow
 def test_wide_intervals_and_those_of_no_width_pass(monkeypatch):
     """One of the wide ones."""
     monkeypatch.setattr(runs, "WIDE", {"K_F": runs.WIDE["K_F"]})
@@ -93,3 +96,15 @@ def test_cables_pass():
 @pytest.mark.slow
 def test_loops_motors_and_releases_pass():
     assert [row.name for row in GROUPS["motors"]() if not row.passed] == []
+
+
+@pytest.mark.slow
+def test_joints_that_are_solved_together_pass():
+    assert [row.name for row in GROUPS["joints"]() if not row.passed] == []
+
+
+def test_the_slowest_swing_of_many_rods_is_that_of_a_hanging_chain():
+    """2.4048/2 √(g/l): the first zero of the Bessel function (Daniel Bernoulli, 1733)."""
+    rate, shape = joints.slowest([joints.Rod(0.005, 1.0)] * 200)
+    assert rate == pytest.approx(2.404826 / 2 * np.sqrt(joints.G), rel=0.01)
+    assert shape[-1] == 1.0

@@ -92,6 +92,7 @@ def test_a_spline_counts_the_held_out_runs_that_it_goes_through(measured):
     assert kinds == ["surrogates", "splines", "scans"]
 
 
+@pytest.mark.slow
 def test_rounds_widen_the_reference_more_than_a_longer_scan(monkeypatch):
     monkeypatch.setattr(reference, "SEEK", 12)
     case = replace(SMALL, intervals={"L": 0.1, "g": 0.1})

@@ -173,6 +173,7 @@ def test_no_trajectory_file_appears(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
 
 
+@pytest.mark.slow
 def test_a_hinge_whose_particles_turn_too_far_in_a_step_is_refused():
     """No element limits the step of two rigid bodies; their hinge does."""
     scene = fpm.Scene("wheel")

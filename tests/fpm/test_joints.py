@@ -5,30 +5,18 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import fpm
+from evidence.verification.mechanisms import (
+    DOWN,
+    Z,
+    n_four_bar_scene,
+    on_ground,
+    place_of_block,
+    rigid_bricard,
+    rod,
+    slider_crank_scene,
+)
 
-G = 9.81
-DOWN = (0.0, -G, 0.0)
-Z = (0.0, 0.0, 1.0)
-
-
-def rod(scene: fpm.Scene, start, end, side: float = 1e-4) -> int:
-    """A rigid rod of 1 kg with a square section: one particle at its middle."""
-    start, end = np.array(start, float), np.array(end, float)
-    length = np.linalg.norm(end - start)
-    along = (end - start) / length
-    across = np.cross(np.eye(3)[np.argmin(np.abs(along))], along)
-    across /= np.linalg.norm(across)
-    axes = np.column_stack([along, across, np.cross(along, across)])
-    other = (length**2 + side**2) / 12
-    return int(scene.add_particles((start + end) / 2, 1.0, [side**2 / 6, other, other], axes)[0])
-
-
-def on_ground(gravity=DOWN) -> tuple[fpm.Scene, int]:
-    """A scene with a particle that is held."""
-    scene = fpm.Scene("joints", gravity=gravity)
-    ground = int(scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)[0])
-    scene.fix(ground)
-    return scene, ground
+G = -DOWN[1]
 
 
 def double_pendulum(hinge_to=None) -> fpm.Scene:
@@ -70,6 +58,7 @@ def pendulum_ends(time):
     return np.array([np.cos(one) + np.cos(two), -np.sin(one) - np.sin(two), 0.0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("type", ["hinge", "revolute", "spherical"])
 def test_double_pendulum_moves_by_lagranges_equations(type):
     """Of second order in the step; a spherical joint keeps a plane motion plane."""
@@ -89,6 +78,7 @@ def test_double_pendulum_moves_by_lagranges_equations(type):
     assert off[1] < 0.27 * off[0]
 
 
+@pytest.mark.slow
 def test_a_fixed_joint_makes_one_body_of_two():
     """Two rods fixed to each other swing as one of 2 m and 2 kg."""
     scene = double_pendulum(lambda s, pair, at: s.add_joint("lower", "fixed", pair, at))
@@ -108,7 +98,7 @@ def test_a_prismatic_joint_lets_a_body_slide_only():
 
     Without gravity the rail keeps L = (J + J2 + m r²) w; the exact radius solves r'' = r w².
     """
-    scene, ground = on_ground((0.0, 0.0, 0.0))
+    scene, ground = on_ground(gravity=(0.0, 0.0, 0.0))
     rail = int(scene.add_particles((0, 0, 0), 1.0, (0.1, 0.5, 0.5))[0])
     block = int(scene.add_particles((0.3, 0, 0), 2.0, 0.05)[0])
     scene.add_hinge("axle", (ground, rail), (0, 0, 0), Z)
@@ -134,7 +124,7 @@ def test_a_prismatic_joint_lets_a_body_slide_only():
 def test_a_universal_joint_turns_as_its_angle_says():
     """Two shafts at 30 degrees: tan(out) = tan(in) / cos(30), Cardan's relation, and the energy."""
     bend = np.radians(30.0)
-    scene, ground = on_ground((0.0, 0.0, 0.0))
+    scene, ground = on_ground(gravity=(0.0, 0.0, 0.0))
     out = np.array([np.cos(bend), np.sin(bend), 0.0])
     axes = np.column_stack([out, [-np.sin(bend), np.cos(bend), 0.0], Z])
     driving = int(scene.add_particles((-0.5, 0, 0), 1.0, (0.2, 0.3, 0.3))[0])
@@ -154,25 +144,10 @@ def test_a_universal_joint_turns_as_its_angle_says():
     assert np.ptp(energy) < 1e-5 * energy[0]
 
 
-def n_four_bar() -> fpm.Scene:
-    """Two four-bars in a row (IFToMM benchmark A02); three members meet on the middle pins."""
-    scene, ground = on_ground()
-    up = [rod(scene, (x, 0, 0), (x, 1, 0)) for x in range(3)]
-    across = [rod(scene, (x, 1, 0), (x + 1, 1, 0)) for x in range(2)]
-    for x in range(3):
-        scene.add_hinge(f"foot{x}", (ground, up[x]), (x, 0, 0), Z)
-    for x in range(2):
-        scene.add_hinge(f"left{x}", (up[x], across[x]), (x, 1, 0), Z)
-        scene.add_hinge(f"right{x}", (up[x + 1], across[x]), (x + 1, 1, 0), Z)
-    scene.velocity[up], scene.spin[up] = (0.5, 0.0, 0.0), (0.0, 0.0, -1.0)
-    scene.velocity[across] = 1.0, 0.0, 0.0
-    scene.add_point("B0", up[0], (0, 1, 0))
-    return scene
-
-
+@pytest.mark.slow
 def test_n_four_bar_mechanism_goes_through_its_singular_position():
     """../shared/references.md; 2 m of travel in 10 s, five times through the position."""
-    outcome = run(n_four_bar(), duration=10.0, instants=1001)
+    outcome = run(n_four_bar_scene(), duration=10.0, instants=1001)
     position, velocity = outcome.points["B0"]
     exact = [-0.195020302, -0.980799206, 0.0]
     np.testing.assert_allclose(position[100], exact, atol=2e-5)
@@ -180,22 +155,10 @@ def test_n_four_bar_mechanism_goes_through_its_singular_position():
     np.testing.assert_allclose(velocity[-1], [1.423051470, -0.494868845, 0.0], atol=1e-4)
 
 
-def bricard(side: float = 0.1) -> fpm.Scene:
-    """Bricard's six-bar of rigid rods (IFToMM A04): one condition more than it can move by."""
-    points = [(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)]
-    axes = ["y", "z", "x", "y", "z", "x"]
-    scene, ground = on_ground()
-    rods = [rod(scene, *points[i : i + 2], side) for i in range(5)]
-    chain = [ground, *rods, ground]
-    for i, (point, axis) in enumerate(zip(points, axes, strict=True)):
-        scene.add_hinge(f"pin{i}", chain[i : i + 2], point, np.eye(3)["xyz".index(axis)])
-    scene.add_point("C", rods[1], points[2])
-    return scene
-
-
+@pytest.mark.slow
 def test_bricard_six_bar_of_rigid_rods():
     """Its redundant condition is met by the smallest impulses; ../shared/references.md."""
-    outcome = run(bricard(), duration=2.0, step=5e-4, instants=201)
+    outcome = run(rigid_bricard(), duration=2.0, step=5e-4, instants=201)
     position = outcome.points["C"][0]
     np.testing.assert_allclose(position[100], [0.2744813, -0.8867079, -0.4623300], atol=2e-7)
     np.testing.assert_allclose(position[-1], [-0.7781354, -0.9803527, -0.1972527], atol=5e-6)
@@ -204,7 +167,7 @@ def test_bricard_six_bar_of_rigid_rods():
 @pytest.mark.slow
 def test_a_loop_that_cannot_close_fails_by_name():
     """Rigid rods whose axes do not fit are locked, and bear their weight; driven, a joint gapes."""
-    scene = bricard()
+    scene = rigid_bricard()
     first, second = scene.frame[list(scene.hinges[2].particles)]
     axis = np.array([np.cos(0.02), np.sin(0.02), 0.0])
     scene.hinges[2].axes[:] = axis @ first, axis @ second
@@ -216,11 +179,12 @@ def test_a_loop_that_cannot_close_fails_by_name():
     assert outcome.failure.element.startswith("joint pin")
 
 
+@pytest.mark.slow
 def test_samples_do_not_depend_on_their_neighbours():
     """Alone and in a batch, bit for bit, though one of them needs more rounds."""
     scenes = []
     for k in range(3):
-        scene = n_four_bar()
+        scene = n_four_bar_scene()
         scene.velocity *= 1 + 9 * (k == 1)
         scene.spin *= 1 + 9 * (k == 1)
         scenes.append(scene)
@@ -262,21 +226,8 @@ def test_momentum_of_free_bodies_is_kept():
 @pytest.mark.slow
 def test_a_driven_body_carries_its_joints_and_its_work_is_counted():
     """Slider-crank: the crank is driven, the block slides on the ground along x."""
-    rate, crank, rod_length = 4.0, 0.3, 1.0
-    scene, ground = on_ground()
-    wheel = int(scene.add_particles((0, 0, 0), 1.0, 0.1)[0])
-    bar = rod(scene, (crank, 0, 0), (crank + rod_length, 0, 0))
-    block = int(scene.add_particles((crank + rod_length, 0, 0), 2.0, 0.1)[0])
-    scene.add_hinge("crank", (wheel, bar), (crank, 0, 0), Z)
-    scene.add_hinge("wrist", (bar, block), (crank + rod_length, 0, 0), Z)
-    scene.add_joint("slide", "prismatic", (ground, block), scene.position[block], (1, 0, 0))
-    scene.drive(wheel, spin=(0, 0, rate))
-    scene.velocity[bar] = 0.0, rate * crank / 2, 0.0
-    scene.spin[bar] = 0.0, 0.0, -rate * crank / rod_length
-    scene.add_point("block", block)
-    outcome = run(scene, step=5e-4)
-    turn = rate * outcome.time
-    exact = crank * np.cos(turn) + np.sqrt(rod_length**2 - (crank * np.sin(turn)) ** 2)
+    outcome = run(slider_crank_scene(), step=5e-4)
+    exact = place_of_block(outcome.time)
     np.testing.assert_allclose(outcome.points["block"][0][:, 0], exact, atol=1e-9)
     kinetic = outcome.energies["kinetic"]
     assert np.abs(outcome.energies["balance"]).max() < 1e-4 * np.ptp(kinetic)
@@ -292,6 +243,7 @@ def test_planar_holds_change_nothing_in_a_plane():
     np.testing.assert_allclose(one.points["tip"][0], two.points["tip"][0], atol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_point_held_along_axes_slides_in_the_others():
     """A rod whose ends are held on the axes x and y: Cardan's ellipse, and the time it takes."""
     scene = double_pendulum()  # another structure beside it, which is no matter

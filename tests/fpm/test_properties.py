@@ -15,7 +15,7 @@ import fpm
 
 INSTANTS = 11
 few = settings(
-    max_examples=8,
+    max_examples=4,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.too_slow],
@@ -50,6 +50,17 @@ def loaded_bar(seed: int, **more) -> fpm.Scene:
     )  # fmt: skip
     scene.add_point("tip", int(bar.particles[-1]))
     return scene
+
+
+# The bar has time loops of its own, one with damping and one without.
+both = pytest.mark.parametrize(
+    "scenes",
+    [
+        lambda seed, start_deg: [linkage(start_deg), linkage(start_deg, "plane")],
+        pytest.param(lambda seed, start_deg: [loaded_bar(seed)], marks=pytest.mark.slow),
+    ],
+    ids=["linkage", "bar"],
+)
 
 
 def run(*scenes: fpm.Scene, steps=400, step=None):
@@ -106,6 +117,7 @@ def test_a_supported_linkage_is_objective(rotation, start_deg):
     compare(first, second, rotation, np.ones(3))
 
 
+@pytest.mark.slow
 @few
 @given(seeds)
 def test_loads_and_weight_are_objective(seed):
@@ -118,12 +130,13 @@ def test_loads_and_weight_are_objective(seed):
 
 @few
 @given(seeds, starts, st.integers(0, 2))
-def test_mirror_images_move_as_mirror_images(seed, start_deg, normal):
+@both
+def test_mirror_images_move_as_mirror_images(scenes, seed, start_deg, normal):
     mirror = np.eye(3)
     mirror[normal, normal] = -1.0
-    for scene in (linkage(start_deg), loaded_bar(seed)):
-        first, second = run(scene, mirrored(scene, normal))
-        compare(first, second, mirror)
+    scene = scenes(seed, start_deg)[0]
+    first, second = run(scene, mirrored(scene, normal))
+    compare(first, second, mirror)
 
 
 @few
@@ -167,9 +180,10 @@ def test_dimensional_analysis_scales_the_curves(length, modulus, density, start_
 
 @few
 @given(seeds, starts)
-def test_time_can_be_reversed(seed, start_deg):
+@both
+def test_time_can_be_reversed(scenes, seed, start_deg):
     """Without damping a run with reversed velocities leads back to the start, moving backwards."""
-    for scene in (linkage(start_deg), linkage(start_deg, "plane"), loaded_bar(seed)):
+    for scene in scenes(seed, start_deg):
         scene.velocity[:, 2] = 0.0
         step = 0.8 * fpm.stable_step(scene).step
         (there,) = run(scene, step=step, steps=200)
@@ -182,6 +196,7 @@ def test_time_can_be_reversed(seed, start_deg):
             assert largest([v + w[::-1]]) < 1e-5
 
 
+@pytest.mark.slow
 def test_damping_has_a_direction_of_time():
     """The test above can fail: damped, the way back does not end at the start."""
     scene = loaded_bar(0, gravity=(0, 0, 0), damping=20.0)
@@ -192,6 +207,7 @@ def test_damping_has_a_direction_of_time():
     assert largest([back.final.position - scene.position]) > 0.1 * went > 1e-4
 
 
+@pytest.mark.slow
 @few
 @given(seeds)
 def test_a_run_can_be_continued(seed):
@@ -206,9 +222,10 @@ def test_a_run_can_be_continued(seed):
 
 @few
 @given(seeds, starts)
-def test_the_order_of_particles_and_elements_does_not_matter(seed, start_deg):
+@both
+def test_the_order_of_particles_and_elements_does_not_matter(scenes, seed, start_deg):
     """Only the order of sums changes, hence rounding."""
     random = np.random.default_rng(seed)
-    for scene in (linkage(start_deg), linkage(start_deg, "plane"), loaded_bar(seed)):
+    for scene in scenes(seed, start_deg):
         first, second = run_each(scene, reordered(scene, random))
         compare(first, second, np.eye(3))

@@ -76,6 +76,7 @@ def test_all_that_is_allowed_is_regular(arm):
     assert allowed == 3 * 4**3  # along each axis: none held, one, the other, or the point
 
 
+@pytest.mark.slow
 def test_held_bodies_that_are_allowed_move_as_they_should():
     """A body that may only slide along x, carried by one that is pushed: both end at one speed."""
     scene = pair(arm=(0.1, 0.0, 0.0))

@@ -125,7 +125,8 @@ def beam(**more) -> tuple[fpm.Scene, fpm.Link]:
     return scene, bar
 
 
-@pytest.mark.parametrize("damping", [pytest.param(0.0, marks=pytest.mark.slow), 30.0])
+@pytest.mark.slow
+@pytest.mark.parametrize("damping", [0.0, 30.0])
 def test_work_of_loads_weight_drive_and_damping_balances(damping):
     scene, bar = beam(gravity=(0, 0, -9.81), damping=damping)
     end = scene.add_particles((1, 0.2, 0), 0.05, (1e-4, 2e-4, 3e-4))
@@ -152,6 +153,7 @@ def test_work_of_loads_weight_drive_and_damping_balances(damping):
     np.testing.assert_allclose(energies["balance"], total - total[0], atol=1e-12 * scale)
 
 
+@pytest.mark.slow
 def test_drive_moves_its_particle_as_told():
     scene, bar = beam()
     scene.add_point("root", int(bar.particles[0]))
@@ -173,6 +175,7 @@ def test_loads_that_turn_with_a_driven_particle_are_refused():
             scene.add_load(root, force=(1.0, 0, 0), moment=moment, arm=arm)
 
 
+@pytest.mark.slow
 def test_held_axes_stay_and_free_ones_move():
     """A bar that may only slide, pulled along by its root and thrown."""
     scene, bar = beam()
@@ -194,6 +197,7 @@ def test_single_precision_runs_sixteen_samples_and_is_less_exact():
     assert 1e-9 < off < 5e-3
 
 
+@pytest.mark.slow
 def test_a_point_beside_a_turning_drive_moves_with_it():
     """A disc that is spun up and pushed: its rim, and its motion at the end, start included."""
     scene, bar = beam()

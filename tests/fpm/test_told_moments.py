@@ -7,7 +7,7 @@ from flaps import FAR, J, flap
 
 import fpm
 
-pytestmark = pytest.mark.slow  # a time loop of its own
+own_loop = pytest.mark.slow  # a time loop of its own
 
 PARTS = ("spring", "latch", "damper", "friction", "stop")
 LOSING = ("latch", "damper", "friction", "stop")
@@ -26,6 +26,7 @@ DEFINITIONS = {
 TIMES = {"duration": 1.0, "instants": 501, "step": 2e-4}
 
 
+@own_loop
 def test_a_spring_has_minus_k_psi_and_the_sum_turns_the_flap():
     _, found, _ = curves(flap(rate=1.0, spring=(3.0, 0.4)), DEFINITIONS, **TIMES)
     np.testing.assert_allclose(found["M spring"], -3.0 * (found["opening"] - 0.4), atol=1e-12)
@@ -39,6 +40,7 @@ def test_a_spring_has_minus_k_psi_and_the_sum_turns_the_flap():
     assert np.abs(found["all"]).max() == 0.0
 
 
+@own_loop
 def test_friction_bears_its_moment_and_loses_it_times_the_way():
     """M is 0.2 N m: 2 rad/s last 3.3 s; the bristle of 1 mrad is a thousandth of the way."""
     scene = flap(rate=2.0, friction={"moment": 0.2})
@@ -50,6 +52,7 @@ def test_friction_bears_its_moment_and_loses_it_times_the_way():
     np.testing.assert_allclose(found["lost friction"], found["account"], atol=1e-5)
 
 
+@own_loop
 def test_a_damper_has_minus_c_times_the_rate():
     """ψ' = exp(-c t/J); the moment's rate is extrapolated, of second order: 1e-6 of c."""
     time, found, _ = curves(flap(rate=1.0, damper=0.1), DEFINITIONS, **TIMES)
@@ -60,6 +63,7 @@ def test_a_damper_has_minus_c_times_the_rate():
     np.testing.assert_allclose(found["lost damper"], found["account"], atol=1e-12)
 
 
+@own_loop
 def test_latch_and_stop_lose_what_the_account_of_all_has():
     """A flap that flies into a latch and, held by it, against a stop: by part and in sum, to 1e-4
     of the energy at first, which edges of springs between two steps leave."""

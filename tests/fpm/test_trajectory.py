@@ -1,10 +1,14 @@
 """Responses and trajectory files."""
 
+from dataclasses import replace
+
 import netCDF4
 import numpy as np
 import pytest
 
 import fpm
+from fpm.asked import VARIABLES
+from fpm.kinds.kind import Recorded
 from fpm.sealed import DamagedError, seal
 
 BENNETT = fpm.scenes.get("bennett")
@@ -84,6 +88,17 @@ def test_velocity_is_the_rate_of_the_position():
         ({"energy": "dark"}, "one of kinetic"),
         ({"speed": "B"}, "exactly one of distance"),
         ("BD", "exactly one of distance"),
+        ({"stress": "link"}, "one of all, link AB, link BC"),
+        ({"stress": "all", "component": "x"}, "stress alone"),
+        ({"clearance": ["link AB", "link AB"]}, "two different bars"),
+        ({"section_force": "link AB", "at": 1.5, "component": "axial"}, "from 0 to 1"),
+        ({"section_force": "link AB", "at": 0.5}, "section_force and at, component"),
+        ({"section_moment": "link AB", "at": 0, "component": "axial"}, "one of torsion, bending_y"),
+        ({"joint_moment": "A", "part": "latch"}, "one of spring, contact, sum"),
+        ({"reaction_moment": "A", "component": "x"}, "this scene has none"),
+        ({"reaction_force": "B", "component": "x"}, "one of A, C"),
+        ({"loss": "friction"}, "one of all, damping, cables"),
+        ({"acceleration": "B", "component": "w"}, "one of x, y, z, norm"),
     ],
 )
 def test_unknown_responses_are_refused(definition, text):
@@ -120,6 +135,60 @@ def test_responses_of_a_file_are_those_of_the_run_to_the_last_bit(outcome, tmp_p
     assert found.astype(float).tobytes() == response.evaluate(outcome).astype(float).tobytes()
 
 
+ASKED = {
+    "stress": {"stress": "all"},
+    "spin": {"angular_velocity": "B", "component": "norm"},
+    "power": {"joint_power": "A", "part": "spring"},
+    "moment": {"joint_moment": "A"},
+    "bending": {"section_moment": "link AB", "at": 0.5, "component": "bending"},
+    "hinge": {"constraint_force": "A", "component": "z"},
+    "loss": {"loss": "all"},
+}
+
+
+def test_columns_that_were_asked_come_back_and_make_up_their_responses(outcome, tmp_path):
+    """With made-up columns: 1, 2, ... in the order of their names."""
+    responses = {n: fpm.responses.parse(n, d, BENNETT) for n, d in ASKED.items()}
+    needs = sorted({need for response in responses.values() for need in response.needs})
+    recorded = dict(outcome.recorded)
+    for name in dict.fromkeys(variable for variable, _ in needs):
+        unit, text, dimension = VARIABLES[name]
+        labels = tuple(label for variable, label in needs if variable == name)
+        values = np.array([[needs.index((name, label)) + 1.0 for label in labels]] * 11)
+        recorded[name] = Recorded(values, unit, text, dimension, labels)
+    asked = replace(outcome, recorded=recorded)
+    fpm.trajectory.write(fpm.trajectory.contents(asked), tmp_path / "run.nc")
+    curves = fpm.trajectory.read_curves(tmp_path / "run.nc")
+    for i, need in enumerate(needs):
+        assert curves.asked[need].tolist() == [i + 1.0] * 11
+    found = {name: response.evaluate(curves) for name, response in responses.items()}
+    column = {need: i + 1.0 for i, need in enumerate(needs)}
+    spring, contact = (column["joint_moment", f"A {part}"] for part in ("spring", "contact"))
+    spins = [column["angular_velocity", f"B {axis}"] for axis in "xyz"]
+    bending = [column["section_moment", f"link AB at 0.5 bending_{axis}"] for axis in "yz"]
+    expected = {
+        "stress": column["stress", "all"],
+        "spin": np.linalg.norm(spins),
+        "power": column["opening_rate", "A"] * spring,
+        "moment": spring + contact,
+        "bending": np.linalg.norm(bending),
+        "hinge": column["constraint_force", "A z"],
+        "loss": 0.0,
+    }
+    for name, value in expected.items():
+        np.testing.assert_allclose(found[name], value, rtol=1e-15, err_msg=name)
+        assert responses[name].evaluate(asked).tolist() == found[name].tolist()
+    back = fpm.trajectory.read(tmp_path / "run.nc")
+    assert back["stress"].units == "Pa" and back["stress"].dims == ("time", "stress_of")
+    assert fpm.trajectory.read_curves(tmp_path / "run.nc").asked.keys() == set(needs)
+
+
+def test_a_run_without_what_a_response_needs_says_so(outcome):
+    response = fpm.responses.parse("stress", ASKED["stress"], BENNETT)
+    with pytest.raises(KeyError, match="stress"):
+        response.evaluate(outcome)
+
+
 def test_curves_of_a_file_have_its_contact_events(tmp_path):
     scene = BENNETT.build(elements_per_link=2)
     outcome = fpm.simulate(scene, duration=0.4, instants=3)[0]  # closes after about 0.33 s
@@ -131,6 +200,7 @@ def test_curves_of_a_file_have_its_contact_events(tmp_path):
     np.testing.assert_array_equal(curves.time, outcome.time)
 
 
+@pytest.mark.slow
 def test_a_scene_without_hinges_or_points_has_curves_too(tmp_path):
     scene = fpm.Scene("bar")
     section, material = fpm.Section.square(0.1), fpm.Material(1e9, 0.3, 1e3)

@@ -95,6 +95,7 @@ def test_the_dataset_says_what_it_holds(pair):
     assert set(motion["contact"].values[shut]) <= set("ABCD")
 
 
+@pytest.mark.slow
 def test_particles_without_any_bar_move_too_as_boxes_of_their_inertia():
     scene = fpm.Scene("thrown")
     for particle in scene.add_particles([[0, 0, 0], [1, 0, 0]], 1.0, 1.0, velocity=(0, 0, 1.0)):
@@ -121,6 +122,7 @@ def test_a_rigid_body_is_the_box_of_its_mass_and_inertia():
     np.testing.assert_allclose([*shapes.length, *2 * shapes.half[0]], edges)
 
 
+@pytest.mark.slow
 def test_a_cantilevers_bending_stress_is_that_of_the_closed_form(bar, settled):
     _, _, section, material = bar
     load = 2.0
@@ -132,12 +134,14 @@ def test_a_cantilevers_bending_stress_is_that_of_the_closed_form(bar, settled):
     assert rest["largest_stress"].values[0] >= rest["stress"].values[0]
 
 
+@pytest.mark.slow
 def test_bending_about_the_other_axis_uses_the_other_half(bar, settled):
     _, _, section, material = bar
     expected = 2.0 * 0.03 / section.Iz / material.E
     assert settled((0, 2.0, 0))["bending_strain"].values[0] == pytest.approx(expected, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_stretched_bars_strain_is_force_over_stiffness(bar, settled):
     _, _, section, material = bar
     rest = settled((500.0, 0, 0))

@@ -62,6 +62,7 @@ def run(scene, duration, instants, step=None):
     return outcome
 
 
+@pytest.mark.slow
 def test_three_rods_on_a_pin_move_as_published():
     """N four-bar of IFToMM's benchmarks, for 10 s; ../shared/references.md."""
     outcome = run(structure("nfourbar").build(), 10.0, 1001, 1e-3)
@@ -94,6 +95,7 @@ def test_elastic_bricard_tends_to_the_rigid_one():
     assert off[1] < 1e-3
 
 
+@pytest.mark.slow
 def test_joints_of_all_types_can_be_said():
     """In the plane of the fall, a spherical or universal joint does what the hinge does.
 
@@ -111,6 +113,7 @@ def test_joints_of_all_types_can_be_said():
     np.testing.assert_allclose(tip("prismatic", "fixed"), stiff, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_body_is_held_at_a_point_of_its_own():
     """Held along x, y, z at one point only, the first arm hangs as from a spherical joint."""
     held = ARM.replace(

@@ -37,6 +37,7 @@ ALL_RULES = {
 }
 
 
+OVERVIEWS = ("campaign/linkage.png", "campaign/linkage.pdf")
 OF_BOUNDS = {"bounds", "envelopes", "sensitivities", "summary", "report"}
 
 
@@ -48,7 +49,7 @@ def planned(output: str) -> set[str]:
 
 def test_a_campaign_leaves_its_results(small):
     results = small.folder / "results" / "small"
-    for name in ("BD.png", "BD.pdf", "vBz.png", "vBz.pdf", "linkage.png", "linkage.pdf"):
+    for name in ("BD.png", "BD.pdf", "vBz.png", "vBz.pdf", *OVERVIEWS):
         assert (results / "figures" / name).stat().st_size > 5000
     summary = json.loads((results / "summary.json").read_text())
     assert [row["name"] for row in summary["responses"]] == ["BD", "vBz"]
@@ -98,7 +99,7 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
             xr.open_dataset(tmp_path / "small" / name) as second,
         ):
             xr.testing.assert_identical(first, second)
-    ends = [path.relative_to(results) for path in results.glob("figures/*")]
+    ends = [path.relative_to(results) for path in results.rglob("figures/**/*.*")]
     assert len(ends) == 8
     for name in ("nodes.json", "summary.json", "summary.md", *ends):
         first, second = (
@@ -277,3 +278,28 @@ def test_a_failing_batch_ends_with_a_message_and_keeps_the_others(workplace):
     assert "all others were written" in done.stdout
     assert 0 < len(list((workplace.folder / "results/small/trajectories").glob("*.nc"))) < 7
     assert not (workplace.folder / "results" / "small" / "bounds.nc").exists()
+
+
+@pytest.mark.slow
+def test_an_accuracy_is_met_alike_in_the_workflow_and_in_one_call(workplace):
+    """In two processes of one thread each, since linear algebra rounds by their number."""
+    path = str(workplace.folder / "config" / "aim.yaml")
+    done = workplace.snakemake("results/aim/summary.json", "--configfile", path)
+    assert done.returncode == 0, done.stdout
+    results, again = workplace.folder / "results" / "aim", workplace.folder / "again" / "aim"
+    assert json.loads((results / "summary.json").read_text())["accuracy"]["met"]
+    command = [sys.executable, "-m", "campaign", "run", path, "--no-figures"]
+    command += ["--results", str(again.parent)]
+    environment = {k: v for k, v in workplace.environment().items() if k != "OMP_NUM_THREADS"}
+    subprocess.run(
+        [*command, "--results", str(again.parent)],
+        check=True,
+        env=environment,
+        cwd=workplace.folder,
+    )
+    for name in ("samples.nc", "bounds.nc", "quantities.nc"):
+        with xr.open_dataset(results / name) as first, xr.open_dataset(again / name) as second:
+            xr.testing.assert_identical(first, second)
+    for name in ("nodes.json", "summary.json", "rounds/1/nodes.json"):
+        first, second = ((folder / name).read_bytes() for folder in (results, again))
+        assert without_moment(first) == without_moment(second), name

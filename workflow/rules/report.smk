@@ -29,11 +29,11 @@ rule sensitivities:
         "{stage}/sensitivities.nc",
     output:
         report(
-            "{stage}/figures/sensitivities.png",
+            "{stage}/figures/campaign/sensitivities.png",
             caption="../report/sensitivities.rst",
             category="Parameters",
         ),
-        "{stage}/figures/sensitivities.pdf",
+        "{stage}/figures/campaign/sensitivities.pdf",
     log:
         "{stage}/logs/sensitivities.log",
     conda:
@@ -53,11 +53,11 @@ rule ranges:
         "{stage}/further.nc",
     output:
         report(
-            "{stage}/figures/ranges.png",
+            "{stage}/figures/campaign/ranges.png",
             caption="../report/ranges.rst",
             category="Parameters",
         ),
-        "{stage}/figures/ranges.pdf",
+        "{stage}/figures/campaign/ranges.pdf",
     log:
         "{stage}/logs/ranges.log",
     conda:
@@ -75,11 +75,11 @@ rule linkage:
         "{stage}/samples.nc",
     output:
         report(
-            "{stage}/figures/linkage.png",
+            "{stage}/figures/campaign/linkage.png",
             caption="../report/linkage.rst",
             category="Structure",
         ),
-        "{stage}/figures/linkage.pdf",
+        "{stage}/figures/campaign/linkage.pdf",
     log:
         "{stage}/logs/linkage.log",
     conda:

@@ -24,4 +24,5 @@ def support(build, it):
         scene.fix(particle, it.translations, it.rotations)
     else:
         scene.hold_point(it.name, particle, it.at.position, it.translations)
+        build.joined.setdefault(particle, []).append(it.name)
         scene.fix(particle, "", it.rotations)

@@ -47,9 +47,15 @@ class SplineModel(Model):
     """One spline through all runs, whatever their design and role.
 
     Its bounds contain every run, and are attained by the spline or a run; they are no enclosure.
-    The error is the largest difference between a run and the spline through all the others, over
-    the runs inside the box and those that `design`, if given, does not contain (there the spline
-    need not extrapolate), plus the largest difference between a run and the spline through all.
+    The error is what a run and the spline through all the others differ by (its left-out error):
+
+    - the largest over the runs inside the box and those that `design`, if given, does not contain
+      (there the spline need not extrapolate), and in several directions over the runs next to
+      where each bound is attained, one more than there are directions;
+    - of runs that were sought where the bounds are decided (`design.method` "sought"), the root
+      mean square over all of them, on a line the mean: any of them may be next to a bound.
+
+    To it comes the largest difference between a run and the spline through all.
     """
 
     kind = "attained range of a spline through all runs"
@@ -66,9 +72,11 @@ class SplineModel(Model):
         if design is not None:
             judged[other_runs(points, design.points[:, self.order])] = True
         self.judged = judged if judged.any() else ~judged
+        self.sought = design is not None and design.method == "sought"
         self.attributes = {
             "design_runs": len(points),
-            "error_kind": "largest difference of a run and the spline through the others",
+            "error_kind": f"{'mean' if self.sought else 'largest'} difference of a run and the "
+            "spline through the others",
             "spline_scales": self.spline.scales[self._back].tolist(),
         }
 
@@ -83,8 +91,29 @@ class SplineModel(Model):
         return replace(found, argmin=argmin, argmax=argmax)
 
     def error(self, found: Range, window: float | None) -> ErrorEstimate:
-        left_out = np.abs(self.spline.left_out[self.judged]).max(axis=0) + self.spline.misfit
+        spline = self.spline
+        free = int((spline.scales > 0).sum())
+        if self.sought:
+            left_out = np.abs(spline.left_out)
+            power = min(max(free, 1), 2)
+            left_out = (left_out**power).mean(axis=0) ** (1 / power)
+        else:
+            left_out = np.abs(spline.left_out[self.judged]).max(axis=0)
+            if free > 1:
+                for at in (found.argmin, found.argmax):
+                    left_out = np.maximum(left_out, self._next_to(at[..., self.order], free + 1))
+        left_out = left_out + spline.misfit
         return error_estimate(self.samples.time, left_out, np.zeros_like(left_out), window)
+
+    def _next_to(self, at: np.ndarray, count: int) -> np.ndarray:
+        """Largest left-out error (n, T) of the `count` runs nearest to unit points at (n, T, k)."""
+        from scipy.spatial import cKDTree
+
+        scales = self.spline.scales
+        tree = cKDTree(self.spline.points * scales)
+        _, near = tree.query(at * scales, k=min(count, len(self.spline.points)))
+        n, instants = np.indices(at.shape[:2])
+        return np.abs(self.spline.left_out[near, n[..., None], instants[..., None]]).max(axis=-1)
 
     def centre(self) -> np.ndarray:
         return self.spline.evaluate(np.zeros((1, self.spline.points.shape[1])))[0]

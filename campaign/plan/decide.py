@@ -1,0 +1,194 @@
+"""What comes next towards an accuracy: more runs, a finer mesh or step, a check, or an end.
+
+Pure logic, without files or runs. Errors are shares of the widths of responses and quantities, by
+part: surrogate, step and mesh.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from campaign.config.sections import Accuracy
+from campaign.plan.plan import Rounds
+from campaign.runs.progress import duration_text
+
+Shares = Mapping[str, Mapping[str, float]]
+
+_FIRST, _LATER = 0.5, 0.75
+"""Share of what is asked for that step and mesh together may take: with the first runs, when a
+finer mesh is cheap, and once there are more."""
+
+_HARDLY = 1.3
+"""Factor by which the error of a mesh must fall for the next one to be worth its cost."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What was spent, `runs` and `seconds` of a core by estimate, and what is at hand: so many
+    `nodes` with so many `elements`, `more` in the next round, `checked` places in a check, a run
+    takes `each` second."""
+
+    runs: int
+    seconds: float
+    nodes: int
+    more: int
+    checked: int
+    each: float
+    elements: int
+
+    def of(self, action: str) -> tuple[int, float]:
+        """Runs and seconds of the next round after an action, with the check that belongs to it."""
+        if action == "runs":
+            return self.more, self.more * self.each
+        if action == "check":
+            return 2 * self.checked, 6 * self.checked * self.each
+        if action == "step":
+            return self.nodes + 2 * self.checked, (2 * self.nodes + 12 * self.checked) * self.each
+        return self.nodes + self.checked, (4 * self.nodes + 16 * self.checked) * self.each
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What to do next, and why: action "stop", "check", "runs", "mesh" or "step"; what to `check`
+    then; met: whether everything is as accurate as asked for."""
+
+    action: str
+    reason: str
+    check: tuple[str, ...] = ()
+    met: bool = False
+
+
+def decide(
+    asked: Accuracy, shares: Shares, state: Rounds, cost: Cost, step_is_free: bool
+) -> Decision:
+    """Decide on the next round.
+
+    1. Where all errors are as small as asked for, stop if this round was checked for step and mesh,
+       else check it.
+    2. Where step and mesh alone take too much of what is asked for, halve the larger of them.
+    3. Else add runs.
+    4. What the budget does not allow, or the config keeps, ends the rounds; the reason names what
+       is not met, and what that would cost.
+    """
+    unmet = {name: parts for name, parts in shares.items() if _whole(parts) > asked.shares[name]}
+    if not unmet:
+        if "step" in state.check:
+            near = max(shares, key=lambda name: _whole(shares[name]) / asked.shares[name])
+            reason = "the whole error is as small as asked for; nearest to that is "
+            return Decision("stop", reason + told(asked, {near: shares[near]}), met=True)
+        reason = "the surrogate's error is small enough; step and mesh are checked where it decides"
+        return Decision("check", reason, ("step", "mesh"))
+    action, worst = _next(asked, unmet, state)
+    reason = f"{told(asked, {worst: shares[worst]})}; "
+    kept = (action == "mesh" and not asked.mesh) or (action == "step" and not step_is_free)
+    if kept:
+        return _end(asked, unmet, f"the config keeps its {action}", state, cost)
+    runs, seconds = cost.of(action)
+    if cost.runs + runs > asked.runs:
+        budget = f"the budget of {asked.runs} runs does not allow more ({cost.runs} are spent)"
+        return _end(asked, unmet, budget, state, cost)
+    if cost.seconds + seconds > 60 * asked.minutes:
+        spent = duration_text(max(1.0, cost.seconds))
+        budget = f"the budget of {asked.minutes:g} minutes does not allow more ({spent} are spent)"
+        return _end(asked, unmet, budget, state, cost)
+    if action == "mesh" and _is_hopeless(asked, worst, unmet[worst], state, cost):
+        why = "a finer mesh does not get there within the budget"
+        return _end(asked, unmet, why, state, cost)
+    if action == "runs":
+        return Decision("runs", f"{reason}{cost.more} runs are added")
+    check = ("mesh",) if action == "mesh" else ("step", "mesh")
+    return Decision(action, f"{reason}the {action} is halved", check)
+
+
+def told(asked: Accuracy, shares: Shares) -> str:
+    """Errors in words: `vBz 7 % of the width (surrogate 1 %, mesh 6 %), asked for 5 %`."""
+    texts = []
+    for name, parts in shares.items():
+        each = ", ".join(f"{part} {_percent(share)}" for part, share in parts.items())
+        texts.append(f"{name} {_percent(_whole(parts))} of the width ({each}), "
+                     f"asked for {_percent(asked.shares[name])}")  # fmt: skip
+    return "; ".join(texts)
+
+
+def _next(asked: Accuracy, unmet: Shares, state: Rounds) -> tuple[str, str]:
+    """The action that the response or quantity farthest from its aim needs, and its name.
+
+    A mesh that is too coarse comes first: all runs are made again with a finer one.
+    """
+    first = all(done.action in ("mesh", "step") for done in state.rounds)
+    limit = _FIRST if first else _LATER
+
+    def discretised(name: str) -> float:
+        return (unmet[name].get("mesh", 0.0) + unmet[name].get("step", 0.0)) / asked.shares[name]
+
+    worst = max(unmet, key=discretised)
+    if discretised(worst) > limit:
+        parts = unmet[worst]
+        return ("mesh" if parts.get("mesh", 0.0) >= parts.get("step", 0.0) else "step"), worst
+    return "runs", max(unmet, key=lambda name: _whole(unmet[name]) / asked.shares[name])
+
+
+def _end(asked: Accuracy, unmet: Shares, why: str, state: Rounds, cost: Cost) -> Decision:
+    if "step" not in state.check:
+        reason = f"{why}; step and mesh are checked where the bounds are decided"
+        return Decision("check", reason, ("step", "mesh"))
+    needs = "; ".join(_needs(asked.shares[name], name, unmet[name], state, cost) for name in unmet)
+    return Decision("stop", f"{why}: {told(asked, unmet)}. {needs}")
+
+
+def _needs(aim: float, name: str, parts: Mapping[str, float], state: Rounds, cost: Cost) -> str:
+    """What it would take to bring one error down to its aim, by how parts fell so far."""
+    others = parts.get("mesh", 0.0) + parts.get("step", 0.0)
+    nodes, seconds, texts = cost.nodes, cost.each, []
+    if others > _LATER * aim:
+        fall = _fall(name, parts.get("mesh", 0.0), state, cost) or 2.0
+        if fall < _HARDLY:
+            return f"{name} has an error of the mesh that hardly falls with a finer one"
+        halvings = _halvings(others, aim, fall)
+        seconds *= 4**halvings
+        texts.append(f"a mesh {2**halvings} times as fine")
+    left = max(aim - min(others, aim / 2), 0.1 * aim)
+    if parts["surrogate"] > left:
+        nodes = math.ceil(nodes * min(parts["surrogate"] / left, 100.0))
+        texts.append(f"some {nodes} runs")
+    time = duration_text(max(1.0, (nodes + 4 * cost.checked) * seconds))
+    return f"{name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"
+
+
+def _is_hopeless(
+    asked: Accuracy, name: str, parts: Mapping[str, float], state: Rounds, cost: Cost
+) -> bool:
+    """Whether the mesh that is needed, by how its error fell last, takes more than the budget."""
+    fall = _fall(name, parts.get("mesh", 0.0), state, cost)
+    if fall is None:  # the first mesh tells nothing
+        return False
+    if fall < _HARDLY:
+        return True
+    others = parts.get("mesh", 0.0) + parts.get("step", 0.0)
+    halvings = _halvings(others, asked.shares[name], fall)
+    factor = sum(4.0**i for i in range(1, halvings + 1))
+    seconds = (cost.nodes + 4 * cost.checked) * cost.each * factor
+    return cost.seconds + seconds > 60 * asked.minutes
+
+
+def _halvings(error: float, aim: float, fall: float) -> int:
+    """How often a mesh must be halved for its error to take half of the aim."""
+    return max(1, math.ceil(math.log(2 * error / aim) / math.log(fall)))
+
+
+def _fall(name: str, now: float, state: Rounds, cost: Cost) -> float | None:
+    """The factor by which the error of the mesh, now that, fell when it was last halved, at most 8;
+    None where it was not."""
+    meshes = {done.elements: done.shares.get(name, {}).get("mesh", 0.0) for done in state.rounds}
+    coarser = [share for elements, share in sorted(meshes.items()) if elements < cost.elements]
+    return min(coarser[-1] / now, 8.0) if coarser and now > 0 else None
+
+
+def _whole(parts: Mapping[str, float]) -> float:
+    return sum(parts.values())
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %"

@@ -1,0 +1,182 @@
+"""`accuracy`: what a config with it means, what is decided after each round, and that it is met."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import campaign
+from campaign.config.check import check_config
+from campaign.config.sections import Accuracy
+from campaign.errors import ConfigError
+from campaign.folder import Folder
+from campaign.plan.decide import Cost, decide
+from campaign.plan.plan import Round, Rounds
+
+
+@pytest.fixture
+def asked(raw):
+    """A config that asks for an accuracy, and for nothing that it chooses."""
+    del raw["design"], raw["held_out"]
+    raw["scene"] = {"name": "bennett"}
+    return raw | {"accuracy": 0.1}
+
+
+def test_a_number_is_the_share_of_everything(asked):
+    asked["quantities"] = {"top": {"largest": "BD"}}
+    found = check_config(asked)
+    assert found.experiment.accuracy.shares == {"BD": 0.1, "vBz": 0.1, "top": 0.1}
+    assert found.experiment.scene.parameters == {"elements_per_link": 6}
+    assert found.is_adaptive
+    assert (found.bounds.model, found.verify.finer) == ("spline", True)
+    asked["accuracy"] = {"share": 0.2, "of": {"top": 0.01}, "runs": 50}
+    found = check_config(asked).experiment.accuracy
+    assert found == Accuracy({"BD": 0.2, "vBz": 0.2, "top": 0.01}, 50, 60.0, "elements_per_link")
+
+
+def test_a_mesh_of_the_config_is_kept(asked):
+    asked["scene"] = {"name": "bennett", "parameters": {"elements_per_link": 5}}
+    found = check_config(asked).experiment
+    assert found.scene.parameters == {"elements_per_link": 5}
+    assert found.accuracy.mesh == ""
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"design": {"method": "scan"}}, "design: not allowed beside accuracy"),
+        ({"preset": "draft"}, "preset: not allowed beside accuracy"),
+        ({"accuracy": 2}, "accuracy: 2 is not allowed"),
+        ({"accuracy": {"of": {"BX": 0.1}}}, "accuracy.of.BX: there is no such"),
+        ({"accuracy": {"runs": 0}}, "accuracy.runs: 0 is not allowed"),
+        ({"accuracy": {"tolerance": 0.1}}, "accuracy.tolerance: there is no such key"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(asked, change, told):
+    with pytest.raises(ConfigError, match=told):
+        check_config({**asked, **change})
+
+
+COST = Cost(runs=24, seconds=1.0, nodes=16, more=8, checked=8, each=0.01, elements=6)
+AIM = Accuracy({"x": 0.1}, 1000, 60.0, "n")
+
+
+def decided(parts, *rounds, check=("mesh",), aim=AIM, cost=COST):
+    state = Rounds(rounds, (), check=check)
+    return decide(aim, {"x": parts}, state, cost, step_is_free=True)
+
+
+def done(action, elements=6, **parts):
+    return Round((), (), 16, 0.0, action, "", {"x": parts}, elements)
+
+
+def test_an_error_that_is_small_enough_is_checked_before_it_is_believed():
+    good = {"surrogate": 0.03, "mesh": 0.04}
+    assert decided(good).action == "check"
+    found = decided({**good, "step": 0.01}, done("check"), check=("step", "mesh"))
+    assert (found.action, found.met) == ("stop", True)
+    assert "x 8 % of the width (surrogate 3 %, mesh 4 %, step 1 %), asked for 10 %" in found.reason
+
+
+def test_the_part_that_is_too_large_decides_what_comes_next():
+    assert decided({"surrogate": 0.2, "mesh": 0.04}).action == "runs"
+    assert decided({"surrogate": 0.2, "mesh": 0.06}).action == "mesh"
+    # With more runs, a finer mesh would make all of them again.
+    late = [done("runs", surrogate=0.2, mesh=0.06)]
+    assert decided({"surrogate": 0.06, "mesh": 0.06}, *late).action == "runs"
+    assert decided({"surrogate": 0.06, "mesh": 0.08}, *late).action == "mesh"
+    assert decided({"surrogate": 0.01, "mesh": 0.03, "step": 0.09}, *late).action == "step"
+
+
+@pytest.mark.parametrize(
+    ("parts", "aim", "told"),
+    [
+        ({"surrogate": 0.3, "mesh": 0.01}, Accuracy({"x": 0.1}, 30, 60.0, "n"), "30 runs"),
+        ({"surrogate": 0.3, "mesh": 0.01}, Accuracy({"x": 0.1}, 99, 0.017, "n"), "0.017 minutes"),
+        ({"surrogate": 0.01, "mesh": 0.3}, Accuracy({"x": 0.1}, 99, 60.0, ""), "keeps its mesh"),
+    ],
+)
+def test_what_cannot_be_met_is_told_with_what_it_would_cost(parts, aim, told):
+    found = decided({**parts, "step": 0.0}, aim=aim, check=("step", "mesh"))
+    assert (found.action, found.met) == ("stop", False)
+    assert told in found.reason
+    assert "x would take" in found.reason
+    assert "of a core" in found.reason
+
+
+def test_a_mesh_that_hardly_helps_is_refined_no_further():
+    coarse = done("mesh", 6, surrogate=0.01, mesh=0.31, step=0.0)
+    finer = Cost(**{**vars(COST), "elements": 12})
+    parts = {"surrogate": 0.01, "step": 0.0}
+    assert decided({**parts, "mesh": 0.15}, coarse, cost=finer).action == "mesh"
+    found = decided({**parts, "mesh": 0.29}, coarse, cost=finer, check=("step", "mesh"))
+    assert found.action == "stop"
+    assert "hardly falls with a finer one" in found.reason
+
+
+OPENING = {
+    "campaign": "asked",
+    "scene": {"name": "bennett"},
+    "solver": {"duration": 0.1, "instants": 101},
+    "intervals": {"a": {"nominal": 0.035, "relative": 0.3}},
+    "responses": {"BD": {"distance": ["B", "D"]}},
+    "quantities": {"last": {"final": "BD"}},
+    "accuracy": {"share": 0.003, "of": {"last": 0.005}, "minutes": 3},
+}
+
+
+@pytest.fixture(scope="module")
+def met(tmp_path_factory):
+    results = tmp_path_factory.mktemp("asked")
+    campaign.run(OPENING, results, figures=False, tell=lambda text: None)
+    return Folder(results / "asked")
+
+
+def test_rounds_refine_what_is_too_coarse(met):
+    summary = json.loads((met / "summary.json").read_text())
+    rounds = summary["adaptive"]["rounds"]
+    assert {"runs", "check", "stop"} <= {row["action"] for row in rounds}
+    assert [row["runs"] for row in rounds] == sorted(row["runs"] for row in rounds)
+    assert summary["accuracy"]["met"]
+    for row in (*summary["responses"], *summary["quantities"]):
+        errors = row["errors"]
+        assert errors["share"] <= errors["asked"]
+        assert errors["whole"] == pytest.approx(
+            sum(errors[n] for n in ("surrogate", "step", "mesh"))
+        )
+    text = (met / "summary.md").read_text()
+    assert "The accuracy that was asked for is met" in text
+    assert "asked for |" in text
+
+
+def test_the_true_error_is_what_was_asked_for(met, tmp_path):
+    """Against a scan on a mesh twice as fine as the one that was chosen, with half its step."""
+    elements = json.loads((met / "summary.json").read_text())["accuracy"]["mesh"]
+    raw = {key: value for key, value in OPENING.items() if key not in ("accuracy", "quantities")}
+    scene = {"name": "bennett", "parameters": {k: 2 * v for k, v in elements.items()}}
+    raw |= {"scene": scene, "design": {"method": "scan", "samples": 17}, "campaign": "scan"}
+    scan = campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    with xr.open_dataset(met.bounds) as bounds:
+        off = np.maximum(abs(bounds["lower"] - scan["lower"]), abs(bounds["upper"] - scan["upper"]))
+        width = (scan["upper"] - scan["lower"]).mean("time")
+        assert (off.mean("time") <= 0.003 * width).all()
+        assert (bounds["error"].mean("time") >= off.mean("time")).all()
+
+
+@pytest.mark.slow
+def test_a_campaign_that_was_stopped_goes_on_to_the_same_end(met, tmp_path):
+    """Without its last rounds, as a killed one is."""
+    shutil.copytree(met.path, tmp_path / "asked")
+    folder = Folder(tmp_path / "asked")
+    for name in ("bounds.nc", "summary.json", "nodes.json", "samples.nc"):
+        (folder / name).unlink()
+    shutil.rmtree(folder.round(1).path)
+    told: list[str] = []
+    campaign.run(OPENING, tmp_path, figures=False, tell=told.append)
+    with xr.open_dataset(met.bounds) as before, xr.open_dataset(folder.bounds) as after:
+        for name in ("lower", "upper", "error", "error_mesh", "error_step"):
+            np.testing.assert_array_equal(before[name], after[name])

@@ -1,0 +1,49 @@
+"""The study of scaling tells growth that is too fast, and joints that gape."""
+
+from dataclasses import replace
+
+import pytest
+
+from evidence.scaling import joints, masts
+from evidence.scaling.study import Measured, growth, joint_rows, mast_rows, report
+
+LINEAR = [
+    masts.Size(n, 8 * max(n, 6), n, 1e-5, 8000, 1e-6 * max(n, 6), 0.1, 1e-8, 1e-16, 0.0)
+    for n in (0, 1, 10, 20, 50, 100)
+]
+
+
+def failed(rows) -> list[str]:
+    return [row.name for row in rows if row.failed]
+
+
+def test_the_exponent_of_the_cost_is_found():
+    square = [replace(size, cost=size.units**2 * 1e-6) for size in LINEAR]
+    assert growth(LINEAR) == pytest.approx(1)
+    assert growth(square) == pytest.approx(2)
+    assert failed(mast_rows(LINEAR)) == []
+    assert failed(mast_rows(square)) == ["exponent of the cost of a step, 10 to 100 units"]
+
+
+@pytest.mark.parametrize(("what", "value"), [("balance", 1e-3), ("gap", 1e-9), ("tilt", 1e-6)])
+def test_masts_that_are_worse_than_they_may_be_fail(what, value):
+    worse = [*LINEAR[:-1], replace(LINEAR[-1], **{what: value})]
+    assert failed(mast_rows(worse)) == [f"largest {what} of a mast"]
+
+
+def test_what_is_told_has_every_size_and_case():
+    found = report({"sizes": Measured(LINEAR, {"alone": 1e-7, "chain": 5e-7})})
+    assert failed(found.rows) == ["chain, over hinges alone"]
+    assert "the linkage" in found.text and "| 100 |" in found.text
+    assert list(found.figures) == ["cost"]
+
+
+def test_pairs_are_solved_alone_or_together_as_asked():
+    from fpm.kinds.hinge import Hinge
+    from fpm.kinds.joint import Joint
+
+    alone, coupled, chain = joints.pairs(False), joints.pairs(True), joints.chain(5)
+    assert [len(kind.of(alone)) for kind in (Hinge, Joint)] == [joints.PAIRS, 0]
+    assert [len(kind.of(coupled)) for kind in (Hinge, Joint)] == [0, joints.PAIRS]
+    assert [len(kind.of(chain)) for kind in (Hinge, Joint)] == [0, 4]
+    assert joint_rows({"alone": 1.0, "other": 2.0})[1].passed

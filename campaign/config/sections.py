@@ -234,7 +234,7 @@ class Jobs:
     `minutes` other than 0, a job's size is a time (min) instead, by `run_seconds` of a core for a
     run, or by an estimate where that is 0; how many processes a job has."""
 
-    nodes_per_job: int
+    nodes_per_job: int | str
     group: int
     keep: str
     minutes: float = 0.0

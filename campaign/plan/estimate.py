@@ -12,6 +12,7 @@ from campaign.config.sections import Campaign, Experiment
 from campaign.folder import Folder
 from campaign.plan.make import choose_step
 from campaign.plan.plan import TimeStep
+from campaign.runs.extremes import LARGE, MOST
 from campaign.runs.progress import duration_text
 
 ELEMENT_STEP = 10e-9
@@ -26,6 +27,8 @@ STARTING = 4.0
 
 _OTHER_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
 _BOUNDS_CURVES = 12  # of a response in bounds, surrogate and sensitivities, compressed
+_SHARE_CURVES = 4  # of a response in the file of a share of a scan
+_EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
 
 
 @dataclass(frozen=True)
@@ -51,9 +54,23 @@ def estimate(campaign: Campaign) -> Estimate:
     seconds = whole * run_seconds(experiment, choose_step(experiment)) / cores() + STARTING
     if experiment.is_sought:  # meshes and steps become finer
         seconds = 60 * experiment.accuracy.minutes / cores() + STARTING
-    responses = len(experiment.responses)
-    gathered = runs * _kept(campaign) + 8 * _BOUNDS_CURVES * responses
-    return Estimate(runs, seconds, float(solver.instants * gathered))
+    curves = _BOUNDS_CURVES * len(experiment.responses)
+    if campaign.jobs.keep == "extremes":
+        curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)
+    size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
+    return Estimate(runs, seconds, float(size))
+
+
+def bytes_of_run(campaign: Campaign) -> float:
+    """Bytes that a run takes on disk, about, in its own file and in samples.nc."""
+    experiment = campaign.experiment
+    instants, responses = experiment.solver.instants, len(experiment.responses)
+    if campaign.jobs.keep == "extremes":
+        numbers = 2 * len(experiment.quantities) + 2 * len(experiment.intervals)
+        return 8.0 * numbers + 2 * _EVENTS_BYTES
+    if campaign.jobs.keep == "responses":
+        return 8.0 * instants * responses
+    return 8.0 * instants * (recorded(experiment) + responses)
 
 
 def found(campaign: Campaign, folder: Folder) -> str:
@@ -68,7 +85,7 @@ def found(campaign: Campaign, folder: Folder) -> str:
         return ""
     plan = make_plan(campaign.experiment)
     store = open_store(keep, folder.runs(keep), campaign.experiment)
-    groups = plan.groups(1, campaign.jobs.group)[0]
+    groups = store.groups(plan.unique_runs(), campaign.jobs.group)
     missing = sum(len(store.missing(group)) for group in groups)
     total, lacking = sum(map(len, groups)), len(store.lacking)
     if missing - lacking == total:
@@ -95,14 +112,6 @@ def recorded(experiment: Experiment) -> int:
     """Curves of a trajectory, but for the responses."""
     scene = _nominal_scene(experiment)
     return 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + len(experiment.asked)
-
-
-def _kept(campaign: Campaign) -> int:
-    """Bytes on disk of an instant of a run: its own, and those in samples.nc."""
-    responses = len(campaign.experiment.responses)
-    if campaign.jobs.keep == "trajectories":
-        return 8 * (recorded(campaign.experiment) + responses)
-    return 4 * responses + 4 * responses
 
 
 def _nominal_scene(experiment: Experiment) -> Any:

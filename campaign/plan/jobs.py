@@ -16,13 +16,8 @@ PROGRAM, PROCESS = 600.0, 150.0
 
 
 def runs_in_job(campaign: Campaign) -> int:
-    """Most runs in a job: as many as the config says, or as fill the time that it says.
-
-    Whole groups of runs, one at least for each process.
-    """
+    """Most runs in a job that takes `jobs.minutes`: whole groups, one at least for each process."""
     jobs = campaign.jobs
-    if not jobs.minutes:
-        return jobs.nodes_per_job
     fitting = 60.0 * jobs.minutes * jobs.processes / seconds_of_run(campaign)
     return max(1, jobs.processes, int(fitting / jobs.group)) * jobs.group
 

@@ -147,11 +147,10 @@ def _largest(response: Response) -> str:
 
 def facts(data: PageData) -> str:
     """What the campaign was, in one line."""
-    runs = len({run.id for run in data.runs})
     duration = quantity(float(data.time[-1] - data.time[0]), "s")
     count = len(data.parameters)
     parameters = "one interval parameter" if count == 1 else f"{count} interval parameters"
-    return f"Scene {data.scene}, {duration} of motion, {parameters}, {runs} runs."
+    return f"Scene {data.scene}, {duration} of motion, {parameters}, {data.run_count} runs."
 
 
 def verdict(data: PageData, response: Response) -> Verdict:

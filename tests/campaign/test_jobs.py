@@ -15,7 +15,7 @@ from campaign.errors import CampaignError
 from campaign.plan.jobs import job_megabytes, job_minutes, runs_in_job
 from campaign.runs.bundle import pack, unpack
 from campaign.runs.processes import spread
-from campaign.stages import batch_count
+from campaign.stages import CORES, batch_count
 
 RAW = {
     "campaign": "sized",
@@ -32,8 +32,13 @@ def sized(**jobs):
 
 
 def test_without_minutes_a_job_has_the_runs_that_the_config_says():
-    assert runs_in_job(sized(nodes_per_job=77)) == 77
     assert batch_count(sized(nodes_per_job=77), 1001) == 13
+
+
+def test_a_job_elsewhere_finds_as_many_batches(monkeypatch):
+    monkeypatch.setenv(CORES, "20")
+    monkeypatch.setattr(os, "cpu_count", lambda: 64)
+    assert batch_count(sized(), 512 * 40) == 20
 
 
 def test_a_job_of_minutes_has_whole_groups_that_take_so_long():
@@ -44,8 +49,8 @@ def test_a_job_of_minutes_has_whole_groups_that_take_so_long():
     assert batch_count(sized(**asked), 1793) == 3
     # Not less than a group for each process.
     assert runs_in_job(sized(minutes=0.001, run_seconds=9, group=8, processes=3)) == 24
-    # The estimate: 1000 steps of 8 elements at 10 ns are 80 us.
-    assert runs_in_job(sized(minutes=0.1, group=1)) == pytest.approx(6 / 80e-6, rel=0.2)
+    # The estimate: 1000 steps of 16 elements at 10 ns are 160 us.
+    assert runs_in_job(sized(minutes=0.1, group=1)) == pytest.approx(6 / 160e-6, rel=0.2)
 
 
 def test_a_job_asks_for_more_the_more_it_has():

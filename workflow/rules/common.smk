@@ -15,6 +15,7 @@ os.environ.update(
     PYTHONPATH=os.pathsep.join(filter(None, [*PACKAGES, os.environ.get("PYTHONPATH")])),
 )
 
+from campaign import stages
 from campaign.errors import CampaignError
 from campaign.folder import ROUND_FILES
 from campaign.workflow import Workflow
@@ -25,6 +26,7 @@ if "{" in str(ROOT) or "}" in str(ROOT):
     ENVIRONMENT = str(ROOT / "workflow" / "envs" / "campaign.yaml")
     ENVIRONMENT = ENVIRONMENT.replace("{", "{{").replace("}", "}}")
 
+os.environ.setdefault(stages.CORES, str(os.cpu_count() or 1))
 IS_MODULE = workflow.modifier.namespace is not None
 # Whether jobs get the files that rules declare, and no others.
 IS_APART = workflow.storage_settings.default_storage_provider is not None

@@ -261,12 +261,13 @@ _FILES = (
 """How files are read and written, and what is in plans and configs: of all stages."""
 _DESIGN = (
     "campaign/config/design.py",
+    "campaign/config/accuracy.py",
     "intervals/box.py",
     "intervals/chebyshev.py",
     "intervals/points.py",
     "intervals/designs/*.py",
 )
-_BOUNDS = ("campaign/results/bounds.py", _DESIGN[0], "intervals/**/*.py", *_FILES)
+_BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py", *_FILES)
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
 _WORDS = (
     "campaign/results/answers.py", "campaign/results/budget.py",
@@ -291,7 +292,7 @@ STAGES = {
     stage.name: stage
     for stage in (
         Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN, *_FILES)),
-        Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:])),
+        Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:], *_RUNS)),
         Stage(simulate, ("jobs",), _RUNS, (_PLAN,)),
         Stage(gather, ("jobs",), ("campaign/results/samples.py", *_RUNS), (_PLAN,)),
         Stage(bounds, ("bounds", "verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),

@@ -5,6 +5,7 @@
     python -m campaign structure mast.yaml        check a structure, print what it is, draw it
     python -m campaign report results/paper       make the page again
     python -m campaign export results/paper --to glb    a run for ParaView, viewers, spreadsheets
+    python -m campaign attack --minutes 60        try to make it publish something wrong
 
 `deployable-intervals` is the same command, where the package is installed.
 
@@ -20,6 +21,8 @@ import sys
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 from campaign.errors import CampaignError, ConfigError, of_files
@@ -33,6 +36,8 @@ def main(arguments: list[str]) -> int:
     """Do what the arguments ask for; the exit status, 0 when all went well."""
     from campaign.stages import STAGES
 
+    if arguments[:1] == ["attack"] and _evidence_is_there():
+        return _attack(arguments[1:])
     known = {"check", "run", "keys", "structure", "export", *STAGES}
     if not arguments or not (arguments[0] in known or arguments[0].startswith("-")):
         arguments = ["check", *arguments]
@@ -86,7 +91,19 @@ def _parser() -> argparse.ArgumentParser:
             one.add_argument("--batch", type=int, default=0, help="number of the batch, from 0")
             one.add_argument("--batches", type=int, default=1, help="number of batches")
         one.add_argument("--log", type=Path, help="file that messages go to as well")
+    if _evidence_is_there():
+        command("attack", _attack)  # its words never come here
     return parser
+
+
+def _evidence_is_there() -> bool:
+    """Whether there is what judges the program, on which nothing else depends."""
+    return find_spec("evidence") is not None
+
+
+def _attack(arguments: list[str]) -> int:
+    """Attack the program with damaged files, kills, full disks and wrong configs, for a time."""
+    return import_module("evidence.attack.attack").main(arguments)
 
 
 def _version() -> str:
@@ -99,7 +116,7 @@ def _version() -> str:
 
 
 def _add_export(export: argparse.ArgumentParser) -> None:
-    from campaign.export import KINDS
+    from campaign.export import COLOURS, KINDS
 
     export.add_argument(
         "what", metavar="RUN",
@@ -114,6 +131,9 @@ def _add_export(export: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     export.add_argument("--duration", type=float, help="s, of a config's or structure's run")
     export.add_argument("--frames", type=int, help="number of frames, evenly spread")
+    export.add_argument(
+        "--colour", default="bars", choices=COLOURS, help="of moving pictures (%(default)s)"
+    )
     export.add_argument("--output", type=Path, help="folder (exports, beside a campaign's results)")
 
 
@@ -210,7 +230,7 @@ def _export(options: argparse.Namespace) -> int:
         chosen = choose(options.what, options.run, settings, options.duration)
         if chosen.folder and not options.output:
             place = chosen.folder / "exports"
-        paths = export(chosen, options.to, place, options.frames)
+        paths = export(chosen, options.to, place, options.frames, options.colour)
     except (CampaignError, fpm.SceneError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1

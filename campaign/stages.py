@@ -7,6 +7,7 @@ the workflow. Imports stay inside, so that a stage loads what it needs and no mo
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -72,9 +73,11 @@ def simulate(
 def gather(folder: Folder, tell: Tell, jobs: Any) -> None:
     """Gather the responses of all runs into samples.nc."""
     from campaign.plan.plan import read_plan
+    from campaign.results.kept_extremes import gather as gather_extremes
     from campaign.results.samples import gather
 
-    gather(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples, tell)
+    collect = gather_extremes if jobs.keep == "extremes" else gather
+    collect(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples, tell)
 
 
 def bounds(
@@ -161,14 +164,15 @@ def sensitivities(folder: Folder, tell: Tell) -> None:
 def linkage(folder: Folder, tell: Tell, figures: Any) -> None:
     """Draw the structure at some moments of the nominal run."""
     from campaign.plan.plan import read_plan
+    from campaign.plan.runs import ROLES
     from campaign.results.linkage import draw_nominal
     from campaign.runs.batch import make_again
     from campaign.runs.store import open_store
 
-    made, store = read_plan(folder.plan), folder.runs("trajectories")
-    nominal = [run for run in made.runs if run.role == "nominal"]
-    make_again(made, open_store("trajectories", store, made.experiment), nominal, tell)
-    draw_nominal(folder.samples, folder.runs("trajectories"), figures.moments, folder.overviews)
+    made, kept = read_plan(folder.plan), folder.runs("trajectories")
+    store = open_store("trajectories", kept, made.experiment)
+    make_again(made, store, made.runs[made.runs.role == ROLES.index("nominal")], 1, tell)
+    draw_nominal(folder.samples, kept, figures.moments, folder.overviews)
 
 
 def summary(
@@ -274,23 +278,28 @@ _DESIGN = (
     "intervals/points.py",
     "intervals/designs/*.py",
 )
-_BOUNDS = ("campaign/results/bounds.py", *_DESIGN[:2], "intervals/**/*.py", *_FILES)
+_WHICH = ("campaign/results/which.py", "campaign/plan/runs.py")
+_BOUNDS = ("campaign/results/bounds.py", *_WHICH, *_DESIGN[:2], "intervals/**/*.py", *_FILES)
 _PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
 _WORDS = (
     "campaign/results/answers.py", "campaign/results/budget.py",
-    "campaign/results/decisions.py", "campaign/results/words.py",
+    "campaign/results/decisions.py", "campaign/results/scan_words.py",
+    "campaign/results/words.py", *_WHICH,
 )  # fmt: skip
 _SUMMARY = ("campaign/results/summary.py", "campaign/results/units.py", *_WORDS, *_FILES)
 _PLOT = ("campaign/results/figures.py", "campaign/folder.py", *_SUMMARY)
 _RUNS = (
     "campaign/runs/*.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py",
     "fpm/asked.py", "fpm/asked_responses.py", "fpm/quantities.py", "fpm/quantity_definitions.py",
-    *_FILES,
+    "campaign/plan/runs.py", "intervals/running.py", *_FILES,
 )  # fmt: skip
 _ANSWERS = (
     "campaign/answers/*.py", "campaign/config/answers.py", "campaign/config/schema_checks.py",
     "campaign/plan/make.py",
     *_BOUNDS, *_RUNS,
+)  # fmt: skip
+_GATHERED = (
+    "campaign/results/samples.py", "campaign/results/kept_extremes.py", "intervals/samples.py",
 )  # fmt: skip
 _PLAN, _SAMPLES, _BOX = "nodes.json", "samples.nc", "bounds.nc"
 
@@ -301,7 +310,7 @@ STAGES = {
         Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN, *_FILES)),
         Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:], *_RUNS)),
         Stage(simulate, ("jobs",), _RUNS, (_PLAN,)),
-        Stage(gather, ("jobs",), ("campaign/results/samples.py", *_RUNS), (_PLAN,)),
+        Stage(gather, ("jobs",), (*_GATHERED, *_RUNS), (_PLAN,)),
         Stage(bounds, ("bounds", "verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
         Stage(quantities, ("verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
         Stage(
@@ -316,7 +325,7 @@ STAGES = {
         Stage(
             ranges,
             (),
-            ("campaign/results/ranges.py", "intervals/**/*.py", *_PLOT),
+            ("campaign/results/ranges.py", *_WHICH, "intervals/**/*.py", *_PLOT),
             (_SAMPLES, "quantities.nc", "further.nc"),
         ),
         Stage(alternatives, (), ("campaign/results/alternatives.py", *_PLOT), ("choice.json",)),
@@ -351,7 +360,10 @@ STAGES = {
 
 def batch_count(jobs: Any, runs: int) -> int:
     """Number of batches that runs are shared among."""
-    return -(-runs // jobs.nodes_per_job)
+    if jobs.nodes_per_job != "auto":
+        return -(-runs // jobs.nodes_per_job)
+    several = max(8, os.cpu_count() or 1)
+    return min(-(-runs // 512), max(several, min(-(-runs // 4096), 64)))
 
 
 def answers(campaign: Campaign) -> list[str]:

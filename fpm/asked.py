@@ -1,7 +1,7 @@
 """What of a run is recorded only when it is asked: names, units and words of its variables.
 
 Each variable has columns along a dimension of its own; a column's label says of what it is (a
-point and an axis, a bar, ...). Who asks names columns, as (variable, label). `fpm.recording` finds
+point and an axis, a bar, ...). Who asks names columns, as (variable, label). `fpm.columns` finds
 them in a run.
 """
 

@@ -135,14 +135,15 @@ class Scene:
         n = len(position)
         mass = np.broadcast_to(np.asarray(mass, float), n)
         inertia = np.broadcast_to(np.asarray(inertia, float), (n, 3))
-        frame = np.broadcast_to(np.eye(3) if frame is None else frame, (n, 3, 3))
+        frame = np.asarray(np.eye(3) if frame is None else frame, float)
         if not (np.all(mass > 0) and np.all(inertia > 0)):
             raise SceneError(
                 "mass, inertia", (mass.min(), inertia.min()), "positive values for every particle"
             )
-        identity = np.einsum("nij,nik->njk", frame, frame)
+        identity = np.swapaxes(frame, -1, -2) @ frame
         if np.abs(identity - np.eye(3)).max() > 1e-9 or np.any(np.linalg.det(frame) < 0):
             raise SceneError("frame", "(not a rotation)", "right-handed orthonormal axes")
+        frame = np.broadcast_to(frame, (n, 3, 3))
         first = len(self.position)
         self.position = np.concatenate([self.position, position])
         self.mass = np.concatenate([self.mass, mass])

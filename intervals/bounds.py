@@ -36,7 +36,8 @@ def bounds_dataset(
         Dimensions run, response, time, parameter; variables ``values`` (run, response, time),
         ``unit`` and ``value`` (run, parameter), ``role`` (run); coordinates ``time`` (s) and
         ``response`` (names), and ``response_units``, ``response_long_name`` (response) to be
-        taken over.
+        taken over. Running bounds may stand in the place of values, for the model "scan"
+        (see `read_samples`).
     design
         Its points must be among the runs (recognised by their unit coordinates, in any order). All
         other runs, whatever their role, test the polynomial. A scan without order has none: its
@@ -99,8 +100,8 @@ def bounds_dataset(
 def _curves(samples: Samples, model: Model, found: Range, error: ErrorEstimate) -> dict:
     """The variables over response and time, and where in the box the bounds are taken."""
     centre, label = model.centre(), "model at the centre of the box"
-    if samples.nominal is not None:
-        centre, label = samples.read(slice(samples.nominal, samples.nominal + 1))[0], "nominal run"
+    if (nominal := samples.nominal_curve()) is not None:
+        centre, label = nominal, "nominal run"
     curves = [
         ("lower", found.lower, "lower bound"),
         ("upper", found.upper, "upper bound"),

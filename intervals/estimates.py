@@ -23,6 +23,27 @@ from .surrogate import Surrogate
 WINDOW = 0.01  # share of the duration
 
 
+def share_outside(runs: int, confidence: float | None = None) -> float:
+    """Share of the box on which the model leaves the least and the largest value of so many runs,
+    at one instant, if these were drawn from the box at random: on average, or at most with a
+    confidence.
+
+    By order statistics, whatever the model (Wilks 1941): the share between the extremes of N draws
+    has the density N (N - 1) s^(N - 2) (1 - s), so that the mean share outside is 2 / (N + 1), and
+    P(outside > s) = (1 - s)^N + N s (1 - s)^(N - 1).
+    """
+    if runs < 2:
+        return 1.0
+    if confidence is None:
+        return 2.0 / (runs + 1)
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        left = (1 - middle) ** (runs - 1) * (1 - middle + runs * middle)
+        low, high = (middle, high) if left > 1 - confidence else (low, middle)
+    return high
+
+
 @dataclass(frozen=True)
 class ErrorEstimate:
     """Estimates of max |f - s| over the box at each instant, (..., T); use `total`.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .errors import IntervalError
+from .running import Running
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +28,13 @@ _COORDINATES = (
     "box_upper",
     "box_nominal",
 )
+
+_RUNNING = ("lower", "upper", "lower_run", "upper_run")
+
+
+def quarter_ends(runs: int) -> list[int]:
+    """Where the quarters of so many runs begin and end."""
+    return [-(-runs * quarter // 4) for quarter in range(5)]
 
 
 @dataclass(frozen=True)
@@ -54,7 +62,9 @@ class Samples:
 
     @cached_property
     def values(self) -> np.ndarray:
-        """Responses (R, n, T), read at first use. IntervalError unless all are finite."""
+        """Responses (R, n, T), read at first use. IntervalError unless all are there and finite."""
+        if "values" not in self.source:
+            raise IntervalError("samples", "extremes only", "the responses of every run")
         values = np.asarray(self.read(slice(None)), dtype=float)
         bad = [n for i, n in enumerate(self.names) if not np.isfinite(values[:, i]).all()]
         if bad:
@@ -65,6 +75,21 @@ class Samples:
         """Responses (r, n, T) of some runs as they are stored, and no others in memory."""
         whole = self.rows == list(range(self.source.sizes["response"]))
         return self.source["values"][runs, slice(None) if whole else self.rows].values
+
+    def nominal_curve(self) -> np.ndarray | None:
+        """Responses (n, T) of the nominal run, if there is one."""
+        if "nominal" in self.source:
+            return self.source["nominal"].values[self.rows]
+        return None if self.nominal is None else self.read(slice(self.nominal, self.nominal + 1))[0]
+
+    def quarters(self) -> list[Running | None] | None:
+        """The running bounds (n, T) of each quarter of the runs, where the dataset has them in the
+        place of values; None for a quarter without runs."""
+        if "values" in self.source:
+            return None
+        arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
+        found = [Running(*quarter) for quarter in zip(*arrays, strict=True)]
+        return [None if (quarter.low_run < 0).any() else quarter for quarter in found]
 
     def coordinates(self) -> dict:
         """Coordinates of a dataset of these responses over time and parameter, by name."""
@@ -87,9 +112,13 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
     """Check a samples dataset and take out what is small; by default all responses are taken.
 
     Variables ``values`` (run, response, time), ``unit`` and ``value`` (run, parameter), perhaps
-    ``role`` (run); coordinates ``time`` and ``response``.
+    ``role`` (run); coordinates ``time`` and ``response``. A scan may have, in the place of
+    ``values`` and ``role``, the running bounds ``lower``, ``upper``, ``lower_run``, ``upper_run``
+    (quarter, response, time) of each quarter of its runs, and perhaps ``nominal`` (response, time),
+    which the first of its runs then is.
     """
-    for name in ("time", "response", "values", "unit", "value"):
+    what = ("values",) if "lower_run" not in samples else _RUNNING
+    for name in ("time", "response", *what, "unit", "value"):
         if name not in samples:
             raise IntervalError("samples", list(samples.variables), f"a dataset with {name}")
     known = [str(name) for name in samples["response"].values]
@@ -103,6 +132,8 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
     if "role" in samples:
         found = np.flatnonzero(samples["role"].values.astype(str) == "nominal")
         nominal = int(found[0]) if len(found) else None
+    elif "nominal" in samples:
+        nominal = 0
     return Samples(
         names,
         [known.index(name) for name in names],

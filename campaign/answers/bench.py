@@ -6,22 +6,21 @@ Further runs go through the campaign's store, so that they are found again.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from campaign.config.sections import Experiment, Jobs
-from campaign.errors import CampaignError
 from campaign.files import open_netcdf
 from campaign.folder import Folder
-from campaign.plan.make import run_id
-from campaign.plan.plan import Plan, Run, read_plan
-from campaign.runs.batch import check_structure, failure_text, simulate, tell_again
+from campaign.plan.plan import Plan, read_plan
+from campaign.plan.runs import Run, Runs, run_id
+from campaign.results.which import fitted_rows
+from campaign.runs.batch import Simulation, check_structure, tell_again
 from campaign.runs.progress import Tell, warm_up
-from campaign.runs.store import Record, open_store
+from campaign.runs.results import Record
+from campaign.runs.store import open_store
 
 # In unit coordinates: places nearer than this have one run, or need none of their own.
 NEAR, SAME = 1e-6, 1e-3
@@ -30,12 +29,21 @@ NEAR, SAME = 1e-6, 1e-3
 class Bench:
     """Runs of a plan's experiment at unit points `unit` (R, k), with the numbers (R, q) of their
     quantities; `further` are those that were asked for here, `simulated` of which were not there.
+
+    Of a large scan it has some of the runs (`fitted_rows`): `others` (q) counts the rest of them
+    that have each number, `left_out` the rest.
     """
 
-    def __init__(self, plan: Plan, jobs: Jobs, store: Path, tell: Tell, threads: int = 1) -> None:
-        self.plan, self.jobs, self.store, self.tell, self.threads = plan, jobs, store, tell, threads
+    def __init__(
+        self, plan: Plan, jobs: Jobs, folder: Folder, tell: Tell, threads: int = 1
+    ) -> None:
+        self.plan, self.jobs, self.tell, self.threads = plan, jobs, tell, threads
+        # Of runs that are asked for one by one all responses are wanted.
+        self.keep = "responses" if jobs.keep == "extremes" else jobs.keep
+        self.store = folder.runs(self.keep)
         self.unit = np.zeros((0, len(plan.experiment.intervals)))
         self.numbers = np.zeros((0, len(plan.experiment.quantities)))
+        self.others, self.left_out = np.zeros(len(plan.experiment.quantities), int), 0
         self.further: list[Run] = []
         self.simulated = 0
 
@@ -44,11 +52,16 @@ class Bench:
         cls, folder: Folder, jobs: Jobs, tell: Tell, threads: int = 1, further: bool = False
     ) -> Bench:
         """The runs of a campaign that was sampled, perhaps with the further ones of quantities."""
-        bench = cls(read_plan(folder.plan), jobs, folder.runs(jobs.keep), tell, threads)
+        bench = cls(read_plan(folder.plan), jobs, folder, tell, threads)
         with open_netcdf(folder.samples) as samples:
-            bench.unit = samples["unit"][:]
+            unit = samples["unit"][:]
+            numbers = np.zeros((len(unit), 0))
             if bench.experiment.quantities:
-                bench.numbers = samples["quantities"][:]
+                numbers = samples["quantities"][:]
+        rows = fitted_rows(numbers)
+        bench.unit, bench.numbers = unit[rows], numbers[rows]
+        bench.left_out = len(numbers) - len(rows)
+        bench.others = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
         if further:
             with open_netcdf(folder.further) as file:
                 if len(points := file["unit"][:]):
@@ -119,23 +132,19 @@ class Bench:
 
         Raises `CampaignError` if one fails.
         """
-        store = open_store(self.jobs.keep, self.store, plan.experiment)
-        plan = replace(plan, runs=tuple(runs))
-        found, failures = {}, []
-        for group in plan.groups(1, self.jobs.group)[0]:
+        store = open_store(self.keep, self.store, plan.experiment)
+        found, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
+        for group in store.groups(Runs.of(runs).unique(), self.jobs.group):
             missing = store.missing(group)
             tell_again(store, self.tell)
-            if missing:
+            if len(missing):
                 check_structure(plan)
                 scene = plan.experiment.build(plan.named(missing[0]))
                 warm_up(scene, self.tell, plan.experiment.asked)
-                results, failed, _ = simulate(plan, missing, self.threads, store.had(missing))
-                store.write(group, results)
-                failures += failed
-                self.simulated += len(results)
+                store.write(group, simulation.results(missing, store.had(missing)))
             found |= store.read(group)
-        if failures:
-            raise CampaignError(failure_text(plan, failures))
+        self.simulated += simulation.count
+        simulation.check()
         return [found[run.id] for run in runs]
 
 

@@ -29,6 +29,7 @@ from campaign.files import write_result
 from campaign.folder import Folder
 from campaign.plan.make import choose_step
 from campaign.plan.plan import Plan, read_plan
+from campaign.plan.runs import Runs
 from campaign.runs.progress import Tell
 
 _HELD_OUT, _DOUBTS = 4, 4
@@ -46,8 +47,8 @@ def answer(
     """Write choice.json of a planned campaign."""
     asked = read_plan(folder.plan)
     experiment = widened(asked.experiment, choose)
-    plan = Plan(experiment, asked.mechanics, choose_step(experiment), ())
-    bench = Bench(plan, jobs, folder.runs(jobs.keep), tell, threads)
+    plan = Plan(experiment, asked.mechanics, choose_step(experiment), Runs.of([]))
+    bench = Bench(plan, jobs, folder, tell, threads)
     points = design_points(experiment, choose)
     tell(f"{experiment.name}: {len(points)} runs over choices and intervals")
     bench.add(points)

@@ -103,9 +103,9 @@ def _put_ends(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
 
 def _put_occurrence(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
     """In how many runs, and in which share of the box, there is such a number."""
-    there = np.isfinite(bench.numbers).sum(axis=0)
+    there = np.isfinite(bench.numbers).sum(axis=0) + bench.others
     variables.put("runs_with", _OF, there, "runs that have the number", "1")
-    without = len(bench.unit) - there
+    without = len(bench.unit) + bench.left_out - there
     variables.put("runs_without", _OF, without, "runs in which it does not happen", "1")
     shares = np.array([e.surrogate.occurrence.share() for e in ends])
     variables.put("happens", _OF, shares[:, 0], "share of the box in which it happens", "1")
@@ -177,6 +177,6 @@ def attributes_of(bench: Bench) -> dict:
         "config_hash": bench.plan.config_hash,
         "config": json.dumps(plain_data(bench.experiment)),
         "mechanics": bench.plan.mechanics,
-        "runs": len(bench.unit),
+        "runs": len(bench.unit) + bench.left_out,
         "further_runs": len(bench.further),
     }

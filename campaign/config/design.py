@@ -8,6 +8,9 @@ from typing import Any
 from campaign.config.accuracy import SOUGHT
 from campaign.config.sections import DesignChoice, Experiment, Solver
 
+MOST_SAMPLES = 10_000_000
+"""Runs of a scan."""
+
 
 def make_design(choice: DesignChoice, box: Any) -> Any:
     """The `intervals.Design` of a choice in an `intervals.Box`, a `SplitDesign` if it has parts.
@@ -24,7 +27,8 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
         return intervals.Design(points, none, SOUGHT, (0,) * box.dimension)
     known = intervals.METHODS[choice.method].options
     options = {name: getattr(choice, name) for name in known if hasattr(choice, name)}
-    design = intervals.make_design(choice.method, box, choice.order, **options)
+    most = MOST_SAMPLES if choice.method == "scan" else intervals.designs.MAX_RUNS
+    design = intervals.make_design(choice.method, box, choice.order, max_runs=most, **options)
     return intervals.split_design(design, choice.parts) if choice.parts else design
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from campaign.config.accuracy import accuracy_data
 from campaign.config.answers import answer_problems, choose_data
 from campaign.config.design import make_design, start_of, steps_problems
+from campaign.config.kept import keep_problems
 from campaign.config.parameters import intervals_of, parameter_problems
 from campaign.config.scenes import scene_type
 from campaign.config.schema_checks import show
@@ -189,8 +190,10 @@ def _design_problems(campaign: Campaign) -> list[str]:
     elif campaign.is_adaptive:
         experiment = start_of(experiment)
     problems += _bounds_problems(campaign.bounds, design, experiment.solver.instants)
+    problems += keep_problems(campaign)
     try:
-        if not problems:
+        is_plain = design.method == "scan" and design.order is None
+        if not problems and not (is_plain and campaign.bounds.model == "polynomial"):
             made = make_design(experiment.design, experiment.box)
             if campaign.bounds.model == "spline":
                 problems += _spline_problems(experiment, made)

@@ -232,7 +232,7 @@ class FigureChoice:
 class Jobs:
     """How the runs are grouped: at most so many in a job, so many side by side, what is kept."""
 
-    nodes_per_job: int
+    nodes_per_job: int | str
     group: int
     keep: str
 

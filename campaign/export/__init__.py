@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from campaign.errors import CampaignError
 from campaign.export.chosen import Chosen, choose
 
 
@@ -13,10 +14,11 @@ from campaign.export.chosen import Chosen, choose
 class Kind:
     """A kind of file: what writes it into a folder, and how many frames it has if nothing is said.
 
-    `write(chosen, folder, frames)` returns the files to tell of.
+    `write(chosen, folder, frames)` returns the files to tell of; moving pictures also take
+    `by_stress`.
     """
 
-    write: Callable[[Chosen, Path, int], list[Path]]
+    write: Callable[..., list[Path]]
     about: str
     frames: int
 
@@ -33,11 +35,12 @@ def _glb(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
     return [write_glb(chosen.motion(frames), folder / f"{chosen.name}.glb")]
 
 
-def _picture(kind: str) -> Callable[[Chosen, Path, int], list[Path]]:
-    def write(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+def _picture(kind: str) -> Callable[..., list[Path]]:
+    def write(chosen: Chosen, folder: Path, frames: int, by_stress: bool = False) -> list[Path]:
         from campaign.pictures.moving import write_moving
 
-        return [write_moving(chosen.motion(frames), folder / f"{chosen.name}.{kind}")]
+        motion, path = chosen.motion(frames), folder / f"{chosen.name}.{kind}"
+        return [write_moving(motion, path, by_stress=by_stress)]
 
     return write
 
@@ -64,13 +67,29 @@ KINDS = {
 }
 
 
-def export(chosen: Chosen, kind: str, folder: str | Path, frames: int | None = None) -> list[Path]:
+MOVING = ("gif", "webp")
+COLOURS = ("bars", "stress")
+"""By what moving pictures are coloured."""
+
+
+def export(
+    chosen: Chosen,
+    kind: str,
+    folder: str | Path,
+    frames: int | None = None,
+    colour: str = "bars",
+) -> list[Path]:
     """Write a run as one of `KINDS` into a folder; returns the files to open.
 
-    frames: number of frames, evenly spread over the run.
+    frames: number of frames, evenly spread over the run; colour: one of `COLOURS`. Raises
+    `CampaignError` where a kind has no such colours.
     """
     how = KINDS[kind]
-    return how.write(chosen, Path(folder), frames or how.frames)
+    if colour == "bars":
+        return how.write(chosen, Path(folder), frames or how.frames)
+    if kind not in MOVING:
+        raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVING)}")
+    return how.write(chosen, Path(folder), frames or how.frames, by_stress=True)
 
 
-__all__ = ["KINDS", "Chosen", "choose", "export"]
+__all__ = ["COLOURS", "KINDS", "Chosen", "choose", "export"]

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from campaign.config.sections import Experiment, from_data
 from campaign.errors import CampaignError, ConfigError
 from campaign.folder import Folder
+from campaign.results.which import ids, nominal_row
 
 if TYPE_CHECKING:
     import xarray
@@ -100,8 +101,8 @@ def _of_results(folder: Folder, run: str) -> Chosen:
     if not folder.samples.exists():
         raise CampaignError(f"{folder.path} has no samples.nc: it holds no finished campaign")
     with open_netcdf(folder.samples) as samples:
-        ids, roles = list(samples["run_id"][:]), list(samples["role"][:])
-        values, names = samples["value"][:], list(samples["parameter"][:])
+        nominal, values = nominal_row(samples), samples["value"][:]
+        known, names = ids(samples, slice(None)), list(samples["parameter"][:])
         config, mechanics = json.loads(samples.config), samples.mechanics
         step = float(samples.time_step)
     experiment = from_data(Experiment, config)
@@ -110,25 +111,25 @@ def _of_results(folder: Folder, run: str) -> Chosen:
             f"the structure or the mechanics have changed since {folder.path} was made, so that "
             "its runs cannot be made again; run the campaign first"
         )
-    row = _row(run, ids, roles, folder)
+    row = _row(run, known, nominal, folder)
     return _chosen(
         experiment, dict(zip(names, values[row].tolist(), strict=True)), step, run,
-        {"run_id": ids[row], "campaign": experiment.name}, folder,
+        {"run_id": known[row], "campaign": experiment.name}, folder,
     )  # fmt: skip
 
 
-def _row(run: str, ids: list[str], roles: list[str], folder: Folder) -> int:
-    """Row of a run among the samples."""
-    if run == "nominal" and run in roles:
-        return roles.index(run)
-    found = {name for name in ids if run and name.startswith(run)}
+def _row(run: str, known: list[str], nominal: int | None, folder: Folder) -> int:
+    """Place of a run among the samples."""
+    if run == "nominal" and nominal is not None:
+        return nominal
+    found = {name for name in known if run and name.startswith(run)}
     if len(found) != 1:
         problem = "several runs begin with" if found else "there is no run"
         raise CampaignError(
-            f"{folder.path}: {problem} {run!r}; allowed: nominal, or an id of {len(set(ids))} "
-            f"runs, e.g. {', '.join(list(dict.fromkeys(ids))[:3])}"
+            f"{folder.path}: {problem} {run!r}; allowed: nominal, or an id of {len(set(known))} "
+            f"runs, e.g. {', '.join(list(dict.fromkeys(known))[:3])}"
         )
-    return ids.index(found.pop())
+    return known.index(found.pop())
 
 
 def _of_config(path: Path, settings: Mapping[str, str], duration: float | None) -> Chosen:

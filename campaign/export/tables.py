@@ -12,6 +12,7 @@ import numpy as np
 
 from campaign.files import open_netcdf, write_text
 from campaign.folder import Folder
+from campaign.results.which import ids, roles
 
 if TYPE_CHECKING:
     from campaign.export.chosen import Chosen
@@ -67,14 +68,14 @@ def runs(folder: Folder) -> list[list]:
     """
     with open_netcdf(folder.samples) as file:
         rows = [["run", "role", *_headings(file, "parameter", "box_units")]]
-        numbers = np.zeros((len(file["run_id"]), 0))
+        values = file["value"][:]
+        numbers = np.zeros((len(values), 0))
         if "quantities" in file.variables:
             rows[0] += _headings(file, "quantity", "quantity_units")
             numbers = file["quantities"][:]
-        keys = ("run_id", "role", "value")
-        columns = (*(file[key][:] for key in keys), numbers)
-        for name, role, values, own in zip(*columns, strict=True):
-            rows.append([name, role, *values.tolist(), *_cells(own)])
+        known = ids(file, slice(None)), roles(file), values.tolist(), numbers
+        for name, role, place, own in zip(*known, strict=True):
+            rows.append([name, role, *place, *_cells(own)])
     return rows
 
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 BARS = ("#E69F00", "#56B4E9", "#009E73", "#CC79A7", "#F0E442", "#0072B2", "#D55E00")
 """Of bars, in their order; repeated where there are more."""
 
+BODY = "#999999"
+"""Of rigid bodies, where bars have the colours of their stress."""
+
 CABLE = "#0072B2"
 
 

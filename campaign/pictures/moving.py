@@ -11,6 +11,7 @@ import numpy as np
 from campaign.files import whole_file
 from campaign.pictures.paint import frame_picture, limits_of, paint_cables, paint_solid
 from campaign.pictures.solid import solid_of_motion
+from campaign.pictures.stressed import draw_scale, stress_colours
 from campaign.pictures.view import View
 
 if TYPE_CHECKING:
@@ -26,15 +27,21 @@ _DPI = 100
 
 
 def write_moving(
-    motion: xarray.Dataset, path: Path, view: View | None = None, width: float = 4.8
+    motion: xarray.Dataset,
+    path: Path,
+    view: View | None = None,
+    width: float = 4.8,
+    by_stress: bool = False,
 ) -> Path:
     """Write `path`, `.gif` or `.webp`, of all frames of a motion; returns it.
 
-    width: of the picture, in hundreds of pixels.
+    width: of the picture, in hundreds of pixels; by_stress: elements have the colours of their
+    stress, not of their bars.
     """
     from PIL import Image
 
-    images = [Image.fromarray(frame) for frame in frames(motion, view or View(), width)]
+    drawn = frames(motion, view or View(), width, by_stress)
+    images = [Image.fromarray(frame) for frame in drawn]
     each = round(1000 * SECONDS / len(images))
     durations = [each] * (len(images) - 1) + [each + round(1000 * HOLD)]
     if path.suffix == ".gif":  # one palette for all, so that nothing flickers
@@ -55,7 +62,9 @@ def write_moving(
     return path
 
 
-def frames(motion: xarray.Dataset, view: View, width: float) -> Iterator[np.ndarray]:
+def frames(
+    motion: xarray.Dataset, view: View, width: float, by_stress: bool = False
+) -> Iterator[np.ndarray]:
     """The frames of a motion as pictures (height, width, 3) of bytes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -70,9 +79,15 @@ def frames(motion: xarray.Dataset, view: View, width: float) -> Iterator[np.ndar
     ax = figure.add_axes((0, 0, 1, 1))
     frame_picture(ax, limits, view)
     clock = ax.text(0.02, 0.98, "", transform=ax.transAxes, fontsize=9, va="top")
+    colours = None
+    if by_stress:
+        colours, top = stress_colours(motion)
+        draw_scale(figure, top)
     for moment, now in enumerate(motion["time"].values):
         if len(solid.nodes):
-            drawn = [paint(ax, solid, moment, view) for paint in (paint_solid, paint_cables)]
+            own = None if colours is None else colours[moment]
+            drawn = [paint_solid(ax, solid, moment, view, own)]
+            drawn.append(paint_cables(ax, solid, moment, view))
         else:
             drawn = ax.plot(*(view.page @ solid.position[moment].T), "o", color="black")
         clock.set_text(f"{now:.2f} s")

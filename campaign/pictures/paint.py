@@ -16,11 +16,16 @@ _AXIS = "0.35"
 _HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
 
 
-def paint_solid(ax: Any, solid: Solid, moment: int, view: View) -> Any:
-    """Paint the visible faces of a structure at a moment; returns the collection of them."""
+def paint_solid(
+    ax: Any, solid: Solid, moment: int, view: View, colours: np.ndarray | None = None
+) -> Any:
+    """Paint the visible faces of a structure at a moment; returns the collection of them.
+
+    colours (m, 3): of the elements, if not those of their bars.
+    """
     from matplotlib.collections import PolyCollection
 
-    faces, shades = visible_faces(solid, moment, view)
+    faces, shades = visible_faces(solid, moment, view, colours)
     edges = 0.7 * shades
     drawn = PolyCollection(faces, facecolors=shades, edgecolors=edges, linewidths=0.25)
     ax.add_collection(drawn, autolim=False)
@@ -42,8 +47,13 @@ def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
     return drawn
 
 
-def visible_faces(solid: Solid, moment: int, view: View) -> tuple[np.ndarray, np.ndarray]:
-    """Faces that look at the eye, from far to near: on the page (f, 4, 2), and colours (f, 3)."""
+def visible_faces(
+    solid: Solid, moment: int, view: View, colours: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Faces that look at the eye, from far to near: on the page (f, 4, 2), and colours (f, 3).
+
+    colours (m, 3): of the elements, if not those of their bars.
+    """
     element, face = np.nonzero(solid.visible)
     corners = solid.corners[moment][element[:, None], FACES[face]]
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
@@ -52,8 +62,9 @@ def visible_faces(solid: Solid, moment: int, view: View) -> tuple[np.ndarray, np
     corners, normal, element = corners[seen], normal[seen], element[seen]
     order = np.argsort((corners @ view.towards).mean(axis=1), kind="stable")
     bright = 0.6 + 0.4 * np.clip(normal @ _LIGHT, 0, 1)
-    colours = np.array([rgb(BARS[bar % len(BARS)]) for bar in solid.bar]).reshape(-1, 3)[element]
-    return (corners @ view.page.T)[order], (bright[:, None] * colours)[order]
+    if colours is None:
+        colours = np.array([rgb(BARS[bar % len(BARS)]) for bar in solid.bar]).reshape(-1, 3)
+    return (corners @ view.page.T)[order], (bright[:, None] * colours[element])[order]
 
 
 def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: float) -> None:

@@ -11,6 +11,7 @@ from campaign.config.sections import Campaign, Experiment
 from campaign.folder import Folder
 from campaign.plan.make import choose_step
 from campaign.plan.plan import TimeStep
+from campaign.runs.extremes import LARGE, MOST
 from campaign.runs.progress import duration_text
 
 ELEMENT_STEP = 10e-9
@@ -25,6 +26,8 @@ STARTING = 4.0
 
 _OTHER_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
 _BOUNDS_CURVES = 12  # of a response in bounds, surrogate and sensitivities, compressed
+_SHARE_CURVES = 4  # of a response in the file of a share of a scan
+_EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
 
 
 @dataclass(frozen=True)
@@ -46,18 +49,29 @@ def estimate(campaign: Campaign) -> Estimate:
     """What a campaign takes; time is right to a factor of two or so on a recent core."""
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
-    scene = experiment.build(dict(zip(experiment.box.names, experiment.nominal, strict=True)))
     whole = math.ceil(runs / LANES) * LANES
     seconds = whole * run_seconds(experiment, choose_step(experiment)) / cores() + STARTING
     if experiment.is_sought:  # meshes and steps become finer
         seconds = 60 * experiment.accuracy.minutes / cores() + STARTING
-    responses = len(experiment.responses)
-    kept = 4 * responses + 4 * responses  # each run's, and in samples.nc
-    if campaign.jobs.keep == "trajectories":
-        others = _OTHER_CURVES + responses + len(experiment.asked)
-        kept = 8 * (6 * len(scene.points) + len(scene.hinges) + others)
-    gathered = runs * kept + 8 * _BOUNDS_CURVES * responses
-    return Estimate(runs, seconds, float(solver.instants * gathered))
+    curves = _BOUNDS_CURVES * len(experiment.responses)
+    if campaign.jobs.keep == "extremes":
+        curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)
+    size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
+    return Estimate(runs, seconds, float(size))
+
+
+def bytes_of_run(campaign: Campaign) -> float:
+    """Bytes that a run takes on disk, about, in its own file and in samples.nc."""
+    experiment = campaign.experiment
+    instants, responses = experiment.solver.instants, len(experiment.responses)
+    if campaign.jobs.keep == "extremes":
+        numbers = 2 * len(experiment.quantities) + 2 * len(experiment.intervals)
+        return 8.0 * numbers + 2 * _EVENTS_BYTES
+    if campaign.jobs.keep == "responses":
+        return 8.0 * instants * responses
+    scene = experiment.build(dict(zip(experiment.box.names, experiment.nominal, strict=True)))
+    curves = 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES
+    return 8.0 * instants * (curves + responses + len(experiment.asked))
 
 
 def found(campaign: Campaign, folder: Folder) -> str:
@@ -72,7 +86,7 @@ def found(campaign: Campaign, folder: Folder) -> str:
         return ""
     plan = make_plan(campaign.experiment)
     store = open_store(keep, folder.runs(keep), campaign.experiment)
-    groups = plan.groups(1, campaign.jobs.group)[0]
+    groups = store.groups(plan.unique_runs(), campaign.jobs.group)
     missing = sum(len(store.missing(group)) for group in groups)
     total, lacking = sum(map(len, groups)), len(store.lacking)
     if missing - lacking == total:

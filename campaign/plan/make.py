@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from campaign.config.design import make_design, steps_problems
-from campaign.config.sections import Experiment, digest
+from campaign.config.sections import Experiment
 from campaign.errors import CampaignError
-from campaign.plan.plan import Plan, Run, TimeStep
+from campaign.plan.plan import Plan, TimeStep
+from campaign.plan.runs import ROLES, Runs, namer, values_of
 
 
 def make_plan(experiment: Experiment, tested: Sequence[Sequence[float]] = ()) -> Plan:
@@ -23,41 +24,20 @@ def make_plan(experiment: Experiment, tested: Sequence[Sequence[float]] = ()) ->
 
     box = experiment.box
     design = make_design(experiment.design, box)
-    nominal = experiment.nominal
-    rows = [("nominal", box.to_unit(nominal), nominal)]
-    rows += [("node", unit, box.from_unit(unit)) for unit in design.points]
+    parts = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]
     if experiment.design.method != "scan":
         points = held_out_points(box.free, experiment.held_out, design.points)
         nodes = {tuple(point) for point in design.points.tolist()}
-        points = [*points, *(point for point in tested if tuple(point) not in nodes)]
-        rows += [("held_out", unit, box.from_unit(unit)) for unit in points]
+        others = [point for point in tested if tuple(point) not in nodes]
+        parts.append(("held_out", np.array([*points, *others]).reshape(-1, box.dimension)))
 
     time, mechanics = choose_step(experiment), experiment.scene_type.digest
-    runs = []
-    for role, unit, row in rows:
-        values = tuple(map(float, row))
-        parameters = experiment.parameters(dict(zip(box.names, values, strict=True)))
-        name = run_id(experiment, parameters, time.step, mechanics)
-        runs.append(Run(name, role, tuple(map(float, unit)), values))
-    return Plan(experiment, mechanics, time, tuple(runs))
-
-
-def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
-    """The name of a run: a digest of all that its motion depends on."""
-    return digest(
-        {
-            "scene": experiment.scene.name,
-            "parameters": {
-                name: float(value) if type(value) is int else value
-                for name, value in parameters.items()
-            },
-            "duration": experiment.solver.duration,
-            "instants": experiment.solver.instants,
-            "step": step,
-            "energy_tolerance": experiment.solver.energy_tolerance,
-            "mechanics": mechanics,
-        }
-    )
+    unit = np.concatenate([points for _, points in parts])
+    role = np.repeat([ROLES.index(role) for role, _ in parts], [len(p) for _, p in parts])
+    name = namer(experiment, time.step, mechanics)
+    role = role.astype(np.int8)
+    runs = Runs(role, unit, values_of(experiment, role, unit), name)
+    return Plan(experiment, mechanics, time, runs)
 
 
 def choose_step(experiment: Experiment) -> TimeStep:

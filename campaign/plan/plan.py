@@ -1,10 +1,13 @@
 """The plan of a campaign: which runs there are, known by their parameter values.
 
-`nodes.json` holds it, one run a line:
+`nodes.json` holds it:
 
     campaign, config_hash, config   the sections of the config that decide the runs, resolved
     step, step_limit (s), limiting_element, steps_per_instant, assembly_energy (J), mechanics
-    runs      [{id, role, unit (k), values (k)}], role is node, nominal or held_out
+    runs      [{id, role, unit (k), values (k)}], one a line; role is node, nominal or held_out
+    packed    in the place of these, where they are many: {count, role, unit}, the arrays (count) of
+              indices into `runs.ROLES`, one byte each, and (count, k) of little-endian doubles, in
+              base64; the values follow from the box
     adaptive  of a round: the `rounds` before it, all `points` so far, and whether the tolerance is
               `met`: null unless this is the plan after the last round, which has no new runs; of
               an `accuracy`, what its bounds are to `check`
@@ -15,23 +18,21 @@ A run that serves two roles is listed twice, with the same id, and simulated onc
 from __future__ import annotations
 
 import json
+from base64 import b64decode, b64encode
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
+
 from campaign.config.sections import Experiment, digest, from_data, plain_data
 from campaign.files import write_result
+from campaign.plan.runs import Run, Runs, namer, values_of
 from fpm.sealed import check_content
 
-
-@dataclass(frozen=True)
-class Run:
-    """One run: unit coordinates (k) in the box, and values (k) of the interval parameters."""
-
-    id: str
-    role: str
-    unit: tuple[float, ...]
-    values: tuple[float, ...]
+MOST_LISTED = 10_000
+"""Runs that have a line each in `nodes.json`; of more, programs are the only readers."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ class Plan:
     experiment: Experiment
     mechanics: str
     time: TimeStep
-    runs: tuple[Run, ...]
+    runs: Runs
     adaptive: Rounds | None = None
 
     @property
@@ -109,21 +110,19 @@ class Plan:
     @cached_property
     def digest(self) -> str:
         """Digest of the experiment and all its runs: what results of the plan are known by."""
-        return digest([self.config_hash, self.mechanics, *map(asdict, self.runs)])
+        return digest([self.config_hash, self.mechanics, self.time.step, self.runs.digest])
 
-    def unique_runs(self) -> list[Run]:
-        """The runs, each id once, in their order."""
-        return list({run.id: run for run in self.runs}.values())
+    def unique_runs(self) -> Runs:
+        """The runs, each once, in their order."""
+        return self._unique
+
+    @cached_property
+    def _unique(self) -> Runs:
+        return self.runs.unique()
 
     def named(self, run: Run) -> dict[str, float]:
         """Values of the interval parameters in a run, by name."""
         return dict(zip(self.experiment.intervals, run.values, strict=True))
-
-    def groups(self, batches: int, size: int) -> list[list[list[Run]]]:
-        """The runs by batch, then by group of `size`; only the last group may be smaller."""
-        runs = self.unique_runs()
-        groups = [runs[first : first + size] for first in range(0, len(runs), size)]
-        return [share(groups, batch, batches) for batch in range(batches)]
 
 
 def share(items: list, part: int, parts: int) -> list:
@@ -132,7 +131,7 @@ def share(items: list, part: int, parts: int) -> list:
 
 
 def write_plan(plan: Plan, path: str | Path) -> None:
-    """Write `nodes.json`; one run a line, so that it can be read and compared."""
+    """Write `nodes.json`; one run a line, so that it can be read and compared, or all packed."""
     head = {
         "campaign": plan.experiment.name,
         "config_hash": plan.config_hash,
@@ -142,8 +141,11 @@ def write_plan(plan: Plan, path: str | Path) -> None:
     }
     if plan.adaptive:
         head["adaptive"] = asdict(plan.adaptive)
-    runs = ",\n  ".join(json.dumps(asdict(run)) for run in plan.runs)
-    text = json.dumps(head, indent=1)[:-2] + f',\n "runs": [\n  {runs}\n ]\n}}\n'
+    if len(plan.runs) > MOST_LISTED:
+        text = json.dumps(head | {"packed": _packed(plan.runs)}, indent=1) + "\n"
+    else:
+        runs = ",\n  ".join(json.dumps(asdict(run)) for run in plan.runs)
+        text = json.dumps(head, indent=1)[:-2] + f',\n "runs": [\n  {runs}\n ]\n}}\n'
     write_result(path, text, plan=plan.digest)
 
 
@@ -152,10 +154,28 @@ def read_plan(path: str | Path) -> Plan:
     content = Path(path).read_bytes()
     check_content(path, content, "nodes.json")
     data = json.loads(content)
-    return Plan(
-        from_data(Experiment, data["config"]),
-        data["mechanics"],
-        TimeStep(**{name: data[name] for name in TimeStep.__dataclass_fields__}),
-        tuple(Run(r["id"], r["role"], tuple(r["unit"]), tuple(r["values"])) for r in data["runs"]),
-        from_data(Rounds, data["adaptive"]) if "adaptive" in data else None,
-    )
+    experiment, mechanics = from_data(Experiment, data["config"]), data["mechanics"]
+    time = TimeStep(**{name: data[name] for name in TimeStep.__dataclass_fields__})
+    if "packed" in data:
+        role, unit = _unpacked(data["packed"])
+        name = namer(experiment, time.step, mechanics)
+        runs = Runs(role, unit, values_of(experiment, role, unit), name)
+    else:
+        runs = Runs.of([
+            Run(r["id"], r["role"], tuple(r["unit"]), tuple(r["values"])) for r in data["runs"]
+        ])  # fmt: skip
+    adaptive = from_data(Rounds, data["adaptive"]) if "adaptive" in data else None
+    return Plan(experiment, mechanics, time, runs, adaptive)
+
+
+def _packed(runs: Runs) -> dict:
+    arrays = {"role": runs.role.astype("i1"), "unit": runs.unit.astype("<f8")}
+    packed = {name: b64encode(values.tobytes()).decode() for name, values in arrays.items()}
+    return {"count": len(runs), **packed}
+
+
+def _unpacked(packed: Mapping) -> tuple[np.ndarray, np.ndarray]:
+    """Roles (N) and unit coordinates (N, k)."""
+    unit = np.frombuffer(b64decode(packed["unit"]), "<f8").astype(float)
+    role = np.frombuffer(b64decode(packed["role"]), "i1").astype(np.int8)
+    return role, unit.reshape(packed["count"], -1)

@@ -106,10 +106,11 @@ class Work:
 class PageData:
     """All that the page tells.
 
-    time (t,) s; bounds_kind: what the bounds are, in words; moving: the nominal run first, then
-    those at which bounds are attained; provenance: name -> text; config: text to start from again;
-    answers: what the summary tells of quantities, requirements and the best choice;
-    overlap: of the faces of a contact, rad.
+    time (t,) s; bounds_kind: what the bounds are, in words; runs: those that are told, of
+    `run_count` that were made; moving: the nominal run first, then those at which bounds are
+    attained; provenance: name -> text; config: text to start from again; answers: what the summary
+    tells of quantities, requirements and the best choice;
+    overlap: of the faces of a contact, rad; scan: what the summary tells of a scan's bounds.
     """
 
     campaign: str
@@ -119,12 +120,14 @@ class PageData:
     parameters: tuple[Parameter, ...]
     responses: tuple[Response, ...]
     runs: tuple[Run, ...]
+    run_count: int
     moving: tuple[MovingRun, ...] = ()
     work: tuple[Work, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
     answers: Mapping[str, Any] = field(default_factory=dict)
     overlap: float = 0.0
+    scan: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def nominal(self) -> Run | None:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from campaign.results.which import ids, keeps_extremes, nominal_row
+
 if TYPE_CHECKING:
     import xarray
 
@@ -24,50 +26,78 @@ def moving_runs(samples: xarray.Dataset, bounds: xarray.Dataset) -> dict[int, st
     Then the runs with the least and the largest value of each response where its bounds differ
     most, at most `MOST_MOVING` in all. A scan without a nominal run begins with its first run.
     """
-    roles = samples["role"].values.tolist()
-    ids = samples["run_id"].values.tolist()
-    first = roles.index("nominal") if "nominal" in roles else 0
+    nominal = nominal_row(samples)
+    first = nominal or 0
+    values = samples["value"].values  # runs with the same are the same
     extremes: dict[int, dict[str, list[str]]] = {}
     for i, name in enumerate(samples["response"].values.tolist()):
         widest = int((bounds["upper"].values[i] - bounds["lower"].values[i]).argmax())
-        there = samples["values"][:, i, widest].values
-        for run, what in ((int(there.argmin()), "least"), (int(there.argmax()), "largest")):
-            same = next((r for r in extremes if ids[r] == ids[run]), run)
+        for run, what in zip(_extreme_runs(samples, i, widest), ("least", "largest"), strict=True):
+            same = next((r for r in extremes if (values[r] == values[run]).all()), run)
             extremes.setdefault(same, {}).setdefault(what, []).append(name)
-    shown = {first: "nominal run" if "nominal" in roles else "first run"}
+    shown = {first: "first run" if nominal is None else "nominal run"}
     for run, texts in extremes.items():
-        if ids[run] != ids[first] and len(shown) < MOST_MOVING:
+        if (values[run] != values[first]).any() and len(shown) < MOST_MOVING:
             parts = [f"{what} {', '.join(names)}" for what, names in texts.items()]
             shown[run] = f"run of {' and '.join(parts)}"
     return shown
 
 
+def _extreme_runs(samples: xarray.Dataset, response: int, instant: int) -> tuple[int, int]:
+    """The runs with the least and the largest value of a response at an instant."""
+    if keeps_extremes(samples):
+        low, high, low_run, high_run = (
+            samples[name][:, response, instant].values
+            for name in ("lower", "upper", "lower_run", "upper_run")
+        )
+        there = np.flatnonzero(low_run >= 0)
+        return int(low_run[there[low[there].argmin()]]), int(high_run[there[high[there].argmax()]])
+    values = samples["values"][:, response, instant].values
+    return int(values.argmin()), int(values.argmax())
+
+
 def motions_of(samples: xarray.Dataset, runs: Sequence[int], frames: int = 401) -> list:
-    """The whole motion of runs of `samples.nc`, an xarray.Dataset each, made again side by side."""
+    """The whole motion of runs of `samples.nc`, an xarray.Dataset each, made again side by side.
+
+    Where samples have no curves of runs, it has them: ``curves`` (response, instant).
+    """
+    import fpm
     from campaign.config.sections import Experiment, from_data
     from fpm.motion import whole_motion
 
     experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
     names = samples["parameter"].values.tolist()
-    parameters = [
-        experiment.parameters(dict(zip(names, row, strict=True)))
+    scenes = [
+        experiment.build(dict(zip(names, row, strict=True)))
         for row in samples["value"].values[list(runs)].tolist()
     ]
     solver = experiment.solver
+    how = {
+        "duration": solver.duration,
+        "instants": solver.instants,
+        "step": float(samples.attrs["time_step"]),
+        "energy_tolerance": solver.energy_tolerance,
+    }
     closures = samples["event_time"].values[runs[0]]
-    return whole_motion(
-        [experiment.scene_type.build(**values) for values in parameters],
-        duration=solver.duration,
-        instants=solver.instants,
-        step=float(samples.attrs["time_step"]),
-        energy_tolerance=solver.energy_tolerance,
+    motions = whole_motion(
+        scenes,
+        **how,
         frames=frames,
         times=closures[np.isfinite(closures)],
         attributes=[
-            {"run_id": str(samples["run_id"].values[run]), "campaign": samples.attrs["campaign"]}
-            for run in runs
+            {"run_id": name, "campaign": samples.attrs["campaign"]} for name in ids(samples, runs)
         ],
     )
+    if not keeps_extremes(samples):
+        return motions
+    curves = [
+        np.array([response.evaluate(outcome) for response in experiment.curves])
+        for outcome in fpm.simulate(scenes, **how, record=experiment.asked)
+    ]
+    return [
+        motion.assign(curves=(("response", "instant"), own, {"long_name": "value of the response"}))
+        for motion, own in zip(motions, curves, strict=True)
+    ]
 
 
 def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
@@ -88,7 +118,7 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
         if experiment.scene_type.digest != samples.attrs["mechanics"]:
             return []
         runs = list(moving_runs(samples, bounds))
-        paths = [folder / MOTIONS / f"{samples['run_id'].values[run]}.nc" for run in runs]
+        paths = [folder / MOTIONS / f"{name}.nc" for name in ids(samples, runs)]
         for motion, path in zip(motions_of(samples, runs, frames), paths, strict=True):
             write_dataset(motion, path, "Whole motion of a run")
     return paths

@@ -34,10 +34,12 @@ def render(data: PageData) -> str:
     """The page as text."""
     import jinja2
 
+    units = {pretty(each.units) for each in (*data.responses, *data.parameters)} - {"1"}
     loader = jinja2.FileSystemLoader(_FOLDER)
     environment = jinja2.Environment(
         loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
+        finalize=lambda v: words.unbroken(v, units) if type(v) is str else v,  # not what is `safe`
     )  # fmt: skip
     environment.filters.update(
         number=words.number,

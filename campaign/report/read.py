@@ -14,6 +14,7 @@ import numpy as np
 from campaign.files import open_dataset, open_netcdf
 from campaign.report.data import Event, MovingRun, PageData, Parameter, Response, Run, Work
 from campaign.report.motions import MOTIONS, moving_runs
+from campaign.results.which import counts, ids, keeps_extremes, roles
 from fpm.sealed import DamagedError, check
 
 if TYPE_CHECKING:
@@ -29,7 +30,8 @@ def from_results(folder: str | Path) -> PageData:
     folder = Path(folder)
     samples, bounds = _load(folder / "samples.nc", "values"), _load(folder / "bounds.nc")
     sensitivities = folder / "sensitivities.nc"
-    runs, summary = _runs(samples), _summary(folder)
+    rows, summary = _rows(folder, samples), _summary(folder)
+    runs = _runs(samples, rows)
     data = PageData(
         campaign=str(bounds.attrs["campaign"]),
         scene=str(bounds.attrs["scene"]),
@@ -40,15 +42,21 @@ def from_results(folder: str | Path) -> PageData:
             bounds, _load(sensitivities) if sensitivities.exists() else None, summary
         ),
         runs=runs,
-        moving=_moving(folder, runs),
+        run_count=counts(samples).runs,
+        moving=_moving(folder, runs, rows),
         work=_work(folder),
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
         answers={name: summary[name] for name in _ANSWERS if name in summary},
         overlap=float(samples["overlap"].max()),
+        scan=summary.get("scan", {}),
     )
     drawn = {*data.lines, *(moving.run for moving in data.moving)}
-    return replace(data, runs=_with_curves(runs, folder / "samples.nc", drawn))
+    if keeps_extremes(samples):
+        own = {moving.run: moving.motion["curves"].values for moving in data.moving}
+        runs = tuple(replace(run, curves=own.get(i)) for i, run in enumerate(runs))
+        return replace(data, runs=runs)
+    return replace(data, runs=_with_curves(runs, rows, folder / "samples.nc", drawn))
 
 
 def _load(path: Path, but: str = "") -> xarray.Dataset:
@@ -123,42 +131,60 @@ def _told_of(summary: dict, key: str) -> dict:
 _ANSWERS = ("quantities", "requirements", "together", "choice")
 
 
-def _runs(samples: xarray.Dataset) -> tuple[Run, ...]:
+MOST_RUNS = 10_000
+"""Runs that a page has, with their parameters; of more, it has those that move."""
+
+
+def _rows(folder: Path, samples: xarray.Dataset) -> np.ndarray:
+    """Places among the samples of the runs that the page has."""
+    if len(samples["value"]) <= MOST_RUNS and not keeps_extremes(samples):
+        return np.arange(len(samples["value"]))
+    return np.array(sorted(_shown(folder)))
+
+
+def _runs(samples: xarray.Dataset, rows: np.ndarray) -> tuple[Run, ...]:
     contacts = samples["contact"].values.tolist() if "contact" in samples.coords else []
-    events = [samples[f"event_{key}"].values for key in ("time", "contact", "closing")]
-    roles, ids = samples["role"].values.tolist(), samples["run_id"].values.tolist()
-    values = samples["value"].values
+    events = [samples[f"event_{key}"].values[rows] for key in ("time", "contact", "closing")]
+    names, values = ids(samples, rows), samples["value"].values[rows]
+    known = roles(samples)
     return tuple(
         Run(
-            id=ids[i], role=roles[i], values=values[i],
+            id=names[i], role=known[rows[i]], values=values[i],
             events=tuple(
                 Event(float(time), contacts[int(contact)], bool(closing))
                 for time, contact, closing in sorted(zip(*(e[i] for e in events), strict=True))
                 if np.isfinite(time)
             ),
         )
-        for i in range(len(ids))
+        for i in range(len(rows))
     )  # fmt: skip
 
 
-def _with_curves(runs: tuple[Run, ...], path: Path, drawn: Iterable[int]) -> tuple[Run, ...]:
+def _with_curves(
+    runs: tuple[Run, ...], rows: np.ndarray, path: Path, drawn: Iterable[int]
+) -> tuple[Run, ...]:
     """The runs, those `drawn` with their curves: a scan may have more than fit into memory."""
     made = list(runs)
     with open_netcdf(path) as samples:
         for run in sorted(drawn):
-            made[run] = replace(runs[run], curves=samples["values"][run])
+            made[run] = replace(runs[run], curves=samples["values"][rows[run]])
     return tuple(made)
 
 
-def _moving(folder: Path, runs: tuple[Run, ...]) -> tuple[MovingRun, ...]:
-    """The moving runs whose motion is there; none without the first, with which all compare."""
-    found = []
+def _shown(folder: Path) -> dict[int, str]:
+    """Places among the samples of the runs that move, with what they are."""
     with (
         open_dataset(folder / "samples.nc") as samples,
         open_dataset(folder / "bounds.nc") as bounds,
     ):
-        shown = moving_runs(samples, bounds)
-    for run, label in shown.items():
+        return moving_runs(samples, bounds)
+
+
+def _moving(folder: Path, runs: tuple[Run, ...], rows: np.ndarray) -> tuple[MovingRun, ...]:
+    """The moving runs whose motion is there; none without the first, with which all compare."""
+    found = []
+    for row, label in _shown(folder).items():
+        run = int(np.searchsorted(rows, row))
         path = folder / MOTIONS / f"{runs[run].id}.nc"
         try:
             found.append(MovingRun(run, label, _load(path)))
@@ -192,12 +218,12 @@ def _work(folder: Path) -> tuple[Work, ...]:
 
 def _provenance(bounds: xarray.Dataset, samples: xarray.Dataset, folder: Path) -> dict[str, str]:
     attributes = bounds.attrs
-    roles = samples["role"].values.tolist()
+    found = counts(samples)
     limit = f"{attributes['time_step_limit']:.4g} s, by {attributes['limiting_element']}"
     facts = {
         "Config digest": str(attributes["config_hash"]),
-        "Design": f"{attributes.get('design_method', '')}, {roles.count('node')} runs fitted, "
-        f"{roles.count('held_out')} held out",
+        "Design": f"{attributes.get('design_method', '')}, {found.nodes} runs fitted, "
+        f"{found.held_out} held out",
         "Time step": f"{attributes['time_step']:.6g} s",
         "Largest stable step": limit,
     }

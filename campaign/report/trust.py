@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from campaign.report.data import PageData
+from campaign.results.scan_words import scan_text
 
 
 def trust(data: PageData) -> list[tuple[str, str]]:
     """Titles with a paragraph each."""
     kind = data.bounds_kind
     return [
-        ("What the bounds are", f"{kind[:1].upper()}{kind[1:]}. {_bounds(kind)}"),
+        ("What the bounds are", f"{kind[:1].upper()}{kind[1:]}. {_bounds(kind, data.scan)}"),
         ("What the error estimate is", _error(data)),
         ("What the model is", _MODEL),
         ("What follows for a structure", _STRUCTURE),
@@ -30,7 +33,7 @@ _STRUCTURE = (
 )
 
 
-def _bounds(kind: str) -> str:
+def _bounds(kind: str, scan: Mapping) -> str:
     if kind.startswith("enclosed"):
         return (
             "A polynomial was fitted to the runs at every instant; its least and largest values "
@@ -44,7 +47,7 @@ def _bounds(kind: str) -> str:
         )
     return (
         "They are the least and the largest value among the runs that were made. Runs that were "
-        "not made may lie outside."
+        "not made may lie outside." + (f" {scan_text(scan)}" if scan else "")
     )
 
 

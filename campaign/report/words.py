@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from campaign.report.data import PageData, Parameter, Response
@@ -13,6 +14,7 @@ from campaign.results.summary import SOFT
 from campaign.results.units import pretty
 from campaign.results.words import percent
 
+_FIXED = "\N{NO-BREAK SPACE}"
 SMALL, LARGE = 0.05, 0.25
 """Shares of the largest difference below which an estimated error is called small, and from which
 it is called large."""
@@ -50,6 +52,18 @@ def quantity(value: float, units: str, digits: int = 3) -> str:
     """A number with its unit."""
     unit = pretty(units)
     return number(value, digits) + ("" if unit == "1" else f" {unit}")
+
+
+def unbroken(text: str, units: Iterable[str]) -> str:
+    """A text in which no line ends between a number and its unit, sign or power of ten.
+
+    units: as they are written, such as `m/s`; seconds and shares need not be among them.
+    """
+    known = "|".join(sorted(map(re.escape, {*units, "s", "rad", "%"}), key=len, reverse=True))
+    text = re.sub(rf"(?<=[\d⁰-⁹]) (?=(?:{known})(?!\w))", _FIXED, text)
+    for unit in units:
+        text = text.replace(_FIXED + unit, _FIXED + unit.replace(" ", _FIXED))
+    return re.sub(r"(?<=[\d±]) (?=[\d×])|(?<=×) (?=10)", _FIXED, text)
 
 
 def spread(parameter: Parameter) -> str:
@@ -133,11 +147,10 @@ def _largest(response: Response) -> str:
 
 def facts(data: PageData) -> str:
     """What the campaign was, in one line."""
-    runs = len({run.id for run in data.runs})
     duration = quantity(float(data.time[-1] - data.time[0]), "s")
     count = len(data.parameters)
     parameters = "one interval parameter" if count == 1 else f"{count} interval parameters"
-    return f"Scene {data.scene}, {duration} of motion, {parameters}, {runs} runs."
+    return f"Scene {data.scene}, {duration} of motion, {parameters}, {data.run_count} runs."
 
 
 def verdict(data: PageData, response: Response) -> Verdict:

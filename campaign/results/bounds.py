@@ -20,6 +20,7 @@ from campaign.config.sections import BoundsChoice, Experiment, from_data
 from campaign.files import open_dataset, result_file
 from campaign.folder import Folder
 from campaign.provenance import as_attribute
+from campaign.results.which import keeps_extremes
 
 
 def analyse(folder: Folder, how: BoundsChoice, more: Callable[[Any], Any] | None = None) -> None:
@@ -59,7 +60,8 @@ def _scanned(samples: Any) -> Any:
     sequences are slow to import."""
     import intervals
 
-    points = samples["unit"].values[samples["role"].values == "node"]
+    nodes = slice(1, None) if keeps_extremes(samples) else samples["role"].values == "node"
+    points = samples["unit"].values[nodes]
     none = (0,) * points.shape[1]
     return intervals.Design(points, np.zeros((0, len(none)), dtype=int), "scan", none)
 

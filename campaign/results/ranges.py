@@ -14,6 +14,7 @@ from campaign.files import open_netcdf
 from campaign.folder import Folder
 from campaign.results.figures import save
 from campaign.results.units import pretty
+from campaign.results.which import fitted_rows
 
 _LINE, _GRID = 401, 121
 _BLUE, _RED, _GREY = "#0072B2", "#D55E00", "0.75"
@@ -51,11 +52,13 @@ def ranges(found: Any, unit: np.ndarray, numbers: np.ndarray, width: float = 7.0
 
 
 def runs_of(folder: Folder) -> tuple[np.ndarray, np.ndarray]:
-    """Unit points (R, k) and numbers (R, q) of all runs, the further ones too."""
+    """Unit points (R, k) and numbers (R, q) of the runs fitted to, the further ones too."""
     parts = []
     for path in (folder.samples, folder.further):
         with open_netcdf(path) as file:
-            parts.append((file["unit"][:], file["quantities"][:]))
+            unit, numbers = file["unit"][:], file["quantities"][:]
+        rows = fitted_rows(numbers)
+        parts.append((unit[rows], numbers[rows]))
     return np.concatenate([p for p, _ in parts]), np.concatenate([n for _, n in parts])
 
 

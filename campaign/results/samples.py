@@ -16,6 +16,9 @@
                                   does not happen; only in campaigns that have quantities
     quantity, quantity_units, quantity_long_name (quantity)
 
+With `keep: extremes` (`campaign.results.kept_extremes`) there are no values, and the variables of
+runs are as small as can be.
+
 No variable is named after a response, so that a response may have any name. This file is all that
 the interval side needs.
 """
@@ -23,7 +26,7 @@ the interval side needs.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,13 +35,27 @@ import numpy as np
 from campaign.config.sections import Jobs, plain_data
 from campaign.files import result_file
 from campaign.plan.plan import Plan
+from campaign.plan.runs import Runs
 from campaign.provenance import as_attribute
 from campaign.runs.batch import make_again
 from campaign.runs.progress import Tell
-from campaign.runs.store import EVENT_VARIABLES, Record, open_store, write_dimension
+from campaign.runs.results import EVENT_VARIABLES, Record, write_dimension
+from campaign.runs.store import open_store
 from fpm.trajectory import CONVENTIONS
 
 _CHUNK_RUNS = 64
+
+ATTRIBUTES = {
+    name: {"units": units, "long_name": long_name}
+    for name, units, long_name in (
+        ("overlap", "rad", "largest overlap of the faces of a contact, at the recorded instants"),
+        ("event_time", "s", "time at which a contact, stop or latch closes or opens"),
+        ("event_contact", "1", "index of the contact, stop or latch"),
+        ("event_closing", "1", "1 where it closes, 0 where it opens"),
+        ("quantities", "", "value of the quantity, none where what is asked for does not happen"),
+    )
+}
+"""Of variables of runs."""
 
 
 def gather(
@@ -52,7 +69,7 @@ def gather(
     import netCDF4
 
     store = open_store(jobs.keep, folder, plan.experiment)
-    (groups,) = plan.groups(1, jobs.group)
+    groups = store.groups(plan.unique_runs(), jobs.group)
     rows: dict[str, list[int]] = {}
     for row, run in enumerate(plan.runs):
         rows.setdefault(run.id, []).append(row)
@@ -61,16 +78,16 @@ def gather(
         netCDF4.Dataset(temporary, "w", format="NETCDF4") as file,
     ):
         _write_runs(file, plan)
-        _write_names(file, "response", store.responses)
+        write_names(file, "response", store.responses)
         if store.quantities:
-            _write_names(file, "quantity", store.quantities)
+            write_names(file, "quantity", store.quantities)
             none = np.full((len(plan.runs), len(store.quantities)), np.nan)
-            text = "value of the quantity, none where what is asked for does not happen"
+            text = ATTRIBUTES["quantities"]["long_name"]
             _numbers(file, "quantities", ("run", "quantity"), none, text)
         for group in groups:
             found = store.read(group)
             if len(found) < len(group):
-                make_again(plan, store, group, tell)
+                make_again(plan, store, group, jobs.group, tell)
                 found = store.read(group)
             if "time" not in file.variables:
                 _define_curves(file, next(iter(found.values())), plan.experiment.intervals)
@@ -80,24 +97,34 @@ def gather(
 
 def _write_runs(file: Any, plan: Plan) -> None:
     """Define the dimensions and write what is known of the runs before they are simulated."""
-    runs, experiment = plan.runs, plan.experiment
-    names, known = list(experiment.intervals), experiment.scene_type.parameters
-    units = [known[name].unit for name in names]
+    runs, units = plan.runs, write_box(file, plan)
     file.createDimension("run", len(runs))
     file.createDimension("event", None)
-    write_dimension(file, "parameter", names, "interval parameter")
     _text(file, "role", "run", [run.role for run in runs], "what the run is for")
     _text(file, "run_id", "run", [run.id for run in runs], "name of the trajectory")
-    across, values = ("run", "parameter"), np.array([run.values for run in runs])
-    unit = np.array([run.unit for run in runs])
-    _numbers(file, "unit", across, unit, "coordinates in the box, -1 to 1", units="1")
-    _numbers(file, "value", across, values, "parameter values in their units")
+    write_places(file, runs)
+    for name, column, unit in zip(plan.experiment.intervals, runs.values.T, units, strict=True):
+        _numbers(file, f"parameter_{name}", ("run",), column, f"value of {name}", units=unit)
+
+
+def write_places(file: Any, runs: Runs, **packing: Any) -> None:
+    """Write where in the box the runs are."""
+    across = ("run", "parameter")
+    text = "coordinates in the box, -1 to 1"
+    _numbers(file, "unit", across, runs.unit, text, packing, units="1")
+    _numbers(file, "value", across, runs.values, "parameter values in their units", packing)
+
+
+def write_box(file: Any, plan: Plan) -> list[str]:
+    """Write the box, and as attributes what the samples are of; units of the parameters."""
+    experiment = plan.experiment
+    names, known = list(experiment.intervals), experiment.scene_type.parameters
+    units = [known[name].unit for name in names]
+    write_dimension(file, "parameter", names, "interval parameter")
     _text(file, "box_units", "parameter", units, "units of the parameter")
     for key in ("lower", "upper", "nominal"):
         ends = [getattr(interval, key) for interval in experiment.intervals.values()]
         _numbers(file, f"box_{key}", ("parameter",), ends, f"{key} value of the parameter")
-    for name, column, unit in zip(names, values.T, units, strict=True):
-        _numbers(file, f"parameter_{name}", ("run",), column, f"value of {name}", units=unit)
     file.setncatts(
         {
             "Conventions": CONVENTIONS,
@@ -116,17 +143,13 @@ def _write_runs(file: Any, plan: Plan) -> None:
             "provenance": as_attribute(),
         }
     )
+    return units
 
 
 def _define_curves(file: Any, record: Record, parameters: Iterable[str]) -> None:
     """Define time, values and events as the first run has them."""
     size = len(record.time)
-    file.createDimension("time", size)
-    time = file.createVariable("time", "f8", ("time",))
-    time[:] = record.time
-    named = {"long_name": "time", "standard_name": "time", "axis": "T"}
-    time.setncatts({"units": "s", **named})
-    write_dimension(file, "contact", record.contacts, "name of the contact, stop or latch")
+    write_time(file, record.time, record.contacts)
     # Doubles hardly shrink; whoever keeps them has the trajectories beside, a hundred times larger.
     compact = {}
     kind = record.values.dtype.newbyteorder("=")
@@ -138,18 +161,23 @@ def _define_curves(file: Any, record: Record, parameters: Iterable[str]) -> None
     named += ["role", "run_id", "response_units", "response_long_name"]
     variable.setncatts({"long_name": "value of the response", "coordinates": " ".join(named)})
     variable = file.createVariable("overlap", "f8", ("run",))
-    text = "largest overlap of the faces of a contact, at the recorded instants"
-    variable.setncatts({"units": "rad", "long_name": text})
-    for name, units, long_name in (
-        ("event_time", "s", "time at which a contact, stop or latch closes or opens"),
-        ("event_contact", "1", "index of the contact, stop or latch"),
-        ("event_closing", "1", "1 where it closes, 0 where it opens"),
-    ):
+    variable.setncatts(ATTRIBUTES["overlap"])
+    for name in EVENT_VARIABLES:
         variable = file.createVariable(name, "f8", ("run", "event"), fill_value=np.nan)
-        variable.setncatts({"units": units, "long_name": long_name})
+        variable.setncatts(ATTRIBUTES[name])
 
 
-def _write_names(file: Any, what: str, named: Sequence[Any]) -> None:
+def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None:
+    """Write the instants, and what closes and opens."""
+    file.createDimension("time", len(instants))
+    time = file.createVariable("time", "f8", ("time",))
+    time[:] = instants
+    named = {"long_name": "time", "standard_name": "time", "axis": "T"}
+    time.setncatts({"units": "s", **named})
+    write_dimension(file, "contact", contacts, "name of the contact, stop or latch")
+
+
+def write_names(file: Any, what: str, named: Sequence[Any]) -> None:
     """Write which responses, or quantities, there are."""
     write_dimension(file, what, [one.name for one in named], f"name of the {what}")
     for key, values in (
@@ -182,8 +210,9 @@ def _text(file: Any, name: str, dimension: str, values: Sequence[str], long_name
 
 
 def _numbers(
-    file: Any, name: str, dimensions: tuple[str, ...], values: Any, long_name: str, **more: str
-) -> None:
-    variable = file.createVariable(name, "f8", dimensions)
+    file: Any, name: str, dimensions: tuple[str, ...], values: Any, long_name: str,
+    packing: Mapping | None = None, **more: str,
+) -> None:  # fmt: skip
+    variable = file.createVariable(name, "f8", dimensions, **(packing or {}))
     variable[:] = values
     variable.setncatts({"long_name": long_name, **more})

@@ -14,7 +14,9 @@ from campaign.folder import Folder
 from campaign.plan.plan import read_plan
 from campaign.results.answers import answer_lines, answer_rows
 from campaign.results.budget import accuracy_facts, accuracy_lines, error_lines, response_errors
+from campaign.results.scan_words import scan_facts, scan_text
 from campaign.results.units import pretty
+from campaign.results.which import counts, nominal_row
 
 
 def summarise(
@@ -26,6 +28,8 @@ def summarise(
     """
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
         summary = headline(bounds, samples, published)
+        if scan := scan_facts(bounds):
+            summary["scan"] = scan
         asked = "quantities" in samples.variables
     if asked:
         summary |= answer_rows(folder, requirements, choice)
@@ -44,9 +48,7 @@ def summarise(
 
 def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
     """The headline numbers as plain numbers and text, from the open `bounds.nc`, `samples.nc`."""
-    roles, ids = list(samples["role"][:]), list(samples["run_id"][:])
-    nodes = {run for run, role in zip(ids, roles, strict=True) if role == "node"}
-    held_out = {run for run, role in zip(ids, roles, strict=True) if role == "held_out"} - nodes
+    found = counts(samples)
     names = list(bounds["response"][:])
     parameters = [
         {
@@ -73,16 +75,16 @@ def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
         "design": {
             "method": bounds.design_method,
             "order": np.atleast_1d(bounds.design_order).tolist(),
-            "nodes": len(nodes),
-            "held_out": len(held_out),
-            "runs": len(set(ids)),
-            "nominal_among_them": ids[roles.index("nominal")] in nodes | held_out,
+            "nodes": found.nodes,
+            "held_out": found.held_out,
+            "runs": found.runs,
+            "nominal_among_them": found.nominal_among_them,
         },
         "bounds": bounds_text(bounds),
         "time_step": float(bounds.time_step),
         "overlap": float(samples["overlap"][:].max()),
         "assembly_energy": float(getattr(samples, "assembly_energy", 0.0)),
-        "closures": closures(samples, roles.index("nominal")),
+        "closures": closures(samples, nominal_row(samples)),
         "responses": [
             _response(bounds, i, name, published.get(name)) for i, name in enumerate(names)
         ],
@@ -134,6 +136,8 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict:
         row["error_at_largest_difference"] = float(error[at])
         if bounds.bounds_kind.startswith("least") and not error[at]:
             row["error_at_largest_difference"] = None  # it did not grow, which tells nothing
+    if "growth_quarter" in bounds.variables:
+        row["largest_growth_quarter"] = float(bounds["growth_quarter"][i].max())
     if "worst_violation" in bounds.variables:
         row["runs_outside_by"] = float(bounds["worst_violation"][i])
         row["outside"] = outside_text(bounds, i)
@@ -159,7 +163,7 @@ def closures(samples: Any, run: int) -> list[dict]:
 
 def as_text(summary: Mapping) -> str:
     """The summary as Markdown."""
-    design = summary["design"]
+    design, rows = summary["design"], summary["responses"]
     order = "" if not any(design["order"]) else f" of order {max(design['order'])}"
     lines = [
         f"# {summary['campaign']}",
@@ -177,7 +181,10 @@ def as_text(summary: Mapping) -> str:
         f"| {pretty(p['units'])} |"
         for p in summary["parameters"]
     ]
-    lines += ["", *_response_table(summary["responses"]), "", _error_line(summary)]
+    lines += ["", *_response_table(rows), "", _error_line(summary)]
+    if "scan" in summary:
+        parts = [(row["name"], _quantity(row, "largest_growth_quarter")) for row in rows]
+        lines += ["", scan_text(summary["scan"], [" ".join(part) for part in parts])]
     if summary["assembly_energy"] > 0:
         lines += ["", (
             "Parts are forced together before the start, which leaves a strain energy of up to "

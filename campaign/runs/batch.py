@@ -1,15 +1,15 @@
 """Simulate one batch of a plan's runs, skipping those that are there already.
 
-A batch is one process. It takes its runs in groups, integrates a group side by side, writes it and
-goes on, so that memory stays bounded and a killed job loses one group at most. A run that fails
-does not harm the others: they are written, and the failures are listed at the end.
+A batch is one process. It takes its runs in groups, integrates a group side by side, hands it to
+the store and goes on, so that memory stays bounded and a killed job loses one group at most. A run
+that fails does not harm the others: they are written, and the failures are listed at the end.
 """
 
 from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -20,14 +20,18 @@ import numpy as np
 from campaign.config.sections import Jobs
 from campaign.errors import CampaignError
 from campaign.files import write_result
-from campaign.plan.plan import Plan, Run, share
+from campaign.plan.plan import Plan, share
+from campaign.plan.runs import Run, Runs
 from campaign.provenance import as_attribute
 from campaign.runs.progress import Progress, Tell, warm_up
-from campaign.runs.store import Result, open_store
+from campaign.runs.results import Result, groups_of
+from campaign.runs.store import open_store
 from fpm.asked import Column, words
 from fpm.sealed import sweep
 
 Failure = tuple[Run, str]
+
+_TOLD = 100  # runs that failed, named in a message
 
 
 def run_batch(
@@ -49,36 +53,30 @@ def run_batch(
     started = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
     sweep(folder)
-    all_groups = plan.groups(batches, jobs.group)
-    mine = all_groups[batch]
-    flat = [group for groups in all_groups for group in groups]
-    work = [(group, missing) for group in mine if (missing := store.missing(group))]
+    groups = store.groups(plan.unique_runs(), jobs.group)
+    mine = share(groups, batch, batches)
+    work = [(group, missing) for group in mine if len(missing := store.missing(group))]
     tell_again(store, tell)
 
-    failures: list[Failure] = []
-    simulated, integrating = 0, np.zeros(2)
+    simulation = Simulation(plan, jobs.group, threads)
     if work:
         check_structure(plan)
         scene = plan.experiment.build(plan.named(work[0][1][0]))
         warm_up(scene, tell, plan.experiment.asked)
-        name, total = plan.experiment.name, sum(map(len, flat))
-        progress = Progress(name, total, lambda: store.count(flat), tell)
-        for number, (group, missing) in enumerate(work, start=1):
-            results, failed, taken = simulate(plan, missing, threads, store.had(missing))
-            store.write(group, results)
-            failures += failed
-            simulated += len(results)
-            integrating += taken
-            progress.report(last=number == len(work))
-    if failures:
-        raise CampaignError(failure_text(plan, failures))
+        total = sum(map(len, groups))
+        progress = Progress(plan.experiment.name, total, store.counter(groups), tell)
+        simulation.after = lambda: progress.report(last=False)
+        for group, missing in work:
+            store.write(group, simulation.results(missing, store.had(missing)))
+        progress.report()
+    simulation.check()
     facts = {
         "batch": batch,
-        "runs": [run.id for group in mine for run in group],
-        "simulated": simulated,
+        "runs": sum(map(len, mine)),
+        "simulated": simulation.count,
         # Of the clock and of the processor.
         "seconds": (clocks() - started).round(3).tolist(),
-        "seconds_integrating": integrating.round(3).tolist(),
+        "seconds_integrating": simulation.seconds.round(3).tolist(),
     }
     write_result(manifest, json.dumps(facts, indent=1) + "\n")
 
@@ -104,21 +102,49 @@ def tell_again(store: Any, tell: Tell) -> None:
     store.lacking.clear()
 
 
-def make_again(plan: Plan, store: Any, group: Sequence[Run], tell: Tell) -> None:
+def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> None:
     """Simulate the runs of a group that were there and are no longer, or are damaged.
 
     Raises `CampaignError` that lists those that failed.
     """
     missing = store.missing(group)
     tell_again(store, tell)
-    if not missing:
+    if not len(missing):
         return
     check_structure(plan)
     tell(f"{plan.experiment.name}: {len(missing)} runs are missing and made again")
-    results, failures, _ = simulate(plan, missing, also=store.had(missing))
-    store.write(group, results)
-    if failures:
-        raise CampaignError(failure_text(plan, failures))
+    simulation = Simulation(plan, size)
+    store.write(group, simulation.results(missing, store.had(missing)))
+    simulation.check()
+
+
+class Simulation:
+    """Simulates runs of a plan, `size` side by side, on so many threads.
+
+    Attributes: `count` of the runs that went well, `failures`, and the `seconds` (by `clocks`) that
+    it took to integrate; `after` is called after each group.
+    """
+
+    def __init__(self, plan: Plan, size: int, threads: int = 1):
+        self.plan, self.size, self.threads = plan, size, threads
+        self.count, self.seconds = 0, np.zeros(2)
+        self.failures: list[Failure] = []
+        self.after: Callable[[], None] = lambda: None
+
+    def results(self, runs: Runs, also: Iterable[Column] = ()) -> Iterator[Result]:
+        """The results of those runs that go well, as they come; also: as for `simulate`."""
+        for group in groups_of(runs, self.size):
+            results, failed, taken = simulate(self.plan, group, self.threads, also)
+            self.count += len(results)
+            self.failures += failed
+            self.seconds += taken
+            yield from results
+            self.after()
+
+    def check(self) -> None:
+        """Raise `CampaignError` that lists the runs that failed, if any did."""
+        if self.failures:
+            raise CampaignError(failure_text(self.plan, self.failures))
 
 
 def simulate(
@@ -164,16 +190,18 @@ def simulate(
             "provenance": as_attribute(),
             **{f"parameter_{name}": v for name, v in values.items() if v is not None},
         }
-        results.append(Result(run.id, outcome, attributes))
+        results.append(Result(run, outcome, attributes))
     return results, failed, seconds
 
 
 def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
     """Which runs of a plan failed, with their parameters and the reason."""
     lines = [f"{len(failures)} of the runs failed; all others were written:"]
-    for run, reason in failures:
+    for run, reason in failures[:_TOLD]:
         values = ", ".join(f"{name} = {value:.9g}" for name, value in plan.named(run).items())
         lines.append(f"  run {run.id} ({values}): {reason}")
+    if len(failures) > _TOLD:
+        lines.append(f"  and {len(failures) - _TOLD} more")
     return "\n".join(lines)
 
 

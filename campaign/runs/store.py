@@ -2,117 +2,102 @@
 
 A finished run is found again by a campaign that was killed, and by any later design that asks for
 it if its trajectory was kept. A file that is not as it was written, or is another run's, counts as
-absent, and is noted in `damaged` until it is written again. Two ways to keep a run, with the same
+absent, and is noted in `damaged` until it is written again. Three ways to keep a run, with the same
 methods:
 
 `Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded. What is recorded
                 only when a response asks (`fpm.asked`) may be lacking: then the run is noted in
                 `lacking` and counts as absent, and what it had is recorded again as well;
-`Responses`     one netCDF file per group, `<digest of the group's run ids>.nc`, with the
+`Responses`     one netCDF file per group, `<digest of the group's runs>.nc`, with the
                 responses, contact events and quantities only. Other groups have other files:
-                another design, size of group or response simulates its runs again.
+                another design, size of group or response simulates its runs again;
+`Extremes`      one netCDF file per share of a scan, with the least and largest values over time
+                (`campaign.runs.extremes`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from campaign.config.sections import Experiment, digest
-from campaign.errors import CampaignError
+from campaign.config.sections import Experiment
 from campaign.files import whole_file
-from campaign.plan.plan import Run
+from campaign.plan.runs import Run, Runs
+from campaign.runs.extremes import Extremes
+from campaign.runs.results import (
+    EVENT_VARIABLES,
+    Record,
+    Result,
+    asked_of,
+    group_digest,
+    groups_of,
+    largest_overlap,
+    listed,
+    numbers_of,
+    write_dimension,
+)
 from fpm.asked import Column
 from fpm.sealed import DamagedError, check
 
-# Contact events as the interval side gets them, in the order of the columns of `Record.events`.
-EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
 
-
-@dataclass(frozen=True)
-class Result:
-    """A run that went well: its `fpm.Outcome`, and attributes for its file."""
-
-    id: str
-    outcome: Any
-    attributes: Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class Record:
-    """What the interval side needs of a run: time (t,) s, the values (n, t) of its n responses,
-    contact events (e, 3): time (s), contact index, 1 if it closes, names of contacts, numbers (q,)
-    of its quantities, NaN where what is asked for does not happen, and by how much (rad) the faces
-    of a contact overlap at most, at the instants."""
-
-    time: np.ndarray
-    values: np.ndarray
-    events: np.ndarray
-    contacts: Sequence[str]
-    numbers: np.ndarray
-    overlap: float
-
-
-def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Trajectories | Responses:
+def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
     """The store for a config's `jobs.keep` in `folder`; the experiment says which responses
     and quantities."""
-    kind = {"trajectories": Trajectories, "responses": Responses}[keep]
-    return kind(Path(folder), experiment.curves, experiment.numbers)
-
-
-def _numbers(quantities: Sequence[Any], curves: Any) -> np.ndarray:
-    """Numbers (q,) of one run; raises `CampaignError` where they cannot be told."""
-    try:
-        return np.array([quantity.evaluate(curves) for quantity in quantities], dtype=float)
-    except ValueError as error:
-        raise CampaignError(str(error)) from None
+    kind = {"trajectories": Trajectories, "responses": Responses, "extremes": Extremes}[keep]
+    return kind(Path(folder), experiment)
 
 
 class Trajectories:
     """One netCDF file per run. It depends on the responses only by what they ask to be recorded."""
 
-    def __init__(self, folder: Path, responses: Sequence[Any], quantities: Sequence[Any] = ()):
-        self.folder, self.responses, self.quantities = folder, responses, quantities
+    def __init__(self, folder: Path, experiment: Experiment):
+        self.folder = folder
+        self.responses, self.quantities = experiment.curves, experiment.numbers
         self.damaged: dict[Path, DamagedError] = {}
         self.lacking: dict[str, set[Column]] = {}
         self._had: dict[str, set[Column]] = {}
-        self._needs = {need for response in responses for need in response.needs}
+        self._needs = {need for response in self.responses for need in response.needs}
+
+    def groups(self, runs: Runs, size: int) -> list[Runs]:
+        """Runs that are written together."""
+        return groups_of(runs, size)
 
     def path(self, run: Run) -> Path:
         return self.folder / f"{run.id}.nc"
 
-    def missing(self, group: Sequence[Run]) -> list[Run]:
+    def missing(self, group: Runs) -> Runs:
         """The runs of the group that are still to be simulated."""
-        return [run for run in group if self._curves(run) is None]
+        return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
-    def had(self, runs: Sequence[Run]) -> set[Column]:
+    def had(self, runs: Runs) -> set[Column]:
         """Columns that some of these runs have in files that lack others."""
         return set().union(*(self._had.get(run.id, ()) for run in runs))
 
-    def count(self, groups: Sequence[Sequence[Run]]) -> int:
-        """How many runs of all groups are there, by file name alone."""
-        there = {path.stem for path in self.folder.glob("*.nc")} if self.folder.is_dir() else set()
-        return sum(run.id in there for group in groups for run in group)
+    def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
+        """A function that tells how many runs of groups are there, by the names of files alone."""
+        names = {f"{run.id}.nc" for group in groups for run in group}
+        return lambda: sum(name in names for name in listed(self.folder))
 
-    def write(self, group: Sequence[Run], results: Sequence[Result]) -> None:
-        """Write the results that a group has left; ValueError if a number is not finite."""
+    def write(self, group: Runs, results: Iterable[Result]) -> None:
+        """Write the results of runs of a group as they come; ValueError if a number is not
+        finite."""
         from fpm import trajectory
 
         for result in results:
             contents = trajectory.contents(result.outcome, attributes=result.attributes)
             trajectory.write(contents, self.folder / f"{result.id}.nc")
 
-    def read(self, group: Sequence[Run]) -> dict[str, Record]:
+    def read(self, group: Runs) -> dict[str, Record]:
         """Those runs of a group that are there, by id."""
         found = {}
         for run in group:
             if (curves := self._curves(run)) is not None:
                 values = np.stack([r.evaluate(curves) for r in self.responses])
-                numbers = _numbers(self.quantities, curves)
+                numbers = numbers_of(self.quantities, curves)
                 overlap = largest_overlap(curves.openings, curves.contacts)
                 found[run.id] = Record(
                     curves.time, values, curves.events, curves.contacts, numbers, overlap
@@ -140,24 +125,22 @@ class Trajectories:
 class Responses:
     """One netCDF file per group, with the responses only, in single precision."""
 
-    def __init__(self, folder: Path, responses: Sequence[Any], quantities: Sequence[Any] = ()):
-        from fpm import asked_responses as readers
-        from fpm import quantities as numbers
-        from fpm import responses as module
-        from fpm.sources import syntax_digest
-
-        self.folder, self.responses, self.quantities = folder, responses, quantities
+    def __init__(self, folder: Path, experiment: Experiment):
+        self.folder = folder
+        self.responses, self.quantities = experiment.curves, experiment.numbers
         self.damaged: dict[Path, DamagedError] = {}
         self.lacking: dict[str, set[Column]] = {}
-        modules = [module, readers, numbers] if quantities else [module, readers]
-        code = syntax_digest(Path(m.__file__) for m in modules)
-        self._asked = [code, *(asdict(one) for one in (*responses, *quantities))]
+        self._named = partial(group_digest, asked_of(self.responses, self.quantities), experiment)
 
-    def path(self, group: Sequence[Run]) -> Path:
+    def groups(self, runs: Runs, size: int) -> list[Runs]:
+        """Runs that are written together."""
+        return groups_of(runs, size)
+
+    def path(self, group: Runs) -> Path:
         """Other runs or responses, or another way to read responses, have another file."""
-        return self.folder / f"{digest([self._asked, *(run.id for run in group)])}.nc"
+        return self.folder / f"{self._named(group)}.nc"
 
-    def missing(self, group: Sequence[Run]) -> list[Run]:
+    def missing(self, group: Runs) -> Runs:
         """The runs of the group that are still to be simulated: all of them, or none.
 
         A group in which a run had failed is simulated again as a whole.
@@ -169,27 +152,29 @@ class Responses:
             check(path, _name(path))
         except DamagedError as error:
             self.damaged[path] = error
-            return list(group)
+            return group
         except FileNotFoundError:
-            return list(group)
+            return group
         with netCDF4.Dataset(path) as file:
             there = list(file["run_id"][:])
-        return [] if there == [run.id for run in group] else list(group)
+        return group[:0] if there == [run.id for run in group] else group
 
-    def had(self, runs: Sequence[Run]) -> set[Column]:
+    def had(self, runs: Runs) -> set[Column]:
         """Nothing: files hold the responses only."""
         return set()
 
-    def count(self, groups: Sequence[Sequence[Run]]) -> int:
-        """How many runs of all groups are there."""
-        return sum(len(group) for group in groups if self.path(group).exists())
+    def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
+        """A function that tells how many runs of groups are there, by the names of files alone."""
+        sizes = {self.path(group).name: len(group) for group in groups}
+        return lambda: sum(sizes.get(name, 0) for name in listed(self.folder))
 
-    def write(self, group: Sequence[Run], results: Sequence[Result]) -> None:
-        """Write the results that a group has left; ValueError if a number is not finite."""
+    def write(self, group: Runs, results: Iterable[Result]) -> None:
+        """Write the results of runs of a group; ValueError if a number is not finite."""
         import netCDF4
 
         from fpm.trajectory import curves_of, impact_events
 
+        results = list(results)
         if not results:
             return
         first = results[0].outcome
@@ -227,9 +212,9 @@ class Responses:
                 write_dimension(file, "quantity", [q.name for q in self.quantities], "quantity")
                 variable = file.createVariable("quantities", "f8", ("run", "quantity"))
                 for row, result in enumerate(results):
-                    variable[row] = _numbers(self.quantities, curves_of(result.outcome))
+                    variable[row] = numbers_of(self.quantities, curves_of(result.outcome))
 
-    def read(self, group: Sequence[Run]) -> dict[str, Record]:
+    def read(self, group: Runs) -> dict[str, Record]:
         """Those runs of a group that are there, by id."""
         import netCDF4
 
@@ -255,20 +240,6 @@ class Responses:
         }
 
 
-def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str]) -> float:
-    """Largest overlap (rad) of the faces of the contacts on hinges, from their openings (t,)."""
-    return max((float(-openings[name].min()) for name in contacts if name in openings), default=0.0)
-
-
 def _name(path: Path) -> str:
     """What the file of a group is called in its seal."""
     return f"runs {path.stem}"
-
-
-def write_dimension(file: Any, dimension: str, names: Sequence[str], long_name: str) -> None:
-    """Define a dimension whose coordinate are names."""
-    file.createDimension(dimension, len(names))
-    variable = file.createVariable(dimension, str, (dimension,))
-    variable.long_name = long_name
-    if len(names):
-        variable[:] = np.array([str(name) for name in names], dtype=object)

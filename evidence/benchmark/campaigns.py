@@ -96,7 +96,7 @@ def timed(samples: int | None = None, cores: int = 2) -> tuple[list[Row], float]
         manifests = [json.loads(p.read_text()) for p in folder.glob("results/*/batches/*.json")]
     first = done[0][1] - started if done else wall
     during = busy([(start, end) for _, start, end in done])
-    runs = sum(len(manifest["runs"]) for manifest in manifests)
+    runs = sum(manifest["runs"] for manifest in manifests)
     inside = sum(manifest["seconds"][0] for manifest in manifests) / cores
     arithmetic, arithmetic_cpu = (
         sum(manifest["seconds_integrating"][clock] for manifest in manifests) for clock in (0, 1)

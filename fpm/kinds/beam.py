@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fpm.cross import cross
 from fpm.errors import SceneError
 from fpm.kinds.beam_limits import BEND, STRAIN
 from fpm.kinds.kind import Deformations, Energy, Kind
@@ -245,9 +246,9 @@ def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
     """Right-handed axes (3, 3) as columns: x along `direction`, z in the plane with `normal`."""
     x = np.asarray(direction, float)
     x = x / np.linalg.norm(x)
-    y = np.cross(normal, x)
+    y = cross(normal, x)
     size = np.linalg.norm(y)
     if size < 1e-9:
         raise SceneError("normal", tuple(normal), f"a vector not parallel to the beam, {tuple(x)}")
     y = y / size
-    return np.column_stack([x, y, np.cross(x, y)])
+    return np.column_stack([x, y, cross(x, y)])

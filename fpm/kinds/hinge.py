@@ -10,6 +10,7 @@ scheme stays symplectic, and no drift builds up. A hinge point may be held along
 
 from collections import Counter
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -202,8 +203,14 @@ def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
 
 def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
     """Whether the impulses of a hinge all move something; fixed (n, 6): axes held by particle."""
-    one, two = fixed[list(hinge.particles)]
-    point = np.array([axis in hinge.support for axis in AXES])
+    return _is_regular(hinge.support, *(fixed[p].tobytes() for p in hinge.particles))
+
+
+@lru_cache(1024)  # there are few cases, and each of many runs asks several times
+def _is_regular(support: str, one: bytes, two: bytes) -> bool:
+    """The same for the axes that are held, six truth values each."""
+    one, two = np.frombuffer(one, bool), np.frombuffer(two, bool)
+    point = np.array([axis in support for axis in AXES])
     twice = (one[:3] & two[:3]) | ((one[:3] | two[:3]) & point)
     in_part = any(turns.any() and not turns.all() for turns in (one[3:], two[3:]))
     return not (twice.any() or in_part or (one[3:].all() and two[3:].all()))

@@ -11,6 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from fpm.cross import cross
 from fpm.errors import SceneError
 from fpm.kinds.kind import Deformations, Energy, Kind, Recorded, rows_of
 from fpm.kinds.probe import Probe
@@ -193,5 +194,5 @@ def check_numbers(what: str, **limits) -> None:
 
 def opening_angle(axis, first, second, near: float) -> float:
     """Angle (rad) from `first` to `second` about `axis`, on the turn closest to `near`."""
-    angle = np.arctan2(np.dot(axis, np.cross(first, second)), np.dot(first, second))
+    angle = np.arctan2(np.dot(axis, cross(first, second)), np.dot(first, second))
     return float(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))

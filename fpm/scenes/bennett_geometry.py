@@ -37,6 +37,7 @@ from functools import cached_property
 
 import numpy as np
 
+from fpm.cross import cross
 from fpm.errors import SceneError
 
 LINKS = ("AB", "BC", "CD", "DA")
@@ -238,7 +239,7 @@ class BennettGeometry:
         turned = cosine * normal - sine * np.cross(hinge, normal)
         world = np.stack([hinge, turned, np.cross(hinge, turned)], axis=-1)
         local_hinge, local_normal = self.axis_b, self.face_normal_b
-        local = np.stack([local_hinge, local_normal, np.cross(local_hinge, local_normal)], axis=-1)
+        local = np.stack([local_hinge, local_normal, cross(local_hinge, local_normal)], axis=-1)
         rotation = world @ local.T
 
         end_b = np.array([self.length, 0.0, 0.0])

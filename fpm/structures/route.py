@@ -1,10 +1,10 @@
-"""The way of a cable: points of parts in order, those of all units of a repeat among them."""
+"""Lists of points, those of all units of a repeat among them: ways of cables, points on bodies."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fpm.structures.keys import Key, PointOfPart
+from fpm.structures.keys import Key
 from fpm.structures.names import Context
 from fpm.structures.place import Place
 from fpm.structures.reading import Items, Node, Table, Text
@@ -12,27 +12,28 @@ from fpm.structures.reading import Items, Node, Table, Text
 if TYPE_CHECKING:
     from fpm.structures.builder import Builder
 
-POINT = PointOfPart(ground=True)
-
 
 @dataclass(frozen=True)
-class Route(Key):
-    """A list of points of parts, and of {each: REPEAT, through: [...]} for those of all units."""
+class Points(Key):
+    """A list of points of a kind, and of {each: REPEAT, through: [...]} for those of all units."""
+
+    kind: Key | None = None
+    least: int = 1
 
     @property
     def allowed(self) -> str:
         return (
-            f"a list of 2 or more, each {POINT.allowed}; or {{each: a repeat, through: such a "
-            "list}, which stands for those of all its units"
+            f"a list of {self.least} or more, each {self.kind.allowed}; or {{each: a repeat, "
+            "through: such a list}, which stands for those of all its units"
         )
 
-    def read(self, node: Node, place: Place) -> list[tuple[str, str]]:
+    def read(self, node: Node, place: Place) -> list:
         found = list(self._points(node, place))
-        if len(found) < 2:
+        if len(found) < self.least:
             place.refuse(node, self.allowed)
         return found
 
-    def _points(self, node: Node, place: Place) -> Iterator[tuple[str, str]]:
+    def _points(self, node: Node, place: Place) -> Iterator:
         if not isinstance(node, Items):
             place.refuse(node, self.allowed)
         for item in node.items:
@@ -41,10 +42,10 @@ class Route(Key):
                     inside = Place(f"{place.key}.through", context, place.names)
                     yield from self._points(item.entries["through"], inside)
             else:
-                yield POINT.read(item, place)
+                yield self.kind.read(item, place)
 
-    def value(self, read: list[tuple[str, str]], build: "Builder", key: str) -> list[tuple]:
-        return [POINT.value(one, build, key) for one in read]
+    def value(self, read: list, build: "Builder", key: str) -> list:
+        return [self.kind.value(one, build, key) for one in read]
 
 
 def _units(node: Node, place: Place) -> Iterator[Context]:

@@ -46,8 +46,19 @@ def test_nothing_to_check_is_refused_and_help_names_all_commands(capsys):
         main(["--help"])
     assert helped.value.code == 0
     told = capsys.readouterr().out
-    for name in ("check", "run", "keys", "structure", *STAGES):
+    for name in ("check", "run", "keys", "structure", "export", "attack", *STAGES):
         assert f"\n    {name}" in told
+
+
+def test_the_attack_is_a_command_where_there_is_one(capsys, monkeypatch):
+    with pytest.raises(SystemExit) as helped:
+        main(["attack", "--help"])
+    assert helped.value.code == 0
+    assert "--minutes" in capsys.readouterr().out
+    monkeypatch.setattr("campaign.cli.find_spec", lambda name: None)
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert "\n    attack" not in capsys.readouterr().out
 
 
 def test_the_program_tells_its_version(capsys):

@@ -12,6 +12,7 @@ from campaign.config.check import check_config
 from campaign.config.design import count_runs
 from campaign.plan.make import make_plan
 from campaign.plan.plan import read_plan, share, write_plan
+from campaign.runs.results import groups_of
 from campaign.runs.store import open_store
 from campaign.stages import STAGES
 from fpm.scenes import SceneType
@@ -139,9 +140,28 @@ def test_a_plan_survives_its_file(plan, tmp_path):
     assert read_plan(tmp_path / "nodes.json") == plan
 
 
+def test_a_plan_of_many_runs_is_packed_to_the_last_bit(raw, tmp_path, monkeypatch):
+    raw["intervals"]["E"] = {"relative": 0.05}
+    raw["design"] = {"method": "scan", "samples": 10_000}
+    plan = plan_of(raw)
+    write_plan(plan, tmp_path / "nodes.json")
+    found = read_plan(tmp_path / "nodes.json")
+    assert found == plan
+    assert found.digest == plan.digest
+    assert [run.id for run in found.runs[:5]] == [run.id for run in plan.runs[:5]]
+    assert (tmp_path / "nodes.json").stat().st_size < 40 * len(plan.runs)
+
+
+def test_runs_with_the_same_values_are_one(config):
+    plan = make_plan(config.experiment)
+    rows = plan.runs[[0, 1, 0, 3, 1]]
+    assert [run.id for run in rows.unique()] == [plan.runs[i].id for i in (0, 1, 3)]
+
+
 @pytest.mark.parametrize(("batches", "size"), [(1, 1), (2, 2), (3, 4), (7, 2), (1, 100)])
 def test_batches_and_groups_hold_every_run_once(plan, batches, size):
-    groups = plan.groups(batches, size)
+    every = groups_of(plan.unique_runs(), size)
+    groups = [share(every, batch, batches) for batch in range(batches)]
     assert len(groups) == batches
     flat = [run.id for mine in groups for group in mine for run in group]
     assert flat == [run.id for run in plan.unique_runs()]

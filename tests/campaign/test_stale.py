@@ -9,13 +9,12 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from conftest import RAW
 
 import campaign
 from campaign.folder import Folder
 from campaign.stages import STAGES, Stage, drawings
 from campaign.workflow import Workflow
-from evidence.attack.victim import results_in
+from evidence.attack.victim import RAW, results_in
 from fpm.scenes import SceneType
 
 ROOT = Path(__file__).parents[2]

@@ -5,12 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib import colormaps
 from PIL import Image
 
+from campaign.errors import CampaignError
+from campaign.export import export
 from campaign.pictures.moving import write_moving
 from campaign.pictures.paint import limits_of, paint_cables, visible_faces
 from campaign.pictures.solid import Solid, solid_of_motion, solid_of_scene
 from campaign.pictures.still import draw_structure
+from campaign.pictures.stressed import stress_colours, words
 from campaign.pictures.view import View, nice_length
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
@@ -42,6 +46,41 @@ def test_a_moving_picture_has_all_frames_and_plays_for_ever(motion, tmp_path, ki
     for one, other in pairwise(shown):
         assert np.abs(one - other).max() > 50
     assert max(shown[0].shape) <= 700
+
+
+def test_colours_of_stress_go_from_none_to_most_and_bodies_are_grey(motion):
+    short = motion.isel(time=[0, -1]).copy(deep=True)
+    stress = np.linspace(0, 5e6, short["stress"].size).reshape(short["stress"].shape)
+    short["stress"].values[:] = stress
+    colours, top = stress_colours(short)
+    assert top == pytest.approx(np.quantile(stress, 0.995))
+    np.testing.assert_allclose(colours[0, 0], colormaps["viridis"](0.0)[:3])
+    np.testing.assert_allclose(colours[-1, -1], colormaps["viridis"](1.0)[:3])
+    assert (np.diff(colours.reshape(-1, 3) @ [0.2126, 0.7152, 0.0722]) > -1e-3).all()  # brighter
+    short["element_particle"].values[0] = 0  # a rigid body: one particle at both ends
+    np.testing.assert_allclose(stress_colours(short)[0][:, 0], 0x99 / 255)
+    assert [words(x) for x in (0.0, 950.0, 6.21e6, 2e11)] == [
+        "0 Pa",
+        "950 Pa",
+        "6.21 MPa",
+        "200 GPa",
+    ]
+
+
+def test_a_moving_picture_by_stress_shows_the_same_frames_in_other_colours(motion, tmp_path):
+    short = motion.isel(time=[0, -1])
+    paths = [write_moving(short, tmp_path / f"{by}.webp", by_stress=by) for by in (False, True)]
+    with Image.open(paths[0]) as one, Image.open(paths[1]) as other:
+        assert one.size == other.size and one.n_frames == other.n_frames == 2
+        pixels = [np.asarray(image.convert("RGB")).astype(int) for image in (one, other)]
+    drawn = [(p < 200).any(axis=2) for p in pixels]
+    assert (drawn[1] & drawn[0]).sum() > 0.8 * drawn[0].sum()  # the structure is where it was
+    assert np.abs(pixels[0] - pixels[1]).max() > 50
+
+
+def test_only_moving_pictures_are_coloured_by_stress(tmp_path):
+    with pytest.raises(CampaignError, match="not for vtk; allowed: gif, webp"):
+        export(None, "vtk", tmp_path, colour="stress")
 
 
 def test_the_same_motion_gives_the_same_bytes(motion, tmp_path):

@@ -192,6 +192,7 @@ def test_a_hinge_whose_particles_turn_too_far_in_a_step_is_refused():
     assert coarse.failure.largest["gap"] > 1e-6
 
 
+@pytest.mark.slow
 def test_a_hinge_that_leaves_where_it_is_held_is_refused():
     """Two equal bodies swing as one about a held point: nothing between them can open."""
     scene = fpm.Scene("twins")
@@ -206,6 +207,7 @@ def test_a_hinge_that_leaves_where_it_is_held_is_refused():
     assert "hinge pivot" in str(coarse[0].failure)
 
 
+@pytest.mark.slow
 def test_axes_of_a_hinge_that_open_are_refused():
     """Two bodies about one point: only their axes can part."""
     scene = fpm.Scene("gimbal")

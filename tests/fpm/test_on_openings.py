@@ -101,6 +101,21 @@ def test_a_latch_holds_as_an_oscillator(ran):
 
 
 @pytest.mark.slow
+def test_the_impulse_of_a_latch_takes_the_panel_s_momentum(ran):
+    """Until it stands still: -J w less what the spring gave, and the integral of its moment."""
+    outcome = ran["undamped"]
+    rate, omega, push = 1.490188240, np.sqrt(100.1 / J), 0.1 * np.pi / 2 / 100.1
+    still = (np.pi - np.arctan(rate / (push * omega))) / omega
+    turned = push * (still - np.sin(omega * still) / omega)
+    turned += rate / omega**2 * (1 - np.cos(omega * still))
+    impulse = outcome.recorded["latch_impulse"].values[:, 0]
+    found = np.interp(outcome.events[0, 0] + still, outcome.time, impulse)
+    spring = 0.1 * (np.pi / 2 * still - turned)
+    assert found == pytest.approx(-J * rate - spring, abs=2e-4)
+    assert found == pytest.approx(-100 * turned, abs=2e-4)
+
+
+@pytest.mark.slow
 def test_a_one_sided_latch_resists_going_back_only(ran):
     outcome = ran["one-sided"]
     assert events_of(outcome) == ["latches"]

@@ -136,7 +136,7 @@ def test_scan_of_a_file_reads_it_in_chunks(tmp_path, monkeypatch, runs_at_a_time
     with xr.open_dataset(tmp_path / "samples.nc") as file:
         found = bounds_dataset(file, None, model="scan")
     *sizes, nominal = sizes
-    assert max(sizes) == min(runs_at_a_time, 33)
+    assert max(sizes) == min(runs_at_a_time, 17)  # a quarter at a time
     assert (sum(sizes), nominal) == (65, 1)
     values = samples["values"].values[:, 0]
     np.testing.assert_array_equal(found["lower"][0], values.min(axis=0))

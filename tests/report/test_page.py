@@ -14,7 +14,7 @@ from campaign.report.data import MOST_LINES, Parameter
 from campaign.report.motions import moving_runs
 from campaign.report.pack import payload, thinned
 from campaign.report.trust import trust
-from campaign.report.words import cautions, headline, number, spread, verdict
+from campaign.report.words import cautions, headline, number, spread, unbroken, verdict
 
 
 def embedded(path):
@@ -37,7 +37,7 @@ def test_the_page_asks_nothing_of_a_network(page):
 
 def test_the_page_tells_the_answer_first(page, data):
     text = page.read_text(encoding="utf-8")
-    body = text[text.index("<body>") :]
+    body = text[text.index("<body>") :].replace("\N{NO-BREAK SPACE}", " ")
     places = [body.index(part) for part in (headline(data), 'id="motion"', 'id="parameters"')]
     assert places == sorted(places)
     assert "swing" in text and "data version" not in text
@@ -93,7 +93,17 @@ def test_motions_are_those_of_the_trajectory_files(results, data):
 def test_a_page_without_motions_is_a_page(tmp_path, data):
     write_page(replace(data, moving=()), tmp_path / "still.html")
     text = (tmp_path / "still.html").read_text(encoding="utf-8")
-    assert 'id="view"' not in text and headline(data) in text
+    assert 'id="view"' not in text
+    assert headline(data) in text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def test_no_line_ends_between_a_number_and_its_unit(tmp_path, data):
+    told = "0.0618 m at 0.977 s, ± 1 % of 1.2 × 10⁹ N m/rad; 9 runs, 3 rods"
+    kept = "0.0618_m at 0.977_s, ±_1_% of 1.2_×_10⁹_N_m/rad; 9 runs, 3 rods"
+    assert unbroken(told, ["m", "N m/rad"]).replace("\N{NO-BREAK SPACE}", "_") == kept
+    config = "height: 10 m\n"  # to be copied as it is
+    write_page(replace(data, config=config), tmp_path / "page.html")
+    assert f"<pre>{config}</pre>" in (tmp_path / "page.html").read_text(encoding="utf-8")
 
 
 def test_names_cannot_break_out_of_the_page(tmp_path, data):

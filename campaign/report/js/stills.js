@@ -16,7 +16,7 @@ function moments() {
   while (kept.length < MOST_STILLS) { // halve the longest gaps
     const gaps = kept.slice(1).map((one, i) => one.time - kept[i].time);
     const at = gaps.indexOf(Math.max(...gaps));
-    kept.splice(at + 1, 0, { time: kept[at].time + 0.5 * gaps[at], name: "" });
+    kept.splice(at + 1, 0, { time: kept[at].time + 0.5 * gaps[at], name: "between" });
   }
   return kept;
 }
@@ -26,7 +26,7 @@ class Stills {
     this.viewer = viewer;
     this.items = moments().map((moment) => {
       const canvas = make("canvas");
-      const button = make("button", { type: "button" }, canvas, make("b", {}, `${digits(moment.time, 3)} s`), moment.name || "\u00a0");
+      const button = make("button", { type: "button" }, canvas, make("b", {}, `${digits(moment.time, 3)} s`), moment.name);
       button.addEventListener("click", () => { clock.play(false); clock.set(moment.time); });
       byId("stills").append(button);
       return { ...moment, canvas, button };

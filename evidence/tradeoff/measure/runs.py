@@ -11,7 +11,7 @@ import numpy as np
 
 import fpm
 import intervals
-from campaign.runs.store import EVENT_VARIABLES
+from campaign.runs.results import EVENT_VARIABLES
 from evidence.tradeoff.measure.cases import Case
 from evidence.tradeoff.measure.points import box_of, unique_points
 

@@ -5,7 +5,8 @@ import numpy as np
 from fpm.errors import SceneError
 from fpm.kinds.beam import triad
 from fpm.structures.builder import Part
-from fpm.structures.keys import Direction, Many, Number, Reference, Vector
+from fpm.structures.keys import Direction, Number, Reference, Vector
+from fpm.structures.route import Points
 from fpm.structures.statement import statement
 
 
@@ -23,7 +24,7 @@ from fpm.structures.statement import statement
         "principal moments of inertia about its centre, about x, up × x and up",
         unit="kg m2",
     ),
-    points=Many((), "points rigidly held at it", kind=Reference(group="points")),
+    points=Points((), "points rigidly held at it", kind=Reference(group="points")),
     x=Direction(np.array([1.0, 0.0, 0.0]), "its first principal axis"),
     up=Direction(np.array([0.0, 0.0, 1.0]), "its third principal axis, normal to x"),
 )

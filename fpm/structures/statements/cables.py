@@ -1,13 +1,13 @@
 """Cables: tension only, from point to point or running through several."""
 
-from fpm.structures.keys import Number, Reference
-from fpm.structures.route import Route
+from fpm.structures.keys import Number, PointOfPart, Reference
+from fpm.structures.route import Points
 from fpm.structures.statement import statement
 
 
 @statement(
     "cables",
-    through=Route(about="its points, in order"),
+    through=Points(kind=PointOfPart(ground=True), least=2, about="its points, in order"),
     EA=Number(unit="N", above=0, about="tension for a strain of one"),
     rest=Number(None, "its length without tension; this or `preload`", unit="m", above=0),
     preload=Number(None, "its tension at the start; this or `rest`", unit="N", least=0),

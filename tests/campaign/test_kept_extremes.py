@@ -1,0 +1,222 @@
+"""`keep: extremes`: the bounds of a scan without the curves of its runs."""
+
+from __future__ import annotations
+
+import copy
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import campaign
+from campaign.config import kept
+from campaign.config.sections import Jobs
+from campaign.errors import ConfigError
+from campaign.plan.make import make_plan
+from campaign.report.read import from_results
+from campaign.results import kept_extremes, samples
+from campaign.results.which import MOST_FITTED, fitted_rows
+from campaign.runs import batch, extremes
+from campaign.runs.batch import run_batch
+from campaign.runs.store import open_store
+from campaign.stages import batch_count
+
+SAMPLES = 22
+
+
+def silent(text: str) -> None:
+    """Tell nobody."""
+
+
+@pytest.fixture
+def scan(raw) -> dict:
+    """A scan that keeps extremes only."""
+    raw["intervals"]["E"] = {"relative": 0.05}
+    raw["design"] = {"method": "scan", "samples": SAMPLES}
+    raw["quantities"] = {"most": {"largest": "vBz"}}
+    raw["jobs"] = {"keep": "extremes", "group": 4}
+    return raw
+
+
+def sample(plan, folder, group=4, batches=1, keep="extremes"):
+    """Simulate and gather; the samples, and how many runs were simulated."""
+    jobs, simulated = Jobs(512, group, keep), 0
+    for number in range(batches):
+        manifest = folder / f"{number}.json"
+        run_batch(plan, number, batches, jobs, folder / keep, manifest, silent)
+        simulated += json.loads(manifest.read_text())["simulated"]
+    gather = kept_extremes.gather if keep == "extremes" else samples.gather
+    gather(plan, jobs, folder / keep, folder / "samples.nc")
+    with xr.open_dataset(folder / "samples.nc") as found:
+        return found.load(), simulated
+
+
+def test_bounds_and_answers_are_those_of_all_curves_bit_for_bit(scan, tmp_path):
+    found = campaign.run(scan, tmp_path, figures=False, tell=silent)
+    folder = tmp_path / "test"
+    whole = copy.deepcopy(scan) | {"campaign": "whole"}
+    whole["jobs"]["keep"] = "trajectories"
+    expected = campaign.run(whole, tmp_path, figures=False, tell=silent)
+    for name in (*expected.data_vars, "time", "response"):
+        np.testing.assert_array_equal(found[name], expected[name])
+    assert not (folder / "trajectories").exists()
+    with (
+        xr.open_dataset(folder / "quantities.nc") as one,
+        xr.open_dataset(tmp_path / "whole/quantities.nc") as other,
+    ):
+        np.testing.assert_array_equal(one["simulated_upper"], other["simulated_upper"])
+        assert one.attrs["runs"] == other.attrs["runs"]
+    with xr.open_dataset(folder / "samples.nc") as found:
+        assert "values" not in found
+        np.testing.assert_array_equal(found["nominal"], expected["nominal"])
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["design"]["runs"] == SAMPLES + 1
+    assert summary["scan"]["drawn_runs"] == SAMPLES - 4
+    told = (folder / "summary.md").read_text()
+    assert "it is no guarantee. The last quarter of the runs widened the bounds by" in told
+
+
+@pytest.mark.parametrize(("group", "batches"), [(1, 1), (5, 3), (100, 7)])
+def test_neither_groups_nor_jobs_change_a_bit(scan, tmp_path, group, batches):
+    plan = make_plan(campaign.check_config(scan).experiment)
+    expected, _ = sample(plan, tmp_path / "one")
+    found, simulated = sample(plan, tmp_path / "other", group, batches)
+    assert simulated == SAMPLES + 1
+    xr.testing.assert_identical(found, expected)
+
+
+def test_a_kill_costs_one_group(scan, tmp_path, monkeypatch):
+    plan = make_plan(campaign.check_config(scan).experiment)
+    expected, _ = sample(plan, tmp_path / "whole")
+    simulate, calls = batch.simulate, []
+
+    def killed(*arguments):
+        calls.append(arguments)
+        if len(calls) == 5:
+            raise KeyboardInterrupt
+        return simulate(*arguments)
+
+    monkeypatch.setattr(batch, "simulate", killed)
+    monkeypatch.setattr(extremes, "PAUSE", 0.0)
+    with pytest.raises(KeyboardInterrupt):
+        sample(plan, tmp_path)
+    # Shares have six, six, six and five runs: the fourth call ended the second share.
+    files = sorted((tmp_path / "extremes").glob("*.nc"))
+    assert [int(path.stem.split(".")[1]) for path in files] == [6, 6]
+    found, simulated = sample(plan, tmp_path)
+    assert simulated == SAMPLES + 1 - 12
+    xr.testing.assert_identical(found, expected)
+
+
+def test_half_a_share_goes_on_where_it_was(scan, tmp_path, monkeypatch):
+    plan = make_plan(campaign.check_config(scan).experiment)
+    store = open_store("extremes", tmp_path, plan.experiment)
+    share = store.groups(plan.unique_runs(), 4)[1]
+    monkeypatch.setattr(extremes, "PAUSE", 0.0)
+    made = batch.Simulation(plan, 2)
+    store.write(share, made.results(share[[0, 3]]))
+    assert [run.id for run in store.missing(share)] == [share[i].id for i in (1, 2, 4, 5)]
+    store.write(share, made.results(store.missing(share)))
+    (path,) = tmp_path.glob("*.nc")
+    assert path.name.endswith(".6.nc")
+    assert not len(store.missing(share))
+    other = open_store("extremes", tmp_path / "other", plan.experiment)
+    other.write(share, made.results(share))
+    one, whole = store.load(share), other.load(share)
+    for key in ("low", "high", "low_run", "high_run"):
+        np.testing.assert_array_equal(getattr(one.running, key), getattr(whole.running, key))
+    np.testing.assert_array_equal(one.first, whole.first)
+    np.testing.assert_array_equal(one.numbers, whole.numbers)
+
+
+@pytest.mark.parametrize("harm", ["lost", "flipped", "swapped"])
+def test_shares_that_were_lost_or_damaged_are_told_and_made_again(scan, tmp_path, harm):
+    plan = make_plan(campaign.check_config(scan).experiment)
+    expected, _ = sample(plan, tmp_path)
+    path, other = sorted((tmp_path / "extremes").glob("*.nc"))[:2]
+    content, said = path.read_bytes(), []
+    if harm == "lost":
+        path.unlink()
+    elif harm == "flipped":
+        middle = len(content) // 2
+        path.write_bytes(content[:middle] + bytes([content[middle] ^ 4]) + content[middle + 1 :])
+    else:
+        path.write_bytes(other.read_bytes())
+    jobs = Jobs(512, 4, "extremes")
+    kept_extremes.gather(plan, jobs, tmp_path / "extremes", tmp_path / "samples.nc", said.append)
+    assert any("made again" in text for text in said)
+    assert harm == "lost" or path.name in said[0]
+    with xr.open_dataset(tmp_path / "samples.nc") as found:
+        xr.testing.assert_identical(found.load(), expected)
+
+
+def test_impacts_are_those_of_the_runs(scan, tmp_path):
+    scan["solver"] = {"duration": 0.4, "instants": 11}
+    scan["design"]["samples"] = 5
+    plan = make_plan(campaign.check_config(scan).experiment)
+    found, _ = sample(plan, tmp_path)
+    whole, _ = sample(plan, tmp_path, keep="responses")
+    assert found["contact"].values.tolist() == whole["contact"].values.tolist()
+    for row in range(6):
+        there = np.isfinite(whole["event_time"].values[row])
+        assert there.any()
+        count = int(there.sum())
+        for name in ("event_time", "event_contact", "event_closing"):
+            expected = whole[name].values[row, :count].astype(found[name].dtype)
+            np.testing.assert_array_equal(found[name].values[row, :count], expected)
+        assert np.isnan(found["event_time"].values[row, count:]).all()
+    assert float(found["overlap"]) == whole["overlap"].values.max()
+
+
+def test_the_page_draws_the_runs_at_the_bounds(scan, tmp_path):
+    campaign.run(scan, tmp_path, tell=silent)
+    data = from_results(tmp_path / "test")
+    assert data.run_count == SAMPLES + 1
+    assert 3 <= len(data.runs) == len(data.moving)
+    for i, response in enumerate(data.responses):
+        at = response.widest
+        values = [run.curves[i, at] for run in data.runs]
+        assert (min(values), max(values)) == (response.lower[at], response.upper[at])
+        np.testing.assert_array_equal(data.runs[0].curves[i], response.nominal)
+    assert "it is no guarantee" in (tmp_path / "test/report.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"design": {"method": "tensor_roots", "order": 2}}, "design method scan without order"),
+        ({"design": {"method": "scan", "samples": 40, "order": 2}}, "surrogate, which needs"),
+        ({"bounds": {"model": "spline"}}, "bounds model spline"),
+    ],
+)
+def test_extremes_are_refused_where_every_run_is_needed(scan, change, told):
+    with pytest.raises(ConfigError, match=told):
+        campaign.check_config(scan | change)
+
+
+def test_a_million_runs_are_refused_where_the_disk_has_no_room(scan, monkeypatch):
+    monkeypatch.setattr(kept, "_free", lambda folder: 1e9)
+    scan["design"]["samples"] = 10**7
+    campaign.check_config(scan)
+    scan["jobs"]["keep"] = "responses"
+    with pytest.raises(ConfigError, match=r"take about 1\.44 GB, and the disk has 1 GB") as refused:
+        campaign.check_config(scan)
+    assert "allowed: at most 6944444, or jobs.keep extremes" in str(refused.value)
+
+
+def test_surrogates_of_large_scans_see_the_runs_that_decide():
+    numbers = np.random.default_rng(0).random((MOST_FITTED + 5, 2))
+    numbers[9000:9010, 1] = np.nan
+    rows = fitted_rows(numbers)
+    assert len(rows) < MOST_FITTED / 2
+    for column in numbers.T:
+        assert {np.nanargmin(column), np.nanargmax(column)} <= set(rows.tolist())
+    assert 9000 in rows
+    assert len(fitted_rows(numbers[:MOST_FITTED])) == MOST_FITTED
+
+
+@pytest.mark.parametrize(("runs", "jobs"), [(7, 1), (1001, 2), (10**5, 25), (10**6, 64)])
+def test_large_scans_have_tens_of_jobs(monkeypatch, runs, jobs):
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    assert batch_count(Jobs("auto", 32, "extremes"), runs) == jobs

@@ -49,19 +49,19 @@ def _links(count: int) -> dict[str, int]:
 
 ASKED = (
     Asked(
-        "one", "Bennett linkage, a ± 1 %, 1 s",
+        "one", "Bennett linkage, a ± 1 %, 0.4 s",
         {
             "scene": {"name": "bennett"},
+            "solver": {"duration": 0.4, "instants": 801},
             "intervals": {"a": {"nominal": 0.035, "relative": 0.01}},
             "responses": _BENNETT,
         },
         {
             **_PRESETS,
-            "reference": {"preset": "reference"},
+            "scan 8, 6 elements": scan(8, _links(6)),
             "scan 16, 12 elements": scan(16, _links(12)),
-            "scan 16, 24 elements": scan(16, _links(24)),
         },
-        scan(25, _links(48)),
+        scan(17, _links(24)),
     ),
     Asked(
         "three", "Bennett linkage, a ± 1 %, K_F ± 5 %, E ± 5 %, 0.4 s",

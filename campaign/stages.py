@@ -147,6 +147,13 @@ def ranges(folder: Folder, tell: Tell) -> None:
     draw_ranges(folder, folder.overviews)
 
 
+def alternatives(folder: Folder, tell: Tell) -> None:
+    """Draw the choices that were tried."""
+    from campaign.results.alternatives import draw_alternatives
+
+    draw_alternatives(folder, folder.overviews)
+
+
 def sensitivities(folder: Folder, tell: Tell) -> None:
     """Draw which parameter widens the bounds, and when."""
     from campaign.results.figures import draw_sensitivities
@@ -321,6 +328,7 @@ STAGES = {
             ("campaign/results/ranges.py", *_WHICH, "intervals/**/*.py", *_PLOT),
             (_SAMPLES, "quantities.nc", "further.nc"),
         ),
+        Stage(alternatives, (), ("campaign/results/alternatives.py", *_PLOT), ("choice.json",)),
         Stage(
             linkage,
             ("figures",),
@@ -374,5 +382,7 @@ def drawings(campaign: Campaign) -> list[str]:
     known = experiment.scene.name in BARS and not experiment.scene.file
     kept = campaign.jobs.keep == "trajectories" and known
     asked = bool(experiment.quantities)
+    chosen = bool(campaign.choose.parameters)
     others = ["linkage"] * kept + ["sensitivities"] * several + ["ranges"] * asked
+    others += ["alternatives"] * chosen
     return ["envelopes", *others]

@@ -41,11 +41,23 @@ class Quantity:
         """Whether it is a time of the run (s)."""
         return self.kind in ("crossing", "settling", "event")
 
+    @property
+    def least(self) -> float | None:
+        """The least value that it can have; None where there is none."""
+        if self.kind in ("overshoot", "rms"):
+            return 0.0
+        return None if self.is_time else self.response.least
+
     def evaluate(self, curves: "Curves") -> float:
         """The number of one run; NaN where what is asked for does not happen in it.
 
         ValueError where the run had more events than were kept, and it may be among the others.
         """
+        found = self._evaluate(curves)
+        # Parabolas and cubics between instants go below what can be.
+        return found if self.least is None else float(np.maximum(found, self.least))
+
+    def _evaluate(self, curves: "Curves") -> float:
         if self.kind == "event":
             return self._event(curves)
         time, values = curves.time, self.response.evaluate(curves)
@@ -58,7 +70,7 @@ class Quantity:
         if self.kind == "overshoot":
             about = values[-1] if self.about is None else self.about
             way = np.sign(about - values[0])
-            return max(0.0, peak(way * (values - about))) if way else 0.0
+            return peak(way * (values - about)) if way else 0.0
         if self.kind in ("largest", "smallest"):
             sign = 1.0 if self.kind == "largest" else -1.0
             return sign * peak(sign * values)

@@ -118,7 +118,10 @@ class Bench:
 
         end = self.experiment.solver.duration
         asked = zip(self.numbers.T, self.experiment.numbers, strict=True)
-        return [fit_scalar(self.unit, column, end if q.is_time else None) for column, q in asked]
+        return [
+            fit_scalar(self.unit, column, end if q.is_time else None, q.least)
+            for column, q in asked
+        ]
 
     def measure(self, plan: Plan, runs: Sequence[Run]) -> np.ndarray:
         """The quantities (r, q) of runs of a plan, simulated unless the store has them."""

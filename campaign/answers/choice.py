@@ -14,7 +14,7 @@ The runs are those of a sparse grid over the choices and the box about each. Two
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -32,7 +32,7 @@ from campaign.plan.plan import Plan, read_plan
 from campaign.plan.runs import Runs
 from campaign.runs.progress import Tell
 
-_HELD_OUT = 4
+_HELD_OUT, _DOUBTS = 4, 4
 
 
 def answer(
@@ -55,7 +55,8 @@ def answer(
     limits = limits_of(requirements, list(experiment.quantities))
     for turn in range(verify.rounds + 1):
         best, tried = _best(bench, asked.experiment, choose, limits)
-        places = [at for at in (*best.at, *best.worst) if bench.nearest(at)[1] > SAME]
+        places = [*best.at, *best.worst, *doubted(best, tried, choose)]
+        places = [at for at in places if bench.nearest(at)[1] > SAME]
         if turn == verify.rounds or not places:
             break
         bench.add(places)
@@ -76,6 +77,24 @@ def answer(
         "simulated": bench.simulated,
     }
     write_result(folder.choice, json.dumps(found, indent=1, allow_nan=False) + "\n")
+
+
+def doubted(best: Any, tried: Sequence[Any], choose: Choose) -> list[np.ndarray]:
+    """Places (k) for which choices near the best one were turned down that would be better: where
+    something is taken not to happen, or to happen, because it does so in the nearest run."""
+    sign = goals_of(choose)[0][0]
+    better = [
+        one for one in tried if not one.is_allowed and sign * (one.goals[0] - best.goals[0]) < 0
+    ]
+    ends = np.array(list(choose.parameters.values()), dtype=float)
+    widths = np.maximum(np.ptp(ends, axis=1), np.finfo(float).tiny)
+    better.sort(key=lambda one: float(np.abs((one.values - best.values) / widths).max()))
+    return [
+        at
+        for one in better[:_DOUBTS]
+        for slack, at in zip(one.slacks, one.worst, strict=True)
+        if slack == -np.inf
+    ]
 
 
 def widened(experiment: Experiment, choose: Choose) -> Experiment:

@@ -123,9 +123,12 @@ def _put_shares(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
         "fixed": "width when this parameter is fixed",
         "halved": "width when its interval is half as wide",
     }
+    # The search over a part may find more than that over the whole has.
+    most = {name: np.diff([e.outer for e in ends]) for name in ("alone", "fixed", "halved")}
     for name, text in texts.items():
         units = "1" if name == "share" else ""
-        variables.put(name, _BY, [getattr(f, name) for f in found], text, units)
+        values = np.minimum([getattr(f, name) for f in found], most.get(name, 1.0))
+        variables.put(name, _BY, values, text, units)
 
 
 def further_dataset(bench: Bench) -> Any:

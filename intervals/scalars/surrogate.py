@@ -13,10 +13,15 @@ from .occurrence import Occurrence, Until
 
 @dataclass(frozen=True)
 class ScalarSurrogate:
-    """A number of runs as a function of the box; `fit` is None where no run has the number."""
+    """A number of runs as a function of the box; `fit` is None where no run has the number.
+
+    least: what it can not be below; latest: of a time, when runs end, later than which none is.
+    """
 
     fit: Fit | None
     occurrence: Occurrence
+    least: float = -np.inf
+    latest: float = np.inf
 
     @property
     def error(self) -> float:
@@ -33,8 +38,9 @@ class ScalarSurrogate:
         unit = np.asarray(unit, dtype=float)
         if self.fit is None:
             return np.full(len(unit), np.nan)
-        values = self.fit.evaluate(unit)
-        return np.where(self.occurrence.evaluate(unit), values, np.nan)
+        values = np.maximum(self.fit.evaluate(unit), self.least)
+        there = self.occurrence.evaluate(unit) & (values <= self.latest)
+        return np.where(there, values, np.nan)
 
     def range(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None, **options: int
@@ -83,12 +89,12 @@ class ScalarSurrogate:
 
 
 def fit_scalar(
-    points: np.ndarray, values: np.ndarray, latest: float | None = None
+    points: np.ndarray, values: np.ndarray, latest: float | None = None, least: float | None = None
 ) -> ScalarSurrogate:
     """The surrogate of values (N) of runs at unit points (N, k), NaN where a run has none.
 
     latest: of a time, when runs end. Where that alone tells the runs without one from the others,
-    what is fitted to those tells the border between them.
+    what is fitted to those tells the border between them. least: what no value can be below.
     """
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     there = np.isfinite(values)
@@ -97,4 +103,9 @@ def fit_scalar(
     if latest is not None and occurrence.mixed and np.isfinite(fit.error):
         until = Until(points, there, fit.evaluate, fit.error, latest)
         occurrence = until if until.agrees else occurrence
-    return ScalarSurrogate(fit, occurrence)
+    return ScalarSurrogate(
+        fit,
+        occurrence,
+        -np.inf if least is None else least,
+        np.inf if latest is None else latest,
+    )

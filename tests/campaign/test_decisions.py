@@ -10,9 +10,12 @@ import yaml
 from opening_panel import PANEL, exact_time, panel, run
 
 import campaign
+from campaign.answers.choice import doubted
 from campaign.cli import UNMET, main
+from campaign.config.sections import Choose
 from campaign.errors import ConfigError
 from campaign.folder import Folder
+from intervals.scalars import Choice
 
 LATEST = float(1.01 * exact_time(0.1))
 EARLIEST = 1.8
@@ -198,3 +201,18 @@ def test_an_interval_follows_its_nominal_value(k, ends):
     assert here == pytest.approx((given.lower, given.upper))
     assert wanted.choose.interval("k", 0.2, wanted.experiment) == pytest.approx(ends)
     assert wanted.choose.ends("k", wanted.experiment) == pytest.approx((given.lower, ends[1]))
+
+
+def test_better_choices_that_only_the_nearest_run_speaks_against_are_looked_at():
+    """The nearest of them first; not those that a margin turns down, nor those that are worse."""
+    choose = Choose({"k": (0.0, 1.0)}, ("upper(v)",), (), 4, ())
+
+    def tried(k, goal, *slacks):
+        places = np.full((len(slacks), 2), k)
+        return Choice(np.array([k]), np.array([goal]), min(slacks), np.array(slacks), places, None)
+
+    best = tried(0.5, 3.0, 1.0, np.inf)
+    others = [tried(0.1, 1.0, 1.0, -np.inf), tried(0.4, 2.0, 1.0, -np.inf),
+              tried(0.3, 1.5, -1.0, np.inf), tried(0.6, 4.0, 1.0, -np.inf), best]  # fmt: skip
+    found = doubted(best, others, choose)
+    np.testing.assert_array_equal(found, [[0.4, 0.4], [0.1, 0.1]])

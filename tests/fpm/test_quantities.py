@@ -1,5 +1,7 @@
 """Quantities of curves whose peaks, crossings and events are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -105,6 +107,21 @@ def test_a_value_at_an_event_is_the_one_before_it():
 )
 def test_events_of_any_kind_are_counted_by_element(definition, time):
     assert read(definition, WAVE) == pytest.approx(time, nan_ok=True)
+
+
+def test_what_is_read_between_instants_is_not_below_what_can_be():
+    """A norm that falls steeply to 0, and is 0 from then on: a cubic goes on below."""
+    norm = replace(RESPONSE, component="norm")
+    values = np.maximum(0.5 - TIME, 0.0) ** 2 + 2 * (TIME < 0.35)
+    curves = Curves(
+        TIME, {"P": (np.outer(values, [1, 0, 0]),) * 2}, {}, {}, {}, np.zeros((0, 3)), [], {}, 0
+    )
+    found = {}
+    for response in (RESPONSE, norm):
+        (quantity,), _ = parse({"q": {"value": "x", "at": 0.352}}, [response], ELEMENTS)
+        found[response.component] = quantity.evaluate(curves)
+    assert found["x"] < 0
+    assert found["norm"] == 0
 
 
 def test_what_does_not_happen_is_no_number():

@@ -174,6 +174,16 @@ def test_what_only_comes_too_late_is_told_by_its_time():
     other = fit_scalar(points, missed, latest=2.5)
     assert type(other.occurrence) is type(fit_scalar(points, missed).occurrence)
     assert other.occurrence.share()[1] > 0.1
+    # Nor can it be later there than runs last.
+    assert fit_scalar(points, missed).range().high > 2.51
+    assert other.range().high <= 2.5
+
+
+def test_a_number_that_can_not_be_negative_is_not():
+    points = runs(1)
+    values = np.maximum(points[:, 0], 0.0)
+    assert fit_scalar(points, values).range().low < -0.01
+    assert fit_scalar(points, values, least=0.0).range().low == 0.0
 
 
 def test_limits_where_something_does_not_happen():

@@ -70,6 +70,28 @@ rule ranges:
         "python -m campaign ranges {wildcards.stage} --log {log}"
 
 
+rule alternatives:
+    input:
+        "{stage}/choice.json",
+    output:
+        report(
+            "{stage}/figures/campaign/alternatives.png",
+            caption="../report/alternatives.rst",
+            category="Parameters",
+        ),
+        "{stage}/figures/campaign/alternatives.pdf",
+    log:
+        "{stage}/logs/alternatives.log",
+    conda:
+        "../envs/campaign.yaml"
+    params:
+        code=code("alternatives"),
+    message:
+        "Drawing the choices that were tried"
+    shell:
+        "python -m campaign alternatives {wildcards.stage} --log {log}"
+
+
 rule linkage:
     input:
         "{stage}/samples.nc",

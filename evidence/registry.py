@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from evidence.tradeoff.measure.asked_cases import ASKED
 from evidence.tradeoff.measure.cases import CASES
 from fpm.sources import syntax_digest
 
@@ -92,9 +93,19 @@ STUDIES = {
         Study(
             "tradeoff",
             "Putting error against cost",
-            uses=("intervals", "campaign/config/presets.py", "evidence/tradeoff/measure"),
+            uses=(
+                "intervals",
+                "campaign/config",
+                "campaign/plan",
+                "campaign/answers/finer.py",
+                "evidence/tradeoff/measure",
+            ),
             plots=tuple(f"pareto_{case.name}" for case in CASES),
-            parts=(*(case.name for case in CASES), "peers"),
+            parts=(
+                *(case.name for case in CASES),
+                "peers",
+                *(f"asked-{case.name}" for case in ASKED),
+            ),
         ),
         Study(
             "scaling",

@@ -18,7 +18,7 @@ import numpy as np
 from campaign.config.sections import Experiment
 from campaign.plan.decide import Cost, decide
 from campaign.plan.estimate import LANES, run_seconds
-from campaign.plan.make import make_plan
+from campaign.plan.make import choose_step, make_plan
 from campaign.plan.plan import Plan, Round, Rounds
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
@@ -63,7 +63,7 @@ def next_plan(
     refined = now
     if decision.action == "mesh":
         parameters = {**now.scene.parameters, asked.mesh: 2 * cost.elements}
-        refined = replace(now, scene=replace(now.scene, parameters=parameters))
+        refined = _stable(replace(now, scene=replace(now.scene, parameters=parameters)))
     elif decision.action == "step":
         refined = replace(now, solver=replace(now.solver, safety=now.solver.safety / 2))
     return _plan(refined, points, rounds, decision.check)
@@ -75,6 +75,14 @@ def _plan(experiment: Experiment, points: list, rounds: tuple, check: tuple[str,
     design = replace(experiment.design, existing=points)
     plan = make_plan(replace(experiment, design=design))
     return replace(plan, adaptive=Rounds(rounds, points, check=check))
+
+
+def _stable(experiment: Experiment) -> Experiment:
+    """The experiment, with a stable step if the one that it gives no longer is on a finer mesh."""
+    time = choose_step(experiment)
+    if time.step <= time.step_limit:
+        return experiment
+    return replace(experiment, solver=replace(experiment.solver, step="auto"))
 
 
 def _has_mesh(experiment: Experiment) -> bool:

@@ -32,15 +32,20 @@ _EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
 
 @dataclass(frozen=True)
 class Estimate:
-    """runs: at most; seconds on all cores of this machine, compilation apart; bytes on disk."""
+    """runs: at most; seconds on all cores of this machine, compilation apart; bytes on disk.
+
+    is_budget: they are what may be spent, mostly far more than what will be.
+    """
 
     runs: int
     seconds: float
     bytes: float
+    is_budget: bool = False
 
     def __str__(self) -> str:
+        about = "at most" if self.is_budget else "about"
         return (
-            f"at most {self.runs} runs, about {duration_text(_rounded(self.seconds))} on "
+            f"at most {self.runs} runs, {about} {duration_text(_rounded(self.seconds))} on "
             f"{cores()} cores, {size_text(self.bytes)} on disk"
         )
 
@@ -57,7 +62,7 @@ def estimate(campaign: Campaign) -> Estimate:
     if campaign.jobs.keep == "extremes":
         curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)
     size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
-    return Estimate(runs, seconds, float(size))
+    return Estimate(runs, seconds, float(size), experiment.is_sought)
 
 
 def bytes_of_run(campaign: Campaign) -> float:

@@ -83,13 +83,16 @@ def assemble(scene: "Scene", hold: Sequence[str] = ()) -> None:
     later are those before. hold: names of hinges that keep the opening that is stated. MisfitError
     where no such position is found.
     """
+    if not len(scene.position):
+        return
     start = Places(scene.position.copy(), scene.frame.copy())
     conditions, elastic = conditions_of(scene, hold), elastic_of(scene)
     gaps = conditions.gaps(start)
     worst, gap, tilt = conditions.worst(gaps)
     with np.errstate(over="ignore", invalid="ignore"):  # what grows beyond all numbers is refused
         places, rounds = _settle(scene, start, conditions, elastic)
-    scene.unstrained, scene.unstrained_position = scene.frame, scene.position
+    if scene.unstrained is None:  # else it was assembled before
+        scene.unstrained, scene.unstrained_position = scene.frame, scene.position
     scene.position, scene.frame = places.position, places.frame
     scene.hinges = [_reopened(scene, hinge) for hinge in scene.hinges]
     scene.assembly = Assembly(elastic.energy(places), worst, gap, tilt, rounds)
@@ -103,7 +106,9 @@ def _settle(scene, places: Places, conditions: Conditions, elastic: Elastic):
     weight = conditions.weight(size)
     impulses = np.zeros(len(weight))
     open_before = conditions.worst(conditions.gaps(places))
-    for done in range(1, ROUNDS + 1):
+    if not len(free) and np.abs(weight * conditions.gaps(places)).max(initial=0.0) <= CLOSED:
+        return places, 0
+    for done in range(1, ROUNDS + 1) if len(free) else ():
         step, change = _round(scene, places, conditions, elastic, impulses, scales, free, weight)
         if not np.isfinite(step).all():
             break

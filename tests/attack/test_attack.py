@@ -62,6 +62,7 @@ def processes(victims, place, count):
     judged(ledger)
 
 
+@pytest.mark.slow
 def test_damaged_files_are_told_and_made_again(victims, tmp_path):
     damage(victims, tmp_path, 8)
 
@@ -70,6 +71,7 @@ def test_mutated_configs_are_refused_or_run(tmp_path):
     configs(tmp_path, 100, 3)
 
 
+@pytest.mark.slow
 def test_killed_runs_and_full_disks_leave_nothing_broken(victims, tmp_path):
     processes(victims, tmp_path, 1)
 

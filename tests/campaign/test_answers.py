@@ -10,6 +10,7 @@ import xarray as xr
 from opening_panel import PANEL, exact_time, panel, run
 
 import campaign
+from campaign.answers import ends
 from campaign.errors import ConfigError
 from campaign.files import open_netcdf
 from campaign.folder import Folder
@@ -190,3 +191,23 @@ def test_the_whole_error_has_those_of_step_and_mesh(tmp_path):
     parts = sum(float(usual[name]) for name in ("error", "error_step", "error_mesh"))
     assert float(usual["error_whole"]) == pytest.approx(parts)
     assert "| t_open |" in (tmp_path / "usual" / "summary.md").read_text()
+
+
+@pytest.mark.parametrize("rounds", [0, 1, 3])
+def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
+    """Where every round asks for another one."""
+
+    class Bench:
+        unit = np.zeros((0, 1))
+
+        def surrogates(self):
+            return [None]
+
+        def add(self, points):
+            self.unit = np.vstack([self.unit, points])
+
+    monkeypatch.setattr(ends, "_ends", lambda bench, q, surrogate: len(bench.unit))
+    monkeypatch.setattr(ends, "_wanted", lambda bench, end: [np.array([float(end)])])
+    bench = Bench()
+    assert ends.settle(bench, rounds) == [rounds]
+    assert len(bench.unit) == rounds

@@ -26,6 +26,7 @@ def test_the_site_is_built_without_a_warning_and_asks_no_network(tmp_path):
     assert "<math" in (tmp_path / "site/intervals.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_gallery_shows_every_structure_of_the_library(tmp_path):
     import gallery
 

@@ -5,7 +5,7 @@ import pytest
 from evidence.verification.study import PARTS
 
 # The others need time loops of their own, for which the kernels are compiled once more each.
-QUICK = ("rigid Bennett linkage", "flexible Bennett linkage", "small tip load", "heavy top")
+QUICK = ("rigid Bennett linkage", "flexible Bennett linkage")
 
 
 @pytest.mark.parametrize(

@@ -53,6 +53,7 @@ def test_a_run_that_breaks_down_is_a_failing_row(monkeypatch):
     assert "unstable at t =" in rows[1].name
 
 
+@pytest.mark.slow
 def test_the_report_has_the_cost_and_the_figures_of_every_problem():
     found = {name: study.PARTS[name](True) for name in ("heavy top", "rigid Bennett linkage")}
     report = study.report(found)

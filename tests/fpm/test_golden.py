@@ -62,7 +62,8 @@ def beam() -> dict[str, np.ndarray]:
 
 
 @pytest.mark.parametrize(
-    ("run", "known", "tolerance"), [(linkage, LINKAGE, 1e-6), (beam, BEAM, 1e-9)]
+    ("run", "known", "tolerance"),
+    [(linkage, LINKAGE, 1e-6), pytest.param(beam, BEAM, 1e-9, marks=pytest.mark.slow)],
 )
 def test_the_same_scene_gives_the_numbers_that_were_kept(run, known, tolerance):
     found = run()

@@ -147,3 +147,12 @@ def test_wrong_designs_are_refused_with_key_value_and_what_is_allowed(arguments,
         make_design(*arguments, **options)
     assert caught.value.key == key
     assert caught.value.allowed
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3])
+def test_a_scan_has_the_corners_unless_they_took_more_than_half_of_it(dimension):
+    corners = 2**dimension
+    for samples in range(1, 4 * corners):
+        points = make_design("scan", dimension, samples=samples).points
+        found = (np.abs(points) == 1.0).all(axis=1).sum()
+        assert found == (corners if 2 * corners <= samples else 0), samples

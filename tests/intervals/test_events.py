@@ -55,6 +55,22 @@ def test_shifting_instead_of_stretching_gives_the_same_bounds(reference):
     assert float(bounds["error_share_of_width"].sel(response="v")) < 1e-3
 
 
+@pytest.mark.parametrize("alignment", ["stretch", "shift"])
+@pytest.mark.parametrize("duration", [2.0, 1.75])
+def test_its_bounds_are_attained_where_they_are_said_to_be(alignment, duration):
+    """Also of a box that is split, as some runs lack the third impact, from 1.71 s to 1.75 s on."""
+    design = make_design("tensor_roots", 1, 4)
+    samples = ball_samples(design, duration=duration)
+    bounds = bounds_dataset(samples, design, ["z"], model="aligned", alignment=alignment)
+    time = bounds["time"].values
+    assert (float(bounds.attrs["elements"]) > 1) == (duration < 2.0)
+    for side, values in (("argmin", "inner_lower"), ("argmax", "inner_upper")):
+        for t in range(0, int((time < 1.7).sum()), 97):
+            (height,) = bounds[side].values[0, t]
+            there = ball(time, height)[0][t]
+            assert there == pytest.approx(float(bounds[values][0, t]), abs=1e-3), (side, time[t])
+
+
 def test_a_ringing_impact_is_better_shifted():
     """A vibration of fixed frequency that an impact excites, and a second impact later."""
     time = np.linspace(0.0, 1.0, 2001)

@@ -1,6 +1,7 @@
 """Runs chosen where a spline promises wider bounds, against a scan with as many runs."""
 
 import numpy as np
+import pytest
 
 from intervals import make_design, seek_points
 from intervals.metrics import hausdorff
@@ -16,6 +17,7 @@ def model(unit):
     return np.stack([first, second], axis=1)
 
 
+@pytest.mark.slow
 def test_sought_runs_widen_the_bounds_more_than_a_scan():
     scan = make_design("scan", 3, samples=4096).points
     truth = model(make_design("scan", 3, samples=200_000, max_runs=10**6).points)

@@ -216,6 +216,19 @@ def test_rigid_bodies_whose_lengths_contradict_each_other_are_refused():
         assemble(scene)
 
 
+def test_scenes_in_which_nothing_moves_are_assembled_or_refused():
+    assemble(fpm.Scene("empty"))
+    scene = fpm.Scene("held")
+    pair = scene.add_particles([(0, 0, 0), (1, 0, 0)], 1.0, 1.0)
+    scene.fix(pair)
+    scene.add_joint("closed", "spherical", pair, (0.5, 0, 0))
+    assemble(scene)
+    assert scene.assembly.rounds == 0
+    scene.add_joint("open", "spherical", pair, [(0, 0, 0), (0.1, 0, 0)])
+    with pytest.raises(MisfitError, match=r"joint open = '0.1 m apart' is not allowed"):
+        assemble(scene)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

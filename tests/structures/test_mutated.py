@@ -57,7 +57,13 @@ def mutated(text: str, rng: random.Random) -> str:
 def sources() -> list[str]:
     """Structures with few particles, so that building them takes no time."""
     small = [(FOLDER / name).read_text() for name in NAMES]
-    return [SMALL, *small, (FOLDER / "scissor.yaml").read_text().replace("{value: 3", "{value: 2")]
+    forced = SMALL.replace("mesh: n", "mesh: n\nassemble: {hold: [root]}", 1)
+    return [
+        SMALL,
+        forced,
+        *small,
+        (FOLDER / "scissor.yaml").read_text().replace("{value: 3", "{value: 2"),
+    ]
 
 
 @pytest.mark.filterwarnings("error")

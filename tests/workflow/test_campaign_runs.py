@@ -187,6 +187,7 @@ def test_a_report_is_about_the_campaign_that_was_run(small):
     assert not (small.folder / "other.html").exists()
 
 
+@pytest.mark.slow
 def test_what_was_lost_or_damaged_is_told_and_made_again(small, workplace):
     for name in ("results", ".snakemake"):
         shutil.copytree(small.folder / name, workplace.folder / name)
@@ -219,6 +220,7 @@ def test_results_from_elsewhere_are_not_taken_for_what_is_asked(small, workplace
     assert planned(shaded.stdout) == {"envelopes"}
 
 
+@pytest.mark.slow
 def test_a_campaign_that_was_stopped_goes_on(workplace):
     # Runs one by one, long enough to be stopped between two of them.
     override = ["--config", "jobs={group: 1, nodes_per_job: 100}", "solver={duration: 2.0}"]

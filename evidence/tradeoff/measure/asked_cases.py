@@ -1,0 +1,128 @@
+"""The cases in which one key for accuracy is put beside presets and scans.
+
+Read by the workflow as well, so that this module imports nothing heavy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+SHARES = (0.2, 0.1, 0.05, 0.02, 0.01)
+ROOT = Path(__file__).parents[3]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A case: a config without design and mesh; rivals, configs by name that say those; and the
+    `reference`, one that is much finer."""
+
+    name: str
+    title: str
+    config: Mapping[str, Any]
+    rivals: Mapping[str, Mapping]
+    reference: Mapping[str, Any]
+    shares: tuple[float, ...] = SHARES
+
+
+def scan(samples: int, mesh: Mapping[str, int] | None = None, model: str = "spline") -> dict:
+    """What a scan adds to a config, on a mesh."""
+    found: dict = {"design": {"method": "scan", "samples": samples}, "bounds": {"model": model}}
+    if mesh:
+        found["scene"] = {"parameters": mesh}
+    return found
+
+
+def _file(name: str) -> dict:
+    return {"file": str(ROOT / "config" / "structures" / f"{name}.yaml")}
+
+
+_PRESETS = {name: {"preset": name} for name in ("draft", "standard")}
+_BENNETT = {"BD": {"distance": ["B", "D"]}, "vBz": {"velocity": "B", "component": "z"}}
+
+
+def _links(count: int) -> dict[str, int]:
+    return {"elements_per_link": count}
+
+
+ASKED = (
+    Asked(
+        "one", "Bennett linkage, a ± 1 %, 0.4 s",
+        {
+            "scene": {"name": "bennett"},
+            "solver": {"duration": 0.4, "instants": 801},
+            "intervals": {"a": {"nominal": 0.035, "relative": 0.01}},
+            "responses": _BENNETT,
+        },
+        {
+            **_PRESETS,
+            "scan 8, 6 elements": scan(8, _links(6)),
+            "scan 16, 12 elements": scan(16, _links(12)),
+        },
+        scan(17, _links(24)),
+    ),
+    Asked(
+        "three", "Bennett linkage, a ± 1 %, K_F ± 5 %, E ± 5 %, 0.4 s",
+        {
+            "scene": {"name": "bennett"},
+            "solver": {"duration": 0.4, "instants": 801},
+            "intervals": {
+                "a": {"nominal": 0.035, "relative": 0.01},
+                "K_F": {"relative": 0.05},
+                "E": {"relative": 0.05},
+            },
+            "responses": _BENNETT,
+        },
+        {
+            **_PRESETS,
+            "scan 32, 6 elements": scan(32, _links(6)),
+            "scan 64, 12 elements": scan(64, _links(12)),
+            "scan 256, 12 elements": scan(256, _links(12)),
+        },
+        scan(256, _links(24)),
+    ),
+    Asked(
+        "latch", "Rigid panel that a latch holds, k ± 10 %, angle ± 1°, 3 s",
+        {
+            "scene": _file("latch"),
+            "solver": {"duration": 3.0, "instants": 1501},
+            "intervals": {"k": {"relative": 0.1}, "angle": {"nominal": 90, "absolute": 1}},
+            "responses": {
+                "opening": {"opening": "hinge"},
+                "speed": {"velocity": "tip", "component": "norm"},
+            },
+        },
+        {**_PRESETS, "scan 64": scan(64), "scan 256": scan(256)},
+        scan(2000, model="polynomial") | {"solver": {"step": 2e-4}},
+    ),
+    Asked(
+        "pendulum", "Flexible pendulum, L ± 1 %, angle ± 1°, 1 s",
+        {
+            "scene": _file("pendulum"),
+            "solver": {"duration": 1.0, "instants": 501},
+            "intervals": {"L": {"relative": 0.01}, "angle": {"absolute": 1}},
+            "responses": {
+                "x": {"position": "T", "component": "x"},
+                "vz": {"velocity": "T", "component": "z"},
+            },
+        },
+        {**_PRESETS, "scan 16, 4 elements": scan(16, {"elements": 4})},
+        scan(64, {"elements": 32}),
+    ),
+    Asked(
+        "panel", "Panel that a spring unfolds, k ± 5 %, mass ± 2 %, 1 s",
+        {
+            "scene": _file("panel"),
+            "solver": {"duration": 1.0, "instants": 501},
+            "intervals": {"k": {"relative": 0.05}, "mass": {"relative": 0.02}},
+            "responses": {
+                "x": {"position": "tip", "component": "x"},
+                "speed": {"velocity": "tip", "component": "norm"},
+            },
+        },
+        {**_PRESETS, "scan 16, 2 elements": scan(16, {"elements": 2})},
+        scan(64, {"elements": 16}),
+    ),
+)  # fmt: skip

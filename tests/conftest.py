@@ -1,0 +1,29 @@
+"""Keeps the quick tests quick: they share a few time loops, each of which takes 10 to 30 s."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+# By the named tuples of their kinds (fpm/kernels/compiled.py).
+SHARED = {
+    "StraightElements-Openings-Hinges-Springs-Contacts",  # the Bennett linkage
+    "StraightElements-Openings-Hinges-Springs",  # a panel on a spring
+    "Weight-StraightElements-Openings-Hinges",  # the pendulum
+    "Weight-Cables",
+    "StraightElements",  # bars alone
+    "GroundSprings",  # a kind that only a test has
+}
+
+_seen: set[str] = set()
+
+
+def pytest_runtest_teardown(item: pytest.Item) -> None:
+    """Fail a quick test that was the first to need another time loop."""
+    compiled = sys.modules.get("fpm.kernels.compiled")
+    ready = compiled.READY if compiled else ()
+    needed = {"-".join(kind.__name__ for kind in kinds) for kinds, _ in ready} - _seen
+    _seen.update(needed)
+    if (more := needed - SHARED) and not item.get_closest_marker("slow"):
+        pytest.fail(f"needs a time loop of its own, {', '.join(sorted(more))}: mark it slow")

@@ -55,7 +55,7 @@ def quantity(value: float, units: str, digits: int = 3) -> str:
 
 
 def unbroken(text: str, units: Iterable[str]) -> str:
-    """A text in which no line ends between a number and its unit, sign or power of ten.
+    """A text in which no line ends between a number and its unit, sign, power of ten or name.
 
     units: as they are written, such as `m/s`; seconds and shares need not be among them.
     """
@@ -63,6 +63,7 @@ def unbroken(text: str, units: Iterable[str]) -> str:
     text = re.sub(rf"(?<=[\d⁰-⁹]) (?=(?:{known})(?!\w))", _FIXED, text)
     for unit in units:
         text = text.replace(_FIXED + unit, _FIXED + unit.replace(" ", _FIXED))
+    text = re.sub(r" = (?=[\d−-])", f"{_FIXED}={_FIXED}", text)
     return re.sub(r"(?<=[\d±]) (?=[\d×])|(?<=×) (?=10)", _FIXED, text)
 
 

@@ -7,7 +7,10 @@ function moments() {
   const found = [{ time: FIRST, name: "start" }, { time: LAST, name: "end" }];
   for (const response of DATA.responses) found.push({ time: response.widest, name: `${response.name} widest` });
   const nominal = DATA.runs[DATA.moving[0].run];
-  for (const { time, names } of closures(nominal)) found.push({ time, name: `${names} close` });
+  for (const { time, names } of closures(nominal)) {
+    const [first, ...others] = names.split(", ");
+    found.push({ time, name: others.length > 1 ? `${first} and ${others.length} more close` : `${names} close` });
+  }
   const apart = 0.015 * (LAST - FIRST), kept = [];
   for (const one of found) {
     if (kept.length < MOST_STILLS && kept.every((other) => Math.abs(other.time - one.time) > apart)) kept.push(one);

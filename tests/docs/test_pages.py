@@ -105,7 +105,7 @@ def _check_campaign(words):
     if any(word.isupper() or "|" in word or "<" in word for word in words):
         return  # a form, not a command
     if len(words) == 1 and words[0] != "keys":
-        assert words[0] in {"check", "run", "structure", "export", *STAGES}
+        assert words[0] in {"new", "check", "run", "structure", "export", *STAGES}
         return  # a name, not a command
     words = [w for w in words if w != ">" and not w.startswith("docs/")]
     if any(word in ("my.yaml", "mast.yaml") for word in words):

@@ -31,6 +31,16 @@ class _Loader(yaml.SafeLoader):
     def __init__(self, stream):
         super().__init__(stream)
         self.problems: list[str] = []
+        self.depth = 0
+
+    def compose_node(self, parent, index):
+        """The next node; RecursionError where it lies so deep that it is refused anyway."""
+        self.depth += 1
+        if self.depth > 2 * DEEPEST:
+            raise RecursionError
+        node = super().compose_node(parent, index)
+        self.depth -= 1
+        return node
 
     def construct_mapping(self, node, deep=False):
         first: dict[object, int] = {}

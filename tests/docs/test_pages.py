@@ -108,7 +108,11 @@ def _check_campaign(words):
         assert words[0] in {"new", "check", "run", "structure", "export", *STAGES}
         return  # a name, not a command
     words = [w for w in words if w != ">" and not w.startswith("docs/")]
-    if any(word in ("my.yaml", "mast.yaml") for word in words):
+    if words[0] == "attack":  # has its own parser
+        with pytest.raises(SystemExit) as ended:
+            main([*words, "--help"])
+        assert ended.value.code == 0
+    elif any(word in ("my.yaml", "mast.yaml") for word in words):
         _parser().parse_args(words)
     elif words[0] in ("check", "structure", "keys", "report") or (
         words[0] == "export" and words[1].startswith("results/")

@@ -110,7 +110,7 @@ def test_threads_do_not_mix_up_their_caches(monkeypatch, tmp_path):
     def ask(kind):
         start.wait()
         try:
-            compiled.loop_for(((Lonely(np.zeros(1)),), world))
+            compiled.loop_for(((kind(np.zeros(1)),), world))
         except ValueError as error:  # such a world has no type, so that nothing is compiled
             refused.append(str(error))
 

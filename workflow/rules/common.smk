@@ -84,7 +84,7 @@ def folder_of(wildcards, output):
     """The folder of a stage's results as its job sees it, with the prefix of a storage or module."""
     stage = wildcards.get("stage") or f"results/{wildcards.campaign}"
     if "round" in wildcards.keys():
-        stage = "/".join([stage, "rounds", wildcards.round])
+        stage = f"{stage}/rounds/{wildcards.round}"
     path = str(output[0])
     return path[: path.rindex(f"{stage}/") + len(stage)]
 

@@ -41,7 +41,7 @@ def test_the_workflow_answers_what_a_campaign_in_one_call_does(workplace):
     assert done.returncode == 0, done.stdout
     assert "of the box meets all requirements" in done.stdout
     results = workplace.folder / "results" / "opening"
-    assert (results / "figures" / "ranges.png").exists()
+    assert (results / "figures" / "campaign" / "ranges.png").exists()
     other = workplace.folder / "other"
     campaign.run(path, other, figures=False, tell=lambda text: None)
     for name in ANSWERS:

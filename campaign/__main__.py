@@ -3,15 +3,13 @@
 import os
 import sys
 
+# As jobs of Snakemake have it: more threads of linear algebra would round otherwise. Their library
+# reads the number when it is loaded, which this package has not done yet.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 
 def program() -> int:
     """The console script `deployable-intervals`."""
-    # As jobs of Snakemake have it: more threads of linear algebra would round otherwise. Their
-    # library is loaded with this package, and reads the number of threads then.
-    if "OMP_NUM_THREADS" not in os.environ:
-        os.environ["OMP_NUM_THREADS"] = "1"
-        os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])
-
     from campaign.stopping import end_on_ctrl_c
 
     end_on_ctrl_c()

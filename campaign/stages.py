@@ -340,7 +340,12 @@ STAGES = {
             ("campaign/results/ranges.py", *_WHICH, "intervals/**/*.py", *_PLOT),
             (_SAMPLES, "quantities.nc", "further.nc"),
         ),
-        Stage(alternatives, (), ("campaign/results/alternatives.py", *_PLOT), ("choice.json",)),
+        Stage(
+            alternatives,
+            (),
+            ("campaign/results/alternatives.py", *_WORDS, *_PLOT),
+            ("choice.json",),
+        ),
         Stage(
             linkage,
             ("figures",),

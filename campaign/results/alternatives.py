@@ -3,7 +3,6 @@ aims trade off."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from campaign.folder import Folder
+from campaign.results.answers import read_json
 from campaign.results.figures import save
 from campaign.results.units import pretty
 
@@ -20,8 +20,7 @@ _LABELS = 6
 
 def draw_alternatives(folder: Folder, place: str | Path) -> None:
     """Draw `alternatives.png` and `.pdf` into `place`."""
-    found = json.loads(folder.choice.read_text(encoding="utf-8"))
-    save(alternatives(found), Path(place) / "alternatives")
+    save(alternatives(read_json(folder.choice)), Path(place) / "alternatives")
 
 
 def alternatives(found: Mapping, width: float = 6.4) -> Any:

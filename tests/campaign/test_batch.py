@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from harm import harm_file
 
 import fpm
 from campaign.config.check import check_config
@@ -165,14 +166,7 @@ def test_runs_that_were_lost_or_damaged_are_told_and_made_again(config, tmp_path
     jobs, whole, said = Jobs(512, 2, keep), tmp_path / "whole.nc", []
     gather(plan, jobs, tmp_path / keep, whole)
     path, other = sorted((tmp_path / keep).glob("*.nc"))[:2]
-    content = path.read_bytes()
-    if harm == "lost":
-        path.unlink()
-    elif harm == "flipped":
-        middle = len(content) // 2
-        path.write_bytes(content[:middle] + bytes([content[middle] ^ 4]) + content[middle + 1 :])
-    else:
-        path.write_bytes(other.read_bytes())
+    harm_file(path, other, harm)
     gather(plan, jobs, tmp_path / keep, tmp_path / "samples.nc", said.append)
     assert any("made again" in text for text in said)
     assert harm == "lost" or path.name in said[0]

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from harm import harm_file
 
 import campaign
 from campaign.config import kept
@@ -136,14 +137,8 @@ def test_shares_that_were_lost_or_damaged_are_told_and_made_again(scan, tmp_path
     plan = make_plan(campaign.check_config(scan).experiment)
     expected, _ = sample(plan, tmp_path)
     path, other = sorted((tmp_path / "extremes").glob("*.nc"))[:2]
-    content, said = path.read_bytes(), []
-    if harm == "lost":
-        path.unlink()
-    elif harm == "flipped":
-        middle = len(content) // 2
-        path.write_bytes(content[:middle] + bytes([content[middle] ^ 4]) + content[middle + 1 :])
-    else:
-        path.write_bytes(other.read_bytes())
+    harm_file(path, other, harm)
+    said = []
     jobs = Jobs(512, 4, "extremes")
     kept_extremes.gather(plan, jobs, tmp_path / "extremes", tmp_path / "samples.nc", said.append)
     assert any("made again" in text for text in said)

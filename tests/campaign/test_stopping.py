@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import subprocess
 import sys
 import threading
 
@@ -33,6 +34,11 @@ def test_nothing_is_imported_beside_what_an_interrupt_can_hit(interrupts):
     end_on_ctrl_c()
     assert signal.getsignal(signal.SIGINT) is not signal.default_int_handler
     assert imported("colorsys")
+
+
+def test_the_command_is_there_before_what_reads_the_number_of_threads():
+    code = "import sys, campaign.__main__; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_ctrl_c_stays_ignored_where_it_is(interrupts):

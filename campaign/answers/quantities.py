@@ -11,6 +11,7 @@ their ends take, `further.nc`.
     runs_with, runs_without         in how many runs there is such a number, and in how many not
     happens, open                   share of the box in which there is, and in which it is not known
     is_time, fit                    1 for times of the run; what was fitted
+    least                           what it can not be below, NaN where there is none
     share, alone, fixed, halved (quantity, parameter)   what each parameter contributes
 """
 
@@ -66,6 +67,8 @@ def quantities_dataset(bench: Bench, ends: list[Ends], finer: Mapping[str, np.nd
     _put_shares(variables, bench, ends)
     times = [int(quantity.is_time) for quantity in bench.experiment.numbers]
     variables.put("is_time", _OF, times, "1 for times of the run", "1")
+    least = [np.nan if q.least is None else q.least for q in bench.experiment.numbers]
+    variables.put("least", _OF, least, "what it can not be below, where there is such a value")
     kinds = [e.surrogate.fit.kind if e.surrogate.fit else "none" for e in ends]
     variables["fit"] = (_OF, kinds, {"long_name": "what was fitted to the runs"})
     return xr.Dataset(variables, coordinates(bench), attributes_of(bench))

@@ -140,8 +140,10 @@ def _quantity(experiment: Experiment, samples: Any, i: int) -> tuple[float, floa
 def _surrogate(experiment: Experiment, samples: Any, i: int) -> Any:
     from intervals.scalars import fit_scalar
 
-    end = experiment.solver.duration if experiment.numbers[i].is_time else None
-    return fit_scalar(samples["unit"].values, samples["quantities"].values[:, i], end)
+    quantity = experiment.numbers[i]
+    end = experiment.solver.duration if quantity.is_time else None
+    values = samples["quantities"].values[:, i]
+    return fit_scalar(samples["unit"].values, values, end, quantity.least)
 
 
 def _cost(plan: Plan) -> Cost:

@@ -37,7 +37,8 @@ class Response:
     of the fit is known;
     shares (k,) and widths (k, t): what each parameter contributes, overall and at every instant;
     outside: by how much runs that were not fitted leave the bounds; share_outside: at which share
-    of their instants; impossible: by how much the fitted curve falls below what is possible.
+    of their instants; impossible: by how much the fitted curve falls below what is possible;
+    foretold: why the error is so much larger than what runs show, if it is.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Response:
     outside: float | None = None
     share_outside: float = 0.0
     impossible: float = 0.0
+    foretold: str = ""
     errors: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -84,6 +84,7 @@ def _responses(
     bounds: xarray.Dataset, sensitivities: xarray.Dataset | None, summary: dict
 ) -> tuple[Response, ...]:
     published, errors = _told_of(summary, "published"), _told_of(summary, "errors")
+    foretold = _told_of(summary, "foretold")
 
     def values(name: str, i: int, dataset: xarray.Dataset | None = bounds) -> np.ndarray | None:
         return None if dataset is None or name not in dataset else dataset[name].values[i]
@@ -107,6 +108,7 @@ def _responses(
                 outside=None if outside is None else float(outside),
                 share_outside=float(1.0 - (1.0 if inside is None else inside)),
                 impossible=float(values("largest_impossible", i) or 0.0),
+                foretold=foretold.get(name, ""),
             )
         )
     return tuple(responses)

@@ -119,9 +119,10 @@ def cautions(data: PageData) -> list[str]:
     for v in (verdict(data, response) for response in data.responses):
         name = v.response.name
         if v.grade == "large":
+            why = f"; {v.response.foretold}" if v.response.foretold else ""
             sentences.append(
                 f"Do not rely on the number for {name}: the estimated error of either bound is "
-                f"{v.error}, {percent(v.share or 0.0)} of the difference."
+                f"{v.error}, {percent(v.share or 0.0)} of the difference{why}."
             )
         elif v.grade == "unknown":
             sentences.append(f"There is no error estimate for {name}.")

@@ -30,6 +30,27 @@ def response_errors(bounds: Any, i: int) -> dict[str, float]:
     return _with_whole(found, width)
 
 
+def foretold_text(bounds: Any, i: int, at: int) -> str:
+    """Why the error of response `i` at instant `at` is so much larger than what any run showed, in
+    words; nothing where it is not, from the open `bounds.nc`."""
+    from intervals.estimates import BEYOND
+
+    if "polynomial" not in bounds.bounds_kind:
+        return ""
+    decay, missed = (float(bounds[f"error_{name}"][i][at]) for name in ("decay", "held_out"))
+    if decay <= BEYOND * missed:
+        return ""
+    count = int(bounds.held_out_runs)
+    told = "that is what the coefficients of its polynomial foretell, which no run tests"
+    if count:
+        most = with_unit(missed, bounds["response_units"][i], 2)
+        told = (
+            f"that is what the coefficients of its polynomial foretell; the {count} runs that it "
+            f"was not fitted to it misses by at most {most}, but they are too few to overrule that"
+        )
+    return f"{told}: more of them (`held_out`) may"
+
+
 def quantity_errors(row: Mapping) -> dict[str, float | None]:
     """The same of a quantity, from its row of the summary; None for what is not known."""
     if "error_whole" not in row:

@@ -63,11 +63,14 @@ def runs_of(folder: Folder) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _surrogate(found: Any, q: int, unit: np.ndarray, values: np.ndarray) -> Any:
-    """What `quantities.nc` was made with: the surrogate of the same runs."""
+    """What `quantities.nc` was made with: the surrogate of the same runs, no lower than what is
+    possible."""
     from intervals.scalars import fit_scalar
 
     end = json.loads(found.config)["solver"]["duration"]
-    return fit_scalar(unit, values, end if found["is_time"][q] else None)
+    least = float(found["least"][q])
+    latest = end if found["is_time"][q] else None
+    return fit_scalar(unit, values, latest, least if np.isfinite(least) else None)
 
 
 def _label(found: Any, j: int) -> str:

@@ -13,7 +13,13 @@ from campaign.files import open_netcdf, write_result
 from campaign.folder import Folder
 from campaign.plan.plan import read_plan
 from campaign.results.answers import answer_lines, answer_rows
-from campaign.results.budget import accuracy_facts, accuracy_lines, error_lines, response_errors
+from campaign.results.budget import (
+    accuracy_facts,
+    accuracy_lines,
+    error_lines,
+    foretold_text,
+    response_errors,
+)
 from campaign.results.scan_words import scan_facts, scan_text
 from campaign.results.units import pretty
 from campaign.results.which import counts, nominal_row
@@ -136,6 +142,8 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict:
         row["error_at_largest_difference"] = float(error[at])
         if bounds.bounds_kind.startswith("least") and not error[at]:
             row["error_at_largest_difference"] = None  # it did not grow, which tells nothing
+        if foretold := foretold_text(bounds, i, at):
+            row["foretold"] = foretold
     if "growth_quarter" in bounds.variables:
         row["largest_growth_quarter"] = float(bounds["growth_quarter"][i].max())
     if "worst_violation" in bounds.variables:
@@ -250,6 +258,8 @@ def _doubts(summary: Mapping) -> list[str]:
         ]
         lines += ["", f"How the bounds fail: {'; '.join(parts)}."]
     for row in rows:
+        if "foretold" in row:
+            lines += ["", f"The error of {row['name']} where it differs most: {row['foretold']}."]
         if row["impossible_by"] > 0:
             lines += ["", (
                 f"The curve fitted to {row['name']} falls up to {_quantity(row, 'impossible_by')} "

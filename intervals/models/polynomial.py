@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..designs import Design, SplitDesign, parts_of
-from ..estimates import ErrorEstimate, decay_estimate, error_estimate, held_out_error
+from ..estimates import ErrorEstimate, decay_estimate, error_estimate, overruled
 from ..points import match_points, other_runs
 from ..ranges import Range, surrogate_range, union
 from ..samples import Samples, read_samples
@@ -53,9 +53,13 @@ class PolynomialModel(Model):
         samples, (held_out, decay) = self.samples, np.zeros((2, *found.lower.shape))
         for part, surrogate in zip(self.parts, self.surrogates, strict=True):
             runs = self.tested[part.contains(samples.unit[self.tested])]
-            unit, values = part.to_local(samples.unit[runs]), samples.values[runs]
-            held_out = np.maximum(held_out, held_out_error(surrogate, unit, values))
-            decay = np.maximum(decay, decay_estimate(surrogate, samples.time, window))
+            unit = part.to_local(samples.unit[runs])
+            missed = samples.values[runs] - surrogate.evaluate(unit)
+            held_out = np.maximum(held_out, np.abs(missed).max(axis=0, initial=0.0))
+            told = decay_estimate(surrogate, samples.time, window)
+            at = part.design.points
+            told = overruled(surrogate, at, unit, missed, told, samples.time, window)
+            decay = np.maximum(decay, told)
         return error_estimate(samples.time, held_out, decay, window)
 
     def centre(self) -> np.ndarray | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -16,6 +17,7 @@ from campaign.files import open_netcdf
 from campaign.folder import Folder
 from campaign.results.ranges import draw_ranges, ranges, runs_of
 from fpm.sealed import unsealed
+from intervals.scalars import fit_scalar
 
 
 @pytest.fixture(scope="module")
@@ -146,6 +148,29 @@ def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tm
             (ax, *_) = ranges(found, *runs_of(folder)).axes
             assert len(getattr(ax, drawn)) >= count - (count == 2)
             assert ax.get_xlabel() == {2: "mass (kg)", 3: "width alone (s)"}[count]
+
+
+def test_a_quantity_is_drawn_no_lower_than_it_can_be(tmp_path):
+    """As its interval is told: a norm whose fit swings below zero is drawn at zero there."""
+    x = np.linspace(-1, 1, 7)[:, None]
+    speed = np.maximum(x[:, 0] - 0.3, 0.0)
+    assert fit_scalar(x, speed).evaluate(np.linspace(-1, 1, 401)[:, None]).min() < -1e-3
+    one = {"box_lower": 1.0, "box_upper": 3.0, "lower": 0.0, "upper": 0.7, "is_time": 0, "least": 0}
+    words = {"quantity_long_name": "speed", "quantity_units": "m/s", "box_units": "m"}
+    data = xr.Dataset(
+        {
+            name: ("parameter" if name.startswith("box") else "quantity", [value])
+            for name, value in (one | words).items()
+        },
+        {"quantity": ["v"], "parameter": ["a"]},
+        {"config": json.dumps({"solver": {"duration": 1.0}})},
+    )
+    data.to_netcdf(tmp_path / "quantities.nc")
+    with netCDF4.Dataset(tmp_path / "quantities.nc") as found:
+        (ax,) = ranges(found, x, speed[:, None]).axes
+    drawn = ax.lines[0].get_ydata()
+    assert drawn.min() == 0.0
+    assert drawn.max() == pytest.approx(0.7, abs=0.1)
 
 
 def test_what_vanishes_inside_the_box_is_bordered_by_further_runs(tmp_path):

@@ -7,6 +7,7 @@ import shutil
 from pathlib import Path
 
 import jsonschema
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -17,6 +18,7 @@ from campaign.config.sections import BoundsChoice
 from campaign.files import open_netcdf
 from campaign.folder import Folder
 from campaign.results.bounds import analyse
+from campaign.results.budget import foretold_text
 from campaign.results.figures import draw_envelopes, envelope
 from campaign.results.linkage import draw_nominal, moments
 from campaign.results.summary import as_text, summarise
@@ -225,6 +227,24 @@ def test_files_tell_what_is_in_them(finished):
     for path in files_of(finished)[1:]:
         with xr.open_dataset(path) as file:
             assert file["response_units"].values.tolist() == ["m", "m s-1"], path.name
+
+
+def test_an_error_that_no_run_shows_is_told_to_be_foretold(tmp_path):
+    """Where runs overrule what coefficients foretell, it is not much larger than what they show."""
+    rows = ("response", "time")
+    data = xr.Dataset(
+        {
+            "error_decay": (rows, [[0.5, 0.05]]),
+            "error_held_out": (rows, [[0.01, 0.01]]),
+            "response_units": ("response", ["m"]),
+        },
+        attrs={"held_out_runs": 3, "bounds_kind": "enclosed range of the polynomial"},
+    )
+    data.to_netcdf(tmp_path / "bounds.nc")
+    with netCDF4.Dataset(tmp_path / "bounds.nc") as bounds:
+        text = foretold_text(bounds, 0, 0)
+        assert "the 3 runs that it was not fitted to it misses by at most 0.01 m" in text
+        assert foretold_text(bounds, 0, 1) == ""
 
 
 def test_the_summary_is_as_its_schema_says(finished):

@@ -9,9 +9,11 @@ from intervals.estimates import (
     direction_tails,
     error_estimate,
     held_out_error,
+    overruled,
     widen,
 )
 from intervals.metrics import compare_bounds, compare_runs
+from intervals.points import held_out_points
 
 
 def estimated(surrogate, time, unit, values, window=None):
@@ -55,6 +57,70 @@ def test_without_held_out_runs_the_decay_is_left():
     surrogate = Surrogate(np.ones((3, 4)), np.arange(3)[:, None])
     told = estimated(surrogate, np.arange(4.0), np.zeros((0, 1)), np.zeros((0, 4)))
     assert (told.total == 1).all()
+
+
+TIME = np.linspace(0, 1, 3)
+
+
+def tails(function, method, order, dimension, count):
+    """The tail foretold, what `count` held-out runs leave of it, and the true error; curves."""
+    design = make_design(method, dimension, order)
+    held_out = held_out_points(np.ones(dimension, bool), count, design.points)
+
+    def curves(points):
+        return function(points)[:, None] * np.ones(len(TIME))
+
+    surrogate = fit(design, curves(design.points))
+    missed = curves(held_out) - surrogate.evaluate(held_out)
+    told = decay_estimate(surrogate, TIME)
+    left = overruled(surrogate, design.points, held_out, missed, told, TIME)
+    line = np.linspace(-1, 1, 41)
+    dense = np.stack(np.meshgrid(*[line] * dimension), axis=-1).reshape(-1, dimension)
+    true = np.abs(surrogate.evaluate(dense) - curves(dense)).max(axis=0)
+    return told, left, true
+
+
+@pytest.mark.parametrize("method", ["tensor_roots", "tensor_lobatto", "total_degree"])
+@pytest.mark.parametrize(("dimension", "count"), [(1, 2), (2, 5)])
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_an_exact_polynomial_is_known_to_be_exact(method, dimension, count, order):
+    """An even one of order 2 or 3, and a linear one of order 1, show no decay."""
+
+    def exact(points):
+        return (points**2).sum(axis=1) if order > 1 else points.sum(axis=1)
+
+    told, left, true = tails(exact, method, order, dimension, count)
+    assert true.max() < 1e-12
+    assert left.max() < 1e-11
+    assert (left <= told).all()
+    if order < 3:
+        assert told.min() > 0.3  # of a width of 1 or 2 in each direction: too few runs to know
+        told, left, _ = tails(exact, method, order, dimension, 2 * dimension - 1)
+        np.testing.assert_array_equal(left, told)
+
+
+@pytest.mark.parametrize(
+    "function", [np.exp, lambda x: np.sin(3 * x), lambda x: 1 / (3 - x), np.abs]
+)
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_a_tail_is_not_overruled_where_it_is_there(function, order, dimension):
+    told, left, true = tails(
+        lambda points: function(points.sum(axis=1)), "tensor_roots", order, dimension, 5
+    )
+    assert (left >= np.minimum(true, told)).all()
+
+
+def test_runs_that_see_the_same_overrule_nothing():
+    """Of x^2 - y^2 at opposite corners, where it is zero, a linear surrogate tells nothing."""
+    design = make_design("tensor_roots", 2, 1)
+    x, y = design.points.T
+    surrogate = fit(design, (x + x**2 - y**2)[:, None] * np.ones(3))
+    corners = np.array([[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]])
+    missed = np.zeros((4, 3))
+    told = decay_estimate(surrogate, TIME)
+    left = overruled(surrogate, design.points, corners, missed, told, TIME)
+    np.testing.assert_array_equal(left, told)
 
 
 def test_tails_tell_the_direction():

@@ -10,6 +10,7 @@ from campaign.report.data import PageData, Parameter, Response
 from campaign.results.answers import interval
 from campaign.results.budget import parts_text
 from campaign.results.decisions import verdict as decided
+from campaign.results.scan_words import known_error
 from campaign.results.summary import SOFT
 from campaign.results.units import pretty
 from campaign.results.words import percent
@@ -160,15 +161,16 @@ def verdict(data: PageData, response: Response) -> Verdict:
     at, units = response.widest, response.units
     low, high = float(response.lower[at]), float(response.upper[at])
     width = high - low
-    error = None if response.error is None else float(response.error[at])
+    errors, kind = response.error, data.bounds_kind
+    error = None if errors is None else known_error(kind, float(errors[at]))
     share = error / width if error is not None and width > 0 else None
     grade = "unknown" if share is None else "large" if share >= LARGE else "noticeable"
     if share is not None and share < SMALL:
         grade = "small"
     worst = ""
-    if response.error is not None:
-        where = int(response.error.argmax())
-        worst = f"{quantity(response.error[where], units, 2)} at {data.time[where]:.4g} s"
+    if errors is not None and known_error(kind, float(errors.max())) is not None:
+        where = int(errors.argmax())
+        worst = f"{quantity(errors[where], units, 2)} at {data.time[where]:.4g} s"
     outside = ""
     if response.outside is not None:
         outside = "none"

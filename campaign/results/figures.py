@@ -14,6 +14,7 @@ import numpy as np
 
 from campaign.files import open_netcdf, result_file
 from campaign.folder import PICTURES
+from campaign.results.scan_words import known_error
 from campaign.results.summary import bounds_text, outside_text
 from campaign.results.units import pretty
 
@@ -58,8 +59,13 @@ def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> 
     ax.plot(time, upper, zorder=3, **UPPER)
     if "nominal" in bounds.variables:
         ax.plot(time, bounds["nominal"][i], zorder=4, **NOMINAL)
+    error, told = None, [f"bounds: {bounds_text(bounds)}", outside_text(bounds, i)]
     if "error" in bounds.variables:
         error = bounds["error"][i]
+        if known_error(bounds.bounds_kind, float(error.max())) is None:
+            told.append("how far they may be off is unknown")
+            error = None
+    if error is not None:
         ax.fill_between(time, lower - error, lower, zorder=0.5, **ERROR)
         ax.fill_between(time, upper, upper + error, zorder=0.5, **{**ERROR, "label": None})
         doubtful = error > shade_above * (upper - lower).max()
@@ -71,7 +77,6 @@ def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> 
     ax.margins(y=0.08)
     ax.grid(color="0.9", linewidth=0.5)
     ax.set_axisbelow(True)
-    told = [f"bounds: {bounds_text(bounds)}", outside_text(bounds, i)]
     figure.legend(
         loc="outside upper center",
         ncols=2 if narrow else 3,

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+IS_SCAN = "least"
+"""How the kind of a plain scan's bounds begins."""
+
 KEYS = ("drawn_runs", "share_outside", "share_outside_95")
 
 
@@ -13,6 +16,12 @@ def scan_facts(bounds: Any) -> dict[str, float]:
     if "growth_quarter" not in bounds.variables:
         return {}
     return {key: bounds.getncattr(key).item() for key in KEYS}
+
+
+def known_error(kind: str, error: float) -> float | None:
+    """An estimated error of bounds of that kind; None where it tells nothing: bounds of a scan that
+    did not grow with the second half of its runs."""
+    return None if kind.startswith(IS_SCAN) and not error else error
 
 
 def scan_text(scan: Mapping[str, float], grown: Sequence[str] = ()) -> str:

@@ -20,7 +20,7 @@ from campaign.results.budget import (
     foretold_text,
     response_errors,
 )
-from campaign.results.scan_words import scan_facts, scan_text
+from campaign.results.scan_words import known_error, scan_facts, scan_text
 from campaign.results.units import pretty
 from campaign.results.which import counts, nominal_row
 
@@ -137,11 +137,9 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict:
     if "error" in bounds.variables:
         error = bounds["error"][i]
         worst = int(error.argmax())
-        row["largest_error"] = float(error[worst])
+        row["largest_error"] = known_error(bounds.bounds_kind, float(error[worst]))
         row["time_of_largest_error"] = float(time[worst])
-        row["error_at_largest_difference"] = float(error[at])
-        if bounds.bounds_kind.startswith("least") and not error[at]:
-            row["error_at_largest_difference"] = None  # it did not grow, which tells nothing
+        row["error_at_largest_difference"] = known_error(bounds.bounds_kind, float(error[at]))
         if foretold := foretold_text(bounds, i, at):
             row["foretold"] = foretold
     if "growth_quarter" in bounds.variables:
@@ -295,7 +293,9 @@ def _error_line(summary: Mapping) -> str:
     if not rows:
         return "Error estimate: none; the bounds are the least and the largest of the samples."
     parts = [
-        f"{row['name']} {row['largest_error']:.2g} {pretty(row['units'])} "
+        f"{row['name']} unknown"
+        if row["largest_error"] is None
+        else f"{row['name']} {_quantity(row, 'largest_error')} "
         f"(at {row['time_of_largest_error']:.3f} s)"
         for row in rows
     ]

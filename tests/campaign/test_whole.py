@@ -14,7 +14,11 @@ import xarray as xr
 import campaign
 from campaign.drawing import Draughtsman
 from campaign.errors import CampaignError, ConfigError
+from campaign.files import open_netcdf
 from campaign.folder import Folder
+from campaign.report import from_results
+from campaign.report.words import verdict
+from campaign.results.figures import envelope
 from campaign.workflow import Workflow
 
 ROOT = Path(__file__).parents[2]
@@ -126,6 +130,26 @@ def test_a_scan_keeps_responses_only(raw, tmp_path):
         values = samples["values"].values
         np.testing.assert_array_equal(bounds["lower"].values, values.min(axis=0))
         np.testing.assert_array_equal(bounds["upper"].values, values.max(axis=0))
+
+
+def test_a_scan_that_did_not_grow_knows_no_error(raw, tmp_path):
+    """The corners come first, and BD has its extremes there: later runs tell nothing."""
+    folder = run(scan(raw, 9), tmp_path)
+    told, summary = (
+        (folder / "summary.md").read_text(),
+        json.loads((folder / "summary.json").read_text()),
+    )
+    row = next(row for row in summary["responses"] if row["name"] == "BD")
+    assert row["largest_difference"] > 0
+    assert row["largest_error"] is None is row["error_at_largest_difference"]
+    assert "largest: BD unknown" in told
+    assert "BD 0 m (at" not in told
+    with open_netcdf(folder.bounds) as bounds:
+        assert float(bounds["largest_error"][0]) == 0.0
+        title = envelope(bounds, "BD", 0.1).legends[0].get_title().get_text()
+    assert "how far they may be off is unknown" in " ".join(title.split())
+    (row,) = [r for r in from_results(folder).responses if r.name == "BD"]
+    assert verdict(from_results(folder), row).grade == "unknown"
 
 
 def test_a_spline_goes_through_the_runs_of_a_scan(raw, tmp_path):

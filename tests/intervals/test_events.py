@@ -12,9 +12,12 @@ from intervals import (
     make_design,
     split_design,
 )
-from intervals.models.aligned.composed import fit_event_model
+from intervals.models.aligned.composed import EventModel, fit_event_model
 from intervals.models.aligned.elements import split_elements
 from intervals.models.aligned.impacts import add_anchors, anchor_delays, common_prefix, find_impacts
+from intervals.models.aligned.model import _with_runs
+from intervals.models.aligned.search import event_range
+from intervals.surrogate import Surrogate
 
 
 @pytest.fixture(scope="module")
@@ -147,6 +150,39 @@ def test_a_late_impact_that_some_runs_lack_splits_the_box_or_is_reported():
     assert (node_values[:, late] >= bounds["lower"].sel(response="v").values[late]).all()
 
 
+@pytest.mark.parametrize("place", [0, 1])
+def test_values_next_to_an_impact_count_on_either_side_of_it(place):
+    """Before it a spike upwards, after it one downwards, each too narrow for any sample of a line;
+    also beside a direction without width."""
+    from scipy.interpolate import CubicSpline
+
+    s, none = np.linspace(0, 1, 20_001), np.zeros(20_001)
+    rise, fall = 2 * np.exp((s - 1) / 5e-4), -2 * np.exp(-s / 5e-4)
+    pieces = [CubicSpline(s, np.stack([row, none], axis=1)) for row in (rise, fall)]
+    free = np.arange(2) != place
+    indices = np.array([[0, 0], free.astype(int)])
+    impacts = Surrogate(np.array([[0.5], [0.1]]), indices)
+    model = EventModel(np.where(free, -1.0, 0.0), 1.0 * free, 0.0, 1.0, impacts, pieces)
+    time = np.linspace(0.41, 0.59, 37)
+    low, high, at_low, at_high = event_range(model, time)
+    np.testing.assert_allclose(high, 2.0, rtol=1e-6)
+    np.testing.assert_allclose(low, -2.0, rtol=1e-6)
+    for at in (at_low, at_high):
+        np.testing.assert_allclose(model.edges(at)[:, 1], time, atol=1e-9)
+        assert not at[:, place].any()
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_run_beyond_the_model_is_the_bound_and_where_it_is_attained(sign):
+    values = sign * np.array([[0.0, 3.0, 5.0, 1.0], [1.0, 4.0, 2.0, 1.0]])
+    unit = np.array([[-0.5, 0.1], [0.5, 0.2]])
+    bound, argument = sign * np.full(4, 2.0), np.tile([0.9, 0.9], (4, 1))
+    late = np.array([False, True, True, True])
+    bound, argument = _with_runs(sign, bound, argument, late, values, unit)
+    assert (sign * bound).tolist() == [2.0, 4.0, 5.0, 2.0]
+    assert argument.tolist() == [[0.9, 0.9], [0.5, 0.2], [-0.5, 0.1], [0.9, 0.9]]
+
+
 def test_two_parameters():
     time = np.linspace(0.0, 1.5, 601)
     design = make_design("total_degree", 2, 3)
@@ -157,8 +193,6 @@ def test_two_parameters():
     curves = np.array([ball(time, *value(u))[1] for u in design.points])
     impacts = np.array([bounces(*value(u), duration=1.5) for u in design.points])
     model = fit_event_model(design.points, design.multi_indices, time, curves, impacts)
-    from intervals.models.aligned.search import event_range
-
     low, high, at_low, _ = event_range(model, time)
     grid = np.linspace(-1, 1, 41)
     scan = np.array([ball(time, *value((x, y)))[1] for x in grid for y in grid])

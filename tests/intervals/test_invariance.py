@@ -60,11 +60,11 @@ def test_the_outer_range_holds_a_peak_that_no_search_finds():
     assert float(below.lower[0]) <= -there
 
 
-@pytest.mark.parametrize("place", [0, 1, 2])
-def test_a_direction_without_width_changes_no_spline(place):
+@pytest.mark.parametrize(("free", "place"), [(2, 0), (2, 1), (2, 2), (1, 0), (1, 1)])
+def test_a_direction_without_width_changes_no_spline(free, place):
     rng = np.random.default_rng(3)
-    points = rng.uniform(-1, 1, (24, 2))
-    values = np.sin(3 * points[:, :1] + 5 * points[:, 1:] * np.linspace(0, 1, 30))
+    points = rng.uniform(-1, 1, (24, free))
+    values = np.sin(3 * points[:, :1] + 5 * points[:, -1:] * np.linspace(0, 1, 30))
     alone = spline_range(fit_spline(points, values))
     wider = np.insert(points, place, 0.0, axis=1)
     found = spline_range(fit_spline(wider, values))
@@ -124,7 +124,8 @@ def test_bounds_do_not_depend_on_when_time_begins(model):
     samples = samples_of(wave, BOX, design, TIME)
     first = bounds_dataset(samples, design, model=model)
     later = bounds_dataset(samples.assign_coords(time=TIME + 7.0), design, model=model)
-    for name in ("lower", "upper", "error", "error_share_of_width"):
+    parts = ("error", "error_held_out", "error_decay", "error_share_of_width")
+    for name in ("lower", "upper", *parts):
         np.testing.assert_allclose(later[name], first[name], rtol=1e-9)
     np.testing.assert_allclose(later["largest_width_time"], first["largest_width_time"] + 7.0)
 

@@ -172,6 +172,15 @@ def test_an_extreme_value_between_the_candidates_is_climbed():
     assert found.argmax[0, 0] == pytest.approx(0.1234567, abs=1e-4)
 
 
+@pytest.mark.parametrize("free", [[True], [True, False, True], [True] * 5])
+def test_all_corners_are_among_the_places_that_are_tried(free):
+    free = np.array(free)
+    points = spread_points(free, 200)
+    corners = points[(np.abs(points[:, free]) == 1).all(axis=1)]
+    assert len(corners) == 2 ** free.sum()
+    assert not points[:, ~free].any()
+
+
 def test_scales_tell_which_direction_varies():
     points = points_in(3, 60, 5)
     values = np.sin(4 * points[:, :1] + np.linspace(0, 6, 30)) + 0.1 * points[:, 1:2]

@@ -148,8 +148,9 @@ def test_a_scan_that_did_not_grow_knows_no_error(raw, tmp_path):
         assert float(bounds["largest_error"][0]) == 0.0
         title = envelope(bounds, "BD", 0.1).legends[0].get_title().get_text()
     assert "how far they may be off is unknown" in " ".join(title.split())
-    (row,) = [r for r in from_results(folder).responses if r.name == "BD"]
-    assert verdict(from_results(folder), row).grade == "unknown"
+    data = from_results(folder.path)
+    (row,) = [r for r in data.responses if r.name == "BD"]
+    assert verdict(data, row).grade == "unknown"
 
 
 def test_a_spline_goes_through_the_runs_of_a_scan(raw, tmp_path):

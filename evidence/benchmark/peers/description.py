@@ -1,18 +1,30 @@
-"""A linkage as plain numbers, for peers that build it in an interpreter of their own."""
+"""A structure as plain numbers, for peers that build it in an interpreter of their own."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 import fpm
+from fpm.kinds import Damper, Hinge, SyncLoop, TorsionSpring
+
+TOLD = {"Gravity", "Damping", "Beams", "Hinge", "TorsionSpring", "Damper", "SyncLoop"}
+"""Kinds of element that are told."""
 
 
-def describe(scene: fpm.Scene) -> dict:
-    """Nodes, beam elements, hinges and torsion springs of a scene, ready for JSON.
+def describe(scene: fpm.Scene, without: Sequence[str] = ()) -> dict:
+    """A scene of beams and rigid bodies with hinges between them, ready for JSON.
 
-    nodes: position (n, 3) m and frame (n, 3, 3), the element's axes as columns; elements: nodes,
+    nodes: position (n, 3) m, frame (n, 3, 3), the element's or body's axes as columns, velocity and
+    spin (n, 3), and what is held (n, 6); bodies: node, mass, principal inertias; elements: nodes,
     length (m) and section rigidities; hinges: the two nodes, arms (m) and frames (3, 3) in each
     node's own axes whose third column is the hinge axis, the axes of the point that are held, and
-    the spring with its opening at the start (rad) and stiffness (N m/rad).
+    spring and damper with the opening at the start (rad); loops: the two hinges' numbers, radii,
+    stiffness and the slip at the start; points: node and arm. without: names of kinds that are left
+    out, since they do not act; ValueError for others that cannot be told.
     """
+    unknown = {kind.__name__ for kind, some in scene.kinds.items() if some} - TOLD - set(without)
+    if unknown or scene.damping:
+        raise ValueError(f"peers cannot be told of {sorted(unknown) or 'damping'}")
     elements = []
     for beams in scene.beams:
         s, m = beams.section, beams.material
@@ -28,29 +40,63 @@ def describe(scene: fpm.Scene) -> dict:
                     "inertia": [m.rho * (s.Iy + s.Iz), m.rho * s.Iy, m.rho * s.Iz],
                 }
             )
-    hinges = []
-    for index, hinge in enumerate(scene.hinges):
-        frames = []
-        for axis, reference in zip(hinge.axes, hinge.references, strict=True):
-            frames.append(np.column_stack([reference, np.cross(axis, reference), axis]))
-        # The first frame is turned by the opening, so that the two coincide at the start.
-        turn = hinge.opening
-        c, s = np.cos(turn), np.sin(turn)
-        frames[0] = frames[0] @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-        hinges.append(
-            {
-                "name": hinge.name,
-                "nodes": list(hinge.particles),
-                "arms": [beam.arm.tolist() for beam in hinge.beams],
-                "frames": [frame.tolist() for frame in frames],
-                "opening": hinge.opening,
-                "stiffness": sum(x.stiffness for x in scene.springs if x.hinge == index),
-                "support": hinge.support,
-            }
-        )
+    on_beams = {node for element in elements for node in element["nodes"]}
+    bodies = [
+        {"node": n, "mass": float(scene.mass[n]), "inertia": scene.inertia[n].tolist()}
+        for n in range(len(scene.position))
+        if n not in on_beams and not scene.fixed[n].all()
+    ]
     return {
         "position": scene.position.tolist(),
         "frame": scene.frame.tolist(),
+        "velocity": scene.velocity.tolist(),
+        "spin": scene.spin.tolist(),
+        "fixed": scene.fixed.tolist(),
+        "gravity": scene.gravity.tolist(),
+        "bodies": bodies,
         "elements": elements,
-        "hinges": hinges,
+        "hinges": [_hinge(scene, index, hinge) for index, hinge in enumerate(scene.hinges)],
+        "loops": [_loop(scene, loop) for loop in SyncLoop.of(scene)],
+        "points": {
+            name: {"node": beam.particle, "arm": beam.arm.tolist()}
+            for name, beam in scene.points.items()
+        },
+    }
+
+
+def _hinge(scene: fpm.Scene, index: int, hinge: Hinge) -> dict:
+    frames = []
+    for axis, reference in zip(hinge.axes, hinge.references, strict=True):
+        frames.append(np.column_stack([reference, np.cross(axis, reference), axis]))
+    # The first frame is turned by the opening, so that the two coincide at the start.
+    c, s = np.cos(hinge.opening), np.sin(hinge.opening)
+    frames[0] = frames[0] @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    springs = [spring for spring in TorsionSpring.of(scene) if spring.hinge == index]
+    stiffness = sum(spring.stiffness for spring in springs)
+    moment = sum(spring.stiffness * spring.rest for spring in springs)
+    return {
+        "name": hinge.name,
+        "nodes": list(hinge.particles),
+        "arms": [beam.arm.tolist() for beam in hinge.beams],
+        "frames": [frame.tolist() for frame in frames],
+        "opening": hinge.opening,
+        "stiffness": stiffness,
+        "rest": moment / stiffness if stiffness else 0.0,
+        "damping": sum(damper.damping for damper in Damper.of(scene) if damper.hinge == index),
+        "support": hinge.support,
+    }
+
+
+def _loop(scene: fpm.Scene, loop: SyncLoop) -> dict:
+    ways = [
+        radius * (scene.hinges[hinge].opening - rest)
+        for hinge, radius, rest in zip(loop.hinges, loop.radii, loop.rest, strict=True)
+    ]
+    if np.isfinite(loop.preload):
+        raise ValueError("peers cannot be told of loops that get slack")
+    return {
+        "hinges": list(loop.hinges),
+        "radii": list(loop.radii),
+        "stiffness": loop.stiffness,
+        "slip": ways[0] - ways[1],
     }

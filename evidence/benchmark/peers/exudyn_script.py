@@ -19,7 +19,8 @@ from exudyn import itemInterface as item  # noqa: E402
 
 
 def run(task, options):
-    """Wall and cpu seconds of the solution, and the places (m) of the points at the instants."""
+    """Cpu seconds of building and solving, and the places (m) of the points at the instants."""
+    start = time.process_time()
     explicit, step, duration = "solver" in options, options["step"], task["duration"]
     exu.config.printToConsole = False
     system = exu.SystemContainer()
@@ -52,9 +53,9 @@ def run(task, options):
         kind = getattr(exu.DynamicSolverType, options["solver"])
     else:
         kind = exu.DynamicSolverType.GeneralizedAlpha
-    wall, cpu = time.perf_counter(), time.process_time()
+    built = time.process_time()
     solved = mbs.SolveDynamic(settings, solverType=kind)
-    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+    cpu = time.process_time() - built
     found = {name: mbs.GetSensorStoredData(sensor) for name, sensor in sensors.items()}
     times = np.linspace(0, duration, task["instants"])
     places = {
@@ -63,8 +64,8 @@ def run(task, options):
     }
     return {
         "ok": bool(solved) and all(np.isfinite(rows).all() for rows in found.values()),
-        "wall": wall,
         "cpu": cpu,
+        "building": built - start,
         "steps": round(duration / step),
         "points": places,
         "version": exu.__version__,

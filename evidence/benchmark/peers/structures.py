@@ -1,0 +1,207 @@
+"""Structures of the library in Exudyn: whether the motions agree, and what either costs."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+import fpm
+from evidence.benchmark.clock import best
+from evidence.benchmark.peers import compare
+from evidence.benchmark.peers.description import describe
+from evidence.rows import Row, at_least, at_most, skipped, told
+from fpm import structures
+from fpm.scenes import SceneType
+
+GROUP = "Structures of the library in Exudyn"
+FOLDER = Path(__file__).parents[3] / "config" / "structures"
+SAMPLES, INSTANTS = 32, 11
+
+RIGID, ELASTIC = 1e-3, 5e-3
+"""How far motions may be apart (rms, as a share of the way): rigid bodies obey the same equations;
+beams are those of two theories, Exudyn's with shear."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A structure as both run it.
+
+    name: of its file; parameters as its campaign has them, and one that a batch varies; point whose
+    motion is compared over `duration` (s); planar: in Exudyn's items for the plane; step (s) of
+    ours, 0.9 of the stable one if left out; steps (s) of Exudyn, the finest last; finer:
+    parameters of the run that both are held against, with a quarter of the step; without: kinds
+    that do not act in that time, and are not told.
+    """
+
+    name: str
+    about: str
+    point: str
+    duration: float
+    varies: str
+    steps: tuple[float, ...]
+    planar: bool = True
+    step: float | None = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    finer: Mapping[str, float] = field(default_factory=dict)
+    without: tuple[str, ...] = ()
+
+    @property
+    def tolerance(self) -> float:
+        """How far motions may be apart, as a share of the way."""
+        return ELASTIC if self.finer else RIGID
+
+
+CASES = (
+    Case("solar_array", "solar array, 3 panels on a free hub, before a latch catches", "end", 3.0,
+         "k", (0.1, 0.05, 0.025, 0.01, 0.001), without=("Friction", "Latch")),
+    Case("nfourbar", "two four-bars of rigid rods, through their singular position", "B0", 2.0,
+         "v", (0.04, 0.02, 0.01, 0.005, 0.001), step=0.01),
+    Case("scissor", "scissor mast, 3 units of elastic bars", "end", 0.6, "k",
+         (0.02, 0.01, 0.005, 0.002, 2e-4), parameters={"elements": 2}, finer={"elements": 4}),
+    Case("bricard", "Bricard's six-bar of elastic rods", "C", 1.2, "rho",
+         (0.03, 0.02, 0.01, 0.005, 0.001), planar=False, parameters={"E": 5.0, "elements": 2},
+         finer={"E": 5.0, "elements": 4}),
+)  # fmt: skip
+
+
+def exudyn(repeats: int, cases=CASES, steps: int | None = None) -> list[Row]:
+    """Rows of all cases; steps: how many of Exudyn's are tried, the coarsest first."""
+    python = compare.interpreter("exudyn", "EXUDYN_PYTHON")
+    if python is None:
+        reason = "not installed: pip install -e '.[peer-exudyn]'"
+        return [skipped(f"{case.about}: Exudyn against ours", reason, "x") for case in cases]
+    return [row for case in cases for row in _rows(case, python, repeats, steps)]
+
+
+@dataclass(frozen=True)
+class Ours:
+    """A run, its places (instants, 3) m and how many steps it took, and seconds of cpu a sample.
+
+    batch: one of a batch, alone: by itself, set_up: packing and handing back one of a batch,
+    building: making its scene from the file.
+    """
+
+    places: np.ndarray
+    steps: int
+    batch: float
+    alone: float
+    set_up: float
+    building: float
+
+
+def _rows(case: Case, python: str, repeats: int, steps: int | None) -> list[Row]:
+    structure = structures.load(FOLDER / f"{case.name}.yaml")
+    fine = _fine(case, structure)
+    way = float(np.linalg.norm(fine - fine[0], axis=1).max())
+    task = {
+        "structure": describe(structure.build(**case.parameters), case.without),
+        "planar": case.planar,
+        "duration": case.duration,
+        "instants": INSTANTS,
+        "runs": [{"step": step} for step in case.steps[:steps]],
+    }
+    ours, answers = _measure(case, structure, task, python, repeats)
+    off = _off(ours.places, fine, way)
+    note = f"{ours.steps} steps, off by {off:.2g} of the way; {ours.set_up / ours.batch:.0%} of it "
+    note += f"is set-up; {1e3 * ours.building:.2g} ms more to build the scene from its file"
+    per = case.duration
+    batch = f"{case.about}: ours, a sample of a batch of {SAMPLES}"
+    rows = [
+        told(batch, ours.batch / per, compare.COST, note),
+        told(f"{case.about}: ours, alone", ours.alone / per, compare.COST),
+    ]
+    agreeing = []
+    for answer in answers:
+        name = f"{case.about}: Exudyn, step {answer['step']:g} s"
+        if not answer["ok"]:
+            error = answer.get("error", "not finite").splitlines()[0]
+            rows.append(told(name, "none", compare.COST, f"breaks down: {error}"))
+            continue
+        last = _off(np.array(answer["points"][case.point]), fine, way)
+        note = f"off by {last:.2g} of the way; {1e3 * answer['building']:.2g} ms more to build it"
+        rows.append(told(name, answer["cpu"] / per, compare.COST, note))
+        if last <= case.tolerance:
+            agreeing.append(answer)
+    if not answers[-1]["ok"]:
+        last = np.inf
+    what = f"{case.about}: motion of '{case.point}', Exudyn's finest run against ours"
+    source = f"ours with {'twice the elements' if case.finer else 'a quarter of the step'}"
+    rows.append(at_most(what, last, case.tolerance, source, unit="of the way"))
+    return rows + (_ratios(case, ours, off, agreeing) if agreeing else [])
+
+
+def _ratios(case: Case, ours: Ours, off: float, agreeing: list[dict]) -> list[Row]:
+    """Exudyn's fastest run that agrees against ours."""
+    fastest = min(agreeing, key=lambda answer: answer["cpu"])
+    name = f"{case.about}: Exudyn {fastest['version']} against ours"
+    note = f"its step {fastest['step']:g} s, the fastest that agrees to {case.tolerance:g}; ours "
+    note += f"{case.duration / ours.steps:.2g} s, off by {off:.2g}"
+    whole = (fastest["cpu"] + fastest["building"]) / (ours.batch + ours.building)
+    bare = fastest["cpu"] / max(ours.batch - ours.set_up, 1e-9)
+    return [
+        at_least(f"{name}, a sample of a batch", fastest["cpu"] / ours.batch, 100.0, "", note, "x"),
+        told(f"{name}, the time loops alone", bare, "x"),
+        told(f"{name}, with building the scenes", whole, "x"),
+        told(f"{name}, a sample alone", fastest["cpu"] / ours.alone, "x"),
+    ]
+
+
+def _fine(case: Case, structure: SceneType) -> np.ndarray:
+    """Places (instants, 3) m of the run that all others are held against."""
+    scene = structure.build(**{**case.parameters, **case.finer})
+    step = _step(case, [scene]) / (1 if case.finer else 4)
+    (outcome,) = fpm.simulate(scene, duration=case.duration, instants=INSTANTS, step=step)
+    return _places(case, outcome)
+
+
+def _places(case: Case, outcome: fpm.Outcome) -> np.ndarray:
+    if outcome.failure is not None:
+        raise outcome.failure
+    return outcome.points[case.point][0]
+
+
+def _off(places: np.ndarray, fine: np.ndarray, way: float) -> float:
+    """Root mean square of the distance, as a share of the way."""
+    return float(np.sqrt(np.mean(np.sum((places - fine) ** 2, axis=1)))) / way
+
+
+def _step(case: Case, scenes: list[fpm.Scene]) -> float:
+    return case.step or 0.9 * min(fpm.stable_step(scene).step for scene in scenes)
+
+
+def _measure(case: Case, structure: SceneType, task: dict, python: str, repeats: int):
+    """Ours, and the answers of Exudyn with the least cpu times: in turns, the best of several."""
+    middle = structure.parameters[case.varies].default
+
+    def build(share: float) -> fpm.Scene:
+        return structure.build(**{**case.parameters, case.varies: middle * (1 + share)})
+
+    scenes = [build(share) for share in np.linspace(-0.01, 0.01, SAMPLES)]
+    step = _step(case, [scenes[0], scenes[-1]])
+    plain = structure.build(**case.parameters)
+    (outcome,) = fpm.simulate(plain, duration=case.duration, instants=INSTANTS, step=step)
+
+    def run(some: list[fpm.Scene], duration: float, instants: int) -> None:
+        fpm.simulate(some, duration=duration, instants=instants, step=step)
+
+    calls = {
+        "batch": lambda: run(scenes, case.duration, INSTANTS),
+        "alone": lambda: run(scenes[:1], case.duration, INSTANTS),
+        "set_up": lambda: run(scenes, step, 2),
+        "building": lambda: build(0.0),
+    }
+    least, answers = dict.fromkeys(calls, np.inf), []
+    for _ in range(repeats):
+        found = best(calls, 1)
+        least = {name: min(found[name], seconds) for name, seconds in least.items()}
+        new = compare.ask(python, "exudyn_script.py", task)
+        answers = [_faster(*pair) for pair in zip(answers or new, new, strict=True)]
+    for name in ("batch", "set_up"):
+        least[name] /= SAMPLES
+    return Ours(_places(case, outcome), outcome.steps, **least), answers
+
+
+def _faster(one: dict, two: dict) -> dict:
+    """The same answer, with the lesser times of both."""
+    return one | {key: min(one[key], two[key]) for key in ("cpu", "building") if key in one}

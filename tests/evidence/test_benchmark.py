@@ -17,11 +17,12 @@ from evidence.benchmark import (
     scenes,
     study,
 )
-from evidence.benchmark.peers import compare
+from evidence.benchmark.peers import compare, structures
 from evidence.benchmark.peers.description import describe
 from evidence.benchmark.scenes import beam_count, linkages
 from evidence.results import write
 from evidence.rows import Row, at_most, skipped, told
+from fpm.structures import load, report
 
 
 def check(rows: list[Row]) -> None:
@@ -99,29 +100,71 @@ def test_operations_of_the_loop_grow_with_the_elements():
 
 def test_peers_that_are_not_installed_are_skipped_with_the_command(monkeypatch):
     monkeypatch.setattr(compare, "interpreter", lambda module, variable: None)
-    rows = compare.exudyn(0.001, 1) + compare.elastica(0.001, 1)
+    rows = compare.exudyn(0.001, 1) + compare.elastica(0.001, 1) + structures.exudyn(1)
     check(rows)
-    assert len(rows) == 2
+    assert len(rows) == 2 + len(structures.CASES)
     assert all("pip install" in row.skipped for row in rows)
 
 
 @pytest.mark.parametrize(
     ("module", "variable", "measure"),
     [
-        ("exudyn", "EXUDYN_PYTHON", compare.exudyn),
-        ("elastica", "PYELASTICA_PYTHON", compare.elastica),
+        ("exudyn", "EXUDYN_PYTHON", lambda: compare.exudyn(0.002, 1, cases=1)),
+        ("elastica", "PYELASTICA_PYTHON", lambda: compare.elastica(0.002, 1, cases=1)),
+        ("exudyn", "EXUDYN_PYTHON", lambda: structures.exudyn(1, structures.CASES[:2], steps=2)),
     ],
 )
 @pytest.mark.slow
 def test_peers_that_are_installed_run(module, variable, measure):
     if compare.interpreter(module, variable) is None:
         pytest.skip(f"{module} is not installed, and {variable} is not set")
-    check(measure(0.002, 1, cases=1))
+    check(measure())
+
+
+def test_the_structures_are_what_peers_are_told():
+    for case in structures.CASES:
+        structure = load(structures.FOLDER / f"{case.name}.yaml")
+        scene = structure.build(**case.parameters)
+        found = describe(scene, case.without)
+        json.dumps(found)
+        assert case.point in found["points"] and len(found["hinges"]) == len(scene.hinges)
+        mass = sum(body["mass"] for body in found["bodies"])
+        mass += sum(beam["mass"] * beam["length"] for beam in found["elements"])
+        assert mass == pytest.approx(report.mass(scene))
+        assert len(case.tasks(structure, 1)) == 1 + len(case.meshes)
+
+
+def test_loops_are_told_with_the_slip_of_the_start():
+    scene = load(structures.FOLDER / "solar_array.yaml").build()
+    root, belt = describe(scene, ("Friction", "Latch"))["loops"]
+    assert root["hinges"] == [0, 1] and belt["hinges"] == [1, 2]
+    assert root["radii"] == [0.06, 0.03] and root["slip"] == 0.0
+
+
+def test_peers_are_not_told_half_of_a_structure():
+    scene = load(structures.FOLDER / "solar_array.yaml").build()
+    with pytest.raises(ValueError, match=r"cannot be told of \['Latch'\]"):
+        describe(scene, ("Friction",))
+
+
+def test_ratios_are_of_runs_that_agree():
+    ours = structures.Ours(np.zeros((2, 3)), 10, 1e-3, 4e-3, 5e-4, 1e-3)
+    runs = [
+        (off, {"name": f"step {step}", "cpu": cpu, "building": 1e-3, "version": "1"})
+        for off, step, cpu in ((1e-1, 3, 1e-3), (5e-4, 2, 5e-3), (1e-5, 1, 8e-2))
+    ]
+    found = {row.name.rsplit(", ", 1)[1]: row.value for row in
+             structures._ratios(structures.CASES[0], ours, 1e-4, runs)}  # fmt: skip
+    assert found["a sample of a batch"] == pytest.approx(5.0)
+    assert found["the time loops alone"] == pytest.approx(10.0)
+    assert found["with building the scenes"] == pytest.approx(3.0)
+    assert found["as accurate"] == pytest.approx(80.0)
+    assert structures._ratios(structures.CASES[0], ours, 1e-4, runs[:1]) == []
 
 
 def test_the_description_of_the_linkage_fits_together():
     scene = linkages(1, 3)[0]
-    told_scene = describe(scene)
+    told_scene = describe(scene, without=("Contact",))
     assert len(told_scene["elements"]) == beam_count(scene) == 12
     position, frame = np.array(told_scene["position"]), np.array(told_scene["frame"])
     for hinge in told_scene["hinges"]:

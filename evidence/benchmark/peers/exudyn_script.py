@@ -12,9 +12,9 @@ import time
 sys.exudynFast = True
 
 import exudyn as exu  # noqa: E402
-import exudyn_planar  # noqa: E402
-import exudyn_spatial  # noqa: E402
 import numpy as np  # noqa: E402
+import planar_exudyn_script  # noqa: E402
+import spatial_exudyn_script  # noqa: E402
 from exudyn import itemInterface as item  # noqa: E402
 
 
@@ -26,9 +26,9 @@ def run(task, options):
     system = exu.SystemContainer()
     mbs = system.AddSystem()
     if task.get("planar"):
-        points = exudyn_planar.build(mbs, task["structure"])
+        points = planar_exudyn_script.build(mbs, task["structure"])
     else:
-        points = exudyn_spatial.build(mbs, task["structure"], explicit)
+        points = spatial_exudyn_script.build(mbs, task["structure"], explicit)
     position = exu.OutputVariableType.Position
     sensors = {
         name: mbs.AddSensor(

@@ -40,7 +40,9 @@ def test_campaign_runs_through_a_storage(workplace, tmp_path):
     # Nothing was left for other jobs but what is in the storage.
     assert not [path for path in (workplace.folder / "results").rglob("*") if path.is_file()]
     kept = far / "results" / "far"
-    assert {path.name for path in (kept / "batches").glob("*.tar")} == {f"{n}.tar" for n in range(3)}
+    assert {path.name for path in (kept / "batches").glob("*.tar")} == {
+        f"{n}.tar" for n in range(3)
+    }
     assert (kept / "report.html").stat().st_size > 1e5
 
     alone = campaign.run(config, tmp_path / "alone", figures=False)

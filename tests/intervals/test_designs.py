@@ -5,9 +5,10 @@ from math import comb
 import numpy as np
 import pytest
 
-from intervals import Box, IntervalError, fit, held_out_points, make_design
+from intervals import Box, IntervalError, fit, held_out_points, make_design, split_design
 from intervals.chebyshev import lobatto, product_basis, roots
 from intervals.designs.multi_indices import total_degree
+from intervals.points import match_points, other_runs
 
 
 def keys(points):
@@ -112,6 +113,31 @@ def test_scan_contains_the_corners_and_repeats_with_its_seed():
     cube = make_design("scan", 2, samples=50, sequence="latin_hypercube", corners=False).points
     strata = np.floor((cube + 1) / 2 * 50).astype(int)
     assert all(len(set(column)) == 50 for column in strata.T)
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3])
+def test_other_runs_are_those_at_no_point_of_the_design(dimension):
+    """Also where they share all coordinates but one with some of its points."""
+    nodes = make_design("tensor_lobatto", dimension, 2).points
+    others = held_out_points(np.ones(dimension, dtype=bool), 5, nodes)
+    others = np.concatenate([others, nodes[:1] * [*[1.0] * (dimension - 1), 0.5]])
+    unit = np.concatenate([others[:2], nodes + 1e-12, others[2:]])
+    found = other_runs(unit, nodes)
+    np.testing.assert_array_equal(unit[found], others)
+    assert match_points(nodes, unit).tolist() == list(range(2, 2 + len(nodes)))
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper"),
+    [
+        ([-1.0], [0.0, 1.0]), ([-1.0, -1.0], [0.0]), ([0.5, -1.0], [0.0, 1.0]),
+        ([-1.0, 0.5], [0.0, 0.2]), ([[-1.0, -1.0]], [0.0, 1.0]), ([-1.0] * 3, [1.0] * 3),
+    ],
+)  # fmt: skip
+def test_parts_that_are_no_boxes_are_refused(lower, upper):
+    whole = make_design("tensor_lobatto", 2, 2)
+    with pytest.raises(IntervalError, match="lower <= upper for each direction"):
+        split_design(whole, [([-1.0, -1.0], [0.0, 1.0]), (lower, upper)])
 
 
 def test_held_out_points_avoid_the_nodes():

@@ -13,9 +13,9 @@ from intervals import (
     split_design,
 )
 from intervals.models.aligned.composed import EventModel, fit_event_model
-from intervals.models.aligned.elements import split_elements
+from intervals.models.aligned.elements import Element, split_elements
 from intervals.models.aligned.impacts import add_anchors, anchor_delays, common_prefix, find_impacts
-from intervals.models.aligned.model import _with_runs
+from intervals.models.aligned.model import _fit_element, _with_runs
 from intervals.models.aligned.search import event_range
 from intervals.surrogate import Surrogate
 
@@ -170,6 +170,17 @@ def test_values_next_to_an_impact_count_on_either_side_of_it(place):
     for at in (at_low, at_high):
         np.testing.assert_allclose(model.edges(at)[:, 1], time, atol=1e-9)
         assert not at[:, place].any()
+
+
+@pytest.mark.parametrize("runs", [1, 2, 3, 4])
+def test_the_model_of_an_element_goes_through_its_runs_however_few(runs):
+    design, time = make_design("tensor_roots", 1, 3), np.linspace(0.0, 1.0, 101)
+    own = np.arange(runs)
+    values = np.cos(5 * time) + np.exp(2 * design.points[own])
+    impacts = 0.5 + 0.1 * design.points[own]
+    element = Element(-np.ones(1), np.ones(1), own, impacts, np.inf)
+    model = _fit_element(design, element, impacts, time, values)
+    np.testing.assert_allclose(model.evaluate(design.points[own], time), values, atol=1e-6)
 
 
 @pytest.mark.parametrize("sign", [-1, 1])

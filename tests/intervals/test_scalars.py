@@ -110,6 +110,15 @@ def test_the_share_of_the_box_that_meets_a_limit():
     assert share_of_box(both, np.ones(1)) == pytest.approx((0.8 - 0.123) / 2, abs=1e-6)
 
 
+def test_a_box_without_width_meets_all_limits_or_does_not():
+    fixed = fit_scalar(np.zeros((1, 2)), np.array([3.0]))
+    kept, broken = Limit(fixed, "at_most", 3.5), Limit(fixed, "at_least", 3.5)
+    for limits, share in (([kept], 1.0), ([kept, kept], 1.0), ([broken], 0.0), ([], 1.0)):
+        assert share_of_box(limits, np.zeros(2)) == share
+    for limits in ([kept, broken], [broken, kept]):
+        assert share_of_box(limits, np.zeros(2)) == 0.0
+
+
 def test_the_share_of_a_box_of_three():
     """x + y + z <= -1 in the cube is a simplex with legs of 2: 1/6 of the volume."""
     surrogate = fitted(lambda x: x.sum(axis=1), 3, order=2)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 # What a round leaves; in an adaptive campaign the last round's become the campaign's.
 ROUND_FILES = ("nodes.json", "samples.nc", "surrogate.nc", "bounds.nc", "sensitivities.nc")
-PICTURES = ("png", "pdf")
+PICTURES = ("png", "pdf", "svg")
 
 
 @dataclass(frozen=True)
@@ -101,9 +101,9 @@ class Folder:
         number = int(self.path.name)
         return Folder(self.path.parent / str(number - 1)) if number else None
 
-    def pictures(self, names: Iterable[str]) -> list[str]:
+    def pictures(self, names: Iterable[str], kinds: Iterable[str] = PICTURES) -> list[str]:
         """The files of the figures of responses."""
-        return [str(self.figures / f"{name}.{kind}") for name in names for kind in PICTURES]
+        return [str(self.figures / f"{name}.{kind}") for name in names for kind in kinds]
 
     def overview(self, stage: str) -> list[str]:
         """The files of the figure of the whole campaign that a stage draws."""

@@ -173,18 +173,11 @@ def sensitivities(folder: Folder, tell: Tell) -> None:
     draw_sensitivities(folder.sensitivities, folder.overviews)
 
 
-def linkage(folder: Folder, tell: Tell, figures: Any) -> None:
+def moments(folder: Folder, tell: Tell, figures: Any, jobs: Any) -> None:
     """Draw the structure at some moments of the nominal run."""
-    from campaign.plan.plan import read_plan
-    from campaign.plan.runs import ROLES
-    from campaign.results.linkage import draw_nominal
-    from campaign.runs.batch import make_again
-    from campaign.runs.store import open_store
+    from campaign.results.moments import draw_nominal
 
-    made, kept = read_plan(folder.plan), folder.runs("trajectories")
-    store = open_store("trajectories", kept, made.experiment)
-    make_again(made, store, made.runs[made.runs.role == ROLES.index("nominal")], 1, tell)
-    draw_nominal(folder.samples, kept, figures.moments, folder.overviews)
+    draw_nominal(folder, jobs.keep, figures.moments, tell)
 
 
 def summary(
@@ -313,6 +306,10 @@ _ANSWERS = (
 _GATHERED = (
     "campaign/results/samples.py", "campaign/results/kept_extremes.py", "intervals/samples.py",
 )  # fmt: skip
+_MOTIONS = (
+    "campaign/report/motions.py", "campaign/results/bounds.py", "fpm/motion*.py", "fpm/stress.py",
+    "fpm/bars.py",
+)  # fmt: skip
 _PLAN, _SAMPLES, _BOX = "nodes.json", "samples.nc", "bounds.nc"
 
 # Beside the code named here, runs depend on the mechanics, which are part of their names.
@@ -347,9 +344,17 @@ STAGES = {
             ("choice.json",),
         ),
         Stage(
-            linkage,
-            ("figures",),
-            ("campaign/results/linkage.py", *_PLOT, *_RUNS),
+            moments,
+            ("figures", "jobs"),
+            (
+                "campaign/results/moments.py",
+                "campaign/results/linkage.py",
+                "campaign/pictures/*.py",
+                *_DESIGN[:2],
+                *_MOTIONS,
+                *_PLOT,
+                *_RUNS,
+            ),
             (_PLAN, _SAMPLES),
         ),
         Stage(
@@ -365,9 +370,7 @@ STAGES = {
                 *_PAGE,
                 *_SUMMARY,
                 *_BOUNDS[:2],
-                "fpm/motion*.py",
-                "fpm/stress.py",
-                "fpm/bars.py",
+                *_MOTIONS,
             ),
             (_SAMPLES, _BOX, "sensitivities.nc", "summary.json"),
         ),
@@ -401,14 +404,16 @@ def answers(campaign: Campaign) -> list[str]:
 
 def drawings(campaign: Campaign) -> list[str]:
     """The stages that draw something of the campaign."""
-    from campaign.results.linkage import BARS
-
     experiment = campaign.experiment
     several = len(experiment.intervals) > 1 and experiment.design.order is not None
-    known = experiment.scene.name in BARS and not experiment.scene.file
-    kept = campaign.jobs.keep == "trajectories" and known
     asked = bool(experiment.quantities)
     chosen = bool(campaign.choose.parameters)
-    others = ["linkage"] * kept + ["sensitivities"] * several + ["ranges"] * asked
-    others += ["alternatives"] * chosen
-    return ["envelopes", *others]
+    others = ["sensitivities"] * several + ["ranges"] * asked + ["alternatives"] * chosen
+    return ["envelopes", "moments", *others]
+
+
+def waits_for_page(campaign: Campaign) -> bool:
+    """Whether the figure `moments` is drawn from the motion that is made for the page."""
+    from campaign.results.linkage import has_bars
+
+    return not has_bars(campaign.experiment, campaign.jobs.keep)

@@ -16,7 +16,7 @@ from campaign.drawing import Draughtsman
 from campaign.files import open_dataset
 from campaign.folder import ROUND_FILES, Folder
 from campaign.runs.progress import Tell, Teller
-from campaign.stages import STAGES, answers, batch_count, drawings
+from campaign.stages import STAGES, answers, batch_count, drawings, waits_for_page
 from campaign.stopping import import_ahead
 
 
@@ -44,17 +44,20 @@ def run(
         else:
             _stage("plan", campaign, folder, tell)
             _sample(campaign, folder, tell)
-            if "linkage" in wanted:  # the one figure that needs no bounds
-                wanted.remove("linkage")
-                draughtsman.ask("linkage", campaign, folder)
+            if draughtsman and not waits_for_page(campaign):  # the one figure that needs no bounds
+                wanted.remove("moments")
+                draughtsman.ask("moments", campaign, folder)
             _stage("bounds", campaign, folder, tell, threads=os.cpu_count() or 1)
         for name in answers(campaign):
             _stage(name, campaign, folder, tell, threads=os.cpu_count() or 1)
         for name in wanted:
-            draughtsman.ask(name, campaign, folder)
+            if name != "moments":
+                draughtsman.ask(name, campaign, folder)
         _stage("summary", campaign, folder, tell)
         if draughtsman:
             _stage("report", campaign, folder, tell)
+            if "moments" in wanted:
+                draughtsman.ask("moments", campaign, folder)
         return _open(folder.bounds)
 
 

@@ -10,8 +10,8 @@ from campaign.config.check import load_config
 from campaign.config.design import count_runs
 from campaign.config.loader import retyped
 from campaign.config.sections import Campaign, as_json
-from campaign.folder import Folder
-from campaign.stages import STAGES, answers, batch_count, drawings
+from campaign.folder import PICTURES, Folder
+from campaign.stages import STAGES, answers, batch_count, drawings, waits_for_page
 from fpm.sealed import DamagedError, check
 
 
@@ -158,14 +158,22 @@ class Workflow:
                 if (facts.get("basis"), facts.get("plan")) != (basis, of):
                     found[str(path)] = f"{path} was made from something else"
 
-    def envelope_figures(self, stage: str) -> list[str]:
-        """The figures of the responses."""
-        return Folder(stage).pictures(self.campaign.experiment.responses)
+    def envelope_figures(self, stage: str, *kinds: str) -> list[str]:
+        """The figures of the responses, of some kinds or of all."""
+        return Folder(stage).pictures(self.campaign.experiment.responses, kinds or PICTURES)
 
     def answers(self, stage: str) -> list[str]:
         """The files that answer what is asked of quantities, if anything is."""
         files = _answer_files(Folder(stage))
         return [str(path) for name in answers(self.campaign) for path in files[name]]
+
+    def moments(self, stage: str) -> list[str]:
+        """What else than samples the figure of moments is drawn from."""
+        return [str(Folder(stage).report)] if waits_for_page(self.campaign) else []
+
+    def overview(self, stage: str, name: str) -> list[str]:
+        """The files of a figure of the whole campaign."""
+        return Folder(stage).overview(name)
 
     def results(self) -> list[str]:
         """The files that a campaign leaves for its reader."""

@@ -2,8 +2,9 @@
 
 A sealed file ends with a line of facts as JSON: a digest of all the bytes before it and of the
 facts, and what the file is (`name`, and what its writer adds). Readers of netCDF, PNG and PDF
-overlook that line; in Markdown and HTML it is a comment, in JSON it is the first key. Files appear
-whole or not at all: they are written under a temporary name, which says whose it is, and renamed.
+overlook that line; in Markdown, HTML and SVG it is a comment, in JSON it is the first key. Files
+appear whole or not at all: they are written under a temporary name, which says whose it is, and
+renamed.
 """
 
 import hashlib
@@ -17,7 +18,7 @@ from pathlib import Path
 
 _CHUNK = 1 << 20
 _LONGEST = 4096  # bytes of a seal, at most
-_COMMENT = {".md", ".html"}
+_COMMENT = {".md", ".html", ".svg"}
 _KEY = re.compile(rb'^\{\n "seal": (\{[^\n]*\}),\n')
 _LINE = re.compile(rb'(?:\A|\n)(?:<!-- )?(\{"seal": [^\n]*\})(?: -->)?\n\Z')
 _TEMPORARY = re.compile(r"^\..*\.(?P<host>[^.]+)-(?P<process>\d+)\.part(\.\w+)?$")

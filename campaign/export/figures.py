@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from campaign.files import open_netcdf, whole_file
+from campaign.results.figures import DATELESS, SAME, envelope, shares
 
 if TYPE_CHECKING:
     from campaign.export.chosen import Chosen
@@ -21,11 +22,10 @@ SHADE_ABOVE = 0.1
 
 _STYLE = {
     "pdf.fonttype": 42,  # TrueType; many journals refuse type 3
-    "svg.hashsalt": "deployable-intervals",  # the same names in every file
+    **SAME,
     "font.size": 8, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,
     "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
 }  # fmt: skip
-_DATELESS = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {"Software": None}}
 
 
 def write_figures(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
@@ -36,7 +36,7 @@ def write_figures(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
     paths = []
     with matplotlib.rc_context(_STYLE):
         for name, figure in _figures(chosen, frames):
-            for kind, metadata in _DATELESS.items():
+            for kind, metadata in DATELESS.items():
                 path = folder / f"{name}.{kind}"
                 with whole_file(path) as temporary:
                     figure.savefig(temporary, dpi=DPI, metadata=metadata)
@@ -53,8 +53,6 @@ def _figures(chosen: Chosen, frames: int) -> Iterator[tuple[str, Any]]:
     yield f"{chosen.name}-moments", draw_moments(chosen.motion(frames), width=PAGE)
     if not chosen.folder:
         return
-    from campaign.results.figures import envelope, shares
-
     with open_netcdf(chosen.folder.bounds) as bounds:
         for name in bounds["response"][:]:
             yield name, envelope(bounds, name, SHADE_ABOVE, width=COLUMN)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from campaign.results.which import ids, keeps_extremes, nominal_row
+from fpm.sealed import DamagedError
 
 if TYPE_CHECKING:
     import xarray
@@ -98,6 +100,22 @@ def motions_of(samples: xarray.Dataset, runs: Sequence[int], frames: int = 401) 
         motion.assign(curves=(("response", "instant"), own, {"long_name": "value of the response"}))
         for motion, own in zip(motions, curves, strict=True)
     ]
+
+
+def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
+    """The whole motion of the run at a place among the samples: the one that is there, or else made
+    again."""
+    from campaign.files import open_dataset
+
+    folder = Path(folder)
+    with open_dataset(folder / "samples.nc") as samples:
+        (name,) = ids(samples, [row])
+        with (
+            suppress(FileNotFoundError, DamagedError),
+            open_dataset(folder / MOTIONS / f"{name}.nc") as motion,
+        ):
+            return motion.load()
+        return motions_of(samples, [row])[0]
 
 
 def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:

@@ -19,7 +19,7 @@ _LABELS = 6
 
 
 def draw_alternatives(folder: Folder, place: str | Path) -> None:
-    """Draw `alternatives.png` and `.pdf` into `place`."""
+    """Draw `alternatives.png`, `.pdf` and `.svg` into `place`."""
     save(alternatives(read_json(folder.choice)), Path(place) / "alternatives")
 
 

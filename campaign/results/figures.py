@@ -27,12 +27,16 @@ UPPER = {
 }
 ERROR = {"color": "#CC79A7", "alpha": 0.35, "linewidth": 0, "label": "error estimate"}
 NOMINAL = {"color": "black", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
+DATELESS = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
+"""Metadata of figures that the same data make the same."""
+SAME = {"svg.hashsalt": "deployable-intervals"}
+"""Settings of matplotlib for that: the same names in every file."""
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#7F7F7F")
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 
 
 def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Path) -> None:
-    """Draw `<response>.png` and `.pdf` of all responses into `folder`."""
+    """Draw `<response>.png`, `.pdf` and `.svg` of all responses into `folder`."""
     with open_netcdf(bounds_path) as bounds:
         for name in bounds["response"][:]:
             save(envelope(bounds, name, shade_above), Path(folder) / name)
@@ -90,7 +94,7 @@ def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> 
 
 
 def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
-    """Draw `sensitivities.png` and `.pdf` into `folder`: which parameter widens bounds when."""
+    """Draw `sensitivities`, which parameter widens bounds when, into `folder` in all forms."""
     with open_netcdf(path) as data:
         save(shares(data), Path(folder) / "sensitivities")
 
@@ -168,13 +172,14 @@ def _mark_largest(
 
 
 def save(figure: Any, path: Path, **options: Any) -> None:
-    """Save as PNG and PDF, without the date, so that the same data give the same files.
+    """Save as PNG, PDF and SVG, without dates, so that the same data give the same files.
 
     `options` are those of matplotlib's `savefig`.
     """
+    from matplotlib import rc_context
+
     for kind in PICTURES:
-        with result_file(path.with_name(f"{path.name}.{kind}")) as temporary:
-            metadata = {"CreationDate": None} if kind == "pdf" else {"Software": None}
+        with result_file(path.with_name(f"{path.name}.{kind}")) as temporary, rc_context(SAME):
             fast = {"pil_kwargs": {"compress_level": 3}} if kind == "png" else {}
-            figure.savefig(temporary, dpi=200, metadata=metadata, **fast, **options)
+            figure.savefig(temporary, dpi=200, metadata=DATELESS[kind], **fast, **options)
         figure.set_layout_engine(None)  # found by now, and the same for the next kind

@@ -1,15 +1,16 @@
-"""Pictures of a structure at moments of its motion, for the scenes that can be drawn."""
+"""The Bennett linkage at moments of its motion, in the paper's manner: straight mitred bars."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaign.files import open_netcdf
+if TYPE_CHECKING:
+    from campaign.config.sections import Experiment
 
 # The six faces of a box as indices into its eight corners (see `_bennett_bars`).
 _FACES = ((0, 1, 2, 3), (4, 5, 6, 7), *((i, j, j + 4, i + 4) for i, j in pairwise((0, 1, 2, 3, 0))))
@@ -33,16 +34,10 @@ def moments(
     return np.array([int(np.abs(opening[: last + 1] - value).argmin()) for value in wanted])
 
 
-def draw_nominal(samples_path: str | Path, folder: Path, count: int, out: Path) -> None:
-    """Draw `count` moments of the nominal run, with its trajectory in `folder`, as
-    `out`/linkage.png and .pdf."""
-    from campaign.results.figures import save
-
-    with open_netcdf(samples_path) as samples:
-        nominal = list(samples["role"][:]).index("nominal")
-        run = samples["run_id"][nominal]
-    figure = draw(Path(folder) / f"{run}.nc", count)
-    save(figure, Path(out) / "linkage", bbox_inches="tight")
+def has_bars(experiment: Experiment, keep: str) -> bool:
+    """Whether the structure can be drawn like this, from trajectories, which `keep` tells of."""
+    scene = experiment.scene
+    return scene.name in BARS and not scene.file and keep == "trajectories"
 
 
 def draw(trajectory_path: str | Path, count: int) -> Any:

@@ -21,7 +21,7 @@ _BLUE, _RED, _GREY = "#0072B2", "#D55E00", "0.75"
 
 
 def draw_ranges(folder: Folder, place: str | Path) -> None:
-    """Draw `ranges.png` and `.pdf` into `place`."""
+    """Draw `ranges.png`, `.pdf` and `.svg` into `place`."""
     with open_netcdf(folder.quantities) as found:
         figure = ranges(found, *runs_of(folder))
     save(figure, Path(place) / "ranges")

@@ -61,7 +61,7 @@ class Victim:
 
 def results_in(folder: Path) -> list[Path]:
     """All sealed files of a campaign, those of its runs too."""
-    suffixes = {".nc", ".json", ".md", ".html", ".png", ".pdf"}
+    suffixes = {".nc", ".json", ".md", ".html", ".png", ".pdf", ".svg"}
     found = sorted(path for path in folder.rglob("*") if path.suffix in suffixes)
     return [path for path in found if not path.name.startswith(".")]
 

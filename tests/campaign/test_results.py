@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
+from xml.etree import ElementTree
 
 import jsonschema
 import netCDF4
@@ -15,14 +16,18 @@ from numpy.polynomial import chebyshev
 
 import campaign
 from campaign.config.sections import BoundsChoice
+from campaign.errors import CampaignError
 from campaign.files import open_netcdf
 from campaign.folder import Folder
+from campaign.report import make_motions
 from campaign.results.bounds import analyse
 from campaign.results.budget import foretold_text
 from campaign.results.figures import draw_envelopes, envelope
-from campaign.results.linkage import draw_nominal, moments
+from campaign.results.linkage import moments
+from campaign.results.moments import draw_nominal
 from campaign.results.summary import as_text, summarise
 from campaign.results.units import pretty
+from fpm.scenes import SceneType
 from fpm.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
@@ -151,17 +156,39 @@ def test_aligned_models_are_enclosed_on_demand(finished, tmp_path):
     assert gaps[0] == 0 < gaps[1]
 
 
-def test_figures_are_drawn_as_png_and_pdf_and_are_the_same_again(finished, tmp_path):
-    for folder in ("first", "second"):
-        draw_envelopes(finished.bounds, 0.1, tmp_path / folder)
-        draw_nominal(finished.samples, finished.runs("trajectories"), 5, tmp_path / folder)
-    names = sorted(path.name for path in (tmp_path / "first").iterdir())
-    assert names == sorted(f"{n}.{k}" for n in ("BD", "vBz", "linkage") for k in ("png", "pdf"))
-    for name in names:
-        first, second = (unsealed(tmp_path / folder / name) for folder in ("first", "second"))
-        assert first == second
-        assert first.startswith(b"\x89PNG" if name.endswith("png") else b"%PDF")
-        assert len(first) > 5000
+def test_figures_are_drawn_in_three_forms_and_are_the_same_again(finished, tmp_path):
+    found = []
+    for place in ("first", "second"):
+        folder = beside(finished, tmp_path / place)
+        draw_envelopes(folder.bounds, 0.1, folder.figures)
+        draw_nominal(folder, "trajectories", 5, print)
+        found.append({path.name: unsealed(path) for path in folder.figures.rglob("*.*")})
+    first, second = found
+    kinds = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}
+    assert set(first) == {f"{n}.{k}" for n in ("BD", "vBz", "moments") for k in kinds}
+    for name, content in first.items():
+        assert content == second[name]
+        assert content.startswith(kinds[name.split(".")[1]])
+        assert len(content) > 5000
+
+
+@pytest.mark.parametrize("motion", ["made before", "made again", "cut off"])
+def test_any_structure_is_drawn_from_its_motion(finished, tmp_path, motion):
+    """As Bennett's is where its trajectories are not kept, by what the page has or made again."""
+    folder = beside(finished, tmp_path / "test")
+    if motion != "made again":
+        (path, *_) = make_motions(folder.path, frames=11)  # the nominal run's
+        path.write_bytes(path.read_bytes()[: -20 * (motion == "cut off") or None])
+    draw_nominal(folder, "responses", 3, print)
+    drawn = ElementTree.fromstring((folder.overviews / "moments.svg").read_text())
+    panels = [each for each in drawn.iter() if each.get("id", "").startswith("axes_")]
+    assert len(panels) == 3
+
+
+def test_a_structure_that_has_changed_since_is_not_drawn(finished, monkeypatch):
+    monkeypatch.setattr(SceneType, "digest", "another")
+    with pytest.raises(CampaignError, match="have changed since"):
+        draw_nominal(finished, "responses", 3, print)
 
 
 def files_of(finished) -> list:

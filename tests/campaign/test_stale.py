@@ -102,7 +102,7 @@ def test_edited_code_of_one_stage_finds_its_own_results(whole, monkeypatch):
         ("requirements", {"short": {"top": {"at_most": 9.0}}}, "requirements.json"),
         ("choose", {**ASKED["choose"], "order": 2}, "choice.json"),
         ("error", {"shade_above": 0.2}, "figures/BD.png"),
-        ("figures", {"moments": 3}, "figures/campaign/linkage.pdf"),
+        ("figures", {"moments": 3}, "figures/campaign/moments.pdf"),
         ("published", {"BD": 0.06}, "summary.json"),
     ],
 )

@@ -47,7 +47,7 @@ def test_a_campaign_returns_its_bounds_and_leaves_all_files(raw, tmp_path):
     with xr.open_dataset(folder.bounds) as written:
         xr.testing.assert_identical(written.load(), bounds)
     promised = Workflow(campaign.check_config(raw)).results()
-    assert len(promised) == 11
+    assert len(promised) == 15
     for name in promised:
         assert (tmp_path / Path(name).relative_to("results")).stat().st_size > 500
     assert "test: 7 of 7 runs done" in said
@@ -122,8 +122,8 @@ def test_a_scan_keeps_responses_only(raw, tmp_path):
     folder = run(raw, tmp_path)
     assert not folder.runs("trajectories").exists()
     assert (
-        "results/scan/figures/campaign/linkage.png"
-        not in Workflow(campaign.check_config(raw)).results()
+        "results/scan/figures/campaign/moments.png"
+        in Workflow(campaign.check_config(raw)).results()
     )
     with xr.open_dataset(folder.samples) as samples, xr.open_dataset(folder.bounds) as bounds:
         assert samples.sizes["run"] == 21

@@ -31,13 +31,13 @@ ALL_RULES = {
     "bounds",
     "envelopes",
     "sensitivities",
-    "linkage",
+    "moments",
     "summary",
     "report",
 }
 
 
-OVERVIEWS = ("campaign/linkage.png", "campaign/linkage.pdf")
+OVERVIEWS = ("campaign/moments.png", "campaign/moments.pdf", "campaign/moments.svg")
 OF_BOUNDS = {"bounds", "envelopes", "sensitivities", "summary", "report"}
 
 
@@ -49,7 +49,7 @@ def planned(output: str) -> set[str]:
 
 def test_a_campaign_leaves_its_results(small):
     results = small.folder / "results" / "small"
-    for name in ("BD.png", "BD.pdf", "vBz.png", "vBz.pdf", *OVERVIEWS):
+    for name in ("BD.png", "BD.pdf", "BD.svg", "vBz.png", "vBz.pdf", *OVERVIEWS):
         assert (results / "figures" / name).stat().st_size > 5000
     summary = json.loads((results / "summary.json").read_text())
     assert [row["name"] for row in summary["responses"]] == ["BD", "vBz"]
@@ -81,7 +81,7 @@ def test_what_runs_no_job_needs_no_number_of_cores(small, arguments):
         report = (small.folder / "report.html").read_text(encoding="utf-8")
         for words in (
             "BD.png",
-            "linkage.png",
+            "moments.png",
             "summary.md",
             "report.html",
             "The arrow marks the largest",
@@ -100,7 +100,7 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
         ):
             xr.testing.assert_identical(first, second)
     ends = [path.relative_to(results) for path in results.rglob("figures/**/*.*")]
-    assert len(ends) == 8
+    assert len(ends) == 12
     for name in ("nodes.json", "summary.json", "summary.md", *ends):
         first, second = (
             without_moment((folder / name).read_bytes()) for folder in (results, tmp_path / "small")
@@ -113,7 +113,7 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
     [
         (
             ["error={shade_above: 0.2}", "figures={moments: 4}", "published={BD: 0.1}"],
-            {"envelopes", "linkage", "summary", "report"},
+            {"envelopes", "moments", "summary", "report"},
         ),
         (["bounds={model: spline}"], OF_BOUNDS),
         (["intervals={a: {nominal: 0.035, relative: 0.02}}"], ALL_RULES),
@@ -159,7 +159,7 @@ def test_changed_code_runs_only_what_it_makes_whatever_the_times_of_files(small,
     figures.write_text(text.replace("dpi=200", "dpi=100"))
     os.utime(figures, (0, 0))
     drawn = place.snakemake(*SMALL, "--dry-run")
-    assert planned(drawn.stdout) == {"envelopes", "sensitivities", "linkage"}
+    assert planned(drawn.stdout) == {"envelopes", "sensitivities", "moments"}
 
     figures.write_text(text)
     ranges.write_text(ranges.read_text() + "\nNEW = 0.5\n")

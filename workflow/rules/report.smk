@@ -6,10 +6,11 @@ rule envelopes:
         "{stage}/bounds.nc",
     output:
         report(
-            WORKFLOW.envelope_figures("{stage}"),
+            WORKFLOW.envelope_figures("{stage}", "png"),
             caption="../report/envelope.rst",
             category="Bounds",
         ),
+        WORKFLOW.envelope_figures("{stage}", "pdf", "svg"),
     log:
         "{stage}/logs/envelopes.log",
     priority: 1
@@ -35,7 +36,7 @@ rule sensitivities:
             caption="../report/sensitivities.rst",
             category="Parameters",
         ),
-        "{stage}/figures/campaign/sensitivities.pdf",
+        WORKFLOW.overview("{stage}", "sensitivities")[1:],
     log:
         "{stage}/logs/sensitivities.log",
     localrule: True
@@ -61,7 +62,7 @@ rule ranges:
             caption="../report/ranges.rst",
             category="Parameters",
         ),
-        "{stage}/figures/campaign/ranges.pdf",
+        WORKFLOW.overview("{stage}", "ranges")[1:],
     log:
         "{stage}/logs/ranges.log",
     localrule: True
@@ -85,7 +86,7 @@ rule alternatives:
             caption="../report/alternatives.rst",
             category="Parameters",
         ),
-        "{stage}/figures/campaign/alternatives.pdf",
+        WORKFLOW.overview("{stage}", "alternatives")[1:],
     log:
         "{stage}/logs/alternatives.log",
     conda:
@@ -98,29 +99,30 @@ rule alternatives:
         "python -m campaign alternatives {wildcards.stage} --log {log}"
 
 
-rule linkage:
+rule moments:
     input:
         "{stage}/samples.nc",
+        WORKFLOW.moments("{stage}"),
     output:
         report(
-            "{stage}/figures/campaign/linkage.png",
-            caption="../report/linkage.rst",
+            "{stage}/figures/campaign/moments.png",
+            caption="../report/moments.rst",
             category="Structure",
         ),
-        "{stage}/figures/campaign/linkage.pdf",
+        WORKFLOW.overview("{stage}", "moments")[1:],
     log:
-        "{stage}/logs/linkage.log",
+        "{stage}/logs/moments.log",
     localrule: True
     conda:
         ENVIRONMENT
     params:
         folder=folder_of,
-        config=sections("linkage"),
-        code=code("linkage"),
+        config=sections("moments"),
+        code=code("moments"),
     message:
         "Drawing the structure"
     shell:
-        "python -m campaign linkage {params.folder:q} --config {params.config:q} --log {log:q}"
+        "python -m campaign moments {params.folder:q} --config {params.config:q} --log {log:q}"
 
 
 rule summary:

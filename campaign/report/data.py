@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     import xarray
 
 
+FURTHER = "further"
+"""Role of the runs that were made for the ends of quantities."""
+
 MOST_LINES = 48
 """Runs that were not fitted, drawn as thin lines."""
 
@@ -74,7 +77,7 @@ class Event:
 
 @dataclass(frozen=True)
 class Run:
-    """A run: role (nominal, node or held_out), parameter values (k,), curves (response, t).
+    """A run: role (nominal, node, held_out or further), parameter values (k,), curves (response, t).
 
     Runs that are not drawn need no curves.
     """
@@ -109,8 +112,8 @@ class PageData:
     """All that the page tells.
 
     time (t,) s; bounds_kind: what the bounds are, in words; runs: those that are told, of
-    `run_count` that were made; moving: the nominal run first, then those at which bounds are
-    attained; provenance: name -> text; config: text to start from again; answers: what the summary
+    `run_count` that were made, and of `further_count` for the ends of quantities those that move;
+    moving: the nominal run first, then those at which quantities and bounds are attained; provenance: name -> text; config: text to start from again; answers: what the summary
     tells of quantities, requirements and the best choice;
     overlap: of the faces of a contact, rad; scan: what the summary tells of a scan's bounds.
     """
@@ -123,6 +126,7 @@ class PageData:
     responses: tuple[Response, ...]
     runs: tuple[Run, ...]
     run_count: int
+    further_count: int = 0
     moving: tuple[MovingRun, ...] = ()
     work: tuple[Work, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
@@ -139,7 +143,7 @@ class PageData:
     @property
     def unfitted(self) -> tuple[int, ...]:
         """Indices of the runs that no surrogate was fitted to; the nominal run is among them."""
-        fitted = {run.id for run in self.runs if run.role == "node"}
+        fitted = {run.id for run in self.runs if run.role in ("node", FURTHER)}
         return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted)
 
     @property

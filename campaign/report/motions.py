@@ -1,12 +1,14 @@
-"""The whole motion of the runs that the page shows: the nominal one, and those at the extremes."""
+"""The whole motion of the runs that the page shows: the nominal one, and those at which quantities
+and bounds are attained."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,26 +21,90 @@ if TYPE_CHECKING:
 MOTIONS = "motions"
 """Folder beside the samples, with one netCDF file per run."""
 
-MOST_MOVING = 5
+MOST_MOVING = 7
+"""Runs that are shown, the nominal one among them; of more ends, those of quantities come first."""
 
 
-def moving_runs(samples: xarray.Dataset, bounds: xarray.Dataset) -> dict[int, str]:
-    """Indices of the runs to be shown, with what they are: the nominal run first.
+@dataclass(frozen=True)
+class Shown:
+    """A run that is shown moving: its id, its parameter values (k,), and what it is.
 
-    Then the runs with the least and the largest value of each response where its bounds differ
-    most, at most `MOST_MOVING` in all. A scan without a nominal run begins with its first run.
+    row: its place among the samples; None for a further run, which was made for the end of a
+    quantity's interval.
     """
-    nominal = nominal_row(samples)
+
+    id: str
+    values: np.ndarray
+    label: str
+    row: int | None
+
+
+def shown_runs(folder: str | Path) -> list[Shown]:
+    """The runs of a campaign's folder that are shown: the nominal run first.
+
+    Then the runs at the ends of the quantities' intervals, and those with the least and the largest
+    value of each response where its bounds differ most, at most `MOST_MOVING` in all. A scan
+    without a nominal run begins with its first run.
+    """
+    from campaign.files import open_dataset
+
+    folder = Path(folder)
+    with (
+        open_dataset(folder / "samples.nc") as samples,
+        open_dataset(folder / "bounds.nc") as bounds,
+    ):
+        values, names = samples["value"].values, list(bounds["response"].values)
+        numbers = samples["quantities"].values if "quantities" in samples else None
+        ends = [
+            (name, _extreme_runs(samples, i, _widest(bounds, i))) for i, name in enumerate(names)
+        ]
+        nominal = nominal_row(samples)
+        further, further_ids = values[:0], []
+        if numbers is not None and (folder / "further.nc").exists():
+            with open_dataset(folder / "further.nc") as more:
+                further, further_ids = more["value"].values, more["run_id"].values.tolist()
+                numbers = np.concatenate([numbers, more["quantities"].values])
+        if numbers is not None:
+            ends = [*_ends_of(samples["quantity"].values, numbers), *ends]
+        chosen = _labelled(ends, np.concatenate([values, further]), nominal)
+        known = ids(samples, rows := [run for run in chosen if run < len(values)])
+    of_sample = dict(zip(rows, known, strict=True))
+    return [
+        Shown(of_sample[run], values[run], label, run)
+        if run in of_sample
+        else Shown(further_ids[run - len(values)], further[run - len(values)], label, None)
+        for run, label in chosen.items()
+    ]
+
+
+def _widest(bounds: xarray.Dataset, response: int) -> int:
+    """The instant at which the bounds of a response differ most."""
+    return int((bounds["upper"].values[response] - bounds["lower"].values[response]).argmax())
+
+
+def _ends_of(names: Sequence[str], numbers: np.ndarray) -> list[tuple[str, tuple[int, int]]]:
+    """Of each quantity that happens its name, and the runs (R, q) of its least and largest value;
+    further runs come after all others."""
+    return [
+        (str(name), (int(np.nanargmin(column)), int(np.nanargmax(column))))
+        for name, column in zip(names, numbers.T, strict=True)
+        if np.isfinite(column).any()
+    ]
+
+
+def _labelled(
+    ends: Sequence[tuple[str, tuple[int, int]]], values: np.ndarray, nominal: int | None
+) -> dict[int, str]:
+    """Runs, by their places among values (R, k), with what they are; those with the same values are
+    the same."""
     first = nominal or 0
-    values = samples["value"].values  # runs with the same are the same
-    extremes: dict[int, dict[str, list[str]]] = {}
-    for i, name in enumerate(samples["response"].values.tolist()):
-        widest = int((bounds["upper"].values[i] - bounds["lower"].values[i]).argmax())
-        for run, what in zip(_extreme_runs(samples, i, widest), ("least", "largest"), strict=True):
-            same = next((r for r in extremes if (values[r] == values[run]).all()), run)
-            extremes.setdefault(same, {}).setdefault(what, []).append(name)
+    found: dict[int, dict[str, list[str]]] = {}
+    for name, runs in ends:
+        for run, what in zip(runs, ("least", "largest"), strict=True):
+            same = next((r for r in found if (values[r] == values[run]).all()), run)
+            found.setdefault(same, {}).setdefault(what, []).append(name)
     shown = {first: "first run" if nominal is None else "nominal run"}
-    for run, texts in extremes.items():
+    for run, texts in found.items():
         if (values[run] != values[first]).any() and len(shown) < MOST_MOVING:
             parts = [f"{what} {', '.join(names)}" for what, names in texts.items()]
             shown[run] = f"run of {' and '.join(parts)}"
@@ -58,20 +124,19 @@ def _extreme_runs(samples: xarray.Dataset, response: int, instant: int) -> tuple
     return int(values.argmin()), int(values.argmax())
 
 
-def motions_of(samples: xarray.Dataset, runs: Sequence[int], frames: int = 401) -> list:
-    """The whole motion of runs of `samples.nc`, an xarray.Dataset each, made again side by side.
+def motions_of(samples: xarray.Dataset, shown: Sequence[Shown], frames: int = 401) -> list:
+    """The whole motion of runs of a campaign, an xarray.Dataset each, made again side by side.
 
-    Where samples have no curves of runs, it has them: ``curves`` (response, instant).
+    Of runs whose curves are not in `samples.nc` it has them: ``curves`` (response, instant), and
+    ``impact`` (event, 3): time, index into ``eventful``, 1 if it closes.
     """
-    import fpm
     from campaign.config.sections import Experiment, from_data
     from fpm.motion import whole_motion
 
     experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
     names = samples["parameter"].values.tolist()
     scenes = [
-        experiment.build(dict(zip(names, row, strict=True)))
-        for row in samples["value"].values[list(runs)].tolist()
+        experiment.build(dict(zip(names, run.values.tolist(), strict=True))) for run in shown
     ]
     solver = experiment.solver
     how = {
@@ -80,26 +145,39 @@ def motions_of(samples: xarray.Dataset, runs: Sequence[int], frames: int = 401) 
         "step": float(samples.attrs["time_step"]),
         "energy_tolerance": solver.energy_tolerance,
     }
-    closures = samples["event_time"].values[runs[0]]
+    closures = samples["event_time"].values[shown[0].row]
     motions = whole_motion(
         scenes,
         **how,
         frames=frames,
         times=closures[np.isfinite(closures)],
-        attributes=[
-            {"run_id": name, "campaign": samples.attrs["campaign"]} for name in ids(samples, runs)
-        ],
+        attributes=[{"run_id": run.id, "campaign": samples.attrs["campaign"]} for run in shown],
     )
-    if not keeps_extremes(samples):
-        return motions
-    curves = [
-        np.array([response.evaluate(outcome) for response in experiment.curves])
-        for outcome in fpm.simulate(scenes, **how, record=experiment.asked)
-    ]
-    return [
-        motion.assign(curves=(("response", "instant"), own, {"long_name": "value of the response"}))
-        for motion, own in zip(motions, curves, strict=True)
-    ]
+    bare = [i for i, run in enumerate(shown) if run.row is None or keeps_extremes(samples)]
+    if bare:
+        own = _own_curves(experiment, [scenes[i] for i in bare], how)
+        for i, variables in zip(bare, own, strict=True):
+            motions[i] = motions[i].assign(variables)
+    return motions
+
+
+def _own_curves(experiment: Any, scenes: Sequence, how: Mapping[str, float]) -> list[dict]:
+    """Responses and events of runs, as variables of their motions."""
+    import fpm
+    from fpm.trajectory import impact_events
+
+    found = []
+    for outcome in fpm.simulate(scenes, **how, record=experiment.asked):
+        curves = np.array([response.evaluate(outcome) for response in experiment.curves])
+        impacts = impact_events(outcome.events, outcome.eventful)
+        found.append({
+            "curves": (("response", "instant"), curves, {"long_name": "value of the response"}),
+            "impact": (("impacts", "column"), impacts["events"], {
+                "long_name": "time (s), index into `eventful`, 1 if it closes"}),
+            "eventful": ("named", np.array(impacts["contacts"], dtype=object), {
+                "long_name": "contact, stop or latch"}),
+        })  # fmt: skip
+    return found
 
 
 def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
@@ -115,7 +193,7 @@ def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
             open_dataset(folder / MOTIONS / f"{name}.nc") as motion,
         ):
             return motion.load()
-        return motions_of(samples, [row])[0]
+        return motions_of(samples, [Shown(name, samples["value"].values[row], "", row)])[0]
 
 
 def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
@@ -128,15 +206,12 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
     from campaign.results.bounds import write_dataset
 
     folder = Path(folder)
-    with (
-        open_dataset(folder / "samples.nc") as samples,
-        open_dataset(folder / "bounds.nc") as bounds,
-    ):
+    with open_dataset(folder / "samples.nc") as samples:
         experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
         if experiment.scene_type.digest != samples.attrs["mechanics"]:
             return []
-        runs = list(moving_runs(samples, bounds))
-        paths = [folder / MOTIONS / f"{name}.nc" for name in ids(samples, runs)]
-        for motion, path in zip(motions_of(samples, runs, frames), paths, strict=True):
+        shown = shown_runs(folder)
+        paths = [folder / MOTIONS / f"{run.id}.nc" for run in shown]
+        for motion, path in zip(motions_of(samples, shown, frames), paths, strict=True):
             write_dataset(motion, path, "Whole motion of a run")
     return paths

@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from campaign.files import open_dataset, open_netcdf
-from campaign.report.data import Event, MovingRun, PageData, Parameter, Response, Run, Work
-from campaign.report.motions import MOTIONS, moving_runs
+from campaign.report.data import (
+    FURTHER, Event, MovingRun, PageData, Parameter, Response, Run, Work,
+)  # fmt: skip
+from campaign.report.motions import MOTIONS, Shown, shown_runs
 from campaign.results.which import counts, ids, keeps_extremes, roles
 from fpm.sealed import DamagedError, check
 
@@ -30,8 +32,9 @@ def from_results(folder: str | Path) -> PageData:
     folder = Path(folder)
     samples, bounds = _load(folder / "samples.nc", "values"), _load(folder / "bounds.nc")
     sensitivities = folder / "sensitivities.nc"
-    rows, summary = _rows(folder, samples), _summary(folder)
-    runs = _runs(samples, rows)
+    shown, summary = shown_runs(folder), _summary(folder)
+    rows = _rows(samples, shown)
+    runs, moving = _moving(folder, _runs(samples, rows), rows, shown)
     data = PageData(
         campaign=str(bounds.attrs["campaign"]),
         scene=str(bounds.attrs["scene"]),
@@ -43,7 +46,8 @@ def from_results(folder: str | Path) -> PageData:
         ),
         runs=runs,
         run_count=counts(samples).runs,
-        moving=_moving(folder, runs, rows),
+        further_count=summary.get("runs", {}).get("further_runs", 0),
+        moving=moving,
         work=_work(folder),
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
@@ -51,11 +55,11 @@ def from_results(folder: str | Path) -> PageData:
         overlap=float(samples["overlap"].max()),
         scan=summary.get("scan", {}),
     )
-    drawn = {*data.lines, *(moving.run for moving in data.moving)}
+    own = {m.run: m.motion["curves"].values for m in data.moving if "curves" in m.motion}
+    runs = tuple(replace(run, curves=own.get(i)) for i, run in enumerate(runs))
     if keeps_extremes(samples):
-        own = {moving.run: moving.motion["curves"].values for moving in data.moving}
-        runs = tuple(replace(run, curves=own.get(i)) for i, run in enumerate(runs))
         return replace(data, runs=runs)
+    drawn = {*data.lines, *(moving.run for moving in data.moving)} - own.keys()
     return replace(data, runs=_with_curves(runs, rows, folder / "samples.nc", drawn))
 
 
@@ -137,11 +141,11 @@ MOST_RUNS = 10_000
 """Runs that a page has, with their parameters; of more, it has those that move."""
 
 
-def _rows(folder: Path, samples: xarray.Dataset) -> np.ndarray:
+def _rows(samples: xarray.Dataset, shown: Iterable[Shown]) -> np.ndarray:
     """Places among the samples of the runs that the page has."""
     if len(samples["value"]) <= MOST_RUNS and not keeps_extremes(samples):
         return np.arange(len(samples["value"]))
-    return np.array(sorted(_shown(folder)))
+    return np.array(sorted(run.row for run in shown if run.row is not None))
 
 
 def _runs(samples: xarray.Dataset, rows: np.ndarray) -> tuple[Run, ...]:
@@ -173,27 +177,34 @@ def _with_curves(
     return tuple(made)
 
 
-def _shown(folder: Path) -> dict[int, str]:
-    """Places among the samples of the runs that move, with what they are."""
-    with (
-        open_dataset(folder / "samples.nc") as samples,
-        open_dataset(folder / "bounds.nc") as bounds,
-    ):
-        return moving_runs(samples, bounds)
-
-
-def _moving(folder: Path, runs: tuple[Run, ...], rows: np.ndarray) -> tuple[MovingRun, ...]:
-    """The moving runs whose motion is there; none without the first, with which all compare."""
-    found = []
-    for row, label in _shown(folder).items():
-        run = int(np.searchsorted(rows, row))
-        path = folder / MOTIONS / f"{runs[run].id}.nc"
+def _moving(
+    folder: Path, runs: tuple[Run, ...], rows: np.ndarray, shown: Iterable[Shown]
+) -> tuple[tuple[Run, ...], tuple[MovingRun, ...]]:
+    """The runs, further ones that move added, and the moving runs whose motion is there; none
+    without the first, with which all compare."""
+    found: list[MovingRun] = []
+    more = list(runs)
+    for one in shown:
         try:
-            found.append(MovingRun(run, label, _load(path)))
+            motion = _load(folder / MOTIONS / f"{one.id}.nc")
         except (FileNotFoundError, DamagedError):  # of a structure that has changed since
             if not found:
-                return ()
-    return tuple(found)
+                return runs, ()
+            continue
+        run = len(more) if one.row is None else int(np.searchsorted(rows, one.row))
+        if one.row is None:
+            more.append(Run(one.id, FURTHER, one.values, events=_impacts(motion)))
+        found.append(MovingRun(run, one.label, motion))
+    return tuple(more), tuple(found)
+
+
+def _impacts(motion: xarray.Dataset) -> tuple[Event, ...]:
+    """The events of a run that is not among the samples."""
+    names = motion["eventful"].values.tolist()
+    return tuple(
+        Event(time, names[int(which)], closing == 1)
+        for time, which, closing in sorted(motion["impact"].values.tolist())
+    )
 
 
 def _manifests(folder: Path) -> list[Path]:

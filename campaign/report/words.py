@@ -153,7 +153,8 @@ def facts(data: PageData) -> str:
     duration = quantity(float(data.time[-1] - data.time[0]), "s")
     count = len(data.parameters)
     parameters = "one interval parameter" if count == 1 else f"{count} interval parameters"
-    return f"Scene {data.scene}, {duration} of motion, {parameters}, {data.run_count} runs."
+    further = f" and {data.further_count} further ones at ends" if data.further_count else ""
+    return f"Scene {data.scene}, {duration} of motion, {parameters}, {data.run_count} runs{further}."
 
 
 def verdict(data: PageData, response: Response) -> Verdict:

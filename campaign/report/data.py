@@ -77,9 +77,9 @@ class Event:
 
 @dataclass(frozen=True)
 class Run:
-    """A run: role (nominal, node, held_out or further), parameter values (k,), curves (response, t).
+    """A run: role (nominal, node, held_out or further), parameter values (k,).
 
-    Runs that are not drawn need no curves.
+    curves (response, t): runs that are not drawn need none.
     """
 
     id: str
@@ -113,8 +113,9 @@ class PageData:
 
     time (t,) s; bounds_kind: what the bounds are, in words; runs: those that are told, of
     `run_count` that were made, and of `further_count` for the ends of quantities those that move;
-    moving: the nominal run first, then those at which quantities and bounds are attained; provenance: name -> text; config: text to start from again; answers: what the summary
-    tells of quantities, requirements and the best choice;
+    moving: the nominal run first, then those at which quantities and bounds are attained;
+    provenance: name -> text; config: text to start from again; answers: what the summary tells of
+    quantities, requirements and the best choice; about: what the structure is;
     overlap: of the faces of a contact, rad; scan: what the summary tells of a scan's bounds.
     """
 
@@ -132,6 +133,7 @@ class PageData:
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
     answers: Mapping[str, Any] = field(default_factory=dict)
+    about: str = ""
     overlap: float = 0.0
     scan: Mapping[str, float] = field(default_factory=dict)
 

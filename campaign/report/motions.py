@@ -135,9 +135,7 @@ def motions_of(samples: xarray.Dataset, shown: Sequence[Shown], frames: int = 40
 
     experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
     names = samples["parameter"].values.tolist()
-    scenes = [
-        experiment.build(dict(zip(names, run.values.tolist(), strict=True))) for run in shown
-    ]
+    scenes = [experiment.build(dict(zip(names, run.values.tolist(), strict=True))) for run in shown]
     solver = experiment.solver
     how = {
         "duration": solver.duration,

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from campaign.files import open_dataset, open_netcdf
 from campaign.report.data import (
-    FURTHER, Event, MovingRun, PageData, Parameter, Response, Run, Work,
+    FURTHER,
+    Event,
+    MovingRun,
+    PageData,
+    Parameter,
+    Response,
+    Run,
+    Work,
 )  # fmt: skip
 from campaign.report.motions import MOTIONS, Shown, shown_runs
 from campaign.results.which import counts, ids, keeps_extremes, roles
@@ -35,12 +42,14 @@ def from_results(folder: str | Path) -> PageData:
     shown, summary = shown_runs(folder), _summary(folder)
     rows = _rows(samples, shown)
     runs, moving = _moving(folder, _runs(samples, rows), rows, shown)
+    known = _scene_type(bounds)
     data = PageData(
         campaign=str(bounds.attrs["campaign"]),
         scene=str(bounds.attrs["scene"]),
         bounds_kind=str(bounds.attrs["bounds_kind"]),
         time=bounds["time"].values,
-        parameters=_parameters(bounds),
+        about=known.description.strip().rstrip(".") if known else "",
+        parameters=_parameters(bounds, known.parameters if known else {}),
         responses=_responses(
             bounds, _load(sensitivities) if sensitivities.exists() else None, summary
         ),
@@ -69,15 +78,19 @@ def _load(path: Path, but: str = "") -> xarray.Dataset:
         return dataset.drop_vars(but, errors="ignore").load()
 
 
-def _parameters(bounds: xarray.Dataset) -> tuple[Parameter, ...]:
+def _scene_type(bounds: xarray.Dataset) -> Any:
+    """The structure, unless it is no longer there."""
     import fpm
     from campaign.config.sections import Experiment, from_data
 
+    with suppress(fpm.SceneError):
+        return from_data(Experiment, json.loads(bounds.attrs["config"])).scene_type
+    return None
+
+
+def _parameters(bounds: xarray.Dataset, known: Mapping[str, Any]) -> tuple[Parameter, ...]:
     keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
     rows = zip(*(bounds[key].values.tolist() for key in keys), strict=True)
-    known = {}
-    with suppress(fpm.SceneError):  # results of a scene that is no longer there
-        known = from_data(Experiment, json.loads(bounds.attrs["config"])).scene_type.parameters
     return tuple(
         Parameter(*row, long_name=known[row[0]].description if row[0] in known else "")
         for row in rows

@@ -12,6 +12,7 @@ def trust(data: PageData) -> list[tuple[str, str]]:
     """Titles with a paragraph each."""
     kind = data.bounds_kind
     return [
+        *([("What the intervals of quantities are", _QUANTITIES)] if data.answers else []),
         ("What the bounds are", f"{kind[:1].upper()}{kind[1:]}. {_bounds(kind, data.scan)}"),
         ("What the error estimate is", _error(data)),
         ("What the model is", _MODEL),
@@ -19,10 +20,17 @@ def trust(data: PageData) -> list[tuple[str, str]]:
     ]
 
 
+_QUANTITIES = (
+    "The least and the largest value of the simulated runs, or what a surrogate fitted to them "
+    "foretells where that is more. Where both ends are simulated runs, the model really does that; "
+    "whether it does more somewhere else is estimated by the error of the surrogate, not excluded."
+)
+
 _MODEL = (
-    "Slender elastic bars, ideal hinges, springs and contacts, moved by a time integration that is "
-    "stopped when its energy does not balance. What the model leaves out (friction, play in the "
-    "hinges, tolerances that are not among the parameters, damage) is not in these numbers."
+    "Rigid bodies and slender elastic bars with the joints, springs, dampers, contacts, latches "
+    "and cables that the structure is said to have, moved by a time integration that is stopped "
+    "when its energy does not balance. What is not said of the structure (often friction, play in "
+    "the hinges, damage, tolerances that are not among the parameters) is not in these numbers."
 )
 
 _STRUCTURE = (

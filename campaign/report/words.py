@@ -38,6 +38,9 @@ class Verdict:
     parts: str
 
 
+_ANGLES = {"degree": "°", "rad": " rad"}
+
+
 def number(value: float, digits: int = 3) -> str:
     """A number as people write it: `0.0618`, `1.2e+09` as `1.2 × 10⁹`."""
     text = f"{value:.{digits}g}"
@@ -65,13 +68,16 @@ def unbroken(text: str, units: Iterable[str]) -> str:
     for unit in units:
         text = text.replace(_FIXED + unit, _FIXED + unit.replace(" ", _FIXED))
     text = re.sub(r" = (?=[\d−-])", f"{_FIXED}={_FIXED}", text)
+    text = re.sub(r"(?<![\w)-])-(?=\d)", "−", text)
     return re.sub(r"(?<=[\d±]) (?=[\d×])|(?<=×) (?=10)", _FIXED, text)
 
 
 def spread(parameter: Parameter) -> str:
     """How far a parameter is known: `± 1 %`, else its ends."""
     below, above = parameter.nominal - parameter.lower, parameter.upper - parameter.nominal
-    if parameter.nominal and abs(above - below) < 1e-6 * abs(parameter.nominal):
+    if abs(above - below) < 1e-6 * abs(parameter.nominal):
+        if unit := _ANGLES.get(parameter.units):  # a share of an angle says little
+            return f"± {number(above)}{unit}"
         return f"± {100 * above / abs(parameter.nominal):.3g} %"
     ends = number(parameter.lower, 4), quantity(parameter.upper, parameter.units, 4)
     return f"{ends[0]} to {ends[1]}"
@@ -111,7 +117,7 @@ def _given(parameters: tuple[Parameter, ...]) -> str:
             verb = "to"
         else:
             parts.append(f"{name} from {how}")
-    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
+    return _listed(parts)
 
 
 def cautions(data: PageData) -> list[str]:
@@ -137,7 +143,7 @@ def cautions(data: PageData) -> list[str]:
         most = quantity(data.overlap, "rad", 2)
         sentences.append(
             f"Faces that touch pass through each other by up to {most}: the contacts are too soft "
-            "to be contacts."
+            "to be contacts, and what follows a closure means little."
         )
     return sentences
 
@@ -149,12 +155,22 @@ def _largest(response: Response) -> str:
 
 
 def facts(data: PageData) -> str:
-    """What the campaign was, in one line."""
+    """What the campaign was."""
     duration = quantity(float(data.time[-1] - data.time[0]), "s")
     count = len(data.parameters)
     parameters = "one interval parameter" if count == 1 else f"{count} interval parameters"
-    further = f" and {data.further_count} further ones at ends" if data.further_count else ""
-    return f"Scene {data.scene}, {duration} of motion, {parameters}, {data.run_count} runs{further}."
+    runs = f"{data.run_count} runs"
+    if data.further_count:
+        runs += f", {data.further_count} more at the ends of intervals"
+    about = f" ({data.about})" if data.about else ""
+    text = f"Structure {data.scene}{about}; {duration} of motion, {parameters}, {runs}."
+    known = [f"{p.name} is the {p.long_name}" for p in data.parameters if p.long_name]
+    return text if count == 1 or not known else f"{text} Here {_listed(known)}."
+
+
+def _listed(parts: list[str]) -> str:
+    """`one, two and three`."""
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
 
 def verdict(data: PageData, response: Response) -> Verdict:

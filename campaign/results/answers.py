@@ -121,8 +121,10 @@ def interval(row: Mapping) -> str:
     lower, upper = row["lower"], row["upper"]
     if lower is None:
         return ""
-    digits = digits_for(lower, upper)
-    return f"{lower:.{digits}g} to {upper:.{digits}g} {pretty(row['units'])}"
+    digits, size = digits_for(lower, upper), max(abs(lower), abs(upper))
+    places = digits - 1 - int(np.floor(np.log10(size))) if size else 0
+    form = f".{places}f" if 0 <= places <= 9 else f".{digits}g"  # both ends to the same place
+    return f"{lower:{form}} to {upper:{form}} {pretty(row['units'])}"
 
 
 def digits_for(lower: float, upper: float) -> int:

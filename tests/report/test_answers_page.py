@@ -3,37 +3,63 @@
 import copy
 import re
 
+import numpy as np
 import pytest
+import xarray
 from opening import CONFIG
 
 import campaign
-from campaign.report import from_results, words
+from campaign.report import from_results, make_motions, words
+from campaign.report.data import FURTHER
 from campaign.report.page import render
 
 
 @pytest.fixture(scope="module")
-def opened(tmp_path_factory):
-    """The page's data of a panel with requirements that part of the box meets, and a choice."""
+def folder(tmp_path_factory):
+    """The results of a panel with requirements that part of the box meets, and a choice."""
     results = tmp_path_factory.mktemp("results")
     campaign.run(copy.deepcopy(CONFIG), results, figures=False, tell=lambda text: None)
-    return from_results(results / CONFIG["campaign"])
+    return results / CONFIG["campaign"]
+
+
+@pytest.fixture(scope="module")
+def opened(folder):
+    """The page's data of it."""
+    return from_results(folder)
 
 
 def test_the_headline_is_the_answer(opened):
     text = words.headline(opened)
-    assert "t_open is 1.8682 to 1.964 s" in text
+    assert "t_open is 1.8682 to 1.9640 s" in text
     assert re.search(r"6\d\.\d+ % of the box meets all requirements", text)
 
 
 def test_the_page_has_verdicts_intervals_and_tables(opened):
     page = render(opened).replace("\N{NO-BREAK SPACE}", " ")
     assert page.index('class="verdict some"') < page.index('id="quantities"')
-    for words_ in ("1.8682 to 1.964 s", "both ends are simulated runs", 'id="requirements"',
+    for words_ in ("1.8682 to 1.9640 s", "both ends are simulated runs", 'id="requirements"',
                    "The nearest failure is of in_time", "Best choice: k = ", 'id="choice"',
                    "some: 6"):  # fmt: skip
         assert words_ in page
     assert "t_never" in page
     assert "does not happen in any run" in page
+
+
+def test_the_runs_at_the_ends_of_quantities_move(folder):
+    make_motions(folder, frames=11)
+    data = from_results(folder)
+    nominal, *others = data.moving
+    assert nominal.label == "nominal run"
+    with xarray.open_dataset(folder / "quantities.nc") as found:
+        for what in ("least", "largest"):
+            (shown,) = [each for each in others if f"{what} t_open" in each.label]
+            end = found["argmin" if what == "least" else "argmax"].sel(quantity="t_open").values
+            run = data.runs[shown.run]
+            np.testing.assert_allclose(run.values, end, rtol=1e-12)
+            with xarray.open_dataset(folder / "trajectories" / f"{run.id}.nc") as alone:
+                np.testing.assert_array_equal(run.curves[0], alone["opening"].sel(hinge="hinge"))
+    further = [run for run in data.runs if run.role == FURTHER]
+    assert not set(map(data.runs.index, further)) & set(data.unfitted)
 
 
 def test_a_page_without_requirements_has_the_intervals_only(opened, tmp_path):

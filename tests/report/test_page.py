@@ -11,7 +11,7 @@ import xarray
 
 from campaign.report import write_page
 from campaign.report.data import MOST_LINES, Parameter
-from campaign.report.motions import moving_runs
+from campaign.report.motions import shown_runs
 from campaign.report.pack import payload, thinned
 from campaign.report.trust import trust
 from campaign.report.words import cautions, headline, number, spread, unbroken, verdict
@@ -70,11 +70,11 @@ def test_the_extreme_runs_move_beside_the_nominal_one(results, data):
         xarray.open_dataset(results / "samples.nc") as samples,
         xarray.open_dataset(results / "bounds.nc") as bounds,
     ):
-        shown = moving_runs(samples, bounds)
         values = samples["values"].values
         widest = int((bounds["upper"] - bounds["lower"]).values[0].argmax())
-    assert [m.run for m in data.moving] == list(shown)
-    assert shown[next(iter(shown))] == "nominal run"
+    shown = shown_runs(results)
+    assert [m.run for m in data.moving] == [run.row for run in shown]
+    assert shown[0].label == "nominal run"
     ids = {data.runs[m.run].id for m in data.moving}
     for extreme in (values[:, 0, widest].argmin(), values[:, 0, widest].argmax()):
         assert data.runs[extreme].id in ids

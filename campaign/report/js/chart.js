@@ -30,9 +30,10 @@ class Chart {
     return [low - room, high + room];
   }
 
-  draw() {
-    const width = this.root.clientWidth;
-    if (!width) return;
+  // Draw as wide as there is room, or for a page of `paper` pixels.
+  draw(paper) {
+    const width = paper ?? this.root.clientWidth;
+    if (!width || (this.onPaper && !paper)) return;
     this.width = width;
     const { left, right, top, bottom } = MARGIN, [from, to] = this.span, [low, high] = this.range();
     const inner = width - left - right, base = this.height - bottom;

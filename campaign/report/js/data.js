@@ -28,7 +28,7 @@ function make(tag, attributes = {}, ...children) {
   return node;
 }
 
-const RUN_COLOURS = ["--ink", "--low", "--high", "--third", "--fourth", "--fifth"];
+const RUN_COLOURS = ["--ink", "--low", "--high", "--third", "--fourth", "--fifth", "--sixth"];
 const runColour = (index) => RUN_COLOURS[index % RUN_COLOURS.length];
 
 const themeColour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

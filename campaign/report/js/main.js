@@ -94,12 +94,22 @@ byId("theme").addEventListener("click", () => theme(root.dataset.theme === "dark
 darkAsked.addEventListener("change", ({ matches }) => theme(matches ? "dark" : "light"));
 
 // Paper is white, and finer than a screen.
+const PAPER = 690; // pixels between the margins of A4
 let before = null;
-addEventListener("beforeprint", () => { before = root.dataset.theme; root.dataset.theme = "light"; repaint(3, 690, 205); });
-addEventListener("afterprint", () => { root.dataset.theme = before; repaint(); });
+addEventListener("beforeprint", () => {
+  before = root.dataset.theme;
+  root.dataset.theme = "light";
+  repaint(3, PAPER, 240);
+  for (const chart of charts) { chart.onPaper = true; chart.draw(PAPER); }
+});
+addEventListener("afterprint", () => {
+  root.dataset.theme = before;
+  repaint();
+  for (const chart of charts) { chart.onPaper = false; chart.draw(); }
+});
 
 drawPlayer();
 drawEvents();
-drawCharts();
+const charts = drawCharts();
 drawTables();
 clock.set(DATA.responses[0].widest);

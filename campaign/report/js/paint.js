@@ -67,7 +67,8 @@ class Painter {
     for (let i = 0; i < corners.length; i += 3) camera.project(corners[i], corners[i + 1], corners[i + 2], page, i);
     const ghost = run > 0, plain = this.colours[run];
     for (let e = 0; e < MOTION.elements; e++) {
-      const colour = byStress && !ghost ? scaleColour(pose.stress[e] / this.topShare) : plain;
+      const stressed = byStress && !ghost && MOTION.ends[2 * e] !== MOTION.ends[2 * e + 1]; // no rigid body
+      const colour = stressed ? scaleColour(pose.stress[e] / this.topShare) : plain;
       const sides = FACES.map((face) => [face, false]);
       this.caps[e].forEach((capped, end) => capped && sides.push([CAPS[end], true]));
       for (const [face, isCap] of sides) {

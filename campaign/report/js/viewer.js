@@ -25,7 +25,8 @@ class Viewer {
     if (this.canvas.width !== wide || this.canvas.height !== high) Object.assign(this.canvas, { width: wide, height: high });
     const context = this.canvas.getContext("2d");
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    this.painter.paint(context, this.camera, width, height, clock.time, this.options);
+    const fill = width === this.canvas.clientWidth ? undefined : 0.9; // on paper
+    this.painter.paint(context, this.camera, width, height, clock.time, { ...this.options, fill });
     context.fillStyle = this.painter.soft;
     context.font = "11px system-ui, sans-serif";
     context.textAlign = "left";
@@ -109,6 +110,7 @@ function viewerControls(viewer) {
     byId("runs-shown").append(make("label", { title: runText(one) }, box, one.label));
   });
   if (MOTION.cables) byId("runs-shown").append(cableKey());
+  byId("coloured").hidden = !MOTION.largestStress; // of rigid bodies only
   painter.topShare = 1;
   byId("colour").addEventListener("change", ({ target }) => {
     options.byStress = target.value === "stress";

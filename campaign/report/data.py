@@ -115,7 +115,8 @@ class PageData:
     `run_count` that were made, and of `further_count` for the ends of quantities those that move;
     moving: the nominal run first, then those at which quantities and bounds are attained;
     provenance: name -> text; config: text to start from again; answers: what the summary tells of
-    quantities, requirements and the best choice; about: what the structure is;
+    quantities, requirements and the best choice; about: what the structure is; fixed:
+    its parameters that are not uncertain, with their values;
     overlap: of the faces of a contact, rad; scan: what the summary tells of a scan's bounds.
     """
 
@@ -134,6 +135,7 @@ class PageData:
     config: str = ""
     answers: Mapping[str, Any] = field(default_factory=dict)
     about: str = ""
+    fixed: str = ""
     overlap: float = 0.0
     scan: Mapping[str, float] = field(default_factory=dict)
 

@@ -24,6 +24,7 @@ from campaign.report.data import (
 )  # fmt: skip
 from campaign.report.motions import MOTIONS, Shown, shown_runs
 from campaign.results.which import counts, ids, keeps_extremes, roles
+from campaign.results.words import with_unit
 from fpm.sealed import DamagedError, check
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ def from_results(folder: str | Path) -> PageData:
         bounds_kind=str(bounds.attrs["bounds_kind"]),
         time=bounds["time"].values,
         about=known.description.strip().rstrip(".") if known else "",
+        fixed=_fixed(bounds, known.parameters if known else {}),
         parameters=_parameters(bounds, known.parameters if known else {}),
         responses=_responses(
             bounds, _load(sensitivities) if sensitivities.exists() else None, summary
@@ -86,6 +88,19 @@ def _scene_type(bounds: xarray.Dataset) -> Any:
     with suppress(fpm.SceneError):
         return from_data(Experiment, json.loads(bounds.attrs["config"])).scene_type
     return None
+
+
+def _fixed(bounds: xarray.Dataset, known: Mapping[str, Any]) -> str:
+    """The values of the structure's parameters that are not uncertain."""
+    given = json.loads(bounds.attrs["config"])["scene"]["parameters"]
+    uncertain = set(bounds["parameter"].values.tolist())
+    values = {name: given.get(name, one.default) for name, one in known.items()}
+    return ", ".join(
+        f"{name} = {value}" if isinstance(value, str | bool) or known[name].unit in ("", "1")
+        else f"{name} = {with_unit(value, known[name].unit, 6)}"
+        for name, value in values.items()
+        if name not in uncertain and value is not None
+    )  # fmt: skip
 
 
 def _parameters(bounds: xarray.Dataset, known: Mapping[str, Any]) -> tuple[Parameter, ...]:

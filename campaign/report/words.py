@@ -162,8 +162,8 @@ def facts(data: PageData) -> str:
     runs = f"{data.run_count} runs"
     if data.further_count:
         runs += f", {data.further_count} more at the ends of intervals"
-    about = f" ({data.about})" if data.about else ""
-    text = f"Structure {data.scene}{about}; {duration} of motion, {parameters}, {runs}."
+    about = f": {data.about}" if data.about else ""
+    text = f"Structure {data.scene}{about}. {duration} of motion, {parameters}, {runs}."
     known = [f"{p.name} is the {p.long_name}" for p in data.parameters if p.long_name]
     return text if count == 1 or not known else f"{text} Here {_listed(known)}."
 

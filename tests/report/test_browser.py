@@ -167,6 +167,19 @@ def test_a_telephone_needs_no_sideways_scrolling(page):
         assert browser.errors() == []
 
 
+def test_curves_are_as_wide_as_paper_only_while_it_is_printed(window):
+    boxes = (
+        "[...document.querySelectorAll('.chart svg')].map((each) => each.getAttribute('viewBox'))"
+    )
+    on_screen = window.ask(boxes)
+    window.ask("dispatchEvent(new Event('beforeprint'))")
+    window.settle()
+    assert {box.split()[2] for box in window.ask(boxes)} == {"690"}
+    window.ask("dispatchEvent(new Event('afterprint'))")
+    window.settle()
+    assert window.ask(boxes) == on_screen
+
+
 def test_it_prints(window, tmp_path):
     window.print(tmp_path / "page.pdf")
     assert (tmp_path / "page.pdf").read_bytes().startswith(b"%PDF")

@@ -184,6 +184,15 @@ def test_the_headline_names_what_is_known_and_how_far_the_responses_go(data):
     assert "With L from 0.95 to 2 m, the" in headline(replace(data, parameters=(wide,)))
 
 
+def test_who_has_only_the_page_knows_what_was_asked_of_what(page, data):
+    text = page.read_text(encoding="utf-8").replace("\N{NO-BREAK SPACE}", " ")
+    assert "Structure pendulum: " in text and "0.4 s of motion, 2 interval parameters" in text
+    told = [p for p in data.parameters if p.long_name]
+    assert told and all(f"{p.name} is the {p.long_name}" in text for p in told)
+    assert "E = 1e+08 Pa" in data.fixed and f"is fixed: {data.fixed}." in text
+    assert "L = " not in data.fixed  # uncertain
+
+
 def test_numbers_as_people_write_them():
     assert number(0.0617852) == "0.0618"
     assert number(-2.5) == "−2.5"
@@ -192,3 +201,5 @@ def test_numbers_as_people_write_them():
     assert number(3e-7) == "3 × 10⁻⁷"
     assert spread(Parameter("a", "m", 0.03465, 0.035, 0.03535)) == "± 1 %"
     assert spread(Parameter("a", "m", 1.0, 1.0, 1.5)) == "1 to 1.5 m"
+    assert spread(Parameter("q", "degree", 84.75, 85.0, 85.25)) == "± 0.25°"
+    assert spread(Parameter("q", "rad", 0.0, 0.5, 1.0)) == "± 0.5 rad"

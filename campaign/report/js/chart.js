@@ -36,13 +36,13 @@ class Chart {
     if (!width || (this.onPaper && !paper)) return;
     this.width = width;
     const { left, right, top, bottom } = MARGIN, [from, to] = this.span, [low, high] = this.range();
-    const inner = width - left - right, base = this.height - bottom;
+    const tall = paper ? 0.72 * this.height : this.height, inner = width - left - right, base = tall - bottom;
     this.x = (t) => left + (inner * (t - from)) / (to - from);
     this.y = (v) => base - ((base - top) * (v - low)) / (high - low);
     const id = `clip-${this.title.replace(/\W/g, "-")}`;
     const clip = svg("clipPath", { id }, svg("rect", { x: left, y: 0, width: inner, height: base }));
-    this.svg.setAttribute("viewBox", `0 0 ${width} ${this.height}`);
-    this.svg.style.height = `${this.height}px`;
+    this.svg.setAttribute("viewBox", `0 0 ${width} ${tall}`);
+    this.svg.style.height = `${tall}px`;
     const inside = svg("g", { "clip-path": `url(#${id})` });
     for (const { lower, upper, kind } of this.areas) {
       inside.append(svg("path", { class: kind, d: area(lower, upper, this.span, this.x, this.y) }));

@@ -99,7 +99,7 @@ let before = null;
 addEventListener("beforeprint", () => {
   before = root.dataset.theme;
   root.dataset.theme = "light";
-  repaint(3, PAPER, 240);
+  repaint(3, PAPER, 225);
   for (const chart of charts) { chart.onPaper = true; chart.draw(PAPER); }
 });
 addEventListener("afterprint", () => {

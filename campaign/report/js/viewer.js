@@ -25,7 +25,7 @@ class Viewer {
     if (this.canvas.width !== wide || this.canvas.height !== high) Object.assign(this.canvas, { width: wide, height: high });
     const context = this.canvas.getContext("2d");
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    const fill = width === this.canvas.clientWidth ? undefined : 0.9; // on paper
+    const fill = width === this.canvas.clientWidth ? undefined : 0.82; // on paper
     this.painter.paint(context, this.camera, width, height, clock.time, { ...this.options, fill });
     context.fillStyle = this.painter.soft;
     context.font = "11px system-ui, sans-serif";

@@ -291,7 +291,10 @@ _WORDS = (
     "campaign/results/decisions.py", "campaign/results/scan_words.py",
     "campaign/results/words.py", *_WHICH,
 )  # fmt: skip
-_SUMMARY = ("campaign/results/summary.py", "campaign/results/units.py", *_WORDS, *_FILES)
+_SUMMARY = (
+    "campaign/results/summary.py", "campaign/results/units.py", "intervals/estimates.py", *_WORDS,
+    *_FILES,
+)  # fmt: skip
 _PLOT = ("campaign/results/figures.py", "campaign/folder.py", *_SUMMARY)
 _RUNS = (
     "campaign/runs/*.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py",

@@ -11,7 +11,6 @@ SHARED = {
     "StraightElements-Openings-Hinges-Springs-Contacts",  # the Bennett linkage
     "StraightElements-Openings-Hinges-Springs",  # a panel on a spring
     "Weight-StraightElements-Openings-Hinges",  # the pendulum
-    "Weight-Cables",
     "StraightElements",  # bars alone
     "GroundSprings",  # a kind that only a test has
 }

@@ -67,6 +67,7 @@ def test_damaged_files_are_told_and_made_again(victims, tmp_path):
     damage(victims, tmp_path, 8)
 
 
+@pytest.mark.slow
 def test_mutated_configs_are_refused_or_run(tmp_path):
     configs(tmp_path, 100, 3)
 

@@ -136,6 +136,7 @@ def met(tmp_path_factory):
     return Folder(results / "asked")
 
 
+@pytest.mark.slow
 def test_rounds_refine_what_is_too_coarse(met):
     summary = json.loads((met / "summary.json").read_text())
     rounds = summary["adaptive"]["rounds"]
@@ -153,6 +154,7 @@ def test_rounds_refine_what_is_too_coarse(met):
     assert "asked for |" in text
 
 
+@pytest.mark.slow
 def test_the_true_error_is_what_was_asked_for(met, tmp_path):
     """Against a scan on a mesh twice as fine as the one that was chosen, with half its step."""
     elements = json.loads((met / "summary.json").read_text())["accuracy"]["mesh"]

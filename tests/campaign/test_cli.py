@@ -68,6 +68,7 @@ def test_the_program_tells_its_version(capsys):
     assert capsys.readouterr().out.startswith("deployable-intervals ")
 
 
+@pytest.mark.slow
 def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path, capsys):
     folder, log = Folder(tmp_path / "stages"), tmp_path / "logs" / "a.log"
     for name in ("plan", "simulate", "gather", "bounds", "summary"):

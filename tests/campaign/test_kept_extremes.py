@@ -79,6 +79,7 @@ def test_bounds_and_answers_are_those_of_all_curves_bit_for_bit(scan, tmp_path):
     assert "it is no guarantee. The last quarter of the runs widened the bounds by" in told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("group", "batches"), [(1, 1), (5, 3), (100, 7)])
 def test_neither_groups_nor_jobs_change_a_bit(scan, tmp_path, group, batches):
     plan = make_plan(campaign.check_config(scan).experiment)
@@ -88,6 +89,7 @@ def test_neither_groups_nor_jobs_change_a_bit(scan, tmp_path, group, batches):
     xr.testing.assert_identical(found, expected)
 
 
+@pytest.mark.slow
 def test_a_kill_costs_one_group(scan, tmp_path, monkeypatch):
     plan = make_plan(campaign.check_config(scan).experiment)
     expected, _ = sample(plan, tmp_path / "whole")
@@ -165,6 +167,7 @@ def test_impacts_are_those_of_the_runs(scan, tmp_path):
     assert float(found["overlap"]) == whole["overlap"].values.max()
 
 
+@pytest.mark.slow
 def test_the_page_draws_the_runs_at_the_bounds(scan, tmp_path):
     campaign.run(scan, tmp_path, tell=silent)
     data = from_results(tmp_path / "test")

@@ -114,6 +114,7 @@ def test_what_changes_no_trajectory_keeps_its_name(raw, plan):
     assert names(plan_of(raw)) == names(plan)
 
 
+@pytest.mark.slow
 def test_the_step_is_stable_at_every_corner_and_divides_the_interval(raw):
     raw["intervals"] = {"a": {"relative": 0.2}, "E": {"relative": 0.3}}
     config = check_config(raw)

@@ -52,6 +52,7 @@ def test_the_line_tells_how_long_it_will_take(monkeypatch):
     assert terminal.getvalue().endswith("mast: 110 of 110 runs done\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keep", ["trajectories", "responses"])
 def test_the_disk_space_told_is_what_is_used(raw, tmp_path, keep):
     """To 30 %: enough to know whether it fits."""

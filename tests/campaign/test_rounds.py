@@ -43,6 +43,7 @@ def test_rounds_go_on_until_the_tolerance_is_met(raw, tmp_path):
         assert order(after) == 2 * order(before)
 
 
+@pytest.mark.slow
 def test_a_spent_budget_ends_the_rounds_and_is_told(raw, tmp_path):
     raw["intervals"] = {"E": {"relative": 0.3}}
     plans = rounds_of(raw, tmp_path, tolerance=1e-12, budget=6)

@@ -72,6 +72,7 @@ def test_all_runs_open_in_one_line_with_their_parameters(finished):
     samples.close()
 
 
+@pytest.mark.slow
 def test_runs_that_exist_are_used_by_another_design(raw, tmp_path):
     raw["intervals"]["E"] = {"relative": 0.05}
     raw |= {"design": {"method": "tensor_lobatto", "order": 1}, "held_out": 0}
@@ -95,6 +96,7 @@ def test_another_response_simulates_nothing(raw, tmp_path):
         np.testing.assert_array_equal(samples["values"].values[nominal, 2], opening)
 
 
+@pytest.mark.slow
 def test_rounds_leave_the_files_of_the_last_one(raw, tmp_path):
     raw["intervals"] = {"E": {"relative": 0.3}}
     raw["design"] = {"method": "tensor_lobatto", "order": "auto", "budget": 6, "tolerance": 1e-12}
@@ -172,6 +174,7 @@ def test_what_cannot_be_run_is_refused_before_anything_is_written(raw, tmp_path)
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_figures_that_cannot_be_drawn_are_told(raw, tmp_path):
     (tmp_path / "test").mkdir()
     (tmp_path / "test" / "figures").write_text("not a folder")

@@ -9,6 +9,7 @@ from evidence.extremes.study import GROUPS
 from evidence.linkage.runs import closing_time, curves, first_closing, simulate
 
 
+@pytest.mark.slow
 def test_a_stiff_linkage_agrees_with_the_rigid_one():
     rows = judge("stiff", {"E": 1e11}, against="rigid")
     assert [row.name for row in rows] == ["stiff: BD", "stiff: velocity of B"]

@@ -108,6 +108,7 @@ def test_what_there_is_not_is_refused_by_name(arguments, told, capsys):
     assert told in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_every_study_is_a_target_of_the_workflow(tmp_path):
     """A dry run of all: one job for each study and one for each part."""
     command = [sys.executable, "-m", "snakemake", "-n", "-c2", "--directory", str(tmp_path)]

@@ -56,6 +56,7 @@ def measured() -> dict:
     return json.loads(json.dumps(measure_case(SMALL, lambda text: None), allow_nan=False))
 
 
+@pytest.mark.slow
 def test_a_higher_order_is_less_wrong_and_costs_more(measured):
     low, high = (rows.pick(measured, 4, f"tensor_lobatto {n}") for n in (2, 8))
     assert rows.worst(high, "surrogate") < 0.2 * rows.worst(low, "surrogate")
@@ -136,6 +137,7 @@ def test_a_broken_result_is_a_failing_row(measured):
     assert not next(r for r in told if "covers the error, surrogates" in r.name).passed
 
 
+@pytest.mark.slow
 def test_the_report_has_its_files(measured, tmp_path):
     write(tmp_path, "tradeoff", study.report({"small": measured}))
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
@@ -176,6 +178,7 @@ def test_phases_end_at_the_first_closure_of_any_run():
     assert Runs.time[phases["after"]].min() == pytest.approx(0.9)
 
 
+@pytest.mark.slow
 def test_every_choice_has_its_points_among_those_of_its_level():
     for case in CASES:
         for level in case.levels:
@@ -204,6 +207,7 @@ def test_a_peer_that_fails_says_so(monkeypatch):
     assert "failed" in found["skipped"]
 
 
+@pytest.mark.slow
 def test_presets_are_measured_as_a_campaign_takes_them():
     level = Level(8, 0.9, 24, CHOICES[:1])
     case = replace(SMALL, levels=(level,), trajectories=())
@@ -244,6 +248,7 @@ def test_presets_are_measured_as_a_campaign_takes_them():
     assert (estimate.value, estimate.passed) == (0.5, False)
 
 
+@pytest.mark.slow
 def test_a_changed_preset_is_measured_as_it_is_now(monkeypatch):
     """No level has its mesh: it gets one of its own, and its numbers are in the rows."""
     changed = {"draft": {"elements": 3, "safety": 0.5, "order": 4, "held_out": 5}}

@@ -41,6 +41,7 @@ def test_pdfs_are_as_wide_as_columns_with_truetype_fonts_in_them(drawn, name, mi
     assert b"/Type3" not in content
 
 
+@pytest.mark.slow
 def test_the_same_run_gives_the_same_bytes(results, drawn, tmp_path):
     export(choose(str(results)), "figures", tmp_path)
     for path in drawn.iterdir():

@@ -9,10 +9,10 @@ from evidence.linkage.rigid import RigidBennett
 # (lambda, mu) in degrees and supports; each closes between 0.26 and 0.39 s.
 CASES = [
     ((45.0, 45.0), "plane"),
-    ((45.0, 45.0), "free"),
+    pytest.param((45.0, 45.0), "free", marks=pytest.mark.slow),
     ((30.0, 60.0), "plane"),
-    ((45.0, 22.5), "plane"),
-    ((65.0, 35.0), "plane"),
+    pytest.param((45.0, 22.5), "plane", marks=pytest.mark.slow),
+    pytest.param((65.0, 35.0), "plane", marks=pytest.mark.slow),
 ]
 
 
@@ -55,6 +55,7 @@ def test_stiff_links_move_as_rigid_ones(angles, supports):
     assert errors_before_closure(angles, supports, [1e12]).max() < 0.005
 
 
+@pytest.mark.slow
 def test_the_difference_is_the_links_flexibility():
     """Bending goes with 1 / E, and so does the difference to the rigid linkage."""
     errors = errors_before_closure((45.0, 45.0), "plane", [1e11, 1e12])

@@ -5,6 +5,8 @@ import pytest
 
 import fpm
 
+pytestmark = pytest.mark.slow  # a time loop of its own
+
 G, MASS, EA, REST = 9.81, 2.0, 4000.0, 1.0
 RATE = np.sqrt(EA / REST / MASS)  # of a mass on the cable, rad/s
 

@@ -33,6 +33,7 @@ def random_model(k, order, jumps, seed, anchors=False):
     return model, time, generator
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(
     st.integers(1, 3),
@@ -129,6 +130,7 @@ def test_large_terms_that_cancel_round_within_the_enclosure():
     assert (found <= upper).all()
 
 
+@pytest.mark.slow
 def test_bounds_that_enclose_contain_those_that_are_attained():
     design = make_design("tensor_roots", 1, 2)
     samples = ball_samples(design, instants=501)

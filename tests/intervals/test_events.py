@@ -128,6 +128,7 @@ def test_the_model_predicts_unseen_runs_with_their_jumps():
     np.testing.assert_allclose(pairs, found, atol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_late_impact_that_some_runs_lack_splits_the_box_or_is_reported():
     duration = 1.772  # the third impact comes before the end for the lower half of the heights only
     reference = ball_reference(duration)

@@ -48,6 +48,7 @@ def error(box, exact, model, order, **options):
     return found["hausdorff_integrated"], len(samples["run"])
 
 
+@pytest.mark.slow
 def test_a_hard_latch_is_followed_with_few_runs(box, exact):
     """21 runs that follow the event are less wrong than a spline through 86."""
     followed, runs = error(box, exact, "aligned", 3, alignment="shift")

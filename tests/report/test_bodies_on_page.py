@@ -33,6 +33,7 @@ def extent_of(data, path):
         return browser.ask(f"[Number({view}.radius), Number({view}.pin)]")
 
 
+@pytest.mark.slow
 def test_the_picture_holds_bodies_and_pins_are_not_as_large_as_they(data, tmp_path):
     radius, size = extent_of(data, tmp_path / "bars.html")
     moving = tuple(replace(m, motion=with_a_body(m.motion, 3.0)) for m in data.moving)

@@ -66,6 +66,7 @@ def sources() -> list[str]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 def test_mutated_files_are_refused_or_are_structures():
     rng = random.Random(2)

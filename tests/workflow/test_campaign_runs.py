@@ -69,6 +69,7 @@ def test_a_second_call_has_nothing_to_do(small):
     assert "Nothing to be done" in again.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["--unlock"], ["--report", "report.html"]])
 def test_what_runs_no_job_needs_no_number_of_cores(small, arguments):
     command = [sys.executable, "-m", "snakemake", *SMALL, *arguments]
@@ -89,6 +90,7 @@ def test_what_runs_no_job_needs_no_number_of_cores(small, arguments):
             assert words in report
 
 
+@pytest.mark.slow
 def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
     results = small.folder / "results" / "small"
     config = small.folder / "config" / "small.yaml"
@@ -108,6 +110,7 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
         assert first == second, name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("override", "rules"),
     [
@@ -144,6 +147,7 @@ def beside_code(small, workplace):
     return workplace
 
 
+@pytest.mark.slow
 def test_changed_code_runs_only_what_it_makes_whatever_the_times_of_files(small, workplace):
     place = beside_code(small, workplace)
     figures = place.folder / "campaign" / "results" / "figures.py"
@@ -168,6 +172,7 @@ def test_changed_code_runs_only_what_it_makes_whatever_the_times_of_files(small,
     assert planned(bounded.stdout) == OF_BOUNDS
 
 
+@pytest.mark.slow
 def test_an_edited_kernel_makes_new_runs(small, workplace):
     place = beside_code(small, workplace)
     kernel = place.folder / "fpm" / "kinds" / "beam_kernels.py"
@@ -209,6 +214,7 @@ def test_what_was_lost_or_damaged_is_told_and_made_again(small, workplace):
     assert "Nothing to be done" in workplace.snakemake(*call).stdout
 
 
+@pytest.mark.slow
 def test_results_from_elsewhere_are_not_taken_for_what_is_asked(small, workplace):
     shutil.copytree(small.folder / "results", workplace.folder / "results")  # not .snakemake
     same = workplace.snakemake(*SMALL, "--dry-run")
@@ -272,6 +278,7 @@ def test_an_automatic_order_is_found_in_rounds(workplace):
         assert unsealed(results / name) == unsealed(again), name
 
 
+@pytest.mark.slow
 def test_a_failing_batch_ends_with_a_message_and_keeps_the_others(workplace):
     override = ["--config", "intervals={E: {lower: 1.0e9, upper: 9.0e9}}", "solver={step: 6.0e-5}"]
     done = workplace.snakemake(*SMALL, *override)

@@ -106,6 +106,7 @@ def test_the_snakefile_of_the_checkout_serves_other_folders(tmp_path, place_in):
     assert str(ROOT / "config" / "structures" / "scissor.yaml") in done.stdout
 
 
+@pytest.mark.slow
 def test_a_module_takes_the_config_of_the_including_workflow(tmp_path, place_in):
     own = place_in(tmp_path)
     (own.folder / "mine.yaml").write_text(MINE, encoding="utf-8")

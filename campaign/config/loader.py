@@ -22,6 +22,13 @@ DEEPEST, MOST = 20, 20_000
 """Mappings and lists may be nested so deep, and hold so many values, aliases written out."""
 
 
+_TOO_MANY = f"the file holds more than {MOST} values; allowed: fewer"
+
+
+class _TooManyError(Exception):
+    """There are more values than a config may hold."""
+
+
 class _Loader(yaml.SafeLoader):
     """SafeLoader that notes keys given twice, or that are not text, in `problems`.
 
@@ -31,13 +38,17 @@ class _Loader(yaml.SafeLoader):
     def __init__(self, stream):
         super().__init__(stream)
         self.problems: list[str] = []
-        self.depth = 0
+        self.depth, self.count = 0, 0
 
     def compose_node(self, parent, index):
-        """The next node; RecursionError where it lies so deep that it is refused anyway."""
+        """The next node; RecursionError where it lies so deep, `_TooManyError` where it comes after
+        so many, that all is refused anyway: to read on would take long."""
         self.depth += 1
+        self.count += 1
         if self.depth > 2 * DEEPEST:
             raise RecursionError
+        if self.count > MOST:
+            raise _TooManyError
         node = super().compose_node(parent, index)
         self.depth -= 1
         return node
@@ -89,6 +100,8 @@ def parse(text: str, source: str) -> dict:
             data = loader.construct_document(node)
     except RecursionError:
         problem = f"nested too deep; allowed: {DEEPEST} mappings and lists in each other"
+    except _TooManyError:
+        problem = _TOO_MANY
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
         problem = f"line {line}: the character {chr(error.character)!r} is not text"
@@ -130,7 +143,7 @@ def _excess(root: yaml.Node | None) -> str:
         return sizes[id(node)]
 
     if root is not None and size(root, 0) > MOST:
-        return f"the file holds more than {MOST} values; allowed: fewer"
+        return _TOO_MANY
     return ""
 
 

@@ -55,6 +55,8 @@ CASES = {
     "an alias bomb": (BOMB + GOOD, ["20000 values", "fewer"]),
     "a list of 10 MB": (changed("mine", f"[{5_000_000 * 'x,'}]"), ["characters", "at most"]),
     "a long list": (changed("mine", f"[{30_000 * 'x,'}]"), ["20000 values"]),
+    "a list of 1 MB": (changed("mine", f"[{500_000 * 'x,'}]"), ["20000 values"]),
+    "many keys": (GOOD + "".join(f"k{i}: 1\n" for i in range(80_000)), ["20000 values"]),
     "Smolyak 16 in eight directions": (
         changed("  a: {nominal: 0.035, relative: 0.01}\n", EIGHT)
         + "design: {method: smolyak, order: 16}\n",

@@ -14,6 +14,7 @@ from campaign.config.check import check_config
 from campaign.config.sections import Accuracy
 from campaign.errors import ConfigError
 from campaign.folder import Folder
+from campaign.plan.accuracy import _sought
 from campaign.plan.decide import Cost, decide
 from campaign.plan.plan import Round, Rounds
 
@@ -116,6 +117,41 @@ def test_a_mesh_that_hardly_helps_is_refined_no_further():
     found = decided({**parts, "mesh": 0.29}, coarse, cost=finer, check=("step", "mesh"))
     assert found.action == "stop"
     assert "hardly falls with a finer one" in found.reason
+
+
+@pytest.mark.parametrize("enough", [False, True])
+def test_a_finer_mesh_is_begun_where_the_budget_takes_all_of_it(enough):
+    """An error that halves with the mesh, from 0.3 to 0.15, takes two more halvings to half of the
+    aim: (16 + 4 · 8) runs of 0.01 s, 4 and then 16 times as long, after 1 s that is spent."""
+    coarse, finer = done("mesh", 6, surrogate=0.01, mesh=0.3), vars(COST) | {"elements": 12}
+    needs = (1.0 + 48 * 0.01 * (4 + 16)) / 60
+    aim = Accuracy({"x": 0.1}, 1000, needs * (1.01 if enough else 0.99), "n")
+    parts = {"surrogate": 0.01, "mesh": 0.15, "step": 0.0}
+    check = ("step", "mesh")
+    found = decided(parts, coarse, check=check, aim=aim, cost=Cost(**finer))
+    assert found.action == ("mesh" if enough else "stop")
+    assert ("does not get there within the budget" in found.reason) != enough
+
+
+def test_runs_are_sought_where_what_is_unmet_decides(asked):
+    """What else is recorded does not matter."""
+    asked["intervals"]["E"] = {"relative": 0.05}
+    experiment = check_config(asked).experiment
+    unit = np.random.default_rng(1).uniform(-1, 1, (12, 2))
+    curves = np.sin(unit @ np.random.default_rng(2).uniform(-3, 3, (2, 2 * 9))).reshape(12, 2, 9)
+
+    def sought(change):
+        values = curves.copy()
+        values[:, change] **= 3
+        samples = xr.Dataset({"unit": (("run", "parameter"), unit),
+                              "values": (("run", "response", "time"), values)})  # fmt: skip
+        return _sought(experiment, samples, ["BD"], seed=3)
+
+    wanted = list(experiment.responses).index("BD")
+    first, same, other = sought([]), sought([1 - wanted]), sought([wanted])
+    assert len(first) > 2
+    np.testing.assert_array_equal(first, same)
+    assert first.shape != other.shape or not np.allclose(first, other)
 
 
 OPENING = {

@@ -7,7 +7,7 @@ import io
 import pytest
 
 import campaign
-from campaign.plan.estimate import estimate, size_text
+from campaign.plan.estimate import _rounded, estimate, size_text
 from campaign.runs.progress import Progress, Teller
 
 
@@ -72,6 +72,14 @@ def test_the_time_told_grows_with_runs_and_steps(raw):
     many = estimate(campaign.check_config(raw))
     assert few.seconds < 10 and "min" not in str(few)
     assert many.seconds > 100 * few.seconds and " min " in str(many)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "told"),
+    [(0.2, 1.0), (7.44, 7.4), (12.3, 12.0), (123.0, 120.0), (1501.0, 1500.0), (87_654.0, 88_000.0)],
+)
+def test_times_are_told_to_two_digits_and_as_a_second_at_least(seconds, told):
+    assert _rounded(seconds) == pytest.approx(told)
 
 
 def test_sizes_as_people_write_them():

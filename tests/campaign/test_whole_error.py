@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import campaign
+from campaign.answers import finer
 from campaign.folder import Folder
 from campaign.report.read import from_results
 from campaign.report.words import verdict
+from intervals import Box
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +54,30 @@ def test_parts_are_what_a_finer_campaign_changes(campaigns, part):
     for i, near in enumerate((1e-4, 0.05)):
         most = found[i].max()
         assert found[i] == pytest.approx(changed.values[i], rel=1e-6, abs=near * most)
+
+
+def test_planned_runs_stand_for_places_beside_them_and_no_others(monkeypatch):
+    """Bounds attained at 0.93 and -0.2: there is a run at 0.9, and one at -0.9, but none near."""
+    known = np.array([[-0.9], [0.0], [0.9]])
+    taken = []
+
+    def curves(bench, plan, points):
+        taken.append(points)
+        return np.zeros((len(points), 1, 4))
+
+    monkeypatch.setattr(finer, "_curves", curves)
+    monkeypatch.setattr(finer, "_plans", lambda plan, parts: dict.fromkeys(parts, plan))
+    box = Box(["a"], [1.0], [3.0])
+    plan = SimpleNamespace(runs=SimpleNamespace(unit=known))
+    bench = SimpleNamespace(experiment=SimpleNamespace(box=box), plan=plan)
+    at = {name: (("response", "time", "parameter"), np.full((1, 4, 1), box.from_unit([value])))
+          for name, value in (("argmin", 0.93), ("argmax", -0.2))}  # fmt: skip
+    ends = {name: (("response", "time"), np.full((1, 4), value))
+            for name, value in (("lower", 0.0), ("upper", 1.0))}  # fmt: skip
+    finer._curve_errors(bench, xr.Dataset(at | ends), ("step", "mesh"))
+    assert len(taken) == 3
+    for points in taken:
+        assert sorted(points[:, 0]) == pytest.approx([-0.2, 0.9])
 
 
 def test_the_error_is_that_of_all_parts(campaigns):

@@ -35,6 +35,17 @@ def test_few_places_are_spread_by_the_weight_of_the_instants(rng_seed=3):
     assert spread == sorted(spread, reverse=True)
 
 
+def test_a_response_without_width_decides_no_places():
+    attained = np.random.default_rng(5).uniform(-1, 1, (1, 60, 2))
+    alone = intervals.deciding_places(attained, -attained, np.ones((1, 60)), 5)
+    still = np.concatenate([np.full((1, 60, 2), 0.9), attained])
+    width = np.concatenate([np.zeros((1, 60)), np.ones((1, 60))])
+    both = intervals.deciding_places(still, -still, width, 5)
+    np.testing.assert_array_equal(both.unit, alone.unit)
+    np.testing.assert_array_equal(both.lower[1], alone.lower[0])
+    np.testing.assert_array_equal(both.upper[1], alone.upper[0])
+
+
 def test_errors_of_places_are_those_of_the_nearest():
     argmin, argmax = np.full((1, 4, 1), -1.0), np.full((1, 4, 1), 1.0)
     places = intervals.deciding_places(argmin, argmax, np.ones((1, 4)), 8)

@@ -119,6 +119,24 @@ def test_a_box_without_width_meets_all_limits_or_does_not():
         assert share_of_box(limits, np.zeros(2)) == 0.0
 
 
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_a_direction_without_width_changes_no_share_and_no_choice_of_a_box(place):
+    points = runs(2)
+    values = points[:, 0] + 2 * points[:, 1] ** 2
+    alone, free = fit_scalar(points, values), np.arange(3) != place
+    wider = fit_scalar(np.insert(points, place, 0.0, axis=1), values)
+    assert wider.range().low == pytest.approx(alone.range().low)
+    assert wider.range().high == pytest.approx(alone.range().high)
+    one, other = ([Limit(found, "at_most", 1.0)] for found in (alone, wider))
+    share = share_of_box(one, np.ones(2))
+    assert 0.1 < share < 0.9
+    assert share_of_box(other, free) == pytest.approx(share, abs=1e-3)
+    assert largest_share(other, np.zeros(3))[0] == pytest.approx(largest_share(one, np.zeros(2))[0])
+    found = influence(wider, np.zeros(3))
+    np.testing.assert_allclose(np.delete(found.share, place), influence(alone, np.zeros(2)).share)
+    assert found.share[place] == 0.0
+
+
 def test_the_share_of_a_box_of_three():
     """x + y + z <= -1 in the cube is a simplex with legs of 2: 1/6 of the volume."""
     surrogate = fitted(lambda x: x.sum(axis=1), 3, order=2)

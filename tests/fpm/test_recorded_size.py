@@ -1,0 +1,34 @@
+"""What is foretold to be kept of a run is what its arrays hold."""
+
+import pytest
+
+import fpm
+from fpm.columns import SOURCES
+from fpm.pack import Batch
+from fpm.recording import labels, numbers, prepared
+
+
+def kept(scene: fpm.Scene) -> int:
+    """Numbers of a sample that the arrays of a run hold for each instant."""
+
+    def size(instants: int) -> int:
+        return sum(part.size for parts in Batch([scene], 1, float, instants).parts()
+                   for part in parts if hasattr(part, "size"))  # fmt: skip
+
+    return size(11) - size(10)
+
+
+def column(scene, variable):
+    """A column of a variable that a scene has."""
+    label = labels(scene, variable)[0]
+    return variable, label.replace(" at ", " at 0.5 ")
+
+
+@pytest.mark.parametrize("variable", SOURCES)
+def test_numbers_are_those_of_the_arrays(variable):
+    scene = fpm.scenes.get("bennett").build(elements_per_link=3)
+    if not labels(scene, variable):
+        pytest.skip("the linkage has none of it")
+    asked = [column(scene, variable)]
+    more = kept(prepared(scene, asked)) - kept(scene)
+    assert numbers(scene, asked) == more > 0

@@ -132,6 +132,10 @@ def test_a_scan_keeps_responses_only(raw, tmp_path):
         values = samples["values"].values
         np.testing.assert_array_equal(bounds["lower"].values, values.min(axis=0))
         np.testing.assert_array_equal(bounds["upper"].values, values.max(axis=0))
+    with xr.open_dataset(folder.surrogate) as surrogate:
+        assert surrogate.sizes["term"] == 0, "no polynomial goes through a scan"
+    with xr.open_dataset(folder.sensitivities) as sensitivities:
+        assert not sensitivities.data_vars
 
 
 def test_a_scan_that_did_not_grow_knows_no_error(raw, tmp_path):

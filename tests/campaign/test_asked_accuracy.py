@@ -109,6 +109,46 @@ def test_what_cannot_be_met_is_told_with_what_it_would_cost(parts, aim, told):
     assert "of a core" in found.reason
 
 
+def test_what_the_config_keeps_is_not_changed_and_the_rest_is():
+    state = Rounds((done("mesh"),), (), check=("step", "mesh"))
+    step, mesh = ({"surrogate": 0.01, "mesh": 0.03, "step": 0.03, name: 0.2} for name in
+                  ("step", "mesh"))  # fmt: skip
+
+    def action(parts, mesh_is_free, step_is_free):
+        aim = Accuracy({"x": 0.1}, 1000, 60.0, "n" if mesh_is_free else "")
+        found = decide(aim, {"x": parts}, state, COST, step_is_free)
+        return found.action, "keeps its" in found.reason
+
+    for free in (True, False):
+        assert action(step, free, True) == ("step", False)
+        assert action(mesh, True, free) == ("mesh", False)
+        assert action(step, free, False) == ("stop", True)
+        assert action(mesh, False, free) == ("stop", True)
+
+
+@pytest.mark.parametrize("what", ["runs", "check", "step", "mesh"])
+def test_what_a_round_takes_fits_the_budget_or_it_is_not_begun(what):
+    """To the run, and to the second."""
+    parts = {"runs": {"surrogate": 0.3, "mesh": 0.01}, "check": {"surrogate": 0.3, "mesh": 0.01},
+             "step": {"surrogate": 0.01, "mesh": 0.0, "step": 0.3},
+             "mesh": {"surrogate": 0.01, "mesh": 0.3}}[what]  # fmt: skip
+    runs, seconds = COST.of(what)
+    # Half the step costs twice, a mesh twice as fine four times; what is checked is run as it is
+    # from then on, with half its step, and on a mesh twice as fine.
+    n, c = COST.nodes, COST.checked
+    assert runs == {"runs": COST.more, "check": 2 * c, "step": n + 2 * c, "mesh": n + c}[what]
+    worth = {"runs": COST.more, "check": (2 + 4) * c, "step": 2 * n + 2 * (2 + 4) * c,
+             "mesh": 4 * n + 4 * 4 * c}[what]  # fmt: skip
+    assert seconds == pytest.approx(worth * COST.each)
+    if what == "check":
+        return
+    for more_runs, more_seconds in ((0, 1e-6), (-1, 1e-6), (0, -1e-6)):
+        minutes = (COST.seconds + seconds + more_seconds) / 60
+        aim = Accuracy({"x": 0.1}, COST.runs + runs + more_runs, minutes, "n")
+        found = decided(parts, aim=aim, check=("step", "mesh"))
+        assert found.action == (what if (more_runs, more_seconds) == (0, 1e-6) else "stop")
+
+
 def test_a_mesh_that_hardly_helps_is_refined_no_further():
     coarse = done("mesh", 6, surrogate=0.01, mesh=0.31, step=0.0)
     finer = Cost(**{**vars(COST), "elements": 12})

@@ -62,6 +62,20 @@ def test_a_job_asks_for_more_the_more_it_has():
     assert job_megabytes(longer) > job_megabytes(one) + 20
 
 
+def test_memory_holds_what_is_recorded_and_what_is_asked():
+    def megabytes(responses, instants):
+        solver = {**RAW["solver"], "instants": instants}
+        asked = {f"r{i}": {"distance": ["B", "D"]} for i in range(responses)}
+        jobs = {"group": 100}
+        return job_megabytes(check_config(
+            {**RAW, "solver": solver, "responses": asked, "jobs": jobs}))  # fmt: skip
+
+    few, many = megabytes(1, 1001), megabytes(201, 1001)
+    # 200 responses of 1001 instants of 8 bytes, of 100 runs, twice.
+    assert many - few == pytest.approx(200 * 1001 * 8 * 100 * 2 / 1e6, abs=1.5)
+    assert megabytes(1, 2001) > few
+
+
 @pytest.mark.parametrize("processes", [1, 3])
 def test_processes_do_all_of_the_work(processes):
     work = [(number, 2) for number in range(20)]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +34,18 @@ def scene_type(name: str, file: str = "") -> Any:
         return fpm.scenes.get(name)
     from fpm import structures
 
+    if Path(file).suffix != ".py":  # which is run whenever it is read
+        with suppress(OSError, UnicodeDecodeError):
+            return _of_text(Path(file).read_text(encoding="utf-8"), file)
     return structures.load(file)
+
+
+@lru_cache(maxsize=8)
+def _of_text(text: str, source: str) -> Any:
+    """A structure's text is read once, however many stages and rounds want it."""
+    from fpm import structures
+
+    return structures.loads(text, source)
 
 
 def mesh_of(scene: Mapping) -> str | None:

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from campaign.config.sections import Experiment
-from campaign.plan.decide import Cost, decide
+from campaign.plan.decide import Cost, decide, growth
 from campaign.plan.estimate import LANES, run_seconds
 from campaign.plan.make import choose_step, make_plan
-from campaign.plan.plan import Plan, Round, Rounds
+from campaign.plan.plan import Plan, Round, Rounds, TimeStep
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
 _CHECKED = 8  # places at which a check makes runs, of the responses
@@ -45,13 +45,13 @@ def next_plan(
     asked, now, before = experiment.accuracy, plan.experiment, plan.adaptive
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
         shares = _shares(plan, samples, bounds)
-        cost = _cost(plan)
+        cost = _cost(plan, shares)
         decision = decide(asked, shares, plan.adaptive, cost, now.solver.step == "auto")
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
         safety = now.solver.safety if now.solver.step == "auto" else now.solver.step
         done = Round(
             (), (), cost.runs, whole, decision.action, decision.reason,
-            shares, cost.elements, float(safety), cost.seconds,
+            shares, cost.elements, float(safety), cost.seconds, cost.nodes,
         )  # fmt: skip
         rounds = (*before.rounds, done)
         if decision.action == "stop":
@@ -59,21 +59,29 @@ def next_plan(
         points = list(before.points)
         if decision.action == "runs":
             unmet = [n for n, parts in shares.items() if sum(parts.values()) > asked.shares[n]]
-            points += _sought(now, samples, unmet, len(rounds)).tolist()
+            points += _sought(now, samples, unmet, cost.more, len(rounds)).tolist()
     refined = now
     if decision.action == "mesh":
         parameters = {**now.scene.parameters, asked.mesh: 2 * cost.elements}
         refined = _stable(replace(now, scene=replace(now.scene, parameters=parameters)))
     elif decision.action == "step":
         refined = replace(now, solver=replace(now.solver, safety=now.solver.safety / 2))
-    return _plan(refined, points, rounds, decision.check)
+    check = tuple(part for part in decision.check if part != "mesh" or _has_mesh(now))
+    return _plan(refined, points, rounds, check, plan.time if refined is now else None)
 
 
-def _plan(experiment: Experiment, points: list, rounds: tuple, check: tuple[str, ...]) -> Plan:
-    """The plan of runs at unit points (n, k)."""
+def _plan(
+    experiment: Experiment,
+    points: list,
+    rounds: tuple,
+    check: tuple[str, ...],
+    time: TimeStep | None = None,
+) -> Plan:
+    """The plan of runs at unit points (n, k), with the step of the last one where mesh and safety
+    are the same."""
     points = tuple(tuple(map(float, point)) for point in points)
     design = replace(experiment.design, existing=points)
-    plan = make_plan(replace(experiment, design=design))
+    plan = make_plan(replace(experiment, design=design), time=time)
     return replace(plan, adaptive=Rounds(rounds, points, check=check))
 
 
@@ -146,42 +154,45 @@ def _surrogate(experiment: Experiment, samples: Any, i: int) -> Any:
     return fit_scalar(samples["unit"].values, values, end, quantity.least)
 
 
-def _cost(plan: Plan) -> Cost:
+def _cost(plan: Plan, shares: Mapping) -> Cost:
     """What the rounds up to this plan's took, and what the runs of the next one would."""
-    rounds, nodes = plan.adaptive.rounds, len(plan.unique_runs())
+    asked, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
-    last = rounds[-1].action if rounds else "mesh"
-    new = nodes if last in ("mesh", "step") else added(nodes) if last == "runs" else 0
+    before = rounds[-1] if rounds else Round((), (), 0, 0.0, "mesh", "")
+    again = before.action in ("mesh", "step")
+    new = nodes if again else nodes - before.nodes
     checked = _CHECKED + 2 * len(plan.experiment.quantities)
     # A mesh twice as fine has twice the elements and half the step.
     factor = {"mesh": 4.0, "step": 2.0}
-    runs, seconds = new, _whole(new) * each
+    runs, seconds = before.runs + new, before.seconds + _whole(new) * each
     for part in plan.adaptive.check:
         runs += checked
         seconds += _whole(checked) * factor[part] * each
-    before = rounds[-1] if rounds else None
-    spent = (before.runs, before.seconds) if before else (0, 0.0)
-    elements = int(plan.experiment.scene.parameters.get(plan.experiment.accuracy.mesh, 0))
-    spent = spent[0] + runs, spent[1] + seconds
-    return Cost(*spent, nodes, added(nodes), checked, each, elements)
+    affordable = min(asked.runs - runs, (60 * asked.minutes - seconds) / each)
+    more = added(nodes, growth(asked, shares, plan.adaptive, nodes), affordable)
+    elements = int(plan.experiment.scene.parameters.get(asked.mesh, 0))
+    return Cost(runs, seconds, nodes, more, checked, each, elements)
 
 
-def added(nodes: int) -> int:
-    """Runs of a round after so many: a quarter, in whole batches, which take no longer."""
-    return LANES * max(1, round(nodes / 4 / LANES))
+def added(nodes: int, growth: float, affordable: float) -> int:
+    """Runs of a round after so many, in whole batches, which take no longer: what a factor asks
+    for, as far as that can be afforded, but at least a quarter."""
+    quarter, wanted = (LANES * max(1, round(nodes * share / LANES)) for share in (0.25, growth - 1))
+    return max(quarter, min(wanted, LANES * int(affordable // LANES)))
 
 
 def _whole(runs: int) -> int:
     return -(-runs // LANES) * LANES
 
 
-def _sought(experiment: Experiment, samples: Any, unmet: list[str], seed: int) -> np.ndarray:
-    """Unit points (n, k) of the next runs: where unmet quantities have their ends, and where the
-    spline promises wider bounds of unmet responses; the rest is spread over the box."""
+def _sought(
+    experiment: Experiment, samples: Any, unmet: list[str], count: int, seed: int
+) -> np.ndarray:
+    """Unit points (n, k) of the next `count` runs: where unmet quantities have their ends and
+    where the spline promises wider bounds of unmet responses; the rest is spread."""
     import intervals
 
     unit, free = samples["unit"].values, experiment.box.free
-    count = added(len(np.unique(np.round(unit, 9), axis=0)))
     points: list[np.ndarray] = []
 
     def take(candidates: Any, least: float) -> None:

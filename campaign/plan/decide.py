@@ -24,6 +24,22 @@ _HARDLY = 1.3
 """Factor by which the error of a mesh must fall for the next one to be worth its cost."""
 
 
+_RATE, _RATES = 1.5, (0.75, 4.0)
+"""The error of a surrogate is taken to fall like runs to the power of minus this, as long as no two
+rounds tell it; and between which it may be told."""
+
+_LEAST, _MOST = 1.25, 3.0
+"""Factors by which a round has more runs than the last."""
+
+_SPARE = 0.85
+"""Share of what is left for a surrogate's error that is aimed at: one more round for having missed
+it by little costs more than the runs that are too many."""
+
+_ROUND = 0.5
+"""Seconds of a core that a round takes beside its runs: a check that takes less is made at once
+where the errors are expected to be small enough after it."""
+
+
 @dataclass(frozen=True)
 class Cost:
     """What was spent, `runs` and `seconds` of a core by estimate, and what is at hand: so many
@@ -68,7 +84,8 @@ def decide(
     1. Where all errors are as small as asked for, stop if this round was checked for step and mesh,
        else check it.
     2. Where step and mesh alone take too much of what is asked for, halve the larger of them.
-    3. Else add runs.
+    3. Else add runs, as many as the errors are expected to need, and check them at once where
+       that is cheap.
     4. What the budget does not allow, or the config keeps, ends the rounds; the reason names what
        is not met, and what that would cost.
     """
@@ -97,9 +114,51 @@ def decide(
         why = "a finer mesh does not get there within the budget"
         return _end(asked, unmet, why, state, cost)
     if action == "runs":
-        return Decision("runs", f"{reason}{cost.more} runs are added")
+        check = ("step", "mesh") if _is_last(asked, unmet, state, cost) else ()
+        return Decision("runs", f"{reason}{cost.more} runs are added", check)
     check = ("mesh",) if action == "mesh" else ("step", "mesh")
     return Decision(action, f"{reason}the {action} is halved", check)
+
+
+def growth(asked: Accuracy, shares: Shares, state: Rounds, nodes: int) -> float:
+    """The factor by which so many nodes have to become more for surrogates to be as accurate as
+    asked for, by how errors fell when runs were added last."""
+    wanted = _LEAST
+    for name, parts in shares.items():
+        if _whole(parts) > asked.shares[name]:
+            excess = parts["surrogate"] / (_SPARE * _left(asked.shares[name], parts))
+            wanted = max(wanted, excess ** (1 / _rate(name, parts, state, nodes)))
+    return min(wanted, _MOST)
+
+
+def _rate(name: str, parts: Mapping[str, float], state: Rounds, nodes: int) -> float:
+    """Power of the number of nodes, now so many, with which the surrogate's error falls."""
+    last = state.rounds[-1] if state.rounds else None
+    if last is None or last.action != "runs" or not 0 < last.nodes < nodes:
+        return _RATE
+    before, now = last.shares[name]["surrogate"], parts["surrogate"]
+    if now <= 0 or before <= now:
+        return _RATES[0]
+    return min(max(math.log(before / now) / math.log(nodes / last.nodes), _RATES[0]), _RATES[1])
+
+
+def _left(aim: float, parts: Mapping[str, float]) -> float:
+    """What is left of an aim for the surrogate."""
+    return max(aim - parts.get("mesh", 0.0) - parts.get("step", 0.0), (1 - _LATER) * aim)
+
+
+def _is_last(asked: Accuracy, unmet: Shares, state: Rounds, cost: Cost) -> bool:
+    """Whether surrogates are expected to be accurate enough after the next runs, and a check is
+    affordable and cheaper than a round of its own."""
+    runs, seconds = cost.of("check")
+    runs, total = runs + cost.more, seconds + cost.more * cost.each
+    allowed = cost.runs + runs <= asked.runs and cost.seconds + total <= 60 * asked.minutes
+    fall = cost.nodes / (cost.nodes + cost.more)
+    return allowed and seconds <= _ROUND and all(
+        parts["surrogate"] * fall ** _rate(name, parts, state, cost.nodes)
+        <= _left(asked.shares[name], parts)
+        for name, parts in unmet.items()
+    )  # fmt: skip
 
 
 def told(asked: Accuracy, shares: Shares) -> str:

@@ -14,11 +14,15 @@ from campaign.plan.plan import Plan, TimeStep
 from campaign.plan.runs import ROLES, Runs, namer, values_of
 
 
-def make_plan(experiment: Experiment, tested: Sequence[Sequence[float]] = ()) -> Plan:
+def make_plan(
+    experiment: Experiment,
+    tested: Sequence[Sequence[float]] = (),
+    time: TimeStep | None = None,
+) -> Plan:
     """The plan of a checked experiment.
 
     `tested` are unit coordinates of further runs that test the surrogate; those at points of the
-    design are left out.
+    design are left out. time: the step, where it is known already.
     """
     from intervals import held_out_points
 
@@ -31,7 +35,7 @@ def make_plan(experiment: Experiment, tested: Sequence[Sequence[float]] = ()) ->
         others = [point for point in tested if tuple(point) not in nodes]
         parts.append(("held_out", np.array([*points, *others]).reshape(-1, box.dimension)))
 
-    time, mechanics = choose_step(experiment), experiment.scene_type.digest
+    time, mechanics = time or choose_step(experiment), experiment.scene_type.digest
     unit = np.concatenate([points for _, points in parts])
     role = np.repeat([ROLES.index(role) for role, _ in parts], [len(p) for _, p in parts])
     name = namer(experiment, time.step, mechanics)

@@ -56,7 +56,8 @@ class Round:
 
     Of an `accuracy`: the errors by part (surrogate, step, mesh) of every response and quantity as
     `shares` of the widths, the `elements` and the `safety` of the step (or the step, s) that the
-    runs have, and the `seconds` of a core that rounds so far took, by estimate.
+    runs have, the `seconds` of a core that rounds so far took, by estimate, and how many `nodes`
+    the surrogate went through.
     """
 
     order: tuple[int, ...]
@@ -69,6 +70,7 @@ class Round:
     elements: int = 0
     safety: float = 0.0
     seconds: float = 0.0
+    nodes: int = 0
 
 
 @dataclass(frozen=True)

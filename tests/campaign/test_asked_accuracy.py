@@ -14,8 +14,8 @@ from campaign.config.check import check_config
 from campaign.config.sections import Accuracy
 from campaign.errors import ConfigError
 from campaign.folder import Folder
-from campaign.plan.accuracy import _sought
-from campaign.plan.decide import Cost, decide
+from campaign.plan.accuracy import _sought, added
+from campaign.plan.decide import Cost, decide, growth
 from campaign.plan.plan import Round, Rounds
 
 
@@ -185,13 +185,49 @@ def test_runs_are_sought_where_what_is_unmet_decides(asked):
         values[:, change] **= 3
         samples = xr.Dataset({"unit": (("run", "parameter"), unit),
                               "values": (("run", "response", "time"), values)})  # fmt: skip
-        return _sought(experiment, samples, ["BD"], seed=3)
+        return _sought(experiment, samples, ["BD"], count=8, seed=3)
 
     wanted = list(experiment.responses).index("BD")
     first, same, other = sought([]), sought([1 - wanted]), sought([wanted])
     assert len(first) > 2
     np.testing.assert_array_equal(first, same)
     assert first.shape != other.shape or not np.allclose(first, other)
+
+
+def runs_of(nodes, **parts):
+    """A round after which runs were added to so many nodes."""
+    return Round((), (), 16, 0.0, "runs", "", {"x": parts}, 6, nodes=nodes)
+
+
+def test_runs_become_as_many_as_errors_are_expected_to_need():
+    def factor(surrogate, *rounds, nodes=32, **parts):
+        shares = {"x": {"surrogate": surrogate, **parts}}
+        return growth(AIM, shares, Rounds(rounds, ()), nodes)
+
+    assert factor(0.11) == 1.25
+    assert factor(0.2) == pytest.approx((2 / 0.85) ** (1 / 1.5))
+    assert factor(5.0) == 3.0
+    # From 16 to 32 nodes it fell by four, with their square; where it did not fall, more are needed.
+    assert factor(0.2, runs_of(16, surrogate=0.8)) == pytest.approx((2 / 0.85) ** (1 / 2))
+    assert factor(0.2, runs_of(16, surrogate=0.2)) == 3.0
+    # Less is left for the surrogate beside an error of the mesh.
+    assert factor(0.09, mesh=0.05) == pytest.approx((0.09 / 0.85 / 0.05) ** (1 / 1.5))
+    assert added(32, 1.25, 99) == 8
+    assert added(32, 3.0, 99) == 64
+    assert added(32, 3.0, 30) == 24
+    assert added(32, 3.0, 0) == 8  # which the budget then refuses
+
+
+def test_what_should_be_the_last_runs_are_checked_at_once_where_that_is_cheap():
+    cheap = Cost(**{**vars(COST), "each": 0.001, "more": 16})
+    parts = {"surrogate": 0.2, "mesh": 0.02}
+    assert decided(parts, cost=cheap).check == ("step", "mesh")
+    assert decided(parts, cost=COST).check == ()  # more than half a second
+    far = {"surrogate": 0.9, "mesh": 0.02}
+    assert decided(far, cost=cheap).check == ()
+    few = Accuracy({"x": 0.1}, 50, 60.0, "n")
+    assert decided(parts, cost=cheap, aim=few).action == "runs"
+    assert decided(parts, cost=cheap, aim=few).check == ()
 
 
 OPENING = {

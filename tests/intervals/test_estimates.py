@@ -32,6 +32,16 @@ def test_decay_foretells_the_error_of_smooth_functions(function, order):
     assert true / 10 < told < 100 * true + 1e-14
 
 
+@pytest.mark.parametrize("order", [2, 3, 4, 5, 8])
+@pytest.mark.parametrize("ratio", [0.1, 0.5])
+def test_coefficients_that_fall_by_a_factor_foretell_the_next_ones(order, ratio):
+    """One coefficient after order 2, two after higher ones."""
+    degrees = np.arange(order + 1)[:, None]
+    surrogate = Surrogate(-(ratio**degrees), degrees)
+    after = ratio ** (order + 1) + (ratio ** (order + 2) if order > 2 else 0.0)
+    assert float(decay_estimate(surrogate)[0]) == pytest.approx(after)
+
+
 def test_largest_value_in_a_window():
     time = np.array([0.0, 0.1, 0.2, 0.5, 0.6, 1.0])
     error = np.array([[0.0, 3.0, 0.0, 1.0, 0.0, 0.0], [5.0, 0, 0, 0, 0, 2.0]])

@@ -218,6 +218,9 @@ def test_runs_that_repeat_or_share_a_value():
         ([[0, 0], [1, 0], [0, 1]], "at least 4 runs"),
         # without the last run, the others lie on one line
         ([[0, 0], [0.5, 0], [1, 0], [-1, 0], [0, 1]], "no plane that holds all but one"),
+        # in one plane, whatever its direction
+        ([[x, y, x + y] for x in (-0.4, 0.1, 0.5) for y in (-0.5, 0.2, 0.4)], "no plane"),
+        ([[x, y, 0.3 - x / 2] for x in (-0.4, 0.1, 0.5) for y in (-0.5, 0.2, 0.4)], "no plane"),
         (np.linspace(-1, 1, 4001)[:, None], "at most 4000 runs"),
     ],
 )

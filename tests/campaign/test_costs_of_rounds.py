@@ -1,0 +1,132 @@
+"""What rounds towards an accuracy cost, by what they plan: told and planned must be the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from campaign.answers.finer import PLACES
+from campaign.config.check import check_config
+from campaign.plan.accuracy import _cost, added, first_plan, next_plan
+from campaign.plan.estimate import run_seconds
+from campaign.plan.plan import Round
+from fpm.sealed import whole_file
+
+
+@pytest.fixture
+def experiment(raw):
+    """Of a config that asks for an accuracy, with a quantity."""
+    del raw["design"], raw["held_out"]
+    raw |= {"scene": {"name": "bennett"}, "accuracy": {"share": 0.1, "runs": 200}}
+    return check_config(raw | {"quantities": {"top": {"largest": "BD"}}}).experiment
+
+
+def whole(runs: int) -> int:
+    """Runs that fill eight lanes."""
+    return 8 * -(-runs // 8)
+
+
+def after(plan, action, **more):
+    """A plan with one round before it, of 16 runs and 2 s, that decided for an action."""
+    done = Round((), (), 16, 0.5, action, "", {}, 6, 0.5, 2.0)
+    return replace(plan, adaptive=replace(plan.adaptive, rounds=(done,), **more))
+
+
+def test_the_first_round_costs_its_runs_and_its_check(experiment):
+    plan = first_plan(experiment)
+    cost, nodes = _cost(plan), len(plan.unique_runs())
+    each = run_seconds(plan.experiment, plan.time)
+    checked = PLACES + 2  # of the quantity both ends
+    assert (cost.nodes, cost.checked, cost.each) == (nodes, checked, each)
+    assert cost.more == added(nodes) > 0
+    assert plan.adaptive.check == ("mesh",)
+    assert cost.runs == nodes + checked
+    # On a mesh twice as fine, with half the step.
+    assert cost.seconds == pytest.approx((whole(nodes) + 4 * whole(checked)) * each)
+
+
+@pytest.mark.parametrize(
+    ("action", "new"), [("runs", "more"), ("check", "none"), ("mesh", "all"), ("step", "all")]
+)
+def test_costs_of_rounds_add_up(experiment, action, new):
+    plan = after(first_plan(experiment), action, check=())
+    cost, nodes = _cost(plan), len(plan.unique_runs())
+    made = {"more": added(nodes), "none": 0, "all": nodes}[new]
+    assert cost.runs == 16 + made
+    assert cost.seconds == pytest.approx(2.0 + whole(made) * cost.each)
+    both = _cost(after(first_plan(experiment), action, check=("step", "mesh")))
+    assert both.runs - cost.runs == 2 * cost.checked
+    assert both.seconds - cost.seconds == pytest.approx((2 + 4) * whole(cost.checked) * cost.each)
+
+
+@pytest.fixture
+def decided(experiment, tmp_path):
+    """Function of errors as shares of the width, by part: the plan after the first, and that."""
+
+    def plan_after(check=("mesh",), **shares):
+        plan = first_plan(experiment)
+        plan = replace(plan, adaptive=replace(plan.adaptive, check=check))
+        rng, unit = np.random.default_rng(2), plan.runs.unit
+        time = np.linspace(0.0, 1.0, 9)
+        curves = np.sin(3 * unit[:, :1, None] + time) * rng.uniform(0.5, 1, (1, 2, 1))
+        samples = xr.Dataset({
+            "unit": (("run", "parameter"), unit),
+            "values": (("run", "response", "time"), curves),
+            "quantities": (("run", "quantity"), 2 + unit[:, :1]),
+        })  # fmt: skip
+        flat = ("response", "time"), np.ones((2, 9))
+        bounds = xr.Dataset(
+            {"lower": 0 * xr.DataArray(flat[1], dims=flat[0]), "upper": flat}
+            | {f"share_{part}": ("response", [share] * 2) for part, share in shares.items()}
+            | {f"error_{part}": (flat[0], share * flat[1]) for part, share in shares.items()}
+            | {f"quantity_error_{part}": ("quantity", [0.0]) for part in shares if part in check},
+            coords={"time": time, "response": ["BD", "vBz"]},
+        ).assign(error_share_of_width=("response", [sum(shares.values())] * 2))
+        paths = tmp_path / "samples.nc", tmp_path / "bounds.nc"
+        for data, path in zip((samples, bounds), paths, strict=True):
+            with whole_file(path, {"name": path.name}) as temporary:
+                data.to_netcdf(temporary)
+        return plan, next_plan(experiment, plan, *paths)
+
+    return plan_after
+
+
+def test_more_runs_keep_those_that_are_there(decided):
+    plan, after = decided(surrogate=0.5, mesh=0.01)
+    assert after.adaptive.rounds[-1].action == "runs"
+    before, now = (set(map(tuple, p.runs.unit.tolist())) for p in (plan, after))
+    assert before < now
+    assert len(now) - len(before) == added(len(before))
+    assert after.time == plan.time
+
+
+def test_a_finer_mesh_has_twice_the_elements_and_the_same_runs(decided):
+    plan, after = decided(surrogate=0.01, mesh=0.5)
+    assert after.adaptive.rounds[-1].action == "mesh"
+    meshes = [p.experiment.scene.parameters["elements_per_link"] for p in (plan, after)]
+    assert meshes[1] == 2 * meshes[0]
+    np.testing.assert_array_equal(after.runs.unit, plan.runs.unit)
+    assert after.adaptive.check == ("mesh",)
+    assert after.time.step < 0.6 * plan.time.step
+
+
+def test_half_a_step_has_the_same_mesh_and_runs(decided):
+    plan, after = decided(check=("step", "mesh"), surrogate=0.01, mesh=0.0, step=0.5)
+    assert after.adaptive.rounds[-1].action == "step"
+    assert after.experiment.scene == plan.experiment.scene
+    assert after.experiment.solver.safety == plan.experiment.solver.safety / 2
+    np.testing.assert_array_equal(after.runs.unit, plan.runs.unit)
+    assert after.time.step <= 0.5 * plan.time.step * 1.1
+
+
+def test_what_is_accurate_enough_ends_once_it_is_checked(decided):
+    good = {"surrogate": 0.01, "mesh": 0.01}
+    _, after = decided(**good)
+    assert after.adaptive.rounds[-1].action == "check"
+    assert not after.is_finished
+    _, after = decided(check=("step", "mesh"), step=0.01, **good)
+    assert after.is_finished
+    assert after.adaptive.met

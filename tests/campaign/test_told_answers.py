@@ -1,0 +1,84 @@
+"""Numbers of answers in words and budgets, without a campaign."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from campaign.answers import finer
+from campaign.answers.bench import Bench
+from campaign.results.answers import digits_for, ends, interval
+from campaign.results.budget import quantity_errors
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "told"),
+    [
+        (0.31, 0.34, "0.31000 to 0.34000 s"),
+        (-2.5, 1.25, "-2.500 to 1.250 s"),
+        (100.0001, 100.0002, "100.000100 to 100.000200 s"),
+        (0.0, 0.0, "0 to 0 s"),
+        (None, None, ""),
+    ],
+)
+def test_an_interval_is_told_from_its_lower_to_its_upper_end(lower, upper, told):
+    assert interval({"lower": lower, "upper": upper, "units": "s"}) == told
+
+
+@pytest.mark.parametrize("width", [1e-5, 1e-3, 0.1, 1.0])
+@pytest.mark.parametrize("middle", [3.0, -700.0, 0.002])
+def test_digits_tell_ends_apart(middle, width):
+    lower, upper = middle - width / 2, middle + width / 2
+    digits = digits_for(lower, upper)
+    told = [float(f"{end:.{digits}g}") for end in (lower, upper)]
+    assert told[1] - told[0] == pytest.approx(width, rel=0.05 if digits < 9 else 0.5)
+
+
+def test_ends_say_how_far_they_were_simulated():
+    row = {"verified": False, "lower": 1.0, "upper": 2.0}
+    assert ends(row | {"simulated_lower": 1.0, "simulated_upper": 1.5}) == (
+        "upper simulated only to 1.5"
+    )
+    assert ends(row | {"simulated_lower": 1.0, "simulated_upper": 2.0}) == "simulated"
+    assert ends({"verified": True}) == "simulated"
+
+
+def test_the_error_of_a_quantity_is_the_sum_of_its_parts_as_a_share_of_its_width():
+    row = {"lower": 1.0, "upper": 3.0, "error_whole": 0.0, "error": 0.1, "error_step": 0.2,
+           "error_mesh": 0.3}  # fmt: skip
+    found = quantity_errors(row)
+    assert found["whole"] == pytest.approx(0.6)
+    assert found["share"] == pytest.approx(0.3)
+    assert quantity_errors(row | {"lower": None, "upper": None})["share"] is None
+    unknown = quantity_errors(row | {"error_mesh": None})
+    assert unknown["whole"] is None is unknown["share"]
+    assert quantity_errors({"lower": 1.0}) == {}
+
+
+def test_what_a_finer_model_changes_is_the_larger_change_of_both_ends(monkeypatch):
+    """Of each quantity at its own ends; NaN where it has none."""
+    ends = [
+        SimpleNamespace(argmin=np.array([-1.0]), argmax=np.array([1.0]), lower=1.0, upper=2.0),
+        SimpleNamespace(argmin=np.array([0.5]), argmax=np.array([-1.0]), lower=5.0, upper=9.0),
+        SimpleNamespace(argmin=np.array([np.nan]), argmax=np.array([np.nan]), lower=np.nan,
+                        upper=np.nan),
+    ]  # fmt: skip
+
+    def measure(plan, points):  # the first changes by -0.1 and 0.3, the second by 0.7 and 0
+        x = points[:, 0]
+        first = np.where(x == -1, 0.9, 2.3)
+        second = np.where(x == 0.5, 5.7, 9.0)
+        return np.stack([first, second, np.full(len(x), np.nan)], axis=1)
+
+    monkeypatch.setattr(finer, "_plans", lambda plan, parts: dict.fromkeys(parts))
+    monkeypatch.setattr(finer, "runs_at", lambda plan, points: points)
+    found = finer.finer_errors(SimpleNamespace(plan=None, measure=measure), ends, ("mesh",))
+    np.testing.assert_allclose(found["mesh"], [0.3, 0.7, np.nan])
+
+
+def test_the_nearest_run_is_the_nearest():
+    bench = object.__new__(Bench)
+    bench.unit = np.array([[0.0, 0.0], [1.0, 1.0], [-0.5, 0.9]])
+    for at, point in enumerate(bench.unit):
+        assert bench.nearest(point) == (at, 0.0)
+    assert bench.nearest(np.array([0.8, 0.9])) == (1, pytest.approx(0.2))

@@ -10,7 +10,7 @@ import xarray as xr
 
 from campaign.answers.finer import PLACES
 from campaign.config.check import check_config
-from campaign.plan.accuracy import _cost, added, first_plan, next_plan
+from campaign.plan.accuracy import _cost, first_plan, next_plan
 from campaign.plan.estimate import run_seconds
 from campaign.plan.plan import Round
 from fpm.sealed import whole_file
@@ -29,35 +29,40 @@ def whole(runs: int) -> int:
     return 8 * -(-runs // 8)
 
 
-def after(plan, action, **more):
-    """A plan with one round before it, of 16 runs and 2 s, that decided for an action."""
-    done = Round((), (), 16, 0.5, action, "", {}, 6, 0.5, 2.0)
+SHARES = {name: {"surrogate": 0.2} for name in ("BD", "vBz", "top")}
+
+
+def after(plan, action, nodes, **more):
+    """A plan with one round before it, of 16 runs and 2 s, with so many nodes, that decided for an
+    action."""
+    done = Round((), (), 16, 0.5, action, "", SHARES, 6, 0.5, 2.0, nodes)
     return replace(plan, adaptive=replace(plan.adaptive, rounds=(done,), **more))
 
 
 def test_the_first_round_costs_its_runs_and_its_check(experiment):
     plan = first_plan(experiment)
-    cost, nodes = _cost(plan), len(plan.unique_runs())
+    cost, nodes = _cost(plan, SHARES), len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
     checked = PLACES + 2  # of the quantity both ends
     assert (cost.nodes, cost.checked, cost.each) == (nodes, checked, each)
-    assert cost.more == added(nodes) > 0
+    assert cost.more % 8 == 0 < cost.more
     assert plan.adaptive.check == ("mesh",)
     assert cost.runs == nodes + checked
     # On a mesh twice as fine, with half the step.
     assert cost.seconds == pytest.approx((whole(nodes) + 4 * whole(checked)) * each)
 
 
-@pytest.mark.parametrize(
-    ("action", "new"), [("runs", "more"), ("check", "none"), ("mesh", "all"), ("step", "all")]
-)
+@pytest.mark.parametrize(("action", "new"), [("runs", 3), ("check", 0), ("mesh", 8), ("step", 8)])
 def test_costs_of_rounds_add_up(experiment, action, new):
-    plan = after(first_plan(experiment), action, check=())
-    cost, nodes = _cost(plan), len(plan.unique_runs())
-    made = {"more": added(nodes), "none": 0, "all": nodes}[new]
-    assert cost.runs == 16 + made
-    assert cost.seconds == pytest.approx(2.0 + whole(made) * cost.each)
-    both = _cost(after(first_plan(experiment), action, check=("step", "mesh")))
+    """`new` of eight nodes were run in this round; a finer mesh or step runs all of them."""
+    plan = first_plan(experiment)
+    nodes = len(plan.unique_runs())
+    assert nodes == 8
+    before = nodes - new if action == "runs" else nodes
+    cost = _cost(after(plan, action, before, check=()), SHARES)
+    assert cost.runs == 16 + new
+    assert cost.seconds == pytest.approx(2.0 + whole(new) * cost.each)
+    both = _cost(after(plan, action, before, check=("step", "mesh")), SHARES)
     assert both.runs - cost.runs == 2 * cost.checked
     assert both.seconds - cost.seconds == pytest.approx((2 + 4) * whole(cost.checked) * cost.each)
 
@@ -99,7 +104,7 @@ def test_more_runs_keep_those_that_are_there(decided):
     assert after.adaptive.rounds[-1].action == "runs"
     before, now = (set(map(tuple, p.runs.unit.tolist())) for p in (plan, after))
     assert before < now
-    assert len(now) - len(before) == added(len(before))
+    assert f"; {len(now) - len(before)} runs are added" in after.adaptive.rounds[-1].reason
     assert after.time == plan.time
 
 

@@ -128,7 +128,8 @@ def outcome_of(
     recorded = {}
     for kind, part in zip(batch.kinds, parts, strict=True):
         for name, found in kind.recorded(part, scene, lane).items():
-            recorded[name] = found._replace(values=found.values[:instants])
+            found = found._replace(values=found.values[:instants])
+            recorded[name] = found.beside(recorded[name]) if name in recorded else found
     failed = record.failed_step[lane] >= 0
     if asked and not failed:
         from fpm.kept import Kept

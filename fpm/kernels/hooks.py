@@ -130,6 +130,16 @@ def prepare(parts, world, now):
 
 
 @_unrolled()
+def decide(parts, world, now):
+    """Change which openings are held in this step, by what `solve` found (kinds/turn.py)."""
+
+
+@_unrolled()
+def solve(parts, world, now):
+    """Find the impulses of the step, if what they depend on was changed."""
+
+
+@_unrolled()
 def move(parts, world, now):
     """Move these particles over now.step, once all others have moved."""
 
@@ -165,6 +175,11 @@ def record(parts, world, row):
 @_unrolled()
 def record_points(parts, world, points, row, now):
     """Correct the recorded velocities of points on particles that the kind moves itself."""
+
+
+@_unrolled()
+def work_due(parts, world, energies, row):
+    """Add to an account (J) in `energies` what impulses of the step from now on did up to now."""
 
 
 @_unrolled()

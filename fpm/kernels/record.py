@@ -88,6 +88,7 @@ def record_after(parts, world, record, row, now):
         put3(points, at, VELOCITY, v + cross(turn, arm))
     hooks.record_points(parts, world, points, row, now)
     hooks.record_step(parts, world, row, now)
+    hooks.work_due(parts, world, record.energies, row)
     store(record.energies, row, KINETIC, kinetic_energy(world))
     balance(world, record.energies, row)
 

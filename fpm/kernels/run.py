@@ -18,6 +18,9 @@ NORMALISE_EVERY = 16
 tenths of a radian in a step, the ends of the series; the third as a product adds to that.
 """
 
+DECISIONS = 4
+"""How often the impulses of a step are found at most, as it is decided which openings are held."""
+
 
 @kernel
 def kick_and_move(state, particles, i, now):
@@ -59,6 +62,10 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
         # Momenta to half a step later, positions to a step later; the forces are used up.
         hooks.restrain(parts, world, now)
         hooks.prepare(parts, world, now)
+        for k in range(DECISIONS):
+            if k > 0:
+                hooks.decide(parts, world, now)
+            hooks.solve(parts, world, now)
         for k in range(free.shape[0]):
             kick_and_move(state, world.particles, free[k], now)
         hooks.move(parts, world, now)

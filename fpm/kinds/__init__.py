@@ -17,11 +17,13 @@ from fpm.kinds.motor import Motor, TorqueMotor
 from fpm.kinds.opening import Opening
 from fpm.kinds.probe import Probe
 from fpm.kinds.release import Release
+from fpm.kinds.rigid_latch import RigidLatch
 from fpm.kinds.stop import Stop
 from fpm.kinds.support import Support
 from fpm.kinds.sync_loop import SyncLoop
 from fpm.kinds.table_spring import TableSpring
 from fpm.kinds.torsion_spring import TorsionSpring
+from fpm.kinds.turn import Turn
 
 KINDS: tuple[type[Kind], ...] = (
     Gravity,
@@ -41,6 +43,8 @@ KINDS: tuple[type[Kind], ...] = (
     Friction,
     Stop,
     TableSpring,
+    Turn,
+    RigidLatch,
     Drive,
     Support,
     Damping,

@@ -185,14 +185,18 @@ def alone(scene) -> list[bool]:
     Its particles, unless held altogether, are in no other hinge or joint and not driven; and its
     own matrix is regular, whatever arms and axis are and become: no axis is held for both
     particles, nor for a particle and the hinge point, one of the two may turn, and about all axes
-    or none.
+    or none. Nor does anything hold its opening exactly (turn.py).
     """
     joining = [e for kind, found in scene.kinds.items() if kind.joins for e in found]
     uses = Counter(p for element in joining for p in element.particles)
     held = scene.fixed.all(axis=1)
     shared = {p for p, count in uses.items() if count > 1 and not held[p]}
     shared.update(drive.particle for drive in scene.drives)
-    return [shared.isdisjoint(h.particles) and is_regular(h, scene.fixed) for h in scene.hinges]
+    turning = {e.hinge for kind, found in scene.kinds.items() if kind.holds for e in found}
+    return [
+        h not in turning and shared.isdisjoint(hinge.particles) and is_regular(hinge, scene.fixed)
+        for h, hinge in enumerate(scene.hinges)
+    ]
 
 
 def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:

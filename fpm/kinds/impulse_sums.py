@@ -17,7 +17,8 @@ from fpm.kinds.hinge_arrays import (
     TWO,
     CountedHinges,
 )
-from fpm.kinds.joint_arrays import IMPULSE, CountedJoints
+from fpm.kinds.joint_arrays import COUNTED, IMPULSE, TURNED
+from fpm.kinds.turn_arrays import IMPULSE as OF_STEP
 
 ALL = -1.0
 """Where impulses count: in all lanes."""
@@ -35,8 +36,11 @@ def count(part, h, where):
     """Count the impulses of hinge h, or of all joints, in the lanes where `where` is negative."""
     if isinstance(part, CountedHinges):
         count_hinge(part, h, where)
-    elif isinstance(part, CountedJoints):
-        count_joints(part, h, where)
+    elif isinstance(part, COUNTED + TURNED):
+        if isinstance(part, COUNTED):
+            count_joints(part, h, where)
+        if isinstance(part, TURNED):
+            count_turns(part, h, where)
 
 
 @kernel
@@ -60,10 +64,33 @@ def count_joints(part, h, where):
         store(sums, r, 0, where_negative(there, before + load(part.rows, r, IMPULSE), before))
 
 
+@kernel
+def count_turns(part, h, where):
+    """Add what was last found for all openings that are held."""
+    sums = part.turns.state
+    for t in range(sums.shape[0]):
+        before = load(sums, t, OF_STEP)
+        impulse = load(part.rows, part.pattern.first[part.turn_at[t]], IMPULSE)
+        there = where + 0.0 * before
+        store(sums, t, OF_STEP, where_negative(there, before + impulse, before))
+
+
+@kernel
+def count_joints_and_turns(part, h, where):
+    """Both."""
+    count_joints(part, h, where)
+    count_turns(part, h, where)
+
+
 @overload(count, jit_options=INLINED)
 def _count(part, h, where):
     if part.instance_class is CountedHinges:
         return lambda part, h, where: count_hinge(part, h, where)
-    if part.instance_class is CountedJoints:
+    counted, turned = part.instance_class in COUNTED, part.instance_class in TURNED
+    if counted and turned:
+        return lambda part, h, where: count_joints_and_turns(part, h, where)
+    if counted:
         return lambda part, h, where: count_joints(part, h, where)
+    if turned:
+        return lambda part, h, where: count_turns(part, h, where)
     return lambda part, h, where: None

@@ -21,6 +21,7 @@ from fpm.kinds.hinge import Hinge, alone, arms, unit
 from fpm.kinds.hinge_limits import MOST_GAP, MOST_TILT
 from fpm.kinds.kind import AXES, Kind, Recorded, Watch
 from fpm.kinds.probe import Probe
+from fpm.kinds.turn import Turn
 from fpm.kinds.virtual_beam import VirtualBeam
 
 TYPES = {
@@ -30,6 +31,7 @@ TYPES = {
     "universal": at.UNIVERSAL,
     "prismatic": at.PRISMATIC,
     "held": at.HELD,
+    "opening": at.OPENING,
 }
 """What a joint keeps together, by its name (joint_arrays.py)."""
 
@@ -113,7 +115,7 @@ class Joint(Kind):
     @property
     def conditions(self) -> int:
         """How many it has."""
-        return CONDITIONS.get(self.type, len(self.held))
+        return 1 if self.type == "opening" else CONDITIONS.get(self.type, len(self.held))
 
     def topology(self):
         """Name, type, particles and held axes."""
@@ -121,11 +123,15 @@ class Joint(Kind):
 
     @classmethod
     def of(cls, scene):
-        """Those stated as such, and the hinges that are not alone."""
+        """Those stated as such, the hinges that are not alone, and what holds openings."""
         found = list(scene.kinds.get(cls, []))
         for hinge, lone in zip(scene.hinges, alone(scene), strict=True):
             if not lone:
                 found += as_joints(hinge)
+        for holder in Turn.of(scene):
+            hinge = scene.hinges[holder.hinge]
+            name = f"{hinge.name} (its {holder.called})"
+            found.append(Joint(name, "opening", hinge.beams, hinge.axes, hinge.references))
         return found
 
     def check(self, scene):
@@ -144,7 +150,7 @@ class Joint(Kind):
 
     @classmethod
     def pack(cls, batch):
-        from fpm.kinds import joint_kernels  # noqa: F401, its hooks
+        from fpm.kinds import joint_kernels, joint_turns  # noqa: F401, their hooks
         from fpm.kinds.joint_pattern import elimination, neighbours, pattern
 
         one, joints = batch.one, cls.of(batch.one)
@@ -177,12 +183,18 @@ class Joint(Kind):
             excess=batch.rows_of(cls),
             gaps=batch.blank(rows, 2),
         )
-        if not Probe.asked(one).impulses:
-            return coupled
-        from fpm.kinds.hinge_arrays import SUMS
+        sums = ()
+        if counted := Probe.asked(one).impulses:
+            from fpm.kinds.hinge_arrays import SUMS
 
-        forces = batch.blank(rows * len(joints), SUMS)
-        return at.CountedJoints(*coupled, batch.blank(conditions, 1), forces)
+            sums = batch.blank(conditions, 1), batch.blank(rows * len(joints), SUMS)
+        if not (turns := len(Turn.of(one))):
+            return at.CountedJoints(*coupled, *sums) if counted else coupled
+        first = len(joints) - turns
+        turned = at.CountedTurnedJoints if counted else at.TurnedJoints
+        turn_of = batch.integers(max(number - first, -1) for number in order)
+        turn_at = batch.integers(order.index(first + t) for t in range(turns))
+        return turned(*coupled, *sums, batch.part(Turn), turn_of, turn_at)
 
     @classmethod
     def recorded(cls, part, scene, lane):

@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.kinds.turn_arrays import Turns
+
 # Types of joints: what of two bodies is kept together.
 REVOLUTE = 0  # a point and an axis
 SPHERICAL = 1  # a point
@@ -11,6 +13,7 @@ FIXED = 2  # a point and all directions
 UNIVERSAL = 3  # a point; an axis of the one stays normal to an axis of the other
 PRISMATIC = 4  # all directions, and a line: along its axis the second slides on the first
 HELD = 5  # a point of the first, along global axes, where it was at the start
+OPENING = 6  # the opening of a hinge, where something holds it (turn.py)
 
 # Constants of a body: a particle that joints act on.
 HIM = 0  # inverse masses along the global axes (3)
@@ -97,3 +100,20 @@ CountedJoints = NamedTuple(
     ],
 )
 """Joints whose impulses are counted."""
+
+_TURNS = [
+    ("turns", Turns),
+    ("turn_of", np.ndarray),  # (j,) number of the opening that a joint holds; -1: none
+    ("turn_at", np.ndarray),  # (t,) and the joints that hold openings
+]
+
+TurnedJoints = NamedTuple("TurnedJoints", [*Joints.__annotations__.items(), *_TURNS])
+"""Joints among which some hold openings exactly."""
+
+CountedTurnedJoints = NamedTuple(
+    "CountedTurnedJoints", [*CountedJoints.__annotations__.items(), *_TURNS]
+)
+"""The same whose impulses are counted."""
+
+TURNED = (TurnedJoints, CountedTurnedJoints)
+COUNTED = (CountedJoints, CountedTurnedJoints)

@@ -66,7 +66,9 @@ def prepare(part, world, now):
     find_rows(part, world.state)
     build(part)
     factorise(part)
-    aim(part, world.state)
+    find_rates(part, world.state)
+    find_impulses(part, -1.0)
+    push_all(part, world.state)
 
 
 @kernel
@@ -100,8 +102,8 @@ def find_spin(part, state, s):
 
 
 @kernel
-def aim(part, state):
-    """Impulses that would keep every joint closed if its rates did not change over the step."""
+def find_rates(part, state):
+    """Rates in OFF that impulses have to take, if they did not change over the step."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.on.shape[0]):
         put3(b, s, SPIN, find_spin(part, state, s))
@@ -115,7 +117,11 @@ def aim(part, state):
         for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
             turn = dot(get3(rows, r, TURN1), w1) - dot(get3(rows, r, TURN2), w2)
             store(rows, r, OFF, dot(get3(rows, r, ALONG), v) + turn + load(rows, r, MISSED))
-    find_impulses(part, -1.0)
+
+
+@kernel
+def push_all(part, state):
+    """Push all bodies, by the impulses that were found."""
     for s in range(part.on.shape[0]):
         push(part, state, s)
     count(part, 0, ALL)

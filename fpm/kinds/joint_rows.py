@@ -1,15 +1,32 @@
 """The conditions of joints: rows of their Jacobian at the start of a step, and gaps at its end."""
 
-from fpm.kernels.lanes import store
+import math
+
+from numba.extending import overload
+
+from fpm.kernels.angles import arctan2
+from fpm.kernels.lanes import floor, load, store, where_negative
 from fpm.kernels.layout import X
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import cross, dot, get3, kernel, put3, times, to_global, to_local, vector
+from fpm.kernels.vectors import (
+    INLINED,
+    cross,
+    dot,
+    get3,
+    kernel,
+    put3,
+    times,
+    to_global,
+    to_local,
+    vector,
+)
 from fpm.kinds.joint_arrays import (
     ALONG,
     ARM,
     AXIS,
     FIXED,
     HELD,
+    MISSED,
     OFF,
     PRISMATIC,
     REFERENCE,
@@ -17,9 +34,13 @@ from fpm.kinds.joint_arrays import (
     ROOT,
     ROOT1,
     TURN1,
+    TURNED,
     TURNS,
     UNIVERSAL,
 )
+from fpm.kinds.turn_arrays import HOLDS, TARGET
+
+FULL = 2 * math.pi
 
 
 @kernel
@@ -73,6 +94,8 @@ def unit_vectors(like):
 def find_rows(part, state):
     """Store the conditions of all joints, as their bodies are."""
     for j in range(part.types.shape[0]):
+        if put_opening_row(part, state, j):
+            continue
         kind, r = part.types[j], part.pattern.first[j]
         x1, first, point = place(part, state, j, 0)
         ex, ey, ez = unit_vectors(x1.x)
@@ -122,6 +145,10 @@ def find_gaps(part, state, j):
 
     Returns the sums of their squares.
     """
+    if is_opening(part, j):
+        off = opening_gap(part, state, j)
+        store(part.rows, part.pattern.first[j], OFF, off)
+        return 0.0 * off, off * off
     rows, kind, r = part.rows, part.types[j], part.pattern.first[j]
     _, first, point = place(part, state, j, 0)
     if kind == HELD:
@@ -176,3 +203,71 @@ def put_gap(rows, r, off):
     store(rows, r, OFF, off.x)
     store(rows, r + 1, OFF, off.y)
     store(rows, r + 2, OFF, off.z)
+
+
+# -- openings that are held: nothing is compiled of these where none is --------------------------
+
+
+def is_opening(part, j):
+    """Whether joint j holds an opening."""
+    return isinstance(part, TURNED) and part.turn_of[j] >= 0
+
+
+def put_opening_row(part, state, j):
+    """Store the condition of joint j if it holds an opening; returns whether it does."""
+    return isinstance(part, TURNED) and put_held_row(part, state, j)
+
+
+def opening_gap(part, state, j):
+    """How far (rad) the opening that joint j holds is off; 0 in lanes where it is free."""
+    return held_gap(part, state, j)
+
+
+@kernel
+def put_held_row(part, state, j):
+    """The same where some joints hold openings. No impulse acts on a row where nothing turns."""
+    t = part.turn_of[j]
+    if t < 0:
+        return False
+    r = part.pattern.first[j]
+    _, first, _ = place(part, state, j, 0)
+    axis, _, _ = directions(part, j, first)
+    holds = where_negative(load(part.turns.state, t, HOLDS), 1.0, 0.0)
+    turn = (-1.0 * holds) * axis
+    put_row(part, state, j, r, 0.0 * axis, turn, turn)
+    store(part.rows, r, MISSED, holds * load(part.rows, r, MISSED))
+    return True
+
+
+@kernel
+def held_gap(part, state, j):
+    """The same where some joints hold openings."""
+    t = part.turn_of[j]
+    _, first, _ = place(part, state, j, 0)
+    _, second, _ = place(part, state, j, 1)
+    _, p, q = directions(part, j, first)
+    other = to_global(second, get3(part.sides, 2 * j + 1, REFERENCE))
+    off = arctan2(dot(q, other), dot(p, other)) - load(part.turns.state, t, TARGET)
+    off = off - FULL * floor((1.0 / FULL) * off + 0.5)
+    return where_negative(load(part.turns.state, t, HOLDS), off, 0.0)
+
+
+@overload(is_opening, jit_options=INLINED)
+def _is_opening(part, j):
+    if part.instance_class in TURNED:
+        return lambda part, j: part.turn_of[j] >= 0
+    return lambda part, j: False
+
+
+@overload(put_opening_row, jit_options=INLINED)
+def _put_opening_row(part, state, j):
+    if part.instance_class in TURNED:
+        return lambda part, state, j: put_held_row(part, state, j)
+    return lambda part, state, j: False
+
+
+@overload(opening_gap, jit_options=INLINED)
+def _opening_gap(part, state, j):
+    if part.instance_class in TURNED:
+        return lambda part, state, j: held_gap(part, state, j)
+    return lambda part, state, j: 0.0 * load(state, 0, X)

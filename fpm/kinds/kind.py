@@ -48,6 +48,11 @@ class Recorded(NamedTuple):
     dimension: str | None = None
     labels: tuple[str, ...] = ()
 
+    def beside(self, other: "Recorded") -> "Recorded":
+        """The same of the elements of another kind, and of these."""
+        values = np.concatenate([other.values, self.values], axis=1)
+        return self._replace(values=values, labels=other.labels + self.labels)
+
 
 class Deformations(NamedTuple):
     """Rows of the deformations of elements at the start, in the particles' own axes (timestep.py).
@@ -80,6 +85,7 @@ class Kind:
     reads: ClassVar[tuple[type["Kind"], ...]] = ()  # kinds whose arrays it needs in every step
     acts_as: ClassVar[str] = ""  # which part of the moment on openings is its own (opening.py)
     joins: ClassVar[bool] = False  # whether its elements hold their `particles` together
+    holds: ClassVar[bool] = False  # whether they hold the opening of their `hinge` (turn.py)
     always_acts: ClassVar[bool] = True  # False: only in the position that `shut` describes
 
     # -- of one element -----------------------------------------------------------------------

@@ -8,7 +8,7 @@ the opening psi_c at which it caught, so that nothing jumps: before, there is no
     -k (psi - psi_c) - c dpsi/dt                  both ways, or
     k s + max(c ds/dt, -k s),  s = psi_c - psi    `one_sided`: only against going back, where s > 0
 
-(for one that catches on the way up).
+(for one that catches on the way up). A latch without stiffness is rigid (rigid_latch.py).
 """
 
 from dataclasses import dataclass
@@ -55,18 +55,8 @@ class Latch(OnHinge):
     def check(self, scene):
         """Hinge, numbers, and a label that no other latch has."""
         check_stiffness(scene, "latch", self.hinge, self.stiffness)
-        check_numbers(
-            "latch",
-            angle=(self.angle, -np.inf, "rad"),
-            tolerance=(self.tolerance, 0.0, "rad"),
-            damping=(self.damping, 0.0, "N m s/rad"),
-        )
-        if not self.fastest > 0:
-            raise SceneError("fastest rate of latch", self.fastest, "a number > 0 (rad/s)")
-        if self.side not in SIDES:
-            raise SceneError("side of latch", self.side, ", ".join(SIDES))
-        if self.label(scene) in Latch.labels(scene):
-            raise SceneError("latch", self.label(scene), "a name that no other latch has")
+        check_numbers("latch", damping=(self.damping, 0.0, "N m s/rad"))
+        check_catching(scene, self)
 
     def label(self, scene) -> str:
         """Its name in messages and files."""
@@ -114,11 +104,29 @@ class Latch(OnHinge):
     @classmethod
     def recorded(cls, part, scene, lane):
         """Moments, impulses, and rates of the openings when they caught."""
-        labels = cls.labels(scene)
-        moment, impulse, rate = part.track[:, :, lane].T.reshape(3, -1, len(labels))
-        texts = {
-            "latch_moment": (moment, "N m", "moment of the latches"),
-            "latch_impulse": (impulse, "N m s", "angular impulse of the latches so far"),
-            "latch_rate": (rate, "rad s-1", "rate of the opening when it was caught; 0 before"),
-        }
-        return {name: Recorded(*text, "latch", labels) for name, text in texts.items()}
+        return recorded_of(part.track[:, :, lane], cls.labels(scene))
+
+
+def check_catching(scene, latch) -> None:
+    """SceneError unless a latch of either kind has numbers, and a label that no other has."""
+    check_numbers(
+        "latch", angle=(latch.angle, -np.inf, "rad"), tolerance=(latch.tolerance, 0.0, "rad")
+    )
+    if not latch.fastest > 0:
+        raise SceneError("fastest rate of latch", latch.fastest, "a number > 0 (rad/s)")
+    if latch.side not in SIDES:
+        raise SceneError("side of latch", latch.side, ", ".join(SIDES))
+    others = [e for found in scene.kinds.values() for e in found if hasattr(e, "tolerance")]
+    if latch.label(scene) in [other.label(scene) for other in others]:
+        raise SceneError("latch", latch.label(scene), "a name that no other latch has")
+
+
+def recorded_of(track: np.ndarray, labels: tuple[str, ...]) -> dict[str, Recorded]:
+    """Moments, impulses and rates out of ((instants + 1) l, 3)."""
+    moment, impulse, rate = track.T.reshape(3, -1, len(labels))
+    texts = {
+        "latch_moment": (moment, "N m", "moment of the latches"),
+        "latch_impulse": (impulse, "N m s", "angular impulse of the latches so far"),
+        "latch_rate": (rate, "rad s-1", "rate of the opening when it was caught; 0 before"),
+    }
+    return {name: Recorded(*text, "latch", labels) for name, text in texts.items()}

@@ -58,16 +58,18 @@ def watch(part, i, h, now):
     if any_negative(where_negative(0.5 - load(part.state, i, CAUGHT), 1.0, reach)):
         for s in range(angles.shape[2]):
             if part.state[i, CAUGHT, s] == 0.0:
-                pass_by(part, i, h, s, now)
+                before, after = angles[h, BEFORE, s], angles[h, NOW, s]
+                pass_by(part, i, s, before, after, part.past[i, RATE, s], now.time, now.step)
 
 
 @kernel
-def pass_by(part, i, h, s, now):
-    """Whether lane s of latch i catches or misses on the way of this step, and where.
+def pass_by(part, i, s, before, after, last, end, step):
+    """Whether lane s of latch i catches or misses on the way of a step, and where.
 
-    The way is taken as straight; x counts from the edge of the tolerance that is met first.
+    before, after: the opening at its beginning and end (rad); last: its rate in the step before;
+    end: of the step (s). The way is taken as straight; what is called first and last counts from
+    the edge of the tolerance that is met first.
     """
-    before, after = part.openings.angles[h, BEFORE, s], part.openings.angles[h, NOW, s]
     angle, tolerance = part.latch[i, ANGLE, s], part.latch[i, TOLERANCE, s]
     moved = after - before
     if part.latch[i, FROM, s] * moved < 0.0:
@@ -78,20 +80,20 @@ def pass_by(part, i, h, s, now):
     if not (entered or (tolerance > 0.0 and 0.0 <= first <= 2.0 * tolerance)):
         return
     share = -first / (last - first) if entered else 1.0
-    half = moved / now.step
-    rate = half + (share - 0.5) * (half - part.past[i, RATE, s])
+    half = moved / step
+    rate = half + (share - 0.5) * (half - last)
     if abs(rate) <= part.latch[i, FASTEST, s]:
         place = 0.0 if entered else min(last, 2.0 * tolerance)
         part.state[i, CAUGHT, s] = 1.0
         part.state[i, HELD, s] = angle + way * (place - tolerance)
         part.state[i, WAY, s] = way
         part.state[i, NEWS, s] = 1.0
-        part.state[i, WHEN, s] = now.time - (1.0 - share) * now.step
+        part.state[i, WHEN, s] = end - (1.0 - share) * step
         part.state[i, RATE_THERE, s] = rate
     elif last > 2.0 * tolerance or tolerance == 0.0:
         left = (2.0 * tolerance - first) / (last - first)
         part.state[i, NEWS, s] = 2.0
-        part.state[i, WHEN, s] = now.time - (1.0 - left) * now.step
+        part.state[i, WHEN, s] = end - (1.0 - left) * step
 
 
 @kernel

@@ -132,10 +132,22 @@ def work_told(part, world, now):
             store(part.told, r, WORK, load(part.told, r, WORK) + 0.5 * both * turned)
 
 
+@hook(ToldOpenings, "record_step")
+def record_told_after(part, world, row, now):
+    """The same with the moments of what holds openings exactly, which are known now."""
+    record_tellings(part, row)
+
+
 @hook(ToldOpenings, "record")
 def record_told(part, world, row):
     """Record the openings, and the moment and work of every part."""
     record(part, world, row)
+    record_tellings(part, row)
+
+
+@kernel
+def record_tellings(part, row):
+    """Record the moment and work of every part."""
     count = part.told.shape[0]
     for r in range(count):
         store(part.told_track, row * count + r, 0, load(part.told, r, MOMENT))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds import Damper, Friction, Latch, Stop, TableSpring
+from fpm.kinds import Damper, Friction, Latch, RigidLatch, Stop, TableSpring
 from fpm.kinds.friction import BEND
 from fpm.structures.keys import Choice, Many, Number, Reference
 from fpm.structures.statement import statement
@@ -107,7 +107,8 @@ def stop(build, it):
     side=Choice("either", "from where the opening comes when it is caught",
                 options=("below", "above", "either")),
     fastest=Number(None, "rate above which it does not catch", unit="rad/s", above=0),
-    stiffness=Number(unit="N m/rad", least=0, about="with which it holds"),
+    stiffness=Number(None, "with which it holds; left out: it holds exactly", unit="N m/rad",
+                     least=0),
     damping=Number(0.0, "with which it holds", unit="N m s/rad", least=0),
     holds=Choice("both ways", "`one way`: only against going back",
                  options=("both ways", "one way")),
@@ -115,6 +116,12 @@ def stop(build, it):
 def latch(build, it):
     """Catches a revolute joint at an opening and holds it from then on."""
     fastest = np.inf if it.fastest is None else it.fastest
+    if it.stiffness is None:
+        for key, given in (("damping", it.damping > 0), ("holds", it.holds == "one way")):
+            if given:
+                build.refuse(key, getattr(it, key), "none without a `stiffness`")
+        build.scene.add(RigidLatch(it.joint, it.angle, it.tolerance, it.side, fastest, it.name))
+        return
     build.scene.add(
         Latch(
             it.joint, it.angle, it.stiffness, it.damping, it.tolerance, it.side, fastest,

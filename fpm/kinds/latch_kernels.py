@@ -63,10 +63,10 @@ def watch(part, i, h, now):
 
 
 @kernel
-def pass_by(part, i, s, before, after, last, end, step):
+def pass_by(part, i, s, before, after, earlier, end, step):
     """Whether lane s of latch i catches or misses on the way of a step, and where.
 
-    before, after: the opening at its beginning and end (rad); last: its rate in the step before;
+    before, after: the opening at its beginning and end (rad); earlier: its rate in the step before;
     end: of the step (s). The way is taken as straight; what is called first and last counts from
     the edge of the tolerance that is met first.
     """
@@ -81,7 +81,7 @@ def pass_by(part, i, s, before, after, last, end, step):
         return
     share = -first / (last - first) if entered else 1.0
     half = moved / step
-    rate = half + (share - 0.5) * (half - last)
+    rate = half + (share - 0.5) * (half - earlier)
     if abs(rate) <= part.latch[i, FASTEST, s]:
         place = 0.0 if entered else min(last, 2.0 * tolerance)
         part.state[i, CAUGHT, s] = 1.0

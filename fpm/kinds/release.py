@@ -46,23 +46,10 @@ class Release(OnHinge):
     def check(self, scene):
         """Hinges and numbers; that it holds at the start, and may let go."""
         check_stiffness(scene, "release", self.hinge, self.stiffness)
-        name = f"release {scene.hinges[self.hinge].name}"
-        what = f"of {name}"
-        if self.hinge in [release.hinge for release in Release.of(scene)]:
-            raise SceneError("hinge of release", self.hinge, "a hinge without a release")
+        name = check_letting_go(scene, self)
         check_numbers(name, damping=(self.damping, 0.0, "N m s/rad"))
-        if not np.isfinite([self.hold, self.level]).all():
-            raise SceneError(f"hold, level {what}", (self.hold, self.level), "finite angles (rad)")
-        if not self.time > 0:
-            raise SceneError(f"time {what}", self.time, "above 0 s")
-        if self.watch < 0 and not np.isfinite(self.time):
-            raise SceneError(f"time {what}", self.time, "a finite time (s), or a hinge to watch")
-        if self.watch >= 0:
-            check_hinge(scene, "release to watch", self.watch)
-            off = abs(scene.hinges[self.watch].opening - self.level)
-            if not off > 1e-9:
-                allowed = "an opening that the other hinge does not have at the start"
-                raise SceneError(f"level {what}", self.level, allowed)
+        if not np.isfinite(self.hold):
+            raise SceneError(f"hold of {name}", self.hold, "a finite angle (rad)")
 
     def topology(self):
         """Both hinges."""
@@ -86,3 +73,27 @@ class Release(OnHinge):
             rows=batch.rows_of(cls),
             log=batch.log_of(cls),
         )
+
+
+def check_letting_go(scene, release) -> str:
+    """What a release of either kind is called; SceneError unless it may let go, as its hinge's only
+    one.
+    """
+    name = f"release {scene.hinges[release.hinge].name}"
+    what = f"of {name}"
+    others = [e for found in scene.kinds.values() for e in found if hasattr(e, "watch")]
+    if release.hinge in [other.hinge for other in others]:
+        raise SceneError("hinge of release", release.hinge, "a hinge without a release")
+    if not np.isfinite(release.level):
+        raise SceneError(f"level {what}", release.level, "a finite angle (rad)")
+    if not release.time > 0:
+        raise SceneError(f"time {what}", release.time, "above 0 s")
+    if release.watch < 0 and not np.isfinite(release.time):
+        raise SceneError(f"time {what}", release.time, "a finite time (s), or a hinge to watch")
+    if release.watch >= 0:
+        check_hinge(scene, "release to watch", release.watch)
+        off = abs(scene.hinges[release.watch].opening - release.level)
+        if not off > 1e-9:
+            allowed = "an opening that the other hinge does not have at the start"
+            raise SceneError(f"level {what}", release.level, allowed)
+    return name

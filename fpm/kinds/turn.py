@@ -44,7 +44,7 @@ class Turn(Kind):
         from fpm.kinds.turn_arrays import TURN, Turns
 
         def starts(scene):
-            held = [holder.held_at_start() for holder in cls.of(scene)]
+            held = [holder.held_at_start(scene) for holder in cls.of(scene)]
             return [
                 [1.0 if opening is None else -1.0, opening or 0.0, *[0.0] * (TURN - 2)]
                 for opening in held
@@ -62,6 +62,6 @@ class HoldsHinge(OnHinge):
     holds = True
     reads: ClassVar = (Opening, Turn)
 
-    def held_at_start(self) -> float | None:
+    def held_at_start(self, scene) -> float | None:
         """The opening (rad) that it holds from the start; None: it is free then."""
         return None

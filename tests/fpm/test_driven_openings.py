@@ -246,7 +246,7 @@ def release(**more):
         (release(hinge=2), "hinge of release = 2"),
         (release(stiffness=np.nan), "release stiffness"),
         (release(damping=np.inf), "damping of release H0"),
-        (release(hold=np.inf), "hold, level of release H0"),
+        (release(hold=np.inf), "hold of release H0"),
         (release(time=0.0), "time of release H0 = 0"),
         (release(time=np.inf), "time of release H0 = inf"),
         (release(watch=7), "hinge of release to watch = 7"),

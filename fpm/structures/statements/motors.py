@@ -4,12 +4,16 @@ import numpy as np
 
 from fpm.kinds.motor import Motor, TorqueMotor
 from fpm.kinds.release import Release
+from fpm.kinds.rigid_release import RigidRelease
 from fpm.kinds.sync_loop import SyncLoop
 from fpm.structures.keys import Many, Number, Reference
 from fpm.structures.statement import statement
 from fpm.structures.statements.acting import JOINT, RevoluteJoint
 
 CURVE = {"group": "curves"}
+
+AT_START = 1e-9
+"""What holds exactly holds where the joint is at the start, to this angle (rad)."""
 
 
 def _at_start(build, hinge: int) -> float:
@@ -82,7 +86,9 @@ def torque_motor(build, it):
     "actions",
     "release",
     joint=JOINT,
-    stiffness=Number(unit="N m/rad", least=0, about="with which it holds"),
+    stiffness=Number(
+        None, "with which it holds; left out: it holds exactly", unit="N m/rad", least=0
+    ),
     damping=Number(0.0, "with which it holds", unit="N m s/rad", least=0),
     hold=Number(None, "opening at which it holds; left out: that at the start", unit="rad"),
     time=Number(None, "when it lets go", unit="s", above=0),
@@ -95,14 +101,18 @@ def release(build, it):
         build.refuse("time", None, "a time, or a joint to `watch`")
     if (it.watch is None) != (it.level is None):
         build.refuse("level", it.level, "an opening, with a joint to `watch`")
-    build.scene.add(
-        Release(
-            it.joint,
-            it.stiffness,
-            it.damping,
-            hold=_at_start(build, it.joint) if it.hold is None else it.hold,
-            time=np.inf if it.time is None else it.time,
-            watch=-1 if it.watch is None else it.watch,
-            level=0.0 if it.level is None else it.level,
-        )
-    )
+    start = _at_start(build, it.joint)
+    hold = start if it.hold is None else it.hold
+    when = {
+        "time": np.inf if it.time is None else it.time,
+        "watch": -1 if it.watch is None else it.watch,
+        "level": 0.0 if it.level is None else it.level,
+    }
+    if it.stiffness is None:
+        if it.damping > 0:
+            build.refuse("damping", it.damping, "none without a `stiffness`")
+        if abs(hold - start) > AT_START:
+            build.refuse("hold", hold, f"the opening at the start, {start:g} rad, or a `stiffness`")
+        build.scene.add(RigidRelease(it.joint, **when))
+    else:
+        build.scene.add(Release(it.joint, it.stiffness, it.damping, hold=hold, **when))

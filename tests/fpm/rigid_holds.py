@@ -7,13 +7,14 @@ import fpm
 from fpm.kinds import RigidLatch, RigidRelease
 
 FAR = 1e3  # rad, where nothing comes
+NONE = 1e-300  # m/s²: weight is there, and does nothing
 M = np.array([2.0, 1.0])  # kg
 J = np.array([0.2, 0.1])  # kg m² about their middles
 L = 1.0  # m
 
 
 def bars(
-    angles=(0.0, 0.0), rates=(0.0, 0.0), gravity=0.0, latch=FAR, hold=None, **more
+    angles=(0.0, 0.0), rates=(0.0, 0.0), gravity=NONE, latch=FAR, hold=None, **more
 ) -> fpm.Scene:
     """The bars at angles to x, turning at rates about z; weight acts along -y.
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rigid_holds import FAR, J, L, M, bars, caught, held, kinetic, motion
+from rigid_holds import FAR, NONE, J, L, M, bars, caught, held, kinetic, motion
 from rigid_holds import free as chain
 
 import fpm
@@ -55,7 +55,7 @@ def angles_of(outcome) -> np.ndarray:
 
 
 CATCHES = [
-    ("caught", 0.4, 0.0), ("going down", -0.4, 0.0), ("tolerant", 0.3, 0.0),
+    ("caught", 0.4, NONE), ("going down", -0.4, NONE), ("tolerant", 0.3, NONE),
     ("falls", -0.3, G), ("swings", 0.5, G),
 ]  # fmt: skip
 

@@ -24,7 +24,7 @@ def rods(angles, rates, latch: float, gravity=NONE, until=1.0) -> fpm.Scene:
     scene = fpm.Scene("rods", gravity=(0.0, -gravity, 0.0))
     along = np.array([[np.cos(a), np.sin(a), 0.0] for a in angles])
     knee, aside = L * along[0], np.array([0.0, 0.0, 5.0])
-    places = [0 * knee, knee / 2, knee + L * along[1] / 2, aside + [L / 2, 0.0, 0.0]]
+    places = [0 * knee, knee / 2, knee + L * along[1] / 2, aside + np.array([L / 2, 0.0, 0.0])]
     inertias = [[1.0] * 3, *([0.1, j, j] for j in (*J, J[1]))]
     ground, one, two, third = scene.add_particles(places, [1.0, *M, M[1]], inertias)
     scene.fix(ground)

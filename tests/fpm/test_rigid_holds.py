@@ -154,6 +154,25 @@ def test_held_openings_alone_and_in_a_batch_are_the_same_bits(ran, kept):
             assert np.array_equal(values, beside.energies[energy]), (name, energy)
 
 
+@pytest.mark.slow
+def test_moments_that_hold_are_told_apart_and_reactions_know_them(ran):
+    """The latch's moment and work; and, once all is one pendulum, the force of the root on it."""
+    asked = [("joint_moment", "knee latch"), ("joint_work", "knee latch"),
+             ("constraint_force", "root x"), ("constraint_force", "root y"),
+             ("constraint_moment", "knee z")]  # fmt: skip
+    (outcome,) = fpm.simulate(CASES["swings"], record=asked, **RUN)
+    assert np.array_equal(angles_of(outcome), angles_of(ran["swings"]))
+    moment, work, x, y, twist = (outcome.asked[column] for column in asked)
+    np.testing.assert_array_equal(moment, outcome.recorded["latch_moment"].values[:, 0])
+    np.testing.assert_allclose(work, -outcome.energies["joint_loss"], atol=1e-14)
+    assert np.abs(twist).max() < 1e-9  # about its own axis the hinge itself has none
+    late = slice(500, -1)
+    angles, step = angles_of(outcome), outcome.time[1]
+    way = np.cumsum(L * np.exp(1j * angles), axis=0) - L / 2 * np.exp(1j * angles)
+    pulled = M @ np.diff(way, 2, axis=1) / step**2 + 1j * G * M.sum()
+    assert np.abs((x + 1j * y)[late] - pulled[late.start - 1 :]).max() < 1e-3 * np.abs(pulled).max()
+
+
 def test_rigid_holds_cost_no_step_and_make_joints_of_their_hinges():
     scene = bars(latch=0.4, hold={"time": 1.0})
     assert fpm.stable_step(scene).step == np.inf

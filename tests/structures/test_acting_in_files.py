@@ -5,7 +5,7 @@ import pytest
 from structures_for_tests import SMALL, problems_of, structure
 
 import fpm
-from fpm.kinds import Damper, Friction, Latch, Stop, TableSpring
+from fpm.kinds import Damper, Friction, Latch, RigidLatch, Stop, TableSpring
 from fpm.structures import loads
 
 ACTIONS = """
@@ -35,6 +35,14 @@ def test_what_acts_on_joints_is_in_the_scene():
     assert scene.kinds[TableSpring] == [tape]
 
 
+def test_a_latch_without_stiffness_is_rigid():
+    text = TEXT.replace("side: below, stiffness: 1e3", "side: below")
+    scene = loads(text).build()
+    pin = RigidLatch(0, np.pi / 2, tolerance=np.radians(1), side="below", name="pin")
+    assert scene.kinds[RigidLatch] == [pin]
+    assert [latch.name for latch in scene.kinds[Latch]] == ["lock"]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "problem"),
     [
@@ -52,6 +60,8 @@ def test_what_acts_on_joints_is_in_the_scene():
         ("tolerance: 1 deg", "tolerance: 1", "actions.pin.tolerance"),
         ("angles: [0, 5 deg, 1 rad]", "angles: [0, 1 rad]", "as many moments as angles"),
         ("angles: [0, 5 deg, 1 rad]", "angles: [0, 2 rad, 1 rad]", "increasing angles"),
+        ("stiffness: 1e3, holds: one way", "holds: one way", "none without a `stiffness`"),
+        ("side: below, stiffness: 1e3", "damping: 1", "actions.pin.damping: 1"),
         ("type: damper", "type: dampr", "did you mean damper?"),
     ],
 )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from structures_for_tests import SMALL, problems_of
 
-from fpm.kinds import Motor, Release, SyncLoop, TorqueMotor
+from fpm.kinds import Motor, Release, RigidRelease, SyncLoop, TorqueMotor
 from fpm.structures import loads
 
 ACTIONS = """
@@ -56,6 +56,14 @@ def test_they_are_in_the_scene():
     assert pin.hold == pytest.approx(np.radians(21.0))
 
 
+def test_a_release_without_stiffness_is_rigid():
+    scene = loads(TEXT.replace("stiffness: 100 N m/rad, watch", "watch")).build()
+    (bolt,) = RigidRelease.of(scene)
+    assert (scene.hinges[bolt.hinge].name, bolt.time) == ("knee", np.inf)
+    assert bolt.level == pytest.approx(np.pi / 4)
+    assert bolt.held_at_start(scene) == pytest.approx(0.2)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "problem"),
     [
@@ -75,6 +83,8 @@ def test_they_are_in_the_scene():
         ("watch: root, level: 45 deg", "watch: root", "an opening, with a joint to `watch`"),
         ("watch: root, level: 45 deg", "level: 45 deg", "a time, or a joint to `watch`"),
         ("level: 45 deg", "level: stow", "does not have at the start"),
+        ("stiffness: 10 N m/rad, damping", "damping", "actions.pin.damping: 1"),
+        ("stiffness: 10 N m/rad, damping: 1, ", "", "actions.pin.hold: 0.366519"),
         ("time: 0.5 s", "time: 0", "actions.pin.time: 0"),
         ("joint: root, stiffness: 10 N", "joint: knee, stiffness: 10 N", "without a release"),
     ],

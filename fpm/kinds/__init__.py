@@ -18,6 +18,7 @@ from fpm.kinds.opening import Opening
 from fpm.kinds.probe import Probe
 from fpm.kinds.release import Release
 from fpm.kinds.rigid_latch import RigidLatch
+from fpm.kinds.rigid_motor import RigidMotor
 from fpm.kinds.rigid_release import RigidRelease
 from fpm.kinds.stop import Stop
 from fpm.kinds.support import Support
@@ -45,6 +46,7 @@ KINDS: tuple[type[Kind], ...] = (
     Stop,
     TableSpring,
     Turn,
+    RigidMotor,
     RigidRelease,
     RigidLatch,
     Drive,

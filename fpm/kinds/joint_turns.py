@@ -6,6 +6,7 @@ and tells the rates that the openings would have; `move` begins with the impulse
 
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
+from fpm.kernels.layout import P, V
 from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import add3, dot, get3, kernel, symmetric, times, to_global
 from fpm.kinds import joint_kernels
@@ -13,6 +14,8 @@ from fpm.kinds.hinge_arrays import get6
 from fpm.kinds.impulse_sums import clear
 from fpm.kinds.joint_arrays import (
     AXIS,
+    FORCE,
+    HIM,
     INVERSE,
     MOMENT,
     OFF,
@@ -44,13 +47,34 @@ def solve(part, world, now):
         find_rows(part, world.state)
         build(part)
         factorise(part)
-        find_rates(part, world.state)
+        if part.turns.begins[0] == 0:
+            find_rates(part, world.state)
+        else:
+            find_rates(part, world.kept)
         for t in range(part.turn_at.shape[0]):
             j = part.turn_at[t]
             r, gap = part.pattern.first[j], held_gap(part, world.state, j)
             store(part.rows, r, OFF, load(part.rows, r, OFF) + (1.0 / now.step) * gap)
         find_impulses(part, -1.0)
         tell_rates(part, world.state)
+        if part.turns.begins[0] != 0:
+            begin(part, world)
+
+
+@kernel
+def begin(part, world):
+    """Change the velocities at the start by what motors need that turn from then on.
+
+    That blow comes before the run: in its first kick it would be taken for a force, and the first
+    kinetic energy, which reflects that kick, would be below zero.
+    """
+    part.turns.begins[0] = 0
+    part.turns.changed[0] = 1
+    for s in range(part.on.shape[0]):
+        force, moment = get3(part.body_scratch, s, FORCE), get3(part.body_scratch, s, MOMENT)
+        for motion in (world.state, world.kept):
+            add3(motion, part.on[s], V, times(get3(part.bodies, s, HIM), force))
+            add3(motion, part.on[s], P, moment)
 
 
 @kernel

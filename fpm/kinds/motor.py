@@ -31,14 +31,17 @@ from fpm.kinds.opening import (
 MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
-def _check_curve(scene, what: str, curve: int) -> None:
+def check_curve(scene, what: str, curve: int) -> None:
+    """SceneError unless there is a curve of that index for `what`; -1 is always 1."""
     if not -1 <= curve < len(scene.curves):
         raise SceneError(f"curve of {what}", curve, f"-1 to {len(scene.curves) - 1}")
 
 
-def _moments(cls, part, scene, lane, variable, dimension, text) -> dict[str, Recorded]:
+def recorded_moments(cls, part, scene, lane, variable, dimension) -> dict[str, Recorded]:
+    """Moments of motors of a kind that has them in its `track`."""
     names = tuple(scene.hinges[motor.hinge].name for motor in cls.of(scene))
     values = part.track[:, 0, lane].reshape(-1, len(names))
+    text = f"moment of the {dimension.replace('_', ' ')}s on their hinges"
     return {variable: Recorded(values, "N m", text, dimension, names)}
 
 
@@ -66,12 +69,13 @@ class Motor(OnHinge):
         """Hinge, drive train and curve; one motor on a hinge."""
         check_stiffness(scene, "motor", self.hinge, self.stiffness)
         what = f"motor {scene.hinges[self.hinge].name}"
-        if self.hinge in [motor.hinge for motor in Motor.of(scene)]:
+        others = [e for found in scene.kinds.values() for e in found if hasattr(e, "turn")]
+        if self.hinge in [other.hinge for other in others]:
             raise SceneError("hinge of motor", self.hinge, "a hinge without a motor")
         check_numbers(what, damping=(self.damping, 0.0, "N m s/rad"))
         if not np.isfinite([self.start, self.turn]).all():
             raise SceneError(f"opening of {what}", (self.start, self.turn), "finite angles (rad)")
-        _check_curve(scene, what, self.curve)
+        check_curve(scene, what, self.curve)
 
     def topology(self):
         """Hinge and curve."""
@@ -98,8 +102,7 @@ class Motor(OnHinge):
     @classmethod
     def recorded(cls, part, scene, lane):
         """The moments."""
-        text = "moment of the motors on their hinges"
-        return _moments(cls, part, scene, lane, "motor_moment", "motor", text)
+        return recorded_moments(cls, part, scene, lane, "motor_moment", "motor")
 
 
 @dataclass(frozen=True)
@@ -128,7 +131,7 @@ class TorqueMotor(OnHinge):
             raise SceneError(f"torque of {what}", self.torque, "a finite number (N m)")
         if not self.no_load > 0:
             raise SceneError(f"no-load speed of {what}", self.no_load, "above 0 rad/s")
-        _check_curve(scene, what, self.curve)
+        check_curve(scene, what, self.curve)
 
     def topology(self):
         """Hinge and curve."""
@@ -158,5 +161,4 @@ class TorqueMotor(OnHinge):
     @classmethod
     def recorded(cls, part, scene, lane):
         """The moments."""
-        text = "moment of the torque motors on their hinges"
-        return _moments(cls, part, scene, lane, "torque_motor_moment", "torque_motor", text)
+        return recorded_moments(cls, part, scene, lane, "torque_motor_moment", "torque_motor")

@@ -43,6 +43,9 @@ class Turn(Kind):
     def pack(cls, batch):
         from fpm.kinds.turn_arrays import TURN, Turns
 
+        # What follows driven bodies has the rates of these at the start, if it is stated so.
+        driven = batch.one.drives
+
         def starts(scene):
             held = [holder.held_at_start(scene) for holder in cls.of(scene)]
             return [
@@ -53,6 +56,7 @@ class Turn(Kind):
         return Turns(
             state=batch.stack(len(cls.of(batch.one)), TURN, starts),
             changed=batch.integers([0]),
+            begins=batch.integers([not driven and any(e.moves for e in cls.of(batch.one))]),
         )
 
 
@@ -60,6 +64,7 @@ class HoldsHinge(OnHinge):
     """What the kinds that hold the opening of one hinge exactly have in common."""
 
     holds = True
+    moves: ClassVar[bool] = False  # whether what is held moves
     reads: ClassVar = (Opening, Turn)
 
     def held_at_start(self, scene) -> float | None:

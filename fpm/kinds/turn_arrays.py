@@ -16,3 +16,4 @@ class Turns(NamedTuple):
 
     state: np.ndarray  # (t, TURN, lanes)
     changed: np.ndarray  # (1,) 1 where the joints have to be solved (again) in this step
+    begins: np.ndarray  # (1,) 1 before bodies are brought to the rates that motors begin with

@@ -72,14 +72,20 @@ def begin_work(part, world, first, sign):
 
 @kernel
 def end_work(part, world, now, first, sign):
-    """The other half, of the moments of this step (`work_after`); returns nothing."""
+    """The other half, of the moments of this step (`work_after`)."""
     for i in range(part.on.shape[0]):
         moment = moment_of(part.turns, part.turn[i], now)
-        work = sign * work_on(part.openings, part.on[i], moment)
-        give(world, part.account, work)
         tell_late(part.openings, part.on[i], moment)
-        store(part.state, i, first + HELD_BY, moment)
-        store(part.state, i, first + DUE, work)
+        end_work_of(part, world, i, moment, first, sign)
+
+
+@kernel
+def end_work_of(part, world, i, moment, first, sign):
+    """The other half, of the moment of element i."""
+    work = sign * work_on(part.openings, part.on[i], moment)
+    give(world, part.account, work)
+    store(part.state, i, first + HELD_BY, moment)
+    store(part.state, i, first + DUE, work)
 
 
 @kernel

@@ -4,6 +4,7 @@ import numpy as np
 
 from fpm.kinds.motor import Motor, TorqueMotor
 from fpm.kinds.release import Release
+from fpm.kinds.rigid_motor import RigidMotor
 from fpm.kinds.rigid_release import RigidRelease
 from fpm.kinds.sync_loop import SyncLoop
 from fpm.structures.keys import Many, Number, Reference
@@ -56,13 +57,20 @@ def loop(build, it):
     turn=Number(unit="rad", about="by how much it turns, times `curve`"),
     curve=Reference(**CURVE, about="of the opening"),
     start=Number(None, "opening before the turn; left out: that at the start", unit="rad"),
-    stiffness=Number(unit="N m/rad", least=0, about="of its drive train"),
+    stiffness=Number(
+        None, "of its drive train; left out: it prescribes exactly", unit="N m/rad", least=0
+    ),
     damping=Number(0.0, "of its drive train", unit="N m s/rad", least=0),
 )
 def motor(build, it):
-    """Prescribes the opening of a revolute joint, through an elastic and damped drive train."""
+    """Prescribes the opening of a revolute joint, exactly or through an elastic drive train."""
     start = _at_start(build, it.joint) if it.start is None else it.start
-    build.scene.add(Motor(it.joint, it.stiffness, it.damping, start, it.turn, it.curve))
+    if it.stiffness is None:
+        if it.damping > 0:
+            build.refuse("damping", it.damping, "none without a `stiffness`")
+        build.scene.add(RigidMotor(it.joint, start, it.turn, it.curve))
+    else:
+        build.scene.add(Motor(it.joint, it.stiffness, it.damping, start, it.turn, it.curve))
 
 
 @statement(

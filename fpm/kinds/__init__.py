@@ -17,6 +17,7 @@ from fpm.kinds.motor import Motor, TorqueMotor
 from fpm.kinds.opening import Opening
 from fpm.kinds.probe import Probe
 from fpm.kinds.release import Release
+from fpm.kinds.rigid_friction import RigidFriction
 from fpm.kinds.rigid_latch import RigidLatch
 from fpm.kinds.rigid_motor import RigidMotor
 from fpm.kinds.rigid_release import RigidRelease
@@ -49,6 +50,7 @@ KINDS: tuple[type[Kind], ...] = (
     RigidMotor,
     RigidRelease,
     RigidLatch,
+    RigidFriction,
     Drive,
     Support,
     Damping,

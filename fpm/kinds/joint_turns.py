@@ -24,10 +24,11 @@ from fpm.kinds.joint_arrays import (
     CountedTurnedJoints,
     TurnedJoints,
 )
+from fpm.kinds.joint_arrays import IMPULSE as FOUND
 from fpm.kinds.joint_kernels import find_impulses, find_rates, kick_bodies, push_all
 from fpm.kinds.joint_matrix import build, factorise
 from fpm.kinds.joint_rows import find_rows, held_gap
-from fpm.kinds.turn_arrays import IMPULSE, RATE
+from fpm.kinds.turn_arrays import IMPULSE, NEEDED, RATE
 
 
 @hook(TurnedJoints)
@@ -91,6 +92,7 @@ def tell_rates(part, state):
         axis = to_global(frame(state, part.on[one]), get3(part.sides, 2 * j, AXIS))
         rate = dot(axis, get3(b, two, SPIN) - get3(b, one, SPIN))
         store(part.turns.state, t, RATE, rate)
+        store(part.turns.state, t, NEEDED, load(part.rows, part.pattern.first[j], FOUND))
 
 
 @hook(TurnedJoints)

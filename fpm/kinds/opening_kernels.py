@@ -9,7 +9,7 @@ from numba.extending import overload
 from fpm.kernels.angles import arctan2
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import floor, load, store
-from fpm.kernels.layout import M
+from fpm.kernels.layout import M, P
 from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import INLINED, cross, dot, get3, kernel, put3, to_global
 
@@ -81,6 +81,15 @@ def turn(openings, state, h, moment):
     put3(state, two, M, moment * axis + get3(state, two, M))
     put3(state, one, M, (-1.0 * moment) * axis + get3(state, one, M))
     tell(openings, h, moment)
+
+
+@kernel
+def push(openings, state, h, impulse):
+    """The same by an impulse (N m s), after the kick."""
+    one, two = openings.ends[2 * h], openings.ends[2 * h + 1]
+    axis = to_global(frame(state, one), get3(openings.sides, 2 * h, AXIS))
+    put3(state, two, P, impulse * axis + get3(state, two, P))
+    put3(state, one, P, (-1.0 * impulse) * axis + get3(state, one, P))
 
 
 def tell(openings, h, moment):

@@ -8,7 +8,8 @@ HOLDS = 0  # -1 where the opening is held, 1 where it is free
 TARGET = 1  # at which opening, at the end of the step (rad)
 RATE = 2  # of the opening over the step, as the joints were solved last (rad/s)
 IMPULSE = 3  # of the step, on the hinge's second particle (N m s)
-TURN = 4
+NEEDED = 4  # the same as the joints were solved last
+TURN = 5
 
 
 class Turns(NamedTuple):

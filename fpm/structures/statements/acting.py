@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds import Damper, Friction, Latch, RigidLatch, Stop, TableSpring
+from fpm.kinds import Damper, Friction, Latch, RigidFriction, RigidLatch, Stop, TableSpring
 from fpm.kinds.friction import BEND
 from fpm.structures.keys import Choice, Many, Number, Reference
 from fpm.structures.statement import statement
@@ -72,9 +72,16 @@ def damper(build, it):
         None, "while it sticks; left out: 0.3 of critical for the joint's own two particles",
         unit="N m s/rad", least=0,
     ),
+    sticks=Choice("by its bend", "`exactly`: without any bend",
+                  options=("by its bend", "exactly")),
 )  # fmt: skip
 def friction(build, it):
     """Dry (Coulomb) friction in a revolute joint."""
+    if it.sticks == "exactly":
+        if it.bend != BEND or it.damping is not None:
+            build.refuse("sticks", it.sticks, "by its bend, or neither `bend` nor `damping`")
+        build.scene.add(RigidFriction(it.joint, it.moment))
+        return
     build.scene.add(Friction(it.joint, it.moment, it.bend, it.damping))
 
 

@@ -238,6 +238,7 @@ class Batch:
         for lane, scene in enumerate(self.scenes):
             size = np.ptp(scene.position, axis=0).max(initial=0.0)
             found[lane] += REST_STRAIN * size * sum(kind.held_up(scene) for kind in self.kinds)
+            found[lane] += REST_STRAIN * sum(kind.held_round(scene) for kind in self.kinds)
         return found
 
 

@@ -166,6 +166,11 @@ class Kind:
         return 0.0
 
     @classmethod
+    def held_round(cls, scene: "Scene") -> float:
+        """The same of moments (N m), which what holds openings exactly may bear."""
+        return 0.0
+
+    @classmethod
     def recorded(cls, part: Any, scene: "Scene", lane: int) -> dict[str, Recorded]:
         """What was recorded of one lane, by the names of its variables in a trajectory file."""
         return {}

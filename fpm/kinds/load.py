@@ -54,6 +54,11 @@ class Load(Kind):
         return float(sum(np.linalg.norm(load.force) for load in cls.of(scene)))
 
     @classmethod
+    def held_round(cls, scene):
+        """All moments."""
+        return float(sum(np.linalg.norm(load.moment) for load in cls.of(scene)))
+
+    @classmethod
     def pack(cls, batch):
         from fpm.kinds.load_kernels import Loads
 

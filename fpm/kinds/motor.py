@@ -143,6 +143,11 @@ class TorqueMotor(OnHinge):
         return float(abs(self.torque) * most / self.no_load)
 
     @classmethod
+    def held_round(cls, scene):
+        """All torques."""
+        return float(sum(abs(motor.torque) for motor in cls.of(scene)))
+
+    @classmethod
     def pack(cls, batch):
         from fpm.kinds.torque_motor_kernels import STATE, TorqueMotors
 

@@ -92,7 +92,7 @@ def test_friction_holds_to_the_last_hair_and_slips_where_it_should(ran):
     begun = np.maximum(time - 0.2 / 0.31, 0.0)
     exact = 0.31 * begun**3 / (6 * J)
     assert np.abs(opening(ran["begins to slip"]) - exact).max() < 2e-3 * exact[-1]
-    assert not opening(ran["begins to slip"])[begun == 0.0][:-1].any()
+    assert np.abs(opening(ran["begins to slip"])[begun == 0.0][:-1]).max() < 1e-13
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 import fpm
-from fpm.kinds import Friction, Latch, Release, RigidLatch, RigidRelease
+from fpm.kinds import Friction, Latch, Release, RigidFriction, RigidLatch, RigidRelease
 from fpm.kinds.hinge import Hinge
 from fpm.kinds.virtual_beam import VirtualBeam
 
@@ -83,7 +83,8 @@ def continued(scene: fpm.Scene, outcome: fpm.Outcome, direction: float) -> fpm.S
     For kinds whose elements are where their particles are: a latch that caught, the foot of a
     bristle, or a cable's material that slipped is nothing that a scene can state.
     """
-    remembering = {Friction, Latch, Release, RigidLatch, RigidRelease} & scene.kinds.keys()
+    remembering = {Friction, Latch, Release, RigidFriction, RigidLatch, RigidRelease}
+    remembering &= scene.kinds.keys()
     assert not remembering and not any(cable.rubs for cable in scene.cables), remembering
     out, final = copy(scene), outcome.final
     out.unstrained = scene.frame if scene.unstrained is None else scene.unstrained

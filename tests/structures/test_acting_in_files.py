@@ -5,7 +5,7 @@ import pytest
 from structures_for_tests import SMALL, problems_of, structure
 
 import fpm
-from fpm.kinds import Damper, Friction, Latch, RigidLatch, Stop, TableSpring
+from fpm.kinds import Damper, Friction, Latch, RigidFriction, RigidLatch, Stop, TableSpring
 from fpm.structures import loads
 
 ACTIONS = """
@@ -43,6 +43,12 @@ def test_a_latch_without_stiffness_is_rigid():
     assert [latch.name for latch in scene.kinds[Latch]] == ["lock"]
 
 
+def test_friction_may_stick_exactly():
+    scene = loads(TEXT.replace("L*0.2 N", "L*0.2 N, sticks: exactly")).build(L=2.0)
+    assert scene.kinds[RigidFriction] == [RigidFriction(0, 0.4)]
+    assert Friction not in scene.kinds
+
+
 @pytest.mark.parametrize(
     ("old", "new", "problem"),
     [
@@ -62,6 +68,7 @@ def test_a_latch_without_stiffness_is_rigid():
         ("angles: [0, 5 deg, 1 rad]", "angles: [0, 2 rad, 1 rad]", "increasing angles"),
         ("stiffness: 1e3, holds: one way", "holds: one way", "none without a `stiffness`"),
         ("side: below, stiffness: 1e3", "damping: 1", "actions.pin.damping: 1"),
+        ("moment: L*0.2 N", "moment: 1, bend: 1 deg, sticks: exactly", "actions.dry.sticks"),
         ("type: damper", "type: dampr", "did you mean damper?"),
     ],
 )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from structures_for_tests import SMALL, problems_of
 
-from fpm.kinds import Motor, Release, RigidRelease, SyncLoop, TorqueMotor
+from fpm.kinds import Motor, Release, RigidMotor, RigidRelease, SyncLoop, TorqueMotor
 from fpm.structures import loads
 
 ACTIONS = """
@@ -64,6 +64,14 @@ def test_a_release_without_stiffness_is_rigid():
     assert bolt.held_at_start(scene) == pytest.approx(0.2)
 
 
+def test_a_motor_without_stiffness_is_rigid():
+    text = TEXT.replace("curve: ramp, stiffness: 5, damping: 2 N m s/rad", "curve: ramp")
+    scene = loads(text).build(stow=15.0)
+    (drive,) = RigidMotor.of(scene)
+    assert scene.hinges[drive.hinge].name == "root"
+    assert [drive.at(scene, t) for t in (0.0, 1.0)] == pytest.approx(np.radians([15.0, 45.0]))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "problem"),
     [
@@ -78,6 +86,12 @@ def test_a_release_without_stiffness_is_rigid():
         ("turn: 60 deg", "turn: 60", "actions.drive.turn: "),
         ("turn: 60 deg, curve: ramp", "turn: 60 deg", "actions.drive.curve: missing"),
         ("damping: 2 N", "damping: -2 N", "actions.drive.damping: -2"),
+        ("curve: ramp, stiffness: 5, ", "curve: ramp, ", "actions.drive.damping: 2"),
+        (
+            "curve: ramp, stiffness: 5, damping: 2 N m s/rad",
+            "curve: ramp, start: 1 rad",
+            "opening of motor root at the start",
+        ),
         ("joint: knee, torque", "joint: elbow, torque", "there is no joint 'elbow'"),
         ("no_load: 20 rpm", "no_load: 0 rpm", "actions.aid.no_load: 0"),
         ("watch: root, level: 45 deg", "watch: root", "an opening, with a joint to `watch`"),

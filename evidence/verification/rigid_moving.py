@@ -1,4 +1,4 @@
-"""Friction that sticks exactly, and motors that prescribe exactly, against closed forms of a rod."""
+"""Friction that sticks exactly, and motors that prescribe exactly: closed forms of a rod."""
 
 import numpy as np
 
@@ -50,9 +50,9 @@ def friction(bench: Bench) -> None:
             worst = np.abs(psi).max()
             bench.check_small(f"falls under {share:g} M (rad)", worst, 1e-13, "it sticks", "1 rad")
         else:
-            found = 2 * psi[100] / outcome.time[100] ** 2
-            bench.check(f"falls at, under {share:g} M (rad/s²)", found, -(1 - 1 / share) * G / 2 / J,
-                        1e-4, "(L - M)/J", G / 2 / J, "of L/J")  # fmt: skip
+            found, pull = 2 * psi[100] / outcome.time[100] ** 2, G / 2 / J
+            bench.check(f"falls at, under {share:g} M (rad/s²)", found, (1 / share - 1) * pull,
+                        1e-4, "(L - M)/J", pull, "of L/J")  # fmt: skip
     psi = outcomes[5].openings["rubs"]
     way = np.sign(np.diff(psi))
     turns = psi[1:-1][(way[1:] * way[:-1] < 0) & (np.abs(psi[1:-1] - psi[-1]) > 1e-3)]

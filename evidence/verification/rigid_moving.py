@@ -68,14 +68,14 @@ def friction(bench: Bench) -> None:
 def motors(bench: Bench) -> None:
     """Openings along curves with bends, their moments, and the work, blows among it."""
     for turns in ((0.0, 0.4, 0.1, 0.1), (0.0, 0.0, 1.5, -0.5)):
-        (outcome,) = bench.simulate(rods(0.0, 1.0, G, turns=turns), duration=2.0, instants=2001,
+        (outcome,) = bench.simulate(rods(0.0, 1.0, G, turns=turns), duration=1.9, instants=1901,
                                     step=STEP)  # fmt: skip
         name, psi = f"curve to {turns[-1]:g}", outcome.openings["driven"]
         wanted = np.interp(outcome.time, TIMES, turns)
         bench.check_small(f"{name}: opening (rad)", np.abs(psi - wanted).max(), 1e-12,
                           "that prescribed", "1 rad")  # fmt: skip
         rates = np.diff(turns) / np.diff(TIMES)
-        given = G / 2 * np.sin(turns[-1]) + J / 2 * (rates[-1] ** 2 - rates[0] ** 2)
+        given = G / 2 * np.sin(psi[-1]) + J / 2 * (rates[-1] ** 2 - rates[0] ** 2)
         bench.check(f"{name}: work (J)", outcome.energies["motor_work"][-1], given, 1e-4,
                     "height, and speed less that at the start", G / 2, "of m g l/2")  # fmt: skip
         still = outcome.time > 1.3

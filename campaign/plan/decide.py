@@ -28,10 +28,10 @@ _RATE, _RATES = 1.5, (0.75, 4.0)
 """The error of a surrogate is taken to fall like runs to the power of minus this, as long as no two
 rounds tell it; and between which it may be told."""
 
-_LEAST, _MOST = 1.25, 3.0
+_LEAST, _MOST = 1.25, 2.0
 """Factors by which a round has more runs than the last."""
 
-_SPARE = 0.85
+_SPARE = 0.75
 """Share of what is left for a surrogate's error that is aimed at: one more round for having missed
 it by little costs more than the runs that are too many."""
 

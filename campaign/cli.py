@@ -55,7 +55,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         program, description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("--version", action="version", version=f"{PROGRAM} {_version()}")
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
 
     def command(name: str, function: Callable) -> argparse.ArgumentParser:
@@ -125,15 +125,6 @@ def _attack(arguments: list[str]) -> int:
     return import_module("evidence.attack.attack").main(arguments)
 
 
-def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version(PROGRAM)
-    except PackageNotFoundError:  # a checkout
-        return "(not installed)"
-
-
 def _add_export(export: argparse.ArgumentParser) -> None:
     from campaign.export import COLOURS, KINDS
 
@@ -154,6 +145,18 @@ def _add_export(export: argparse.ArgumentParser) -> None:
         "--colour", default="bars", choices=COLOURS, help="of moving pictures (%(default)s)"
     )
     export.add_argument("--output", type=Path, help="folder (exports, beside a campaign's results)")
+
+
+class _Version(argparse.Action):
+    """Prints the version, also of a checkout that was not installed."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from campaign.provenance import program
+
+        made = program()
+        known = made["commit"] != "unknown"
+        print(made["program"] + (f", commit {made['commit']}" if known else ""))
+        parser.exit()
 
 
 class _Starts(argparse.Action):

@@ -30,6 +30,7 @@ from campaign.config.sections import Jobs, Verify, plain_data
 from campaign.folder import Folder
 from campaign.results.bounds import write_dataset
 from campaign.runs.progress import Tell
+from fpm.trajectory import CONVENTIONS
 
 _OF, _BY = ("quantity",), ("quantity", "parameter")
 
@@ -174,7 +175,7 @@ def coordinates(bench: Bench) -> dict:
 def attributes_of(bench: Bench) -> dict:
     """What files of answers tell of the campaign."""
     return {
-        "Conventions": "CF-1.11",
+        "Conventions": CONVENTIONS,
         "campaign": bench.experiment.name,
         "scene": bench.experiment.scene.name,
         "config_hash": bench.plan.config_hash,

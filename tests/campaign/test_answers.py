@@ -37,6 +37,7 @@ def test_every_run_has_its_numbers(opened):
 
 def test_the_interval_of_a_time_is_the_exact_one(opened):
     with xr.open_dataset(opened.quantities) as found:
+        assert found.attrs["Conventions"] == "CF-1.8"  # as all files
         one = found.sel(quantity="t_open")
         for side, k in (("lower", 0.105), ("upper", 0.095)):
             exact = exact_time(k)
@@ -132,7 +133,7 @@ def test_wrong_quantities_are_refused_before_any_run(definition, words):
 @pytest.mark.slow
 def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tmp_path):
     draw_ranges(opened, tmp_path)
-    assert {p.name for p in tmp_path.iterdir()} == {"ranges.png", "ranges.pdf"}
+    assert {p.name for p in tmp_path.iterdir()} == {"ranges.png", "ranges.pdf", "ranges.svg"}
     late = {"t_late": PANEL["quantities"]["t_late"]}
     several = {"k": {"relative": 0.05}, "mass": {"relative": 0.02}, "rest": {"relative": 0.01}}
     for count, drawn in ((2, "collections"), (3, "patches")):

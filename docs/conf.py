@@ -19,11 +19,13 @@ extensions = [
     "gallery",
     "mathml",
 ]
-exclude_patterns = ["made/*.md", "extensions"]
+exclude_patterns = ["made/*.md", "extensions", "static"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4  # links to headings, as `page.md#heading`
 html_theme = "furo"
 html_title = "deployable-intervals"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
 html_math_renderer = "mathml"
 html_show_copyright = False
 html_copy_source = False

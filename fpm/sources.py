@@ -15,12 +15,12 @@ from fpm.errors import SceneError
 HERE = Path(__file__).parent
 
 OTHER = {
-    "asked.py", "asked_responses.py", "classic.py", "compiled.py", "errors.py", "motion.py",
-    "motion_dataset.py", "quantities.py", "quantity_definitions.py", "responses.py", "sealed.py",
-    "sources.py", "trajectory.py", "warming.py",
+    "asked.py", "asked_responses.py", "classic.py", "compiled.py", "effort.py", "errors.py",
+    "motion.py", "motion_dataset.py", "quantities.py", "quantity_definitions.py", "responses.py",
+    "sealed.py", "sources.py", "trajectory.py", "warming.py",
 }  # fmt: skip
-"""Files of the mechanics that do not change a run's numbers: how code and files are kept, and what
-is read off a run."""
+"""Files of the mechanics that do not change a run's numbers: how code and files are kept, what is
+read off a run, and what it costs."""
 
 VERSION = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
 """Of this file, so that digests kept on disk by another one are not met."""

@@ -15,15 +15,17 @@ from campaign.plan.plan import TimeStep
 from campaign.runs.extremes import LARGE, MOST
 from campaign.runs.progress import duration_text
 
-ELEMENT_STEP = 10e-9
-"""Seconds of a core for a step of an element in one of eight runs side by side: what the Bennett
-linkage takes with its hinges (docs/benchmark.md has 7.9 ns without writing)."""
-
 LANES = 8
 """Runs that are integrated side by side; fewer take as long."""
 
 STARTING = 4.0
 """Seconds to start, take bounds, draw and write the page."""
+
+WRITING = 5e-3
+"""Seconds for a run's scene and file."""
+
+ROUNDS = 2
+"""Rounds of further runs that quantities take as a rule, where so many are allowed."""
 
 _OTHER_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
 _BOUNDS_CURVES = 12  # of a response in bounds, surrogate and sensitivities, compressed
@@ -33,37 +35,77 @@ _EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
 
 @dataclass(frozen=True)
 class Estimate:
-    """runs: at most; seconds on all cores of this machine, compilation apart; bytes on disk.
+    """runs: at most, but for those that answers take; seconds on all cores of this machine,
+    compilation apart; integrating: seconds of a core of it that the runs take, those of answers
+    too; bytes on disk.
 
-    is_budget: they are what may be spent, mostly far more than what will be.
+    is_budget: they are what may be spent, mostly far more than what will be. answers: what takes
+    further runs, in words.
     """
 
     runs: int
     seconds: float
+    integrating: float
     bytes: float
     is_budget: bool = False
+    answers: str = ""
 
     def __str__(self) -> str:
         about = "at most" if self.is_budget else "about"
+        further = f" and further ones for {self.answers}" if self.answers else ""
         return (
-            f"at most {self.runs} runs, {about} {duration_text(_rounded(self.seconds))} on "
-            f"{cores()} cores, {size_text(self.bytes)} on disk"
+            f"at most {self.runs} runs{further}, {about} {duration_text(_rounded(self.seconds))} "
+            f"on {cores()} cores, {size_text(self.bytes)} on disk"
         )
 
 
 def estimate(campaign: Campaign) -> Estimate:
-    """What a campaign takes; time is right to a factor of two or so on a recent core."""
+    """What a campaign takes; time is right to a factor of two or so (fpm/effort.py)."""
+    from fpm.effort import machine
+
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
-    whole = math.ceil(runs / LANES) * LANES
-    seconds = whole * run_seconds(experiment, choose_step(experiment)) / cores() + STARTING
+    batch = LANES * machine() * run_seconds(experiment, choose_step(experiment))
+    further = {} if experiment.is_sought else _further(campaign)
+    rounds = [(runs, 1.0), *(one for some in further.values() for one in some)]
+    batches = [(math.ceil(count / LANES), factor) for count, factor in rounds if count]
+    integrating = batch * sum(number * factor for number, factor in batches)
+    # A batch is one core's; rounds wait for each other.
+    waiting = batch * sum(math.ceil(number / cores()) * factor for number, factor in batches)
+    writing = WRITING * sum(count for count, _ in rounds) / cores()
+    seconds = waiting + writing + STARTING
     if experiment.is_sought:  # meshes and steps become finer
-        seconds = 60 * experiment.accuracy.minutes / cores() + STARTING
+        integrating = 60 * experiment.accuracy.minutes
+        seconds = integrating / cores() + STARTING
     curves = _BOUNDS_CURVES * len(experiment.responses)
     if campaign.jobs.keep == "extremes":
         curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)
     size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
-    return Estimate(runs, seconds, float(size), experiment.is_sought)
+    answers = " and ".join(further)
+    return Estimate(runs, seconds, integrating, float(size), experiment.is_sought, answers)
+
+
+def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
+    """Further runs by what takes them, in words: for each round how many, and how many times as
+    long as a planned one each of them takes."""
+    experiment, verify = campaign.experiment, campaign.verify
+    ends = 2 * len(experiment.quantities)
+    rounds = min(ROUNDS, verify.rounds)
+    found: dict[str, list[tuple[int, float]]] = {}
+    if ends:
+        found["quantities"] = [(ends, 1.0)] * rounds
+    if campaign.choose.parameters:
+        from campaign.answers.choice import design_points, widened
+
+        points = design_points(widened(experiment, campaign.choose), campaign.choose)
+        found["the choice"] = [(len(points), 1.0), *[(LANES, 1.0)] * rounds]
+    if verify.finer:
+        from campaign.answers.finer import PLACES
+
+        # Half the step, and a mesh of twice as many elements with half the step.
+        again = [PLACES, *([ends] if ends else [])]
+        found["errors of step and mesh"] = [(count, f) for count in again for f in (2.0, 4.0)]
+    return found
 
 
 def bytes_of_run(campaign: Campaign) -> float:
@@ -107,10 +149,14 @@ def found(campaign: Campaign, folder: Folder) -> str:
 
 
 def run_seconds(experiment: Experiment, time: TimeStep) -> float:
-    """Seconds of a core for a run, one of eight side by side."""
-    scene = _nominal_scene(experiment)
-    steps = time.steps_per_instant * (experiment.solver.instants - 1)
-    return steps * max(len(scene.elements), 1) * ELEMENT_STEP
+    """Seconds of a core for a run, one of eight side by side.
+
+    Of a core as fpm/effort.py has them, whichever this one is: what rounds may spend depends on it.
+    """
+    from fpm.effort import run_seconds as seconds
+
+    instants = experiment.solver.instants
+    return seconds(_nominal_scene(experiment), time.steps_per_instant * (instants - 1), instants)
 
 
 def recorded(experiment: Experiment) -> int:

@@ -42,5 +42,8 @@ def job_megabytes(campaign: Campaign) -> int:
 
 def seconds_of_run(campaign: Campaign) -> float:
     """Seconds of a core that a run takes among others side by side: the config's, or estimated."""
+    from fpm.effort import machine
+
     experiment = campaign.experiment
-    return campaign.jobs.run_seconds or run_seconds(experiment, choose_step(experiment))
+    known = campaign.jobs.run_seconds
+    return known or machine() * run_seconds(experiment, choose_step(experiment))

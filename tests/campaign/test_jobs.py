@@ -41,7 +41,8 @@ def test_a_job_elsewhere_finds_as_many_batches(monkeypatch):
     assert batch_count(sized(), 512 * 40) == 20
 
 
-def test_a_job_of_minutes_has_whole_groups_that_take_so_long():
+def test_a_job_of_minutes_has_whole_groups_that_take_so_long(monkeypatch):
+    monkeypatch.setattr("fpm.effort.machine", lambda: 1.0)
     asked = {"minutes": 30, "run_seconds": 2, "group": 8}
     assert runs_in_job(sized(**asked)) == 896  # 30 * 60 / 2 = 900, in groups of 8
     assert runs_in_job(sized(**asked, processes=4)) == 3600
@@ -49,8 +50,8 @@ def test_a_job_of_minutes_has_whole_groups_that_take_so_long():
     assert batch_count(sized(**asked), 1793) == 3
     # Not less than a group for each process.
     assert runs_in_job(sized(minutes=0.001, run_seconds=9, group=8, processes=3)) == 24
-    # The estimate: 1000 steps of 16 elements at 10 ns are 160 us.
-    assert runs_in_job(sized(minutes=0.1, group=1)) == pytest.approx(6 / 160e-6, rel=0.2)
+    # The estimate: 1000 steps of 8 elements and 4 hinges, 0.4 ms, and 1.5 ms to pack a run.
+    assert runs_in_job(sized(minutes=0.1, group=1)) == pytest.approx(6 / 2e-3, rel=0.1)
 
 
 def test_a_job_asks_for_more_the_more_it_has():

@@ -1,0 +1,94 @@
+"""The time that is foretold of the shipped campaigns is what they take."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+import fpm
+from campaign.config.check import load_config
+from campaign.plan.estimate import LANES, estimate, run_seconds
+from campaign.plan.make import choose_step
+from fpm.effort import machine
+
+CONFIG = Path(__file__).parents[2] / "config"
+SHIPPED = sorted(path.stem for path in CONFIG.glob("*.yaml"))
+
+ALIKE = {
+    "three": "paper",
+    "scan": "paper",
+    "auto": "paper",
+    "six": "closing",
+    "strength": "closing",
+}
+"""Campaigns of the same linkage and mesh as another's, which is run in their place."""
+
+RIGHT = 2.0
+"""Factor within which an idle core has to take what is foretold."""
+
+BUSY = 1.5
+"""By how much others on the machine slow down a core that runs here, at most, in the best of many
+bursts."""
+
+
+def loaded(name: str):
+    return load_config([CONFIG / f"{name}.yaml"])
+
+
+@pytest.mark.parametrize("name", [name for name in SHIPPED if name not in ALIKE])
+@pytest.mark.slow
+def test_the_time_foretold_is_what_is_taken(name):
+    """The first part of a batch of a campaign, the best of several."""
+    experiment = loaded(name).experiment
+    step, solver = choose_step(experiment), experiment.solver
+    nominal = dict(zip(experiment.box.names, experiment.nominal, strict=True))
+    scenes = [experiment.build(nominal)] * LANES
+    foretold = LANES * machine() * run_seconds(experiment, step)
+    part = min(1.0, 0.4 / foretold)  # of a second, some
+    instants = max(2, round(part * (solver.instants - 1)) + 1)
+    duration = solver.duration * (instants - 1) / (solver.instants - 1)
+
+    def seconds() -> float:
+        begun = time.process_time()
+        (first, *_) = fpm.simulate(scenes, duration=duration, instants=instants, step=step.step)
+        assert first.failure is None
+        return time.process_time() - begun
+
+    seconds()  # compiles
+    taken = min(seconds() for _ in range(5))
+    steps = step.steps_per_instant * (instants - 1)
+    expected = LANES * machine() * _of(experiment, steps, instants)
+    assert expected / RIGHT < taken < RIGHT * BUSY * expected
+
+
+def _of(experiment, steps: int, instants: int) -> float:
+    from fpm import effort
+
+    nominal = dict(zip(experiment.box.names, experiment.nominal, strict=True))
+    return effort.run_seconds(experiment.build(nominal), steps, instants)
+
+
+def test_joints_that_share_bodies_are_in_the_time_of_a_campaign():
+    """24 of them: 20 s where registers hold 256 bits, of which 0.8 were foretold."""
+    found = estimate(loaded("ring_truss"))
+    assert 10 < found.integrating / machine() < 40
+    assert found.seconds > found.integrating / 2
+
+
+def test_runs_that_answers_take_are_foretold():
+    plain, asked = estimate(loaded("mast")), estimate(loaded("closing"))
+    assert plain.answers == "" and "further" not in str(plain)
+    assert asked.answers == "quantities and the choice"
+    assert "further ones for quantities and the choice" in str(asked)
+
+
+def test_a_finer_mesh_and_step_cost_more_than_the_runs(raw):
+    import campaign
+
+    usual = estimate(campaign.check_config(raw))
+    raw["verify"] = {"finer": True}
+    finer = estimate(campaign.check_config(raw))
+    assert finer.integrating == pytest.approx(7 * usual.integrating)  # a batch: 1 + 2 + 4
+    assert finer.runs == usual.runs

@@ -1,0 +1,67 @@
+"""What a run costs, as it is foretold: every kind counts, and joints by how they are coupled."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fpm
+from evidence.extremes.joints import parallelogram
+from evidence.scaling.joints import chain, pairs
+from fpm import effort, structures
+from fpm.kinds import KINDS, Joint
+from fpm.kinds.joint_pattern import elimination, neighbours, pattern
+
+STRUCTURES = Path(__file__).parents[2] / "config" / "structures"
+
+
+def test_every_kind_has_its_cost():
+    apart = {"Beams", "Cable", "Damping", "Joint", "Probe"}
+    assert {kind.__name__ for kind in KINDS} == apart | set(effort.EACH)
+
+
+@pytest.mark.parametrize("scene", [chain(6), pairs(True), parallelogram(5, 1.0)])
+def test_eliminations_are_counted_as_they_are_done(scene):
+    joints = Joint.of(scene)
+    on = sorted({p for joint in joints for p in joint.particles})
+    slots = np.array([[on.index(p) for p in joint.particles] for joint in joints])
+    movable = ~scene.fixed[on].all(axis=1)
+    order, below = elimination(neighbours(slots, movable))
+    found, _ = pattern([joints[j].conditions for j in order], slots[order], movable, below)
+    count = found.count
+    done = sum(n**3 / 6 for n in count)
+    for j, n in enumerate(count):
+        some = found.below[found.below_start[j] : found.below_start[j + 1]]
+        done += sum(n**2 * count[k] / 2 for k, _ in some)
+        for i, k, *_ in found.updates[found.update_start[j] : found.update_start[j + 1]]:
+            done += n * count[i] * count[k] * (0.5 if i == k else 1.0)
+    assert effort.elimination_of(scene) == (count.sum(), pytest.approx(done))
+
+
+def test_joints_on_one_body_cost_more_than_those_of_a_chain():
+    row, platform = chain(61), parallelogram(30, 1.0)
+    assert len(row.hinges) == len(platform.hinges) == 60
+    assert effort.step_seconds(platform) > 5 * effort.step_seconds(row)
+
+
+def test_a_step_costs_what_is_in_it():
+    def seconds(file, **parameters):
+        scene = structures.load(STRUCTURES / f"{file}.yaml").build(**parameters)
+        return effort.step_seconds(scene)
+
+    assert seconds("scissor", n=20) == pytest.approx(2 * seconds("scissor", n=10), rel=0.1)
+    assert seconds("ring_truss") > 5 * seconds("scissor")  # 24 joints that share bodies
+    assert seconds("panel", elements=40) > 3 * seconds("panel", elements=4)
+
+
+def test_a_run_costs_its_steps_its_instants_and_its_packing():
+    scene = fpm.scenes.get("pendulum").build()
+    one = effort.run_seconds(scene, 1000, 11)
+    assert one > effort.PACKING
+    assert effort.run_seconds(scene, 2000, 11) - one == pytest.approx(
+        1000 * effort.step_seconds(scene) / 8
+    )
+    assert effort.run_seconds(scene, 1000, 1011) - one == pytest.approx(effort.INSTANT * 1e-6 / 8)
+    assert 0.1 < effort.machine() <= 2.0

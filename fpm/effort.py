@@ -44,8 +44,9 @@ CONDITION, MULTIPLY_ADD = 240.0, 1.5
 """Of a condition of joints that are solved together, and of each multiply-add of the elimination:
 from chains, pairs, and platforms on 2 to 30 cranks."""
 
-PACKING = 1.5e-3
-"""Seconds to pack a run and hand it back."""
+PACKING, STATED = 0.4e-3, 0.05e-3
+"""Seconds to pack a run and hand it back, and more for each thing that the scene states: a bar, a
+hinge, a spring on it."""
 
 
 def step_seconds(scene: Scene) -> float:
@@ -61,7 +62,8 @@ def step_seconds(scene: Scene) -> float:
 
 def run_seconds(scene: Scene, steps: int, instants: int) -> float:
     """Seconds of a core for a run of so many steps and recorded instants, one of eight."""
-    return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + PACKING
+    packing = PACKING + STATED * sum(map(len, scene.kinds.values()))
+    return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + packing
 
 
 def _of_kind(kind: type[Kind], scene: Scene) -> float:

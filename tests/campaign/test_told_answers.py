@@ -7,8 +7,12 @@ import pytest
 
 from campaign.answers import finer
 from campaign.answers.bench import Bench
+from campaign.answers.choice import design_points
+from campaign.answers.ends import _ends
 from campaign.results.answers import digits_for, ends, interval
 from campaign.results.budget import quantity_errors
+from intervals import Box
+from intervals.scalars.extremes import Extremes
 
 
 @pytest.mark.parametrize(
@@ -82,3 +86,33 @@ def test_the_nearest_run_is_the_nearest():
     for at, point in enumerate(bench.unit):
         assert bench.nearest(point) == (at, 0.0)
     assert bench.nearest(np.array([0.8, 0.9])) == (1, pytest.approx(0.2))
+
+
+def test_choices_have_the_order_that_is_asked_for_them_and_others_their_own():
+    box = Box(["a", "b", "c"], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0])
+    experiment = SimpleNamespace(design=SimpleNamespace(order=2), box=box)
+    for chosen in ("a", "b"):
+        points = design_points(experiment, SimpleNamespace(parameters={chosen: (0, 1)}, order=8))
+        lines = {}
+        for j, name in enumerate(box.names):
+            alone = np.delete(points, j, axis=1)
+            lines[name] = len(np.unique(np.round(points[~alone.any(axis=1), j], 9)))
+        assert lines["c"] == 1
+        assert lines[chosen] > 2 * lines["b" if chosen == "a" else "a"] > 2
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "moving"),
+    [(1.0, 2.0, (False, False)), (0.5, 2.0, (True, False)), (1.0, 2.5, (False, True)),
+     (0.5, 2.5, (True, True)), (1.2, 1.8, (False, False))],
+)  # fmt: skip
+def test_an_end_moves_where_the_surrogate_promises_more_than_was_simulated(low, high, moving):
+    extreme = Extremes(low, high, np.array([-1.0]), np.array([1.0]))
+    surrogate = SimpleNamespace(range=lambda: extreme)
+    numbers = np.array([[1.5], [2.0], [np.nan], [1.0]])
+    bench = SimpleNamespace(numbers=numbers, unit=np.array([[0.0], [0.3], [0.5], [-0.4]]))
+    found = _ends(bench, 0, surrogate)
+    assert found.moving == moving
+    assert (found.lower, found.upper) == (1.0, 2.0)
+    assert (found.argmin[0], found.argmax[0]) == (-0.4, 0.3)
+    assert found.outer == (min(low, 1.0), max(high, 2.0))

@@ -150,3 +150,14 @@ def test_a_rigid_body_is_a_box(hub, tmp_path):
     document = pygltflib.GLTF2().load(write_glb(hub, tmp_path / "hub.glb"))
     found = skinned(document, 1) - [0.5, 0, 0]
     np.testing.assert_allclose(np.abs(found @ [np.cos(0.5), np.sin(0.5), 0.0]), 0.5, atol=1e-6)
+
+
+def test_everything_is_in_the_scene(document):
+    """Each node once, the joints and what is drawn among them."""
+    found, left = [], list(document.scenes[document.scene].nodes)
+    while left:
+        found.append(left.pop())
+        left += document.nodes[found[-1]].children or []
+    assert sorted(found) == list(range(len(document.nodes)))
+    assert any(node.mesh is not None for node in document.nodes)
+    assert set(document.skins[0].joints) < set(found)

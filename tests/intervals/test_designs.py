@@ -76,6 +76,15 @@ def test_every_method_reproduces_polynomials_of_its_total_degree(method, k, orde
     )
 
 
+@pytest.mark.parametrize("k", [1, 2, 3])
+@pytest.mark.parametrize("method", ["tensor_roots", "tensor_lobatto", "total_degree", "smolyak"])
+def test_a_design_may_have_as_many_runs_as_are_allowed_and_no_more(method, k):
+    runs = make_design(method, k, 4).runs
+    assert make_design(method, k, 4, max_runs=runs).runs == runs
+    with pytest.raises(IntervalError, match=f"not {runs}"):
+        make_design(method, k, 4, max_runs=runs - 1)
+
+
 def test_smolyak_needs_fewer_runs_than_the_grid():
     assert make_design("smolyak", 4, 4).runs < 5**4 / 3
 

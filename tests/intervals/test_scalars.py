@@ -231,6 +231,22 @@ def test_limits_where_something_does_not_happen():
         assert share == pytest.approx(0.6 if level else 0.4, abs=0.05)
 
 
+@pytest.mark.parametrize(("kind", "level"), [("at_most", 3.0), ("at_least", 3.0), ("happens", 1.0),
+                                             ("happens", 0.0)])  # fmt: skip
+def test_the_worst_and_the_best_place_lie_in_the_part_that_is_asked(kind, level):
+    points = runs(2, order=16, held_out=8)
+    limit = Limit(fit_scalar(points, landing(points)), kind, level)
+    rng = np.random.default_rng(7)
+    for _ in range(12):
+        lower, upper = np.sort(rng.uniform(-1, 1, (2, 2)), axis=0)
+        found = []
+        for place in (limit.worst, limit.best):
+            slack, at = place(lower, upper)
+            assert (at >= lower - 1e-9).all() and (at <= upper + 1e-9).all()
+            found.append(slack)
+        assert found[0] <= found[1]
+
+
 def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
     """Opening in at least a time, with the stiffness known to 5 %, as soon as may be at the latest.
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray
+from scipy.spatial.transform import Rotation
 
 import fpm
 from fpm import motion as whole
@@ -183,3 +184,20 @@ def test_corners_of_a_bar_without_contacts_are_its_rectangle(bar):
     np.testing.assert_allclose(np.abs(corners[..., 1]), 0.03)
     np.testing.assert_allclose(np.abs(corners[..., 2]), 0.02)
     np.testing.assert_allclose(corners[..., 0], 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("axis", [(0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.6, 0.8)])
+def test_an_element_whose_ends_turn_apart_bends_about_that_axis(axis):
+    """By ±0.01 rad, 0.5 m apart: a curvature of 0.04 /m, times half the width or the height."""
+    scene = fpm.Scene("bar")
+    scene.add_link(
+        (0, 0, 0), (0.5, 0, 0), (0, 0, 1), fpm.Section.rectangle(0.06, 0.04),
+        fpm.Material(1e9, 0.3, 1000.0), 1, "bar",
+    )  # fmt: skip
+    turned = Rotation.from_rotvec(np.multiply.outer([-0.01, 0.01], axis)).as_matrix()
+    frame = (turned @ scene.frame)[None]
+    axial, bending = whole.element_strains(scene, scene.position[None], frame)
+    assert abs(axial).max() < 1e-12
+    # about y it bends over the height (z, 0.04), about z over the width (y, 0.06)
+    expected = 0.04 * (0.02 * axis[1] + 0.03 * axis[2])
+    assert bending[0, 0] == pytest.approx(expected, rel=1e-3)

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray
+from scipy.spatial.transform import Rotation
 
 from campaign.report import write_page
 from campaign.report.data import MOST_LINES, Parameter
@@ -60,6 +61,9 @@ def test_places_and_stress_in_the_page_are_those_of_the_motion(page, data):
         place = unpacked(packed["place"]).reshape(expected.shape).astype(float) + 32767
         found = np.array(motion["low"]) + motion["unit"] * place
         assert np.abs(found - expected).max() <= motion["unit"]
+        frames = moving.motion["frame"].values.reshape(-1, 3, 3)
+        turn = unpacked(packed["turn"]).reshape(-1, 4) / 32767
+        assert np.abs(Rotation.from_quat(turn).as_matrix() - frames).max() < 2e-4
         stress = unpacked(packed["stress"]) / 65535 * motion["largestStress"]
         expected = moving.motion["stress"].values.ravel()
         assert np.abs(stress - expected).max() <= 1e-5 * motion["largestStress"]

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fpm.structures.expressions import ExpressionError, parse
-from fpm.structures.units import NUMBER, Dimension, UnitError, unit
+from fpm.structures.units import NAMES, NUMBER, Dimension, UnitError, unit
 
 LENGTH, TIME = Dimension(length=1), Dimension(time=1)
 
@@ -41,6 +41,27 @@ def value(text, **names):
 )
 def test_numbers_and_units(text, found):
     assert value(text) == pytest.approx(found, rel=1e-15)
+
+
+SAME = {  # every unit, by the base units or by another one
+    "m": "m", "mm": ("m", 1e-3), "cm": ("m", 1e-2), "um": ("m", 1e-6), "km": ("m", 1e3),
+    "kg": "kg", "s": "s", "ms": ("s", 1e-3), "N": "kg m/s2", "kN": ("N", 1e3), "MN": ("N", 1e6),
+    "Pa": "N/m2", "kPa": ("Pa", 1e3), "MPa": ("Pa", 1e6), "GPa": ("Pa", 1e9), "J": "N m",
+    "rad": "m/m", "mrad": ("rad", 1e-3), "deg": ("rad", math.pi / 180), "Hz": "/s",
+    "rpm": ("Hz", 2 * math.pi / 60),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_unit_is_what_its_name_says(name):
+    other, factor = SAME[name] if isinstance(SAME[name], tuple) else (SAME[name], 1.0)
+    one, base = unit(name), unit(other)
+    assert one.si(1.0) == pytest.approx(factor * base.si(1.0), rel=1e-15)
+    assert one.dimension.powers == base.dimension.powers
+    in_si = {"m": (0, 1, 0), "kg": (1, 0, 0), "s": (0, 0, 1), "m/m": (0, 0, 0)}
+    if other in in_si:
+        assert base.si(1.0) == 1.0
+        assert base.dimension.powers == in_si[other]
 
 
 def test_names_and_coordinates():

@@ -30,7 +30,8 @@ EACH: dict[str, float] = {
     "Gravity": 5.0, "Opening": 30.0, "Hinge": 390.0, "TorsionSpring": 70.0, "Contact": 70.0,
     "Load": 100.0, "SyncLoop": 100.0, "Motor": 100.0, "TorqueMotor": 100.0, "Release": 100.0,
     "Latch": 100.0, "Damper": 70.0, "Friction": 100.0, "Stop": 100.0, "TableSpring": 100.0,
-    "Drive": 100.0, "Support": 60.0,
+    "Drive": 100.0, "Support": 60.0, "Turn": 200.0, "RigidLatch": 100.0, "RigidRelease": 100.0,
+    "RigidMotor": 100.0, "RigidFriction": 100.0,
 }  # fmt: skip
 """Of an element by its kind: hinges solved alone, and what acts on an opening, as a rule."""
 

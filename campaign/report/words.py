@@ -161,7 +161,7 @@ def facts(data: PageData) -> str:
     parameters = "one interval parameter" if count == 1 else f"{count} interval parameters"
     runs = f"{data.run_count} runs"
     if data.further_count:
-        runs += f", {data.further_count} more at the ends of intervals"
+        runs += f" and {data.further_count} more for the ends of intervals"
     about = f": {data.about}" if data.about else ""
     text = f"Structure {data.scene}{about}. {duration} of motion, {parameters}, {runs}."
     known = [f"{p.name} is the {p.long_name}" for p in data.parameters if p.long_name]

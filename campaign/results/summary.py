@@ -102,12 +102,15 @@ def bounds_text(bounds: Any) -> str:
     return kind_text(bounds.bounds_kind)
 
 
+_ESTIMATE = "an estimate of the simulated model's range"
+
+
 def kind_text(kind: str) -> str:
     """The same for a kind of bounds."""
     if kind.startswith("enclosed"):
-        return f"{kind.removeprefix('enclosed ')} fitted to the runs, an estimate of the model's"
+        return f"{kind.removeprefix('enclosed ')} fitted to the runs, {_ESTIMATE}"
     if kind.startswith("attained"):
-        return f"{kind}, not enclosed, an estimate of the model's"
+        return f"{kind}, not enclosed, {_ESTIMATE}"
     return f"{kind}; runs that were not made may lie outside"
 
 

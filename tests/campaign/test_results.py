@@ -32,6 +32,7 @@ from fpm.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
 SUMMARY_SCHEMA = ROOT / "campaign/results/summary.schema.json"
+ESTIMATE = "an estimate of the simulated model's range"
 NETCDF = ("samples", "surrogate", "bounds", "sensitivities")
 
 
@@ -100,7 +101,7 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
         "m/s",
         "Error estimate",
         "tensor_roots of order 2",
-        "Bounds: range of the polynomial fitted to the runs, an estimate of the model's.",
+        f"Bounds: range of the polynomial fitted to the runs, {ESTIMATE}.",
     ):
         assert words in text
 
@@ -131,10 +132,12 @@ def test_a_spline_bounds_all_runs_and_says_that_it_encloses_nothing(finished, tm
             np.testing.assert_array_equal(bounds["inner_upper"].sel(response=name), upper)
             assert name in surrogate["coefficient"]["response"]
     text = summarise(other, {})
-    told = "attained range of a spline through all runs, not enclosed, an estimate of the model's"
+    told = f"attained range of a spline through all runs, not enclosed, {ESTIMATE}"
     assert f"Bounds: {told}." in text
     assert json.loads((tmp_path / "summary.json").read_text())["bounds"] == told
-    polynomial = "range of the polynomial fitted to the runs, an estimate of the model's"
+    polynomial = (
+        "range of the polynomial fitted to the runs, an estimate of the simulated model's range"
+    )
     for name, words in ((finished.bounds, polynomial), (other.bounds, told)):
         with open_netcdf(name) as bounds:
             (legend,) = envelope(bounds, "BD", 0.1).legends

@@ -22,6 +22,7 @@ ALIKE = {
     "auto": "paper",
     "six": "closing",
     "strength": "closing",
+    "strength_scan": "closing",
 }
 """Campaigns of the same linkage and mesh as another's, which is run in their place."""
 

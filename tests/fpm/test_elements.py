@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import fpm
 from fpm.kinds.lumping import end_weights, lump
@@ -70,6 +71,17 @@ def test_too_much_inertia_is_refused_with_the_largest_that_goes():
 def test_numbers_that_mean_nothing_are_refused(build, text):
     with pytest.raises(fpm.SceneError, match=text):
         build()
+
+
+def test_particles_may_have_any_rotations_for_frames_and_nothing_else():
+    places, turned = np.eye(3), Rotation.random(3, random_state=1).as_matrix()
+    for frame in (turned[0], turned):
+        scene = fpm.Scene()
+        scene.add_particles(places, 1.0, 1.0, frame)
+        np.testing.assert_array_equal(scene.frame, np.broadcast_to(frame, (3, 3, 3)))
+    for wrong in (1.01 * turned, -turned, turned[:, :, [1, 0, 2]], np.ones((3, 3))):
+        with pytest.raises(fpm.SceneError, match="right-handed orthonormal"):
+            fpm.Scene().add_particles(places, 1.0, 1.0, wrong)
 
 
 def test_hinges_refuse_what_they_cannot_hold():

@@ -102,7 +102,8 @@ def loads(text: str, source: str = "structure") -> StructureType:
 @functools.cache
 def _language() -> str:
     """Digest of the code that makes scenes of texts."""
-    others = {"problems.py", "python_file.py", "report.py", "table.py"}  # what is said of them
+    # What is said of them.
+    others = {"describe.py", "problems.py", "python_file.py", "report.py", "table.py"}
     paths = Path(__file__).parent.rglob("*.py")
     return syntax_digest(path for path in paths if path.name not in others)
 

@@ -44,7 +44,8 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
         *([f"assembled     {_forced(scene)}"] if scene.assembly is not None else []),
         f"stable step   {_step(cost)}",
         f"a run         {len(scene.elements)} elements, {cost.steps} steps for {duration:g} s, "
-        f"{cost.element_steps:.3g} steps of elements",
+        f"{cost.element_steps:.3g} steps of elements, about {cost.seconds:.2g} s of a core "
+        "(one of eight side by side)",
     ]
     return "\n".join(lines)
 

@@ -12,6 +12,7 @@ from structures_for_tests import FOLDER, SMALL, structure
 
 import fpm
 from fpm import sources, structures
+from fpm.effort import machine, run_seconds
 from fpm.kinds.drive import Drive
 from fpm.structures import check, load, loads, report
 
@@ -150,6 +151,7 @@ def test_masses_and_cost():
     assert (cost.step, cost.element) == (limit.step, limit.element)
     assert 0.9 * limit.step * cost.steps == pytest.approx(2.0, rel=1e-3)
     assert cost.element_steps == cost.steps * len(scene.elements)
+    assert cost.seconds == pytest.approx(machine() * run_seconds(scene, cost.steps, 0))
 
 
 # -- parts of the language ------------------------------------------------------------------------

@@ -64,7 +64,7 @@ def digest(*places: str) -> str:
 EXTREMES = (
     "stable-step", "materials", "sections", "lengths", "stiffnesses", "starts", "meshes",
     "durations", "damping", "precision", "intervals", "cables", "latches", "motors", "joints",
-    "refusals",
+    "rigid-holds", "refusals",
 )  # fmt: skip
 
 STUDIES = {

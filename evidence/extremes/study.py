@@ -6,7 +6,16 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from evidence import plots
-from evidence.extremes import cables, joints, latches, motors, parameters, runs, stable_step
+from evidence.extremes import (
+    cables,
+    joints,
+    latches,
+    motors,
+    parameters,
+    rigid_holds,
+    runs,
+    stable_step,
+)
 from evidence.results import Report
 from evidence.rows import Row, grouped
 
@@ -26,6 +35,7 @@ GROUPS: dict[str, Callable[[], list[Row]]] = {
     "latches": latches.study,
     "motors": motors.study,
     "joints": joints.study,
+    "rigid-holds": rigid_holds.study,
     "refusals": parameters.refusals,
 }
 

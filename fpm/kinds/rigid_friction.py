@@ -3,7 +3,8 @@
 While it sticks, the opening does not move by a hair; what that takes is looked at in every step. If
 it is more than `moment`, M, the joint slips in this step already, braked by M. While it slips, and
 M would turn it round within a step, it sticks again, at the angle where M brings it to rest: the
-last way is the rest of the parabola, h (r - d/2)²/(2 d), where the rate was r and would fall by d.
+last way is the rest of the parabola, h (r - d/2)²/(2 d), where the rate was r and would fall by d,
+or h r²/(2 d) where it is braked only now.
 So a body of inertia J that slides at w stops after J w²/(2 M), to the second order in the step.
 """
 

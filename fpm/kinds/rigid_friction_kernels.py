@@ -6,6 +6,8 @@ import numpy as np
 
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
+from fpm.kernels.vectors import kernel
+from fpm.kinds.losses_kernels import LOSING as EARLIER  # which holds a rate here
 from fpm.kinds.losses_kernels import RATE as LAST
 from fpm.kinds.losses_kernels import half_rate
 from fpm.kinds.opening_kernels import NOW, Openings, push, turn
@@ -46,6 +48,7 @@ def forces(part, world, now):
     for i in range(part.on.shape[0]):
         h = part.on[i]
         if now.time > 0.0:
+            store(part.past, i, EARLIER, load(part.past, i, LAST))
             store(part.past, i, LAST, half_rate(part.openings, h, now))
         held = load(part.turns.state, part.turn[i], HOLDS)
         brake = -1.0 * load(part.state, i, WAY) * load(part.moment, i, 0)
@@ -60,6 +63,21 @@ def forces(part, world, now):
 def work_before(part, world, now):
     """What it lost in the half step up to now."""
     begin_work(part, world, WORKS, -1.0)
+
+
+@kernel
+def last_way(part, i, way, rate, now):
+    """How far (rad) an opening still goes before it sticks.
+
+    rate: that to which it would fall in this kick, below zero. If it fell so before, the way ends at
+    the vertex of the parabola; if it is braked only now, from where it is.
+    """
+    last = way * load(part.past, i, LAST)
+    fall, fell = last - rate, way * load(part.past, i, EARLIER) - last
+    vertex = 0.5 * now.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
+    sudden = 0.5 * now.kick * last * last / fall
+    rest = where_negative(fell - 0.5 * fall, sudden, vertex)
+    return where_negative(-1.0 * last, rest, 0.0)
 
 
 @hook(RigidFrictions)
@@ -81,11 +99,7 @@ def decide(part, world, now):
             brake = where_negative(slips, sign * most, before)
             brake = where_negative(sticks, 0.0, brake)
             push(part.openings, world.state, h, now.kick * (brake - before))
-            last = way * load(part.past, i, LAST)
-            fall = last - rate
-            rest = 0.5 * now.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
-            rest = where_negative(-1.0 * last, rest, 0.0)
-            target = load(part.openings.angles, h, NOW) + way * rest
+            target = load(part.openings.angles, h, NOW) + way * last_way(part, i, way, rate, now)
             old = load(part.turns.state, t, TARGET)
             store(part.turns.state, t, TARGET, where_negative(sticks, target, old))
             held = where_negative(slips, 1.0, held)

@@ -44,7 +44,8 @@ def chain(
 
 def held(rows: list[Row], name: str, scene: fpm.Scene, duration: float, step: float):
     """The outcome of a run; None where it was refused, which is a row."""
-    (outcome,) = fpm.simulate(scene, duration=duration, instants=201, step=step)
+    instants = min(201, round(duration / step) + 1)
+    (outcome,) = fpm.simulate(scene, duration=duration, instants=instants, step=step)
     if outcome.failure is None:
         return outcome
     rows.append(refused(name, outcome.failure))
@@ -66,7 +67,7 @@ def blows() -> list[Row]:
         rows.append(at_most(f"{name}: catches in time", late, RIGHT, "ψ/w"))
         lost = abs(outcome.energies["joint_loss"][-1] / energy - 1)
         rows.append(at_most(f"{name}: lost", lost, RIGHT, "J w²/2"))
-        off = np.abs(outcome.openings["knee"][-50:] - 0.5).max()
+        off = np.abs(outcome.openings["knee"][outcome.time * rate > 0.75] - 0.5).max()
         rows.append(at_most(f"{name}: is held (rad)", float(off), STILL, "ψ = ψ_c"))
     return rows
 

@@ -69,8 +69,8 @@ def work_before(part, world, now):
 def last_way(part, i, way, rate, now):
     """How far (rad) an opening still goes before it sticks.
 
-    rate: that to which it would fall in this kick, below zero. If it fell so before, the way ends at
-    the vertex of the parabola; if it is braked only now, from where it is.
+    rate: that to which it would fall in this kick, below zero. If it fell so before, the way ends
+    at the vertex of the parabola; else it is braked only now, from where it is.
     """
     last = way * load(part.past, i, LAST)
     fall, fell = last - rate, way * load(part.past, i, EARLIER) - last

@@ -320,7 +320,7 @@ STAGES = {
     stage.name: stage
     for stage in (
         Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN, *_FILES)),
-        Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_BOUNDS[1:], *_RUNS)),
+        Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_ANSWERS)),
         Stage(simulate, ("jobs",), _RUNS, (_PLAN,)),
         Stage(gather, ("jobs",), (*_GATHERED, *_RUNS), (_PLAN,)),
         Stage(bounds, ("bounds", "verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copy
+import json
+import re
 from itertools import permutations
 
 import numpy as np
@@ -47,6 +49,19 @@ def test_an_interval_without_width_does_not_hide_another(raw, tmp_path, order, n
     assert float(alone["largest_width"].min()) > 0
     for side in ("lower", "upper", "error"):
         np.testing.assert_allclose(both[side], alone[side], rtol=1e-12, atol=1e-15)
+
+
+def test_rounds_never_look_for_an_order_where_there_is_no_width(raw, tmp_path):
+    """With a tolerance that nothing meets."""
+    raw["design"] = {"method": "tensor_lobatto", "order": "auto", "budget": 9, "tolerance": 1e-12}
+    raw["intervals"] = {name: INTERVALS[name] for name in ("a", "E")}
+    found = campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    place = found["parameter"].values.tolist().index("E")
+    rounds = json.loads((tmp_path / "test" / "summary.json").read_text())["adaptive"]["rounds"]
+    assert len(rounds) > 1
+    for row in rounds:
+        assert row["order"][place] == 0
+        assert "E" not in re.findall(r"\w+", row["reason"])
 
 
 def test_responses_whose_names_begin_alike_keep_their_bounds(raw, tmp_path):

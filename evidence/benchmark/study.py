@@ -24,7 +24,7 @@ _PARTS = {
     "campaign": (campaigns.PAPER, lambda n: campaigns.paper()),
     "scan": (campaigns.SCAN, lambda n: campaigns.many(1000 // n)),
     "exudyn": (compare.GROUP, lambda n: compare.exudyn(0.1, 3)),
-    "structures": (structures.GROUP, lambda n: structures.exudyn(5 if n == 1 else 1)),
+    "structures": (structures.GROUP, lambda n: structures.exudyn(3 if n == 1 else 1)),
     "elastica": (compare.GROUP, lambda n: compare.elastica(0.02, 3)),
 }
 
@@ -48,13 +48,12 @@ def report(found: Mapping[str, Sequence[Row]]) -> Report:
 PANELS = (
     (kinds.GROUP, "ns per step of 8 samples", "cost of a step of the same beams", "linear"),
     (compare.GROUP, compare.COST, "cpu time per simulated second and sample", "log"),
-    (structures.GROUP, compare.COST, "the same, of structures of the library", "log"),
 )
 
 
 def draw(rows: Sequence[Row]):
     """Cost of each element kind, and of a sample, ours and the peers'."""
-    figure, panels = plots.panels(3, 1, (9, 13))
+    figure, panels = plots.panels(2, 1, (8, 7))
     for axes, (group, unit, title, scale) in zip(panels, PANELS, strict=True):
         shown = [row for row in rows if (row.group, row.unit) == (group, unit)]
         shown = [row for row in shown if isinstance(row.value, float)]

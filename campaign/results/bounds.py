@@ -48,7 +48,7 @@ def analyse(folder: Folder, how: BoundsChoice, more: Callable[[Any], Any] | None
         write_dataset(bounds, folder.bounds, "Bounds of the responses")
         surrogate = intervals.surrogate_dataset(samples, design)
         write_dataset(surrogate, folder.surrogate, "Surrogates of the responses")
-        if not len(design.multi_indices):
+        if not surrogate.sizes["term"]:
             sensitivities = xr.Dataset(attrs=samples.attrs)
         else:
             sensitivities = intervals.sensitivity_dataset(samples, design)

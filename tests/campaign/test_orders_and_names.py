@@ -5,12 +5,15 @@ from __future__ import annotations
 import copy
 import json
 import re
+from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import campaign
+import intervals
 from campaign.config.sections import plain_data
 
 INTERVALS = {"a": {"relative": 0.01}, "E": {"relative": 0.0}, "rho": {"relative": 0.02}}
@@ -62,6 +65,28 @@ def test_rounds_never_look_for_an_order_where_there_is_no_width(raw, tmp_path):
     for row in rounds:
         assert row["order"][place] == 0
         assert "E" not in re.findall(r"\w+", row["reason"])
+
+
+def test_a_box_that_is_split_has_bounds_and_influences(raw, tmp_path, monkeypatch):
+    """As rounds decide where a response is not smooth; here they do so at once."""
+    decide = intervals.decide
+
+    def split(progress):
+        now = progress.specification
+        if now.parts:
+            return intervals.Decision("stop", "", now)
+        halves = (((-1.0,), (0.0,)), ((0.0,), (1.0,)))
+        return replace(decide(progress), action="split", specification=replace(now, parts=halves))
+
+    monkeypatch.setattr(intervals, "decide", split)
+    raw["design"] = {"method": "tensor_lobatto", "order": "auto", "budget": 9}
+    halved = campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    raw |= {"campaign": "whole", "design": {"method": "tensor_lobatto", "order": 4}}
+    whole = campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    for side in ("lower", "upper"):
+        np.testing.assert_allclose(halved[side], whole[side], rtol=1e-4, atol=1e-6)
+    both = [xr.open_dataset(tmp_path / n / "sensitivities.nc") for n in ("test", "whole")]
+    np.testing.assert_allclose(both[0]["width"], both[1]["width"], rtol=1e-3, atol=1e-6)
 
 
 def test_responses_whose_names_begin_alike_keep_their_bounds(raw, tmp_path):

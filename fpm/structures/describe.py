@@ -38,7 +38,7 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
         "",
         f"mass          {report.mass(scene):.6g} kg",
         f"its centre    {_vector(report.centre(scene))}",
-        f"mobility      {mobility.degrees} ways to move: {mobility.parts} moving parts, "
+        f"mobility      {_ways(mobility.degrees)} to move: {mobility.parts} moving parts, "
         f"{mobility.conditions} conditions, {mobility.redundant} of them redundant",
         *([f"redundant     {', '.join(redundant)}"] if redundant else []),
         *([f"assembled     {_forced(scene)}"] if scene.assembly is not None else []),
@@ -48,6 +48,10 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
         "(one of eight side by side)",
     ]
     return "\n".join(lines)
+
+
+def _ways(count: int) -> str:
+    return f"{count} way{'' if count == 1 else 's'}"
 
 
 def _step(cost: report.Cost) -> str:

@@ -104,10 +104,11 @@ def jacobian(scene: Scene) -> tuple[dict[str, np.ndarray], int]:
         return out
 
     rows: dict[str, np.ndarray] = {}
+    names = {arm.particle: name for name, arm in scene.supports.items()}
     for particle in np.flatnonzero(scene.fixed.any(axis=1)):
         if own[particle] in moving:
             found = motion(particle, scene.position[particle])[scene.fixed[particle]]
-            rows[f"support of particle {particle}"] = found
+            rows[f"support {names.get(particle, f'of particle {particle}')}"] = found
     for joint in _as_joints(scene):
         first = joint.beams[0].particle
         point = scene.position[first] + scene.frame[first] @ joint.beams[0].arm

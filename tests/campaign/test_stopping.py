@@ -45,3 +45,11 @@ def test_ctrl_c_stays_ignored_where_it_is(interrupts):
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_on_ctrl_c()
     assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
+def test_whoever_reads_the_words_may_stop_reading():
+    command = [sys.executable, "-m", "campaign", "new", "--starts"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.close()  # as `head` does
+        assert process.stderr.read() == b""
+    assert process.returncode == 1

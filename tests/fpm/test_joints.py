@@ -146,7 +146,7 @@ def test_a_universal_joint_turns_as_its_angle_says():
 
 @pytest.mark.slow
 def test_n_four_bar_mechanism_goes_through_its_singular_position():
-    """../shared/references.md; 2 m of travel in 10 s, five times through the position."""
+    """IFToMM's benchmark: 2 m of travel in 10 s, five times through the position."""
     outcome = run(n_four_bar_scene(), duration=10.0, instants=1001)
     position, velocity = outcome.points["B0"]
     exact = [-0.195020302, -0.980799206, 0.0]
@@ -157,7 +157,7 @@ def test_n_four_bar_mechanism_goes_through_its_singular_position():
 
 @pytest.mark.slow
 def test_bricard_six_bar_of_rigid_rods():
-    """Its redundant condition is met by the smallest impulses; ../shared/references.md."""
+    """IFToMM's benchmark; its redundant condition is met by the smallest impulses."""
     outcome = run(rigid_bricard(), duration=2.0, step=5e-4, instants=201)
     position = outcome.points["C"][0]
     np.testing.assert_allclose(position[100], [0.2744813, -0.8867079, -0.4623300], atol=2e-7)

@@ -64,7 +64,7 @@ def run(scene, duration, instants, step=None):
 
 @pytest.mark.slow
 def test_three_rods_on_a_pin_move_as_published():
-    """N four-bar of IFToMM's benchmarks, for 10 s; ../shared/references.md."""
+    """N four-bar of IFToMM's benchmarks, for 10 s."""
     outcome = run(structure("nfourbar").build(), 10.0, 1001, 1e-3)
     position, velocity = outcome.points["B0"]
     np.testing.assert_allclose(position[100], [-0.195020302, -0.980799206, 0], atol=2e-5)
@@ -80,6 +80,20 @@ def test_redundant_joints_are_found_and_named():
     assert report.redundant(chain.build()) == []
     assert "redundant " not in describe(chain)
     assert "joint j5" in describe(structure("bricard"))
+
+
+def test_redundant_supports_have_their_names():
+    text = (
+        arm("revolute", "revolute", "revolute")
+        + """
+supports:
+  left: {part: one, at: a, translations: xyz, rotations: none}
+  right: {part: one, at: b, translations: xyz, rotations: none}
+"""
+    )
+    assert {"support left", "support right"} <= set(
+        report.redundant(structures.loads(text).build())
+    )
 
 
 @pytest.mark.slow

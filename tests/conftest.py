@@ -12,7 +12,6 @@ SHARED = {
     "StraightElements-Openings-Hinges-Springs",  # a panel on a spring
     "Weight-StraightElements-Openings-Hinges",  # the pendulum
     "StraightElements",  # bars alone
-    "GroundSprings",  # a kind that only a test has
 }
 
 _seen: set[str] = set()

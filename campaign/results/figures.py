@@ -29,8 +29,9 @@ ERROR = {"color": "#CC79A7", "alpha": 0.35, "linewidth": 0, "label": "error esti
 NOMINAL = {"color": "black", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
 DATELESS = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 """Metadata of figures that the same data make the same."""
-SAME = {"svg.hashsalt": "deployable-intervals"}
-"""Settings of matplotlib for that: the same names in every file."""
+SAME = {"svg.hashsalt": "deployable-intervals", "pdf.fonttype": 42}
+"""Settings of matplotlib for files: the same names in all of them, and TrueType fonts, since many
+journals refuse type 3."""
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#7F7F7F")
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 

@@ -173,6 +173,7 @@ def test_figures_are_drawn_in_three_forms_and_are_the_same_again(finished, tmp_p
         assert content == second[name]
         assert content.startswith(kinds[name.split(".")[1]])
         assert len(content) > 5000
+        assert b"/Type3" not in content
 
 
 @pytest.mark.parametrize("motion", ["made before", "made again", "cut off"])
@@ -201,7 +202,7 @@ def files_of(finished) -> list:
 
 
 ODD = ("v", "v_inner", "v_inner_lower", "time", "values", "a", "parameter_a", "lower", "response",
-       "run", "position", "nominal", "box_lower", "linkage", "campaign")  # fmt: skip
+       "run", "position", "nominal", "box_lower", "moments", "campaign")  # fmt: skip
 
 
 def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
@@ -232,7 +233,7 @@ def test_responses_of_any_name_have_figures_of_their_own(raw, tmp_path):
     raw["responses"] = {name: {"distance": ["B", "D"]} for name in ODD}
     campaign.run(raw, tmp_path, tell=lambda text: None)
     figures = list((tmp_path / "test/figures").rglob("*.*"))
-    assert len(figures) == 2 * len({*ODD, "of the campaign"})
+    assert len(figures) == 3 * len({*ODD, "of the campaign"})
     assert {path.stem for path in figures} == set(ODD)
 
 

@@ -13,6 +13,8 @@ from fpm.kernels import compiled
 from fpm.kinds.kind import Energy, Kind
 from fpm.scenes import SceneType
 
+pytestmark = pytest.mark.slow  # a time loop of its own
+
 MASS, STIFFNESS, REST = 2.0, 50.0, 0.4
 RATE = np.sqrt(STIFFNESS / MASS)  # of its oscillation, rad/s
 
@@ -142,7 +144,6 @@ class Tether(GroundSpring):
     """A kind of its own that stores energy of the same name."""
 
 
-@pytest.mark.slow
 def test_kinds_may_share_the_name_of_their_energy():
     """Two springs at one body, one of either kind: one energy, the sum, in the balance once."""
     scene = body()

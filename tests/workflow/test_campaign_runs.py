@@ -18,6 +18,8 @@ import xarray as xr
 import campaign
 from fpm.sealed import unsealed
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 
 AUTOMATIC = "method: tensor_lobatto, order: auto, budget: 6, tolerance: 1e-12"
@@ -69,7 +71,6 @@ def test_a_second_call_has_nothing_to_do(small):
     assert "Nothing to be done" in again.stdout
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["--unlock"], ["--report", "report.html"]])
 def test_what_runs_no_job_needs_no_number_of_cores(small, arguments):
     command = [sys.executable, "-m", "snakemake", *SMALL, *arguments]
@@ -90,7 +91,6 @@ def test_what_runs_no_job_needs_no_number_of_cores(small, arguments):
             assert words in report
 
 
-@pytest.mark.slow
 def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
     results = small.folder / "results" / "small"
     config = small.folder / "config" / "small.yaml"
@@ -110,7 +110,6 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
         assert first == second, name
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("override", "rules"),
     [
@@ -147,7 +146,6 @@ def beside_code(small, workplace):
     return workplace
 
 
-@pytest.mark.slow
 def test_changed_code_runs_only_what_it_makes_whatever_the_times_of_files(small, workplace):
     place = beside_code(small, workplace)
     figures = place.folder / "campaign" / "results" / "figures.py"
@@ -172,7 +170,6 @@ def test_changed_code_runs_only_what_it_makes_whatever_the_times_of_files(small,
     assert planned(bounded.stdout) == OF_BOUNDS
 
 
-@pytest.mark.slow
 def test_an_edited_kernel_makes_new_runs(small, workplace):
     place = beside_code(small, workplace)
     kernel = place.folder / "fpm" / "kinds" / "beam_kernels.py"
@@ -192,7 +189,6 @@ def test_a_report_is_about_the_campaign_that_was_run(small):
     assert not (small.folder / "other.html").exists()
 
 
-@pytest.mark.slow
 def test_what_was_lost_or_damaged_is_told_and_made_again(small, workplace):
     for name in ("results", ".snakemake"):
         shutil.copytree(small.folder / name, workplace.folder / name)
@@ -214,7 +210,6 @@ def test_what_was_lost_or_damaged_is_told_and_made_again(small, workplace):
     assert "Nothing to be done" in workplace.snakemake(*call).stdout
 
 
-@pytest.mark.slow
 def test_results_from_elsewhere_are_not_taken_for_what_is_asked(small, workplace):
     shutil.copytree(small.folder / "results", workplace.folder / "results")  # not .snakemake
     same = workplace.snakemake(*SMALL, "--dry-run")
@@ -226,7 +221,6 @@ def test_results_from_elsewhere_are_not_taken_for_what_is_asked(small, workplace
     assert planned(shaded.stdout) == {"envelopes"}
 
 
-@pytest.mark.slow
 def test_a_campaign_that_was_stopped_goes_on(workplace):
     # Runs one by one, long enough to be stopped between two of them.
     override = ["--config", "jobs={group: 1, nodes_per_job: 100}", "solver={duration: 2.0}"]
@@ -254,7 +248,6 @@ def test_a_campaign_that_was_stopped_goes_on(workplace):
     assert {name: after[name] for name in before} == before
 
 
-@pytest.mark.slow
 def test_an_automatic_order_is_found_in_rounds(workplace):
     config = (workplace.folder / "config" / "small.yaml").read_text()
     config = config.replace("method: tensor_roots, order: 1", AUTOMATIC)
@@ -278,7 +271,6 @@ def test_an_automatic_order_is_found_in_rounds(workplace):
         assert unsealed(results / name) == unsealed(again), name
 
 
-@pytest.mark.slow
 def test_a_failing_batch_ends_with_a_message_and_keeps_the_others(workplace):
     override = ["--config", "intervals={E: {lower: 1.0e9, upper: 9.0e9}}", "solver={step: 6.0e-5}"]
     done = workplace.snakemake(*SMALL, *override)
@@ -289,7 +281,6 @@ def test_a_failing_batch_ends_with_a_message_and_keeps_the_others(workplace):
     assert not (workplace.folder / "results" / "small" / "bounds.nc").exists()
 
 
-@pytest.mark.slow
 def test_an_accuracy_is_met_alike_in_the_workflow_and_in_one_call(workplace):
     """In two processes of one thread each, since linear algebra rounds by their number."""
     path = str(workplace.folder / "config" / "aim.yaml")

@@ -159,5 +159,6 @@ def _limit(bench: Bench, asked: Asked, slack: float, at: np.ndarray) -> dict:
     quantity = bench.experiment.numbers[asked.quantity]
     level = bool(asked.level) if asked.kind == "happens" else asked.level
     named = {"requirement": asked.requirement, "quantity": quantity.name, "units": quantity.unit}
-    named |= {"kind": asked.kind, "level": level, "margin": number(slack)}
+    named |= {"kind": asked.kind, "level": level}
+    named |= {"margin": number(slack), "kept": bool(slack >= 0)}
     return {**named, **bench.place(at, asked.quantity)}

@@ -148,7 +148,7 @@ def _limit(bench: Bench, judged: Judged, i: int) -> dict:
     if runs.min() < slack:
         slack, at = float(runs.min()), bench.unit[runs.argmin()]
     numbers = {"margin": slack, "error": judged.limits[i].surrogate.error}
-    told = {name: number(value) for name, value in numbers.items()}
+    told = {name: number(value) for name, value in numbers.items()} | {"kept": bool(slack >= 0)}
     return {**_told(bench, judged.asked[i]), **told, **bench.place(at, judged.asked[i].quantity)}
 
 

@@ -38,7 +38,8 @@ class Response:
     error: estimated error of the bounds; published: a largest difference to be put beside ours;
     errors: its parts, means over time, with `whole` and `share` of the width; empty where only that
     of the fit is known;
-    shares (k,) and widths (k, t): what each parameter contributes, overall and at every instant;
+    shares (k,), widths (k, t): what each parameter contributes, overall and at every instant, not
+    a number where that is not above the error of the fit;
     outside: by how much runs that were not fitted leave the bounds; share_outside: at which share
     of their instants; impossible: by how much the fitted curve falls below what is possible;
     foretold: why the error is so much larger than what runs show, if it is.

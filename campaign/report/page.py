@@ -47,15 +47,18 @@ def render(data: PageData) -> str:
         percent=percent,
         pretty=pretty,
         parts=parts_text,
+        coded=lambda text: words.coded(text, units),
     )
     return environment.get_template("page.html").render(
         data=data,
         answers=data.answers,
         told=answers,
+        units={parameter.name: parameter.units for parameter in data.parameters},
         decided=decisions,
         headline=words.headline(data),
         facts=words.facts(data),
         kind=kind_text(data.bounds_kind),
+        meaning=words.kind_meaning(data.bounds_kind),
         cautions=words.cautions(data),
         verdicts=[words.verdict(data, response) for response in data.responses],
         spread=words.spread,

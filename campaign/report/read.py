@@ -147,8 +147,8 @@ def _responses(
 
 
 def _told(widths: np.ndarray | None, error: np.ndarray | None) -> np.ndarray | None:
-    """Widths (k, t), 0 where they are not above the error of the fit (t)."""
-    return widths if widths is None or error is None else np.where(widths > error, widths, 0.0)
+    """Widths (k, t), not a number where they are not above the error of the fit (t)."""
+    return widths if widths is None or error is None else np.where(widths > error, widths, np.nan)
 
 
 def _summary(folder: Path) -> dict:

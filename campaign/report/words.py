@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from campaign.report.data import PageData, Parameter, Response
 from campaign.results.answers import interval
@@ -14,6 +15,9 @@ from campaign.results.scan_words import known_error
 from campaign.results.summary import SOFT
 from campaign.results.units import pretty
 from campaign.results.words import percent
+
+_NAMED = 2
+"""Quantities, or responses, that the headline names."""
 
 _FIXED = "\N{NO-BREAK SPACE}"
 SMALL, LARGE = 0.05, 0.25
@@ -72,6 +76,13 @@ def unbroken(text: str, units: Iterable[str]) -> str:
     return re.sub(r"(?<=[\d±]) (?=[\d×])|(?<=×) (?=10)", _FIXED, text)
 
 
+def coded(text: str, units: Iterable[str] = ()) -> Any:
+    """A sentence as HTML, with keys of a config, between backticks, as code."""
+    from markupsafe import Markup, escape
+
+    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", str(escape(unbroken(text, units)))))
+
+
 def spread(parameter: Parameter) -> str:
     """How far a parameter is known: `± 1 %`, else its ends."""
     below, above = parameter.nominal - parameter.lower, parameter.upper - parameter.nominal
@@ -90,19 +101,28 @@ def headline(data: PageData) -> str:
     first, *others = data.responses
     text = f"With {_given(data.parameters)}, the {first.long_name} is uncertain by up to "
     text += _largest(first)
-    if len(others) == 1:
+    if others:
         text += f", and the {others[0].long_name} by up to {_largest(others[0])}"
+    if others[1:]:
+        text += f" ({_others(len(others) - 1, 'response', 'responses')})"
     return f"{text}.".replace("-", "\N{NON-BREAKING HYPHEN}")
 
 
 def _answered(answers: Mapping) -> str:
-    """Of the first quantities their intervals, and whether the requirements are met."""
+    """Of the first quantities their intervals, how many others there are, and whether the
+    requirements are met."""
     rows = [row for row in answers["quantities"] if row["lower"] is not None]
-    parts = [f"{row['name']} is {interval(row)}" for row in rows[:2]]
+    parts = [f"{row['name']} is {interval(row)}" for row in rows[:_NAMED]]
+    if len(rows) > _NAMED:
+        parts[-1] += f" ({_others(len(rows) - _NAMED, 'quantity', 'quantities')})"
     if "together" in answers:
         text = decided(answers["together"])
         parts.append(text[0].lower() + text[1:].rstrip("."))
     return ", and ".join(parts) or "none of the quantities happens"
+
+
+def _others(count: int, one: str, many: str) -> str:
+    return f"{count} more {one if count == 1 else many} below"
 
 
 def _given(parameters: tuple[Parameter, ...]) -> str:
@@ -129,7 +149,8 @@ def cautions(data: PageData) -> list[str]:
             why = f"; {v.response.foretold}" if v.response.foretold else ""
             sentences.append(
                 f"Do not rely on the number for {name}: the estimated error of either bound is "
-                f"{v.error}, {percent(v.share or 0.0)} of the difference{why}."
+                f"{v.error}, {percent(v.share or 0.0)} of the difference{why}. "
+                f"{remedy(data, v.response)}"
             )
         elif v.grade == "unknown":
             sentences.append(f"There is no error estimate for {name}.")
@@ -146,6 +167,42 @@ def cautions(data: PageData) -> list[str]:
             "to be contacts, and what follows a closure means little."
         )
     return sentences
+
+
+_ACCURACY = (
+    "ask for `accuracy: 0.05` in the place of `design`, `held_out` and `bounds`, which adds runs "
+    "until the error is 5 % of the width, or tells what that would cost"
+)
+
+
+def remedy(data: PageData, response: Response) -> str:
+    """What to do about a large estimated error of a response."""
+    if "asked" in response.errors:
+        more = "let `accuracy` have more `runs` and `minutes`"
+    elif data.bounds_kind.startswith("enclosed"):
+        more = f"{_ACCURACY}; or try `bounds: {{model: spline}}`, a curve through the same runs"
+    elif data.bounds_kind.startswith("attained"):
+        more = _ACCURACY
+    else:
+        more = "make more `samples`"
+    late = data.time[response.widest]
+    if not any(event.closing and event.time <= late for run in data.runs for event in run.events):
+        return f"What to do: {more}."
+    return (
+        f"What to do: {more}. By then something has closed, at another time in each run, after "
+        "which curves are hard to fit: mostly a number is better known, as the time, a peak or the "
+        "value just before (`quantities`)."
+    )
+
+
+def kind_meaning(kind: str) -> str:
+    """What the word for a kind of bounds means, where it needs to be said."""
+    if not kind.startswith("attained"):
+        return ""
+    return (
+        "Attained: a curve fitted to the runs takes these values somewhere in the box (all "
+        "combinations of values within the intervals); that it takes none beyond is not proven."
+    )
 
 
 def _largest(response: Response) -> str:

@@ -14,7 +14,7 @@ from campaign.folder import Folder
 from campaign.results.budget import quantity_errors
 from campaign.results.decisions import choice_lines, requirement_lines
 from campaign.results.units import pretty
-from campaign.results.words import place, table, with_unit
+from campaign.results.words import place, table, units_of, with_unit
 from fpm.sealed import check
 
 
@@ -42,12 +42,12 @@ def read_json(path: Path) -> dict:
 
 def answer_lines(summary: Mapping) -> list[str]:
     """What a summary tells of quantities, requirements and the best choice, in Markdown."""
-    lines = []
+    lines, units = [], units_of(summary)
     if "requirements" in summary:
-        lines += requirement_lines(summary["requirements"], summary["together"])
+        lines += requirement_lines(summary["requirements"], summary["together"], units)
     if "choice" in summary:
-        lines += choice_lines(summary["choice"])
-    return lines + quantity_lines(summary["quantities"], **summary["runs"])
+        lines += choice_lines(summary["choice"], units)
+    return lines + quantity_lines(summary["quantities"], units, **summary["runs"])
 
 
 def quantity_rows(data: Any) -> list[dict]:
@@ -89,7 +89,9 @@ def _number(value: Any) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def quantity_lines(rows: list[Mapping], runs: int, further_runs: int) -> list[str]:
+def quantity_lines(
+    rows: list[Mapping], units: Mapping[str, str], runs: int, further_runs: int
+) -> list[str]:
     """The quantities' intervals in Markdown; some of all runs were made for answers."""
     lines = ["", "## Quantities", ""]
     lines += table(
@@ -98,8 +100,8 @@ def quantity_lines(rows: list[Mapping], runs: int, further_runs: int) -> list[st
             (
                 f"{row['name']}: {row['long_name']}",
                 interval(row),
-                place(row["argmin"]),
-                place(row["argmax"]),
+                place(row["argmin"], units),
+                place(row["argmax"], units),
                 with_unit(row["error"], row["units"], 2),
                 "never happens" if row["lower"] is None else ends(row),
             )

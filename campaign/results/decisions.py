@@ -8,8 +8,10 @@ from campaign.results.units import pretty
 from campaign.results.words import place, table, with_unit
 
 
-def requirement_lines(rows: list[Mapping], together: Mapping) -> list[str]:
-    """Which requirements are met, in Markdown."""
+def requirement_lines(
+    rows: list[Mapping], together: Mapping, units: Mapping[str, str]
+) -> list[str]:
+    """Which requirements are met, in Markdown; units: of the parameters, by name."""
     lines = ["", "## Requirements", "", f"**{verdict(together)}**", ""]
     lines += table(
         ("requirement", "met by", "limit", "margin at the worst", "where", "simulated there"),
@@ -19,14 +21,14 @@ def requirement_lines(rows: list[Mapping], together: Mapping) -> list[str]:
                 met(row),
                 limit_text(one),
                 margin_text(one),
-                place(one["at"]),
+                place(one["at"], units),
                 with_unit(one["simulated"], one["units"], 6, "none"),
             )
             for row in rows
             for one in row["limits"]
         ],
     )
-    return [*lines, "", *together_lines(together)]
+    return [*lines, "", *together_lines(together, units)]
 
 
 def verdict(together: Mapping) -> str:
@@ -38,7 +40,7 @@ def verdict(together: Mapping) -> str:
     return f"{share_text(together['share'])} of the box meets all requirements."
 
 
-def together_lines(together: Mapping) -> list[str]:
+def together_lines(together: Mapping, units: Mapping[str, str]) -> list[str]:
     """How large a box would meet all requirements, and where the nearest failure is."""
     fails = together["fails"]
     if fails is None:
@@ -52,7 +54,7 @@ def together_lines(together: Mapping) -> list[str]:
     simulated = with_unit(fails["simulated"], fails["units"], 6, "does not happen")
     return [
         f"{text}. The nearest failure is of {fails['requirement']} ({limit_text(fails)}) at "
-        f"{place(fails['at'])}; simulated there: {fails['quantity']} = {simulated}."
+        f"{place(fails['at'], units)}; simulated there: {fails['quantity']} = {simulated}."
     ]
 
 
@@ -78,28 +80,32 @@ def limit_text(row: Mapping) -> str:
 
 
 def margin_text(row: Mapping) -> str:
-    """The margin with its unit, and whether it is below the error of the surrogate."""
+    """The margin with its unit, and whether it is below the error of the surrogate; where a
+    quantity does not happen, or whether it happens is what is asked, that in its place."""
     if row["margin"] is None:
-        return ""
+        if "kept" not in row:
+            return ""  # written before this was told
+        happens = row["kind"] == "happens" and row["kept"] == row["level"]
+        return "happens" if happens else "does not happen"
     text = with_unit(row["margin"], row["units"], 3)
     error = row.get("error")
     return f"{text} (below the error estimate)" if error and abs(row["margin"]) < error else text
 
 
-def choice_lines(choice: Mapping) -> list[str]:
+def choice_lines(choice: Mapping, units: Mapping[str, str]) -> list[str]:
     """The best choice in Markdown."""
     lines = ["", "## Best choice", "", f"**{choice_verdict(choice)}**", ""]
     head = ("worst case of it", "by the surrogate", "where", "simulated there")
-    return [*lines, *table(head, choice_rows(choice)), "", f"It took {choice['runs']} runs."]
+    return [*lines, *table(head, choice_rows(choice, units)), "", f"It took {choice['runs']} runs."]
 
 
-def choice_rows(choice: Mapping) -> list[tuple[str, str, str, str]]:
+def choice_rows(choice: Mapping, units: Mapping[str, str]) -> list[tuple[str, str, str, str]]:
     """Goals and limits of the best choice: which, by the surrogate, where, simulated there."""
     goals = [
         (
             f"{goal['sense']} {goal['end']}({goal['quantity']})",
             with_unit(goal["value"], goal["units"], 6),
-            place(goal["at"]),
+            place(goal["at"], units),
             with_unit(goal["simulated"], goal["units"], 6, "none"),
         )
         for goal in choice["goals"]
@@ -107,8 +113,8 @@ def choice_rows(choice: Mapping) -> list[tuple[str, str, str, str]]:
     return goals + [
         (
             f"{limit['requirement']}: {limit_text(limit)}",
-            f"margin {margin_text(limit)}",
-            place(limit["at"]),
+            "margin " * (limit["margin"] is not None) + margin_text(limit),
+            place(limit["at"], units),
             with_unit(limit["simulated"], limit["units"], 6, "none"),
         )
         for limit in choice["limits"]

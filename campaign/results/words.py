@@ -7,9 +7,15 @@ from collections.abc import Iterable, Mapping
 from campaign.results.units import pretty
 
 
-def place(values: Mapping[str, float | None]) -> str:
-    """Parameter values by name."""
-    return ", ".join(f"{n} = {v:.6g}" for n, v in values.items() if v is not None)
+def place(values: Mapping[str, float | None], units: Mapping[str, str]) -> str:
+    """Parameter values by name, each with its unit."""
+    told = {name: value for name, value in values.items() if value is not None}
+    return ", ".join(f"{name} = {with_unit(told[name], units[name], 6)}" for name in told)
+
+
+def units_of(summary: Mapping) -> dict[str, str]:
+    """The units of a summary's parameters, by name."""
+    return {parameter["name"]: parameter["units"] for parameter in summary["parameters"]}
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
@@ -26,4 +32,7 @@ def percent(share: float) -> str:
 
 def with_unit(value: float | None, units: str, digits: int, none: str = "unknown") -> str:
     """A number with its unit, or `none` where there is none."""
-    return none if value is None else f"{value:.{digits}g} {pretty(units)}"
+    if value is None:
+        return none
+    unit = pretty(units)
+    return f"{value:.{digits}g}" + ("" if unit == "1" else f" {unit}")

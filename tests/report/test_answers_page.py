@@ -2,6 +2,7 @@
 
 import copy
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -34,13 +35,21 @@ def test_the_headline_is_the_answer(opened):
     assert re.search(r"6\d\.\d+ % of the box meets all requirements", text)
 
 
+def test_the_headline_tells_how_many_quantities_it_leaves_out(opened):
+    (asked,) = (row for row in opened.answers["quantities"] if row["name"] == "t_open")
+    more = replace(opened, answers=opened.answers | {"quantities": [asked] * 4})
+    assert "(2 more quantities below), and 6" in words.headline(more)
+
+
 def test_the_page_has_verdicts_intervals_and_tables(opened):
     page = render(opened).replace("\N{NO-BREAK SPACE}", " ")
     assert page.index('class="verdict some"') < page.index('id="quantities"')
     for words_ in ("1.8682 to 1.9640 s", "both ends are simulated runs", 'id="requirements"',
                    "The nearest failure is of in_time", "Best choice: k = ", 'id="choice"',
-                   "some: 6"):  # fmt: skip
+                   "some: 6", "<b>The box</b> is ", "<b>the surrogate</b> is "):  # fmt: skip
         assert words_ in page
+    ends = re.findall(r"<dd>(k = [^<]*)</dd>", page)
+    assert len(ends) == 2 and all(re.fullmatch(r"k = [\d.]+ N m/rad", end) for end in ends)
     assert "t_never" in page
     assert "does not happen in any run" in page
 

@@ -1,7 +1,12 @@
 """The page in Chromium: it moves, listens to keys and mouse, and nothing goes wrong."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from browser import MISSING, Browser
+
+from campaign.report import write_page
 
 pytestmark = pytest.mark.skipif(
     bool(MISSING), reason=f"not installed: {', '.join(MISSING)} (apt-get install chromium-driver)"
@@ -94,6 +99,23 @@ def test_colour_by_stress_and_runs_that_are_hidden(window):
     window.settle()
     seen.append(window.ask(PIXELS))
     assert len(set(seen)) == 3
+
+
+def test_a_curve_has_a_gap_where_it_has_no_numbers(window, data, tmp_path):
+    first, *others = data.responses
+    widths = np.ones_like(first.widths)
+    widths[0, 50:100] = np.nan
+    write_page(
+        replace(data, responses=(replace(first, widths=widths), *others)), tmp_path / "gap.html"
+    )
+    window.open(tmp_path / "gap.html")
+    window.settle()
+    curves = (
+        "[...document.querySelector('#widths .chart svg').querySelectorAll('path.moving')]"
+        ".map((path) => path.getAttribute('d').split('M').length - 1)"
+    )
+    assert window.ask(curves) == [2, 1]
+    assert "NaN" not in window.ask("document.querySelector('#widths').innerHTML")
 
 
 def test_dragging_across_a_curve_zooms_all_and_a_button_goes_back(window):

@@ -11,11 +11,19 @@ import xarray
 from scipy.spatial.transform import Rotation
 
 from campaign.report import write_page
-from campaign.report.data import MOST_LINES, Parameter
+from campaign.report.data import MOST_LINES, Event, Parameter
 from campaign.report.motions import shown_runs
 from campaign.report.pack import payload, thinned
 from campaign.report.trust import trust
-from campaign.report.words import cautions, headline, number, spread, unbroken, verdict
+from campaign.report.words import (
+    cautions,
+    coded,
+    headline,
+    number,
+    spread,
+    unbroken,
+    verdict,
+)  # fmt: skip
 
 
 def embedded(path):
@@ -147,6 +155,35 @@ def test_the_verdict_grades_the_estimated_error(data, share, grade):
     assert bool(said) == (grade in ("large", "unknown"))
 
 
+def test_a_large_error_comes_with_what_to_do_about_it(data):
+    first = data.responses[0]
+    error = np.full(len(data.time), 0.5 * (first.upper - first.lower)[first.widest])
+
+    def said(**changes):
+        (text,) = cautions(replace(data, responses=(replace(first, error=error),), **changes))
+        return text
+
+    assert "ask for `accuracy: 0.05`" in said() and "model: spline" in said()
+    assert "model: spline" not in said(bounds_kind="attained range of a spline")
+    assert "more `samples`" in said(bounds_kind="least and largest sample")
+    first = replace(first, errors={"asked": 0.05})
+    assert "let `accuracy` have more `runs`" in said()
+    shut = Event(time=0.0, contact="stop", closing=True)
+    struck = tuple(replace(run, events=(shut,)) for run in data.runs)
+    assert "something has closed" in said(runs=struck) and "something has closed" not in said()
+    assert "<code>accuracy</code>" in coded(said())
+    assert "&lt;b&gt;" in coded("<b>")
+
+
+def test_what_one_parameter_does_alone_has_gaps_where_it_is_lost_in_the_error(results, data):
+    with xarray.open_dataset(results / "sensitivities.nc") as found:
+        alone, errors = found["width"].values, found["error"].values
+    for widths, error, response in zip(alone, errors, data.responses, strict=True):
+        lost = ~(widths > error)
+        assert np.array_equal(np.isnan(response.widths), lost)
+        assert np.array_equal(response.widths[~lost], widths[~lost])
+
+
 def test_what_speaks_against_the_bounds_is_said(data):
     first = replace(data.responses[0], impossible=0.16, outside=0.02, share_outside=0.2)
     said = " ".join(cautions(replace(data, responses=(first,), overlap=2.5)))
@@ -181,6 +218,8 @@ def test_the_headline_names_what_is_known_and_how_far_the_responses_go(data):
     text = headline(data).replace("\N{NON-BREAKING HYPHEN}", "-")
     assert text.startswith("With L known to ± 5 % and a to ± 10 %, the x-component of the position")
     assert " is uncertain by up to " in text and ", and the " in text
+    more = replace(data, responses=(*data.responses, *data.responses[:1]))
+    assert headline(more).endswith(" (1 more response below).")
     one = replace(data.parameters[0], long_name="reach to the wall")
     text = headline(replace(data, parameters=(one,), responses=data.responses[:1]))
     assert text.startswith("With the reach to the wall known to ± 5 %, the x")

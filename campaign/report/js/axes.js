@@ -21,11 +21,12 @@ function spanOf([from, to]) {
   return [below(TIME, from), Math.min(TIME.length - 1, below(TIME, to) + 1)];
 }
 
-// Points "x,y" of a curve, the least and largest of each pixel where there are many.
+// Points "x,y" of a curve, the least and largest of each pixel where there are many; null for where
+// it has no numbers.
 function points(values, span, x, y) {
   const [from, to] = spanOf(span), out = [];
   const bins = Math.max(1, Math.ceil((x(TIME[to]) - x(TIME[from])) / 0.7)), each = (to - from + 1) / bins;
-  const put = (i) => out.push(`${x(TIME[i]).toFixed(1)},${y(values[i]).toFixed(1)}`);
+  const put = (i) => out.push(Number.isNaN(values[i]) ? null : `${x(TIME[i]).toFixed(1)},${y(values[i]).toFixed(1)}`);
   if (each <= 2) {
     for (let i = from; i <= to; i++) put(i);
     return out;
@@ -34,8 +35,9 @@ function points(values, span, x, y) {
     const start = from + Math.floor(bin * each), stop = Math.min(to, from + Math.floor((bin + 1) * each) - 1);
     let low = start, high = start;
     for (let i = start; i <= stop; i++) {
-      if (values[i] < values[low]) low = i;
-      if (values[i] > values[high]) high = i;
+      if (Number.isNaN(values[i])) continue;
+      if (!(values[i] >= values[low])) low = i; // also where there was no number so far
+      if (!(values[i] <= values[high])) high = i;
     }
     put(Math.min(low, high));
     if (low !== high) put(Math.max(low, high));
@@ -43,7 +45,15 @@ function points(values, span, x, y) {
   return out;
 }
 
-const line = (...curve) => `M${points(...curve).join("L")}`;
+// A curve, with gaps where it has no numbers.
+function line(...curve) {
+  let open = false;
+  return points(...curve).map((point) => {
+    const step = point && `${open ? "L" : "M"}${point}`;
+    open = point !== null;
+    return step ?? "";
+  }).join("");
+}
 
 // The outline of the area between two curves.
 const area = (one, two, ...rest) => `M${points(one, ...rest).join("L")}L${points(two, ...rest).reverse().join("L")}Z`;

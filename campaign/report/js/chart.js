@@ -2,9 +2,14 @@
 
 const MARGIN = { left: 52, right: 10, top: 12, bottom: 22 };
 
+// So high that the charts of all responses are together about as high as a window, within reason.
+function usualHeight() {
+  return Math.min(340, Math.max(170, (innerHeight - 180) / DATA.responses.length - 65));
+}
+
 class Chart {
   // curves: [{values, kind, colour}]; areas: [{lower, upper, kind}]; readout(index) -> [[name, text]]
-  constructor({ title, units, height = 230, curves, areas = [], marks = [], readout }) {
+  constructor({ title, units, height = usualHeight(), curves, areas = [], marks = [], readout }) {
     Object.assign(this, { title, units, height, curves, areas, marks, readout });
     this.values = make("p", { class: "readout" });
     this.svg = svg("svg", { role: "img", tabindex: "0", preserveAspectRatio: "xMinYMin", "aria-label": `${title} over time` });

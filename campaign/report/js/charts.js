@@ -26,7 +26,7 @@ function widthCharts(marks) {
   if (!byId("widths")) return [];
   const charts = DATA.responses.filter((response) => response.widths).map((response) => {
     const curves = response.widths.map((values, i) => ({ values, kind: "moving", colour: runColour(i + 1) }));
-    const readout = (i) => DATA.parameters.map(({ name }, k) => [name, digits(response.widths[k][i], 3)]);
+    const readout = (i) => DATA.parameters.map(({ name }, k) => [name, digits(response.widths[k][i], 3) || "–"]);
     return new Chart({ title: `Width of ${response.name} when one parameter varies alone`, units: pretty(response.units), height: 170, curves, marks, readout });
   });
   if (charts.length) byId("widths").append(make("div", { class: "keys" }, ...DATA.parameters.map(({ name }, i) => key(name, `style="stroke:var(${runColour(i + 1)});stroke-width:2"`))));

@@ -1,12 +1,13 @@
 """The report of a campaign: one HTML page that moves (`page.py`), from plain data (`data.py`)."""
 
-from campaign.report.data import Event, MovingRun, PageData, Parameter, Response, Run, Work
+from campaign.report.data import Event, LeftOut, MovingRun, PageData, Parameter, Response, Run, Work
 from campaign.report.motions import make_motions
 from campaign.report.page import write_page
 from campaign.report.read import from_results
 
 __all__ = [
     "Event",
+    "LeftOut",
     "MovingRun",
     "PageData",
     "Parameter",

@@ -100,6 +100,14 @@ class MovingRun:
 
 
 @dataclass(frozen=True)
+class LeftOut:
+    """A run that could be shown moving, and is not: its id, and why it would be."""
+
+    id: str
+    label: str
+
+
+@dataclass(frozen=True)
 class Work:
     """A piece of work: what, seconds of the clock and of the processor (if known)."""
 
@@ -115,6 +123,7 @@ class PageData:
     time (t,) s; bounds_kind: what the bounds are, in words; runs: those that are told, of
     `run_count` that were made, and of `further_count` for the ends of quantities those that move;
     moving: the nominal run first, then those at which quantities and bounds are attained;
+    left: those of them that do not move, since the page would be too large;
     provenance: name -> text; config: text to start from again; answers: what the summary tells of
     quantities, requirements and the best choice; about: what the structure is; fixed:
     its parameters that are not uncertain, with their values;
@@ -131,6 +140,7 @@ class PageData:
     run_count: int
     further_count: int = 0
     moving: tuple[MovingRun, ...] = ()
+    left: tuple[LeftOut, ...] = ()
     work: tuple[Work, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""

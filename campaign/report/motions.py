@@ -21,8 +21,13 @@ if TYPE_CHECKING:
 MOTIONS = "motions"
 """Folder beside the samples, with one netCDF file per run."""
 
-MOST_MOVING = 7
+MOST_MOVING = 24
 """Runs that are shown, the nominal one among them; of more ends, those of quantities come first."""
+
+MOST_NUMBERS = 1_500_000
+"""Numbers of all the motion on a page, which leave it below 5 MB; frames are left out for it."""
+
+_FEW_RUNS, _FEW_FRAMES = 7, 100
 
 
 @dataclass(frozen=True)
@@ -75,6 +80,13 @@ def shown_runs(folder: str | Path) -> list[Shown]:
         else Shown(further_ids[run - len(values)], further[run - len(values)], label, None)
         for run, label in chosen.items()
     ]
+
+
+def how_many_move(particles: int) -> int:
+    """How many runs of a structure of so many particles a page can show: those for which a hundred
+    frames find room, and seven at least."""
+    room = MOST_NUMBERS // (_FEW_FRAMES * 8 * particles)  # place, turn and stress
+    return int(np.clip(room, _FEW_RUNS, MOST_MOVING))
 
 
 def _widest(bounds: xarray.Dataset, response: int) -> int:
@@ -209,6 +221,8 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
         if experiment.scene_type.digest != samples.attrs["mechanics"]:
             return []
         shown = shown_runs(folder)
+        values = dict(zip(samples["parameter"].values.tolist(), shown[0].values, strict=True))
+        shown = shown[: how_many_move(len(experiment.build(values).position))]
         paths = [folder / MOTIONS / f"{run.id}.nc" for run in shown]
         for motion, path in zip(motions_of(samples, shown, frames), paths, strict=True):
             write_dataset(motion, path, "Whole motion of a run")

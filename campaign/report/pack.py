@@ -7,12 +7,14 @@ Bounds stay in double precision, thin lines are single; positions and rotations 
 from __future__ import annotations
 
 import base64
+import json
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from campaign.report.data import MovingRun, PageData
+from campaign.report.motions import MOST_NUMBERS
 
 MOST_INSTANTS = 4001
 """Instants of a curve from which it is thinned."""
@@ -20,8 +22,11 @@ MOST_INSTANTS = 4001
 MOST_TOLD = 300
 """Runs up to which the contact events of all are in the page, not only of those that are drawn."""
 
-MOST_FRAME_NUMBERS = 1_500_000
-"""Numbers of the motion from which frames are left out."""
+PAGE = 4_850_000
+"""Characters of the data by which a page stays below 5 MB."""
+
+LEAST_NUMBERS = 200_000
+"""Numbers of the motion that a page has however large all else is."""
 
 
 def packed(values: np.ndarray, kind: str) -> dict[str, Any]:
@@ -48,7 +53,7 @@ def payload(data: PageData) -> dict[str, Any]:
     """All that the page's script needs."""
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep = thinned(bounds)
-    return {
+    found = {
         "campaign": data.campaign,
         "time": packed(data.time[keep], "f8"),
         "parameters": [
@@ -74,8 +79,10 @@ def payload(data: PageData) -> dict[str, Any]:
         "runs": _runs(data),
         "lines": [_line(data, run, keep) for run in data.lines],
         "moving": [_line(data, m.run, keep) | {"label": m.label} for m in data.moving],
-        "motion": _motion(data.moving) if data.moving else None,
     }  # fmt: skip
+    room = (PAGE - len(json.dumps(found))) * 3 // 8  # numbers of 16 bits in base64
+    most = int(np.clip(room, LEAST_NUMBERS, MOST_NUMBERS))
+    return found | {"motion": _motion(data.moving, most) if data.moving else None}
 
 
 def _runs(data: PageData) -> list[dict[str, Any]]:
@@ -99,14 +106,14 @@ def _line(data: PageData, run: int, keep: np.ndarray) -> dict[str, Any]:
     return {"run": run, "curves": [packed(c[keep], "f4") for c in data.runs[run].curves]}
 
 
-def _motion(moving: Sequence[MovingRun]) -> dict[str, Any]:
-    """The moving runs: shared frames and connectivity, and each run's numbers."""
+def _motion(moving: Sequence[MovingRun], most: int) -> dict[str, Any]:
+    """The moving runs: shared frames and connectivity, and each run's numbers, about `most`."""
     first = moving[0].motion
     numbers = len(moving) * (7 * first.sizes["particle"] + first.sizes["element"])
     count = first.sizes["time"]
     frames = np.arange(count)
-    if numbers * count > MOST_FRAME_NUMBERS:
-        wanted = max(2, MOST_FRAME_NUMBERS // numbers)
+    if numbers * count > most:
+        wanted = max(2, most // numbers)
         frames = np.unique(np.linspace(0, count - 1, wanted).round().astype(int))
     places = np.stack([m.motion["position"].values for m in moving])
     low = places.min(axis=(0, 1, 2))

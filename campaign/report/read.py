@@ -15,6 +15,7 @@ from campaign.files import open_dataset, open_netcdf
 from campaign.report.data import (
     FURTHER,
     Event,
+    LeftOut,
     MovingRun,
     PageData,
     Parameter,
@@ -59,6 +60,7 @@ def from_results(folder: str | Path) -> PageData:
         run_count=counts(samples).runs,
         further_count=summary.get("runs", {}).get("further_runs", 0),
         moving=moving,
+        left=_left(shown, runs, moving),
         work=_work(folder),
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
@@ -224,6 +226,14 @@ def _moving(
             more.append(Run(one.id, FURTHER, one.values, events=_impacts(motion)))
         found.append(MovingRun(run, one.label, motion))
     return tuple(more), tuple(found)
+
+
+def _left(
+    shown: Iterable[Shown], runs: tuple[Run, ...], moving: tuple[MovingRun, ...]
+) -> tuple[LeftOut, ...]:
+    """Runs that would be shown, beside those that move."""
+    there = {runs[one.run].id for one in moving}
+    return tuple(LeftOut(one.id, one.label) for one in shown if there and one.id not in there)
 
 
 def _impacts(motion: xarray.Dataset) -> tuple[Event, ...]:

@@ -101,6 +101,29 @@ def test_colour_by_stress_and_runs_that_are_hidden(window):
     assert len(set(seen)) == 3
 
 
+def test_of_many_runs_as_many_are_shown_as_colours_can_be_told_apart(window, data, tmp_path):
+    first, *others = data.moving
+    many = [replace(others[i % len(others)], label=f"run {i}") for i in range(9)]
+    write_page(replace(data, moving=(first, *many)), tmp_path / "many.html")
+    window.open(tmp_path / "many.html")
+    window.settle()
+    boxes = "[...document.querySelectorAll('#runs-shown input')]"
+    checked = f"{boxes}.map((box, i) => box.checked ? i : -1).filter((i) => i >= 0)"
+    coloured = f"new Set({boxes}.filter((box) => box.checked).map((box) => box.style.color)).size"
+    lines = "document.querySelector('#charts svg').querySelectorAll('path.moving').length"
+    assert window.ask(checked) == [0, 1, 2, 3, 4, 5, 6]
+    assert window.ask("document.getElementById('few').hidden") is False
+    pixels = window.ask(PIXELS)
+    window.ask(f"{boxes}[8].click()")
+    window.settle()
+    assert window.ask(checked) == [0, 2, 3, 4, 5, 6, 8]
+    assert window.ask(coloured) == 7 and window.ask(lines) == 6
+    window.ask(f"{boxes}[3].click()")
+    window.settle()
+    assert window.ask(checked) == [0, 2, 4, 5, 6, 8]
+    assert window.ask(lines) == 5 and window.ask(PIXELS) != pixels
+
+
 def test_a_curve_has_a_gap_where_it_has_no_numbers(window, data, tmp_path):
     first, *others = data.responses
     widths = np.ones_like(first.widths)

@@ -3,6 +3,7 @@
 import base64
 import json
 import re
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -10,9 +11,9 @@ import pytest
 import xarray
 from scipy.spatial.transform import Rotation
 
-from campaign.report import write_page
+from campaign.report import from_results, write_page
 from campaign.report.data import MOST_LINES, Event, Parameter
-from campaign.report.motions import shown_runs
+from campaign.report.motions import MOST_MOVING, how_many_move, shown_runs
 from campaign.report.pack import payload, thinned
 from campaign.report.trust import trust
 from campaign.report.words import (
@@ -100,6 +101,33 @@ def test_motions_are_those_of_the_trajectory_files(results, data):
             there = trajectory.sel(time=moving.motion["time"].values)
             assert np.array_equal(there["position"].values, moving.motion["point_position"].values)
             assert trajectory.attrs["time_step"] == moving.motion.attrs["time_step"]
+
+
+def test_as_many_runs_move_as_a_page_has_room_for():
+    assert how_many_move(50) == MOST_MOVING > how_many_move(150) > how_many_move(10_000) == 7
+
+
+def test_the_page_names_the_runs_that_do_not_move(results, tmp_path):
+    shutil.copytree(results, tmp_path / "swing")
+    *_, last = shown_runs(results)
+    (tmp_path / "swing" / "motions" / f"{last.id}.nc").unlink()
+    fewer = from_results(tmp_path / "swing")
+    assert [(one.id, one.label) for one in fewer.left] == [(last.id, last.label)]
+    write_page(fewer, tmp_path / "page.html")
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert f"{last.label} ({last.id})" in text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def test_however_many_runs_move_the_page_stays_below_5_megabytes(tmp_path, data):
+    def long(one):
+        motion = one.motion
+        frames = np.linspace(0, motion.sizes["time"] - 1, 1500).astype(int)
+        particles = np.arange(20) % motion.sizes["particle"]
+        return replace(one, motion=motion.isel(time=frames, particle=particles))
+
+    moving = tuple(map(long, (data.moving * 8)[:MOST_MOVING]))
+    write_page(replace(data, moving=moving), tmp_path / "large.html")
+    assert 4e6 < (tmp_path / "large.html").stat().st_size < 5e6
 
 
 def test_a_page_without_motions_is_a_page(tmp_path, data):

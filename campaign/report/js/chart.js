@@ -8,7 +8,7 @@ function usualHeight() {
 }
 
 class Chart {
-  // curves: [{values, kind, colour}]; areas: [{lower, upper, kind}]; readout(index) -> [[name, text]]
+  // curves: [{values, kind, style, run}], of a run that moves only while it is shown; areas: [{lower, upper, kind}]; readout(index) -> [[name, text]]
   constructor({ title, units, height = usualHeight(), curves, areas = [], marks = [], readout }) {
     Object.assign(this, { title, units, height, curves, areas, marks, readout });
     this.values = make("p", { class: "readout" });
@@ -21,11 +21,15 @@ class Chart {
     clock.listen((time) => this.follow(time));
   }
 
+  drawn() {
+    return this.curves.filter(({ run }) => run === undefined || SHOWN.has(run));
+  }
+
   // Least and largest value in the span of what is drawn.
   range() {
     const [from, to] = spanOf(this.span);
     let low = Infinity, high = -Infinity;
-    for (const values of [...this.curves.map((c) => c.values), ...this.areas.flatMap((a) => [a.lower, a.upper])]) {
+    for (const values of [...this.drawn().map((c) => c.values), ...this.areas.flatMap((a) => [a.lower, a.upper])]) {
       for (let i = from; i <= to; i++) {
         if (values[i] < low) low = values[i];
         if (values[i] > high) high = values[i];
@@ -55,8 +59,7 @@ class Chart {
     for (const mark of this.marks) {
       inside.append(svg("line", { class: "event", x1: this.x(mark), x2: this.x(mark), y1: top, y2: base }));
     }
-    for (const { values, kind, colour } of this.curves) {
-      const style = colour ? `stroke:var(${colour})` : "";
+    for (const { values, kind, run, style = run ? `stroke:var(${SHOWN.colour(run)})` : "" } of this.drawn()) {
       inside.append(svg("path", { class: `curve ${kind}`, style, d: line(values, this.span, this.x, this.y) }));
     }
     this.cursor = svg("line", { class: "cursor", y1: top - 6, y2: base });

@@ -9,7 +9,7 @@ function responseChart(response, r, marks) {
   const areas = [{ lower, upper, kind: "band" }];
   if (error) areas.unshift({ lower: offset(lower, error, -1), upper: offset(upper, error, 1), kind: "doubt" });
   const curves = DATA.lines.map(({ curves }) => ({ values: curves[r], kind: "thin" }));
-  DATA.moving.slice(1).forEach(({ curves: ours }, i) => curves.push({ values: ours[r], kind: "moving", colour: runColour(i + 1) }));
+  DATA.moving.slice(1).forEach(({ curves: ours }, i) => curves.push({ values: ours[r], kind: "moving", run: i + 1 }));
   curves.push({ values: lower, kind: "lower" }, { values: upper, kind: "upper" });
   if (nominal) curves.push({ values: nominal, kind: "nominal" });
   const readout = (i) => [
@@ -21,15 +21,18 @@ function responseChart(response, r, marks) {
   return new Chart({ title: response.longName, units: `${response.name}, ${unit}`, curves, areas, marks, readout });
 }
 
+// Of more parameters than there are colours, the others are dashed.
+const parameterStyle = (i) => `stroke:var(${COLOURS[i % COLOURS.length]})${i < COLOURS.length ? "" : ";stroke-dasharray:5 3"}`;
+
 // One chart for each response: the width of the bounds when one parameter varies alone.
 function widthCharts(marks) {
   if (!byId("widths")) return [];
   const charts = DATA.responses.filter((response) => response.widths).map((response) => {
-    const curves = response.widths.map((values, i) => ({ values, kind: "moving", colour: runColour(i + 1) }));
+    const curves = response.widths.map((values, i) => ({ values, kind: "moving", style: parameterStyle(i) }));
     const readout = (i) => DATA.parameters.map(({ name }, k) => [name, digits(response.widths[k][i], 3) || "–"]);
     return new Chart({ title: `Width of ${response.name} when one parameter varies alone`, units: pretty(response.units), height: 170, curves, marks, readout });
   });
-  if (charts.length) byId("widths").append(make("div", { class: "keys" }, ...DATA.parameters.map(({ name }, i) => key(name, `style="stroke:var(${runColour(i + 1)});stroke-width:2"`))));
+  if (charts.length) byId("widths").append(make("div", { class: "keys" }, ...DATA.parameters.map(({ name }, i) => key(name, `style="${parameterStyle(i)};stroke-width:2"`))));
   byId("widths").append(...charts.map((chart) => chart.root));
   return charts;
 }
@@ -45,7 +48,7 @@ function key(name, attributes, patch = false) {
 
 function legend() {
   const items = [key("upper bound", 'class="curve upper"'), key("lower bound", 'class="curve lower"'), key("nominal run", 'class="curve nominal"')];
-  DATA.moving.slice(1).forEach(({ label }, i) => items.push(key(label, `class="curve moving" style="stroke:var(${runColour(i + 1)})"`)));
+  if (DATA.moving.length > 1) items.push(key("runs that move, in their colours", 'class="curve moving" style="stroke:var(--third)"'));
   if (DATA.lines.length) items.push(key("runs that were not fitted", 'class="curve thin"'));
   items.push(key("between the bounds", 'class="band"', true));
   if (DATA.responses.some(({ error }) => error)) items.push(key("estimated error of the bounds", 'class="doubt"', true));

@@ -28,8 +28,42 @@ function make(tag, attributes = {}, ...children) {
   return node;
 }
 
-const RUN_COLOURS = ["--ink", "--low", "--high", "--third", "--fourth", "--fifth", "--sixth"];
-const runColour = (index) => RUN_COLOURS[index % RUN_COLOURS.length];
+const COLOURS = ["--low", "--high", "--third", "--fourth", "--fifth", "--sixth"];
+
+// Which of the moving runs are shown: the first one or not, and as many others as there are colours
+// that can be told apart.
+class Shown {
+  constructor(count) {
+    this.first = true;
+    this.places = COLOURS.map((_, k) => (k + 1 < count ? k + 1 : null)); // the run of each colour
+    this.order = this.places.filter((run) => run !== null); // the longest shown first
+  }
+
+  has(run) {
+    return run === 0 ? this.first : this.places.includes(run);
+  }
+
+  // Show a run or not; where no colour is free, the longest shown makes room.
+  set(run, on) {
+    if (run === 0) this.first = on;
+    if (run === 0 || on === this.has(run)) return;
+    const hide = (one) => {
+      this.places[this.places.indexOf(one)] = null;
+      this.order = this.order.filter((other) => other !== one);
+    };
+    if (!on) return hide(run);
+    if (this.order.length === COLOURS.length) hide(this.order[0]);
+    const usual = (run - 1) % COLOURS.length;
+    this.places[this.places[usual] === null ? usual : this.places.indexOf(null)] = run;
+    this.order.push(run);
+  }
+
+  colour(run) {
+    return run === 0 ? "--ink" : COLOURS[this.places.indexOf(run)] ?? "--soft";
+  }
+}
+
+const SHOWN = new Shown(DATA.moving.length);
 
 const themeColour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 

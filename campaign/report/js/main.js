@@ -18,6 +18,13 @@ function repaint(ratio = window.devicePixelRatio || 1, ...size) {
   stills.draw(ratio);
 }
 
+// Draw all that depends on which runs are shown.
+function showRuns() {
+  repaint();
+  drawMarks();
+  for (const chart of charts) chart.draw();
+}
+
 function theme(name) {
   root.dataset.theme = name;
   repaint();
@@ -44,14 +51,20 @@ function drawPlayer() {
   byId("speed").addEventListener("change", ({ target }) => { clock.speed = Number(target.value); });
 }
 
-// Marks of closures above the slider, in the runs' colours, and a list of those of the nominal run.
-function drawEvents() {
+// Marks of closures above the slider, in the colours of the runs that are shown.
+function drawMarks() {
+  byId("marks").replaceChildren();
   DATA.moving.forEach(({ run }, i) => {
+    if (!SHOWN.has(i)) return;
     for (const { time } of closures(DATA.runs[run])) {
       const left = (100 * (time - FIRST)) / (LAST - FIRST);
-      byId("marks").append(make("i", { style: `left:${left}%;background:var(${runColour(i)})` }));
+      byId("marks").append(make("i", { style: `left:${left}%;background:var(${SHOWN.colour(i)})` }));
     }
   });
+}
+
+// Closures of the nominal run.
+function drawEvents() {
   const first = DATA.runs[DATA.moving.length ? DATA.moving[0].run : 0];
   const moments = closures(first);
   if (!moments.length) return;
@@ -109,6 +122,7 @@ addEventListener("afterprint", () => {
 });
 
 drawPlayer();
+drawMarks();
 drawEvents();
 const charts = drawCharts();
 drawTables();

@@ -35,11 +35,11 @@ class Painter {
   }
 
   readColours() {
-    this.colours = MOTION.runs.map((_, i) => rgb(themeColour(i === 0 ? "--steel" : runColour(i))));
+    this.colours = MOTION.runs.map((_, i) => rgb(themeColour(i === 0 ? "--steel" : SHOWN.colour(i))));
     for (const name of ["edge", "floor", "shadow", "ink", "card", "soft"]) this[name] = themeColour(`--${name}`);
   }
 
-  // Paint at a time the runs that are shown; options: shown [bool], byStress, names.
+  // Paint at a time the runs that are shown; options: byStress, names.
   paint(context, camera, width, height, time, options) {
     context.clearRect(0, 0, width, height);
     camera.aim(width, height, options.fill);
@@ -47,19 +47,19 @@ class Painter {
     context.lineCap = context.lineJoin = "round";
     const ghosts = [], solid = [];
     this.poses.forEach((pose, i) => {
-      if (!options.shown[i]) return;
+      if (!SHOWN.has(i)) return;
       pose.at(time);
       if (i === 0) this.paintShadow(context, camera, pose);
       this.addFaces(i ? ghosts : solid, camera, pose, i, options.byStress);
       if (MOTION.cables) this.addCables(i ? ghosts : solid, camera, pose, i > 0);
     });
-    if (options.shown[0]) this.addHinges(solid, camera, this.poses[0]);
+    if (SHOWN.first) this.addHinges(solid, camera, this.poses[0]);
     for (const pieces of [ghosts, solid]) {
       pieces.sort((one, two) => one.depth - two.depth);
       for (const piece of pieces) this.paintPiece(context, piece);
     }
     for (const piece of ghosts) if (piece.outline) this.paintEdges(context, piece, 0.3); // shine through
-    if (options.names && options.shown[0]) this.paintNames(context, camera);
+    if (options.names && SHOWN.first) this.paintNames(context, camera);
   }
 
   addFaces(pieces, camera, pose, run, byStress) {

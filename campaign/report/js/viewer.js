@@ -5,7 +5,7 @@ class Viewer {
     this.canvas = canvas;
     this.painter = painter;
     this.camera = new Camera(painter.extent);
-    this.options = { shown: MOTION.runs.map(() => true), byStress: false, names: true };
+    this.options = { byStress: false, names: true };
     this.pointers = new Map();
     this.listen();
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -103,12 +103,18 @@ class Viewer {
 // Which runs are shown, the colours' meaning, views and zoom.
 function viewerControls(viewer) {
   const { options, painter } = viewer;
-  DATA.moving.forEach((one, i) => {
-    const box = make("input", { type: "checkbox", style: `color:var(${runColour(i)});accent-color:var(${runColour(i)})` });
-    box.checked = true;
-    box.addEventListener("change", () => { options.shown[i] = box.checked; viewer.draw(); stills.draw(); });
+  const boxes = DATA.moving.map((one, i) => {
+    const box = make("input", { type: "checkbox" });
+    box.addEventListener("change", () => { SHOWN.set(i, box.checked); mark(); showRuns(); });
     byId("runs-shown").append(make("label", { title: runText(one) }, box, one.label));
+    return box;
   });
+  const mark = () => boxes.forEach((box, i) => {
+    box.checked = SHOWN.has(i);
+    box.style = `color:var(${SHOWN.colour(i)});accent-color:var(${SHOWN.colour(i)})`;
+  });
+  mark();
+  byId("few").hidden = boxes.length <= COLOURS.length + 1;
   if (MOTION.cables) byId("runs-shown").append(cableKey());
   byId("coloured").hidden = !MOTION.largestStress; // of rigid bodies only
   painter.topShare = 1;

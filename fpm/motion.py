@@ -46,22 +46,22 @@ def whole_motion(
     points = len(_ARMS) * 6 * instants * 8  # numbers of one particle, with 8 runs side by side
     passes = max(1, round(np.ceil(count * points / MOST_RECORDED)))
     recorded: list[list[tuple]] = [[] for _ in scenes]
+    kept = kept_instants(duration, instants, frames, times)
     for particles in np.array_split(np.arange(count), min(passes, count)):
         outcomes = simulate([_with_points(s, particles) for s in scenes], **arguments)
         for parts, outcome in zip(recorded, outcomes, strict=True):
             if outcome.failure is not None:
                 raise outcome.failure
             parts.append((_tracks(outcome, particles), outcome))
-    kept = kept_instants(duration, instants, frames, times)
     datasets = []
     for i, (scene, parts) in enumerate(zip(scenes, recorded, strict=True)):
         position, velocity, frame = (
             np.concatenate([tracks[k] for tracks, _ in parts], axis=1) for k in range(3)
         )
-        strains = element_strains(scene, position, frame)
-        found = Recorded(scene, parts[0][1], position, velocity, frame, *strains)
+        strains = element_strains(scene, position[kept], frame[kept])
+        found = Recorded(scene, parts[0][1], kept, position, velocity[kept], frame, *strains)
         extra = attributes[i] if attributes else {}
-        datasets.append(to_dataset(found, section_corners(scene), kept, extra))
+        datasets.append(to_dataset(found, section_corners(scene), extra))
     return datasets
 
 
@@ -155,9 +155,11 @@ def _with_points(scene: Scene, particles: np.ndarray) -> Scene:
 
 def _tracks(outcome: Outcome, particles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions and velocities (t, n, 3) and frames (t, n, 3, 3) of particles."""
+    of = {name: [outcome.points[f"{name} of particle {p}"] for p in particles] for name in _ARMS}
     place, second, third = (
-        np.stack([outcome.points[f"{name} of particle {p}"] for p in particles], axis=2)
-        for name in _ARMS
+        np.stack([position for position, _ in found], axis=1) for found in of.values()
     )
-    axes = [second[0] - place[0], third[0] - place[0]]
-    return place[0], place[1], np.stack([np.cross(*axes), *axes], axis=-1)
+    second -= place
+    third -= place
+    velocity = np.stack([velocity for _, velocity in of["place"]], axis=1)
+    return place, velocity, np.stack([np.cross(second, third), second, third], axis=-1)

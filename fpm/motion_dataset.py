@@ -21,14 +21,15 @@ BOX_CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
 
 class Recorded(NamedTuple):
-    """A run at all its instants (t) with n particles and m elements.
+    """A run with n particles and m elements: at all its instants (t), and at those kept (k,).
 
-    position (t, n, 3) m; velocity (t, n, 3) m/s; frame (t, n, 3, 3) axes as columns; axial,
-    bending (t, m): strains. outcome holds the scene's own points and the events.
+    position (t, n, 3) m and frame (t, n, 3, 3), axes as columns; velocity (k, n, 3) m/s; axial,
+    bending (k, m): strains. outcome holds the scene's own points and the events.
     """
 
     scene: Scene
     outcome: Outcome
+    kept: np.ndarray
     position: np.ndarray
     velocity: np.ndarray
     frame: np.ndarray
@@ -89,15 +90,13 @@ def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
     )
 
 
-def to_dataset(
-    found: Recorded, corners: np.ndarray, kept: np.ndarray, attributes: dict
-) -> "xarray.Dataset":
-    """The motion at the instants `kept`; corners (m, 2, 4, 3) m of the sections at their ends."""
+def to_dataset(found: Recorded, corners: np.ndarray, attributes: dict) -> "xarray.Dataset":
+    """The motion at the instants kept; corners (m, 2, 4, 3) m of the sections at their ends."""
     import xarray
 
-    scene, outcome = found.scene, found.outcome
+    scene, outcome, kept = found.scene, found.outcome, found.kept
     shapes = shapes_of(scene, corners)
-    still = np.zeros((len(found.position), len(shapes.names) - found.axial.shape[1]))
+    still = np.zeros((len(kept), len(shapes.names) - found.axial.shape[1]))
     found = found._replace(  # rigid bodies are not strained
         axial=np.hstack([found.axial, still]), bending=np.hstack([found.bending, still])
     )
@@ -108,10 +107,10 @@ def to_dataset(
         "contact": [scene.hinges[contact.hinge].name for contact in scene.contacts],
     }
     time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
-    variables = _moving(found, kept) | _fixed(scene, shapes) | _events(outcome)
+    variables = _moving(found, len(shapes.names)) | _fixed(scene, shapes) | _events(outcome)
     if scene.cables:
         names["cable"] = [cable.name for cable in scene.cables]
-        variables |= _cables(found, kept)
+        variables |= _cables(found)
     return xarray.Dataset(
         {
             name: (dims, values, {"units": unit, "long_name": text})
@@ -134,9 +133,10 @@ def to_dataset(
     )
 
 
-def _moving(found: Recorded, kept: np.ndarray) -> dict[str, tuple]:
+def _moving(found: Recorded, elements: int) -> dict[str, tuple]:
     """What changes in time: name -> dimensions, values, units, long name."""
-    stress = np.zeros(found.axial.shape)  # none in rigid bodies, which come last
+    kept = found.kept
+    stress = np.zeros((len(found.position), elements))  # none in rigid bodies, which come last
     if beams := found.scene.beams:
         found_stress = element_stress(
             found.scene, beams, lambda p: found.position[:, p], lambda p: found.frame[:, p]
@@ -148,11 +148,11 @@ def _moving(found: Recorded, kept: np.ndarray) -> dict[str, tuple]:
     when = found.outcome.time[stress.argmax(axis=0)]
     return {
         "position": (vector, found.position[kept], "m", "position of the particles"),
-        "velocity": (vector, found.velocity[kept], "m s-1", "velocity of the particles"),
+        "velocity": (vector, found.velocity, "m s-1", "velocity of the particles"),
         "frame": ((*vector, "director"), found.frame[kept], "1", "axes of the particle, columns"),
         "point_position": (("time", "point", "axis"), places, "m", "position of named points"),
-        "axial_strain": (element, found.axial[kept], "1", "stretch over unstrained length"),
-        "bending_strain": (element, found.bending[kept], "1", "largest bending strain at surface"),
+        "axial_strain": (element, found.axial, "1", "stretch over unstrained length"),
+        "bending_strain": (element, found.bending, "1", "largest bending strain at surface"),
         "stress": (element, stress[kept], "Pa", "largest equivalent stress (von Mises)"),
         "largest_stress": ("element", stress.max(axis=0), "Pa", "largest stress of all instants"),
         "largest_stress_time": ("element", when, "s", "instant of the largest stress"),
@@ -190,13 +190,13 @@ def _fixed(scene: Scene, shapes: Shapes) -> dict[str, tuple]:
     }
 
 
-def _cables(found: Recorded, kept: np.ndarray) -> dict[str, tuple]:
+def _cables(found: Recorded) -> dict[str, tuple]:
     """Tensions, and the points of all cables one after the other."""
     cables = found.scene.cables
     beams = [beam for cable in cables for beam in cable.beams]
     of = np.repeat(np.arange(len(cables)), [len(cable.beams) for cable in cables])
     on, arms = np.array([beam.particle for beam in beams]), np.array([beam.arm for beam in beams])
-    tension = found.outcome.recorded["cable_tension"].values[kept]
+    tension = found.outcome.recorded["cable_tension"].values[found.kept]
     return {
         "cable_tension": (("time", "cable"), tension, "N", "tension of the cables"),
         "cable_point_cable": ("cable_point", of.astype(np.int32), "1", "cable of the point"),

@@ -1,5 +1,9 @@
 """What mesh and step add to the error: the runs at the places that decide again, once with half the
-step and once on a mesh twice as fine."""
+step, and once with that on a mesh twice as fine.
+
+Each part is what changes beside the runs before: a finer mesh takes half the step anyway, which so
+counts once, and all that changes is at most the sum of the parts.
+"""
 
 from __future__ import annotations
 
@@ -65,19 +69,18 @@ def finer_errors(bench: Bench, ends: list[Ends], parts: tuple = PARTS) -> dict[s
     its ends. NaN where it has none, or happens in one of both runs only; no mesh where no parameter
     sets it.
     """
+    points = np.array([at for end in ends for at in (end.argmin, end.argmax)])
+    there = np.isfinite(points).all(axis=1)
+    before = np.array([(end.lower, end.upper) for end in ends])
     found = {}
     for name, plan in _plans(bench.plan, parts).items():
-        points = np.array([at for end in ends for at in (end.argmin, end.argmax)])
-        there = np.isfinite(points).all(axis=1)
         numbers = np.full((len(points), len(ends)), np.nan)
         if there.any():
             numbers[there] = bench.measure(plan, runs_at(plan, points[there]))
-        errors = np.full(len(ends), np.nan)
-        for q, end in enumerate(ends):
-            if np.isfinite(end.lower):
-                changes = numbers[2 * q : 2 * q + 2, q] - (end.lower, end.upper)
-                errors[q] = np.abs(changes).max()
-        found[name] = errors
+        # Of quantity q, the numbers of the runs at its two ends.
+        now = np.array([numbers[2 * q : 2 * q + 2, q] for q in range(len(ends))])
+        found[name] = np.abs(now - before).max(axis=1)
+        before = now
     return found
 
 
@@ -94,11 +97,12 @@ def _curve_errors(bench: Bench, bounds: Any, parts: tuple) -> dict[str, np.ndarr
     apart = np.abs(known - places.unit[:, None]).max(axis=2)
     nearest = apart.argmin(axis=1)
     points = np.where(apart.min(axis=1)[:, None] <= BESIDE, known[nearest], places.unit)
-    usual = _curves(bench, bench.plan, points)
-    return {
-        name: places.errors(_curves(bench, plan, points) - usual)
-        for name, plan in _plans(bench.plan, parts).items()
-    }
+    before, found = _curves(bench, bench.plan, points), {}
+    for name, plan in _plans(bench.plan, parts).items():
+        now = _curves(bench, plan, points)
+        found[name] = places.errors(now - before)
+        before = now
+    return found
 
 
 def _curves(bench: Bench, plan: Plan, unit: np.ndarray) -> np.ndarray:
@@ -107,10 +111,11 @@ def _curves(bench: Bench, plan: Plan, unit: np.ndarray) -> np.ndarray:
 
 
 def _plans(plan: Plan, parts: tuple) -> dict[str, Plan]:
-    """The plan with half the step, and with a mesh twice as fine, those of both that are asked."""
-    time, experiment = plan.time, plan.experiment
-    halved = replace(time, step=time.step / 2, steps_per_instant=2 * time.steps_per_instant)
-    plans = {"step": replace(plan, time=halved)} if "step" in parts else {}
+    """The plan with half the step, and with that on a mesh twice as fine, those that are asked."""
+    time, experiment, plans = plan.time, plan.experiment, {}
+    if "step" in parts:
+        time = replace(time, step=time.step / 2, steps_per_instant=2 * time.steps_per_instant)
+        plans["step"] = replace(plan, time=time)
     scene = plain_data(experiment.scene)
     asked = {"file": scene["file"]} if scene["file"] else {"name": scene["name"]}
     if "mesh" in parts and (mesh := mesh_of(asked)):
@@ -118,7 +123,7 @@ def _plans(plan: Plan, parts: tuple) -> dict[str, Plan]:
         finer = {**experiment.scene.parameters}
         finer[mesh] = 2 * finer.get(mesh, usual)
         other = replace(experiment, scene=replace(experiment.scene, parameters=finer))
-        # A step that was given may be too long for the finer mesh.
+        # The step may be too long for the finer mesh.
         stable = choose_step(replace(other, solver=replace(other.solver, step="auto")))
         step = min(time.step, stable.step)
         plans["mesh"] = replace(plan, experiment=other, time=replace(stable, step=step))

@@ -34,8 +34,9 @@ def motion():
         points=points, time=time, step=0.1, events=np.zeros((0, 3)), eventful=()
     )
     strains = element_strains(scene, position, frame)
-    found = Recorded(scene, outcome, position, 0.0 * position + 1.5, frame, *strains)
-    return to_dataset(found, section_corners(scene), np.arange(FRAMES), {"run_id": "abc"})
+    kept = np.arange(FRAMES)
+    found = Recorded(scene, outcome, kept, position, 0.0 * position + 1.5, frame, *strains)
+    return to_dataset(found, section_corners(scene), {"run_id": "abc"})
 
 
 @pytest.fixture(scope="session")
@@ -80,5 +81,5 @@ def hub():
     frame = Rotation.from_rotvec([[0, 0, 0], [0, 0, 0.5]]).as_matrix()[:, None]
     outcome = SimpleNamespace(points={}, time=time, step=0.1, events=np.zeros((0, 3)), eventful=())
     position, none = np.tile([0.5, 0.0, 0.0], (2, 1, 1)), np.zeros((2, 0))
-    found = Recorded(scene, outcome, position, 0.0 * position, frame, none, none)
-    return to_dataset(found, np.zeros((0, 2, 4, 3)), np.arange(2), {})
+    found = Recorded(scene, outcome, np.arange(2), position, 0.0 * position, frame, none, none)
+    return to_dataset(found, np.zeros((0, 2, 4, 3)), {})

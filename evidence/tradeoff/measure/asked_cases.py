@@ -84,6 +84,30 @@ ASKED = (
         scan(256, _links(24)),
     ),
     Asked(
+        "six", "Bennett linkage, all six parameters of config/six.yaml, 0.27 s",
+        {
+            "scene": {"name": "bennett"},
+            "solver": {"duration": 0.27, "instants": 541},
+            "intervals": {
+                "L": {"nominal": 0.45, "relative": 0.005},
+                "a": {"nominal": 0.035, "relative": 0.01},
+                "E": {"relative": 0.05},
+                "rho": {"relative": 0.02},
+                "K_C": {"relative": 0.1},
+                "K_F": {"relative": 0.02},
+            },
+            "responses": _BENNETT,
+        },
+        {
+            "draft": _PRESETS["draft"],
+            "scan 64, 6 elements": scan(64, _links(6)),
+            "scan 256, 6 elements": scan(256, _links(6)),
+            "scan 256, 12 elements": scan(256, _links(12)),
+        },
+        scan(1000, _links(16)),
+        (0.2, 0.1, 0.05),
+    ),
+    Asked(
         "latch", "Rigid panel that a latch holds, k ± 10 %, angle ± 1°, 3 s",
         {
             "scene": _file("latch"),

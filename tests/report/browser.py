@@ -48,6 +48,8 @@ class Browser:
         # A window is at least 500 wide, a telephone is not.
         metrics = {"width": width, "height": height, "deviceScaleFactor": scale}
         self.developer("Emulation.setDeviceMetricsOverride", mobile=width < 500, **metrics)
+        if width < 500:
+            self.developer("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=5)
 
     def __enter__(self):
         return self
@@ -104,6 +106,28 @@ class Browser:
                 {"type": "pointerUp", "button": 0},
             ],
         }])  # fmt: skip
+
+    def middle(self, selector: str) -> tuple[float, float]:
+        """The middle (pixels) of an element, after that was brought to the middle of the window."""
+        found = f"document.querySelector('{selector}')"
+        self.ask(f"{found}.scrollIntoView({{behavior: 'instant', block: 'center'}})")
+        self.settle()
+        box = f"{found}.getBoundingClientRect()"
+        return tuple(self.ask(f"[{box}.x + {box}.width / 2, {box}.y + {box}.height / 2]"))
+
+    def touch(self, selector: str, *ways: tuple[tuple[float, float], tuple[float, float]]) -> None:
+        """Move a finger each along a way, from one place to another (pixels from the element's
+        `middle`)."""
+        x, y = self.middle(selector)
+        for step in range(6):
+            places = [
+                {"id": i, "x": x + a + (c - a) * step / 5, "y": y + b + (d - b) * step / 5}
+                for i, ((a, b), (c, d)) in enumerate(ways)
+            ]
+            kind = "touchMove" if step else "touchStart"
+            self.developer("Input.dispatchTouchEvent", type=kind, touchPoints=places)
+        self.developer("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        self.settle()
 
     def errors(self) -> list[str]:
         """What the console complained about since the last call."""

@@ -204,12 +204,66 @@ def test_everything_that_can_be_used_has_a_name(window):
     assert nameless == []
 
 
-def test_a_telephone_needs_no_sideways_scrolling(page):
+@pytest.fixture(scope="module")
+def telephone(page):
     with Browser(390, 844) as browser:
         browser.open(page)
         browser.settle()
-        assert browser.ask("document.documentElement.scrollWidth") <= 390
+        yield browser
         assert browser.errors() == []
+
+
+def test_a_telephone_needs_no_sideways_scrolling(telephone):
+    assert telephone.ask("document.documentElement.scrollWidth") <= 390
+
+
+def test_fingers_turn_zoom_and_move_the_structure(telephone):
+    """Unless it was tapped, a finger that goes up or down scrolls the page."""
+
+    def look():
+        text = telephone.ask("document.getElementById('view').dataset.look")
+        return np.array(text.split(), float)
+
+    def changes(*ways):
+        telephone.middle("#view")
+        before = look(), telephone.ask("scrollY")
+        telephone.touch("#view", *ways)
+        turned, raised, zoomed, right, down = look() - before[0]
+        return turned, raised, zoomed, right, down, telephone.ask("scrollY") - before[1]
+
+    turned, *others = changes(((0, 0), (80, 0)))
+    assert turned == pytest.approx(-0.72, abs=0.02) and not any(others)
+    telephone.touch("#view", ((0, 0), (0, 0)))
+    _, raised, *others = changes(((0, 0), (0, -40)))
+    assert raised == pytest.approx(-0.36, abs=0.02) and not any(others)
+    for pinch in (
+        (((-30, 0), (-60, 0)), ((30, 0), (60, 0))),
+        (((0, 60), (0, 30)), ((0, -60), (0, -30))),
+    ):
+        before = look()[2]
+        changes(*pinch)
+        wider = np.hypot(*np.subtract(pinch[0][1], pinch[1][1]))
+        apart = np.hypot(*np.subtract(pinch[0][0], pinch[1][0]))
+        assert look()[2] == pytest.approx(before * wider / apart, rel=0.02)
+    turned, raised, zoomed, right, down, scrolled = changes(
+        ((-30, 0), (0, 40)), ((30, 0), (60, 40))
+    )
+    assert right == pytest.approx(30, abs=2) and down == pytest.approx(40, abs=2)  # as one sees it
+    assert (turned, raised, scrolled) == (0, 0, 0) and abs(zoomed) < 0.01
+    telephone.ask("document.getElementById('view').blur()")
+    *others, scrolled = changes(((0, 40), (0, -60)))
+    assert scrolled > 40 and not any(others)
+
+
+def test_fingers_zoom_curves_and_move_in_time(telephone):
+    before = telephone.ask(PATHS)
+    telephone.touch("#charts svg", ((-50, 0), (50, 0)))
+    assert telephone.ask(PATHS) != before
+    telephone.ask("document.getElementById('whole').click()")
+    telephone.touch("#time", ((-40, 0), (40, 0)))
+    later = telephone.ask(NOW)
+    telephone.touch("#charts svg", ((-50, 0), (-50, 0)))
+    assert 0 < telephone.ask(NOW) < 0.2 < later
 
 
 def test_curves_are_as_wide_as_paper_only_while_it_is_printed(window):

@@ -32,9 +32,21 @@ class Viewer {
     context.textAlign = "left";
     context.fillText(`floor grid ${digits(this.painter.gridStep())} m`, 14, height - 12);
     context.textAlign = "right";
-    if (width === this.canvas.clientWidth) context.fillText("drag to turn, + − to zoom", width - 14, height - 12);
-    const { radius, size } = this.painter.extent;
+    if (width === this.canvas.clientWidth) context.fillText(this.hint(), width - 14, height - 12);
+    const { radius, size } = this.painter.extent, { azimuth, elevation, zoom, shift } = this.camera;
     Object.assign(this.canvas.dataset, { time: clock.time.toFixed(6), radius: radius.toFixed(6), pin: size.toFixed(6) });
+    this.canvas.dataset.look = [azimuth, elevation, zoom, ...shift].map((value) => value.toFixed(4)).join(" ");
+  }
+
+  // Whether the picture has the focus: it is turned every way by a finger then, which else scrolls
+  // the page up and down (`touch-action` in the style).
+  get held() {
+    return document.activeElement === this.canvas;
+  }
+
+  hint() {
+    if (!matchMedia("(pointer: coarse)").matches) return "drag to turn, + − to zoom";
+    return this.held ? "drag to turn, pinch to zoom" : "tap it to turn it every way";
   }
 
   look(name) {
@@ -52,17 +64,22 @@ class Viewer {
     canvas.addEventListener("pointerdown", (event) => {
       canvas.setPointerCapture(event.pointerId);
       this.pointers.set(event.pointerId, [event.clientX, event.clientY]);
+      this.start = [event.clientX, event.clientY];
     });
     canvas.addEventListener("pointermove", (event) => this.drag(event));
+    canvas.addEventListener("pointerup", ({ clientX, clientY }) => { // not every browser does so itself
+      if (Math.hypot(clientX - this.start[0], clientY - this.start[1]) < 6) canvas.focus({ preventScroll: true });
+    });
     for (const name of ["pointerup", "pointercancel"]) {
       canvas.addEventListener(name, (event) => this.pointers.delete(event.pointerId));
     }
     // The wheel scrolls the page unless the picture was clicked or a zoom is meant.
     canvas.addEventListener("wheel", (event) => {
-      if (!event.ctrlKey && document.activeElement !== canvas) return;
+      if (!event.ctrlKey && !this.held) return;
       event.preventDefault();
       this.magnify(Math.exp(-0.0015 * event.deltaY));
     }, { passive: false });
+    for (const name of ["focus", "blur"]) canvas.addEventListener(name, () => this.draw());
     canvas.addEventListener("dblclick", () => this.look("free"));
     canvas.addEventListener("keydown", (event) => this.key(event));
   }
@@ -77,7 +94,7 @@ class Viewer {
       this.camera.magnify(size(event.clientX, event.clientY) / size(...before));
       this.move(0.5 * dx, 0.5 * dy);
     } else if (event.shiftKey || event.buttons === 4) this.move(dx, dy);
-    else this.camera.turn(0.009 * dx, 0.009 * dy);
+    else this.camera.turn(0.009 * dx, event.pointerType === "touch" && !this.held ? 0 : 0.009 * dy);
     this.pointers.set(event.pointerId, [event.clientX, event.clientY]);
     this.draw();
   }

@@ -74,6 +74,11 @@ class Folder:
         return self / "report.html"
 
     @property
+    def motions(self) -> Path:
+        """The folder of the whole motions of the runs that the page shows."""
+        return self / "motions"
+
+    @property
     def figures(self) -> Path:
         """The folder of the figures of responses."""
         return self / "figures"

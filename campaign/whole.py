@@ -18,6 +18,8 @@ from campaign.folder import ROUND_FILES, Folder
 from campaign.runs.progress import Tell, Teller
 from campaign.stages import STAGES, answers, batch_count, drawings, waits_for_page
 from campaign.stopping import import_ahead
+from campaign.workflow import Workflow
+from fpm.sealed import DamagedError
 
 
 def run(
@@ -29,14 +31,16 @@ def run(
     """Run a campaign into `results`/<campaign> and return its bounds, an `xarray.Dataset`.
 
     `config` is the name of a YAML file, or what one holds. Runs that are there already are not
-    simulated again; everything else is made anew. `tell` gets messages of progress, which are
-    printed if nothing is said. Bounds are the workflow's to the last bit with `OMP_NUM_THREADS=1`;
-    threads of linear algebra round otherwise.
+    simulated again; everything else is made anew, and what was damaged is named. `tell` gets
+    messages of progress, which are printed if nothing is said. Bounds are the workflow's to the
+    last bit with `OMP_NUM_THREADS=1`; threads of linear algebra round otherwise.
     Raises `ConfigError` before anything is written, `CampaignError` when runs fail.
     """
     tell = tell or Teller(sys.stderr)
     campaign = _campaign(config)
     folder = Folder(Path(results, campaign.name))
+    for error in _damaged_in(campaign, results, figures):
+        tell(f"{error}; it is made again")
     with Draughtsman() if figures else nullcontext() as draughtsman:
         wanted = drawings(campaign) if draughtsman else []
         if campaign.is_adaptive:
@@ -70,6 +74,16 @@ def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
     if isinstance(config, Campaign):
         return config
     return check_config(config) if isinstance(config, Mapping) else load_config([config])
+
+
+def _damaged_in(campaign: Campaign, results: str | Path, figures: bool) -> list[DamagedError]:
+    """Results of a campaign that are there, not as they were written, and made again."""
+    workflow = Workflow(campaign, results)
+    workflow.stale()
+    folder = workflow.folder
+    drawn = {folder.figures, folder.motions, folder.report}
+    errors = workflow.damaged.values()
+    return [e for e in errors if figures or drawn.isdisjoint([e.path, *e.path.parents])]
 
 
 def _stage(name: str, campaign: Campaign, folder: Folder, tell: Tell, **more: Any) -> None:

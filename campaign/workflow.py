@@ -21,9 +21,10 @@ class Workflow:
     Importing and making one is cheap, since every call of Snakemake does it.
     """
 
-    def __init__(self, campaign: Campaign):
+    def __init__(self, campaign: Campaign, results: str | Path = "results"):
         self.campaign, self.name = campaign, campaign.name
-        self.folder = Folder(Path("results", campaign.name))
+        self.folder = Folder(Path(results, campaign.name))
+        self.damaged: dict[str, DamagedError] = {}  # of what `stale` found
 
     @classmethod
     def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Workflow:
@@ -127,8 +128,6 @@ class Workflow:
         self, folder: Folder, plan: str, found: dict[str, str], rounds=True, figures=True
     ) -> None:
         """Add the stale results in the folder of a campaign or of a round."""
-        if not folder.plan.exists():
-            return
         files = {plan: [folder.plan], "gather": [folder.samples]}
         files["bounds"] = [folder.bounds, folder.surrogate, folder.sensitivities]
         if figures:
@@ -143,20 +142,30 @@ class Workflow:
                 files[name] = list(map(Path, drawn))
             files["summary"] = [folder / f"summary.{kind}" for kind in ("json", "md")]
             files["report"] = [folder.report]
+            self._damaged_motions(folder, found)
         of = None
         for stage, paths in files.items():
-            basis = STAGES[stage].basis(STAGES[stage].sections_of(self.campaign))
-            for path in paths:
+            there = [path for path in paths if path.exists()]
+            basis = there and STAGES[stage].basis(STAGES[stage].sections_of(self.campaign))
+            for path in there:
                 try:
                     facts = check(path, path.name)
-                except FileNotFoundError:
-                    continue
                 except DamagedError as error:
+                    self.damaged[str(path)] = error
                     found[str(path)] = str(error)
                     continue
                 of = of or facts.get("plan")
                 if (facts.get("basis"), facts.get("plan")) != (basis, of):
                     found[str(path)] = f"{path} was made from something else"
+
+    def _damaged_motions(self, folder: Folder, found: dict[str, str]) -> None:
+        """Have the page made again, and with it motions that are damaged."""
+        for path in sorted(folder.motions.glob("*.nc")):
+            try:
+                check(path, path.name)
+            except DamagedError as error:
+                self.damaged[str(path)] = error
+                found[str(folder.report)] = str(error)
 
     def envelope_figures(self, stage: str, *kinds: str) -> list[str]:
         """The figures of the responses, of some kinds or of all."""

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from campaign.config.accuracy import accuracy_problems, with_accuracy
-from campaign.config.loader import load
+from campaign.config.loader import load, load_own
 from campaign.config.presets import with_preset
 from campaign.config.scenes import anchored
 from campaign.config.sections import Campaign
@@ -28,7 +28,7 @@ SCHEMA_PATH = Path(__file__).parent / "schema.yaml"
 @cache
 def schema() -> dict:
     """The schema of a config (do not change it)."""
-    return load(SCHEMA_PATH)
+    return load_own(SCHEMA_PATH)
 
 
 def load_config(

@@ -91,7 +91,7 @@ def _build_problems(experiment: Experiment) -> list[str]:
     for place, values in zip(places, corners(experiment.intervals), strict=False):
         at = ", ".join(f"{name} = {value:.9g}" for name, value in values.items())
         try:
-            scene = experiment.build(values)
+            scene = experiment.nominal_scene if first is None else experiment.build(values)
         except fpm.SceneError as error:
             return _scene_problems(error, f"scene: at {place} ({at})", str(error))
         found = topology(scene)
@@ -121,7 +121,7 @@ def _time_problems(experiment: Experiment) -> list[str]:
     import fpm
 
     solver, problems = experiment.solver, []
-    scene = experiment.build(dict(zip(experiment.intervals, experiment.nominal, strict=True)))
+    scene = experiment.nominal_scene
     if solver.step != "auto" or solver.duration > _LONG:
         limit = fpm.stable_step(scene).step
         step = solver.safety * limit if solver.step == "auto" else solver.step
@@ -172,8 +172,7 @@ def _quantity_problems(experiment: Experiment) -> list[str]:
 
     if not experiment.quantities:
         return []
-    scene = experiment.build(next(corners(experiment.intervals)))
-    elements = eventful(scene)
+    elements = eventful(experiment.nominal_scene)
     _, errors = parse(experiment.quantities, experiment.curves, elements)
     return [_sentence(error.key, error) for error in errors]
 

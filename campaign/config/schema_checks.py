@@ -6,6 +6,7 @@ import copy
 import json
 import math
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 from fpm.errors import did_you_mean
@@ -20,17 +21,11 @@ def schema_problems(raw: Any, schema: Mapping) -> tuple[list[str], dict | None]:
     Also a copy of `raw` without what is wrong, so that the rest can be looked at too; None when
     that leaves no config.
     """
-    from jsonschema import Draft202012Validator
-    from jsonschema.validators import extend
-
-    # JSON knows no difference between 2 and 2.0; what counts with it does.
-    types = Draft202012Validator.TYPE_CHECKER
-    types = types.redefine("integer", lambda _, value: type(value) is int)
     endless = _not_finite(raw)
     problems = [
         f"{key}: {value} is not allowed; allowed: a finite number" for key, value in endless
     ]
-    validator = extend(Draft202012Validator, type_checker=types)(schema)
+    validator = _validator()(schema)
     errors = sorted(validator.iter_errors(raw), key=lambda e: list(map(str, e.absolute_path)))
     sound = copy.deepcopy(raw)
     told = {key for key, _ in endless}
@@ -40,6 +35,18 @@ def schema_problems(raw: Any, schema: Mapping) -> tuple[list[str], dict | None]:
         _remove(sound, error)
     problems = list(dict.fromkeys(problems))  # two rules may say the same of a value
     return problems, None if endless or not validator.is_valid(sound) else sound
+
+
+@cache
+def _validator() -> Any:
+    """The class that checks data by a schema; to make it takes as long as to check a config."""
+    from jsonschema import Draft202012Validator
+    from jsonschema.validators import extend
+
+    # JSON knows no difference between 2 and 2.0; what counts with it does.
+    types = Draft202012Validator.TYPE_CHECKER
+    types = types.redefine("integer", lambda _, value: type(value) is int)
+    return extend(Draft202012Validator, type_checker=types)
 
 
 def _remove(data: Any, error: Any) -> None:

@@ -10,7 +10,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, is_dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, get_args, get_origin, get_type_hints
 
 
@@ -112,8 +112,7 @@ class Experiment:
 
         How many there are may depend on parameters. Raises `fpm.SceneError`.
         """
-        nominal = dict(zip(self.intervals, self.nominal, strict=True))
-        scene, values = self.build(nominal), self.parameters(nominal)
+        scene, values = self.nominal_scene, self.parameters(self._nominal_values)
         hinges = tuple(hinge.name for hinge in scene.hinges)
         points = tuple(scene.points)
         return replace(self.scene_type, points=points, hinges=hinges, values=values)
@@ -137,8 +136,7 @@ class Experiment:
 
         if not self.quantities:
             return []
-        elements = eventful(self.build(dict(zip(self.intervals, self.nominal, strict=True))))
-        found, problems = parse(self.quantities, self.curves, elements)
+        found, problems = parse(self.quantities, self.curves, eventful(self.nominal_scene))
         for problem in problems:
             raise problem
         return found
@@ -155,6 +153,15 @@ class Experiment:
     def nominal(self) -> list[float]:
         """Nominal values of the interval parameters, in their units."""
         return [interval.nominal for interval in self.intervals.values()]
+
+    @property
+    def _nominal_values(self) -> dict[str, float]:
+        return dict(zip(self.intervals, self.nominal, strict=True))
+
+    @cached_property
+    def nominal_scene(self) -> Any:
+        """The `fpm.Scene` at the nominal values (do not change it); raises `fpm.SceneError`."""
+        return self.build(self._nominal_values)
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
         """All of the scene's parameters in the run whose interval parameters have `values`."""
@@ -281,7 +288,7 @@ def plain_data(section: Any) -> Any:
 def from_data(kind: Any, data: Any) -> Any:
     """A section of type `kind` from what `plain_data` gave, whole numbers for reals as floats."""
     if is_dataclass(kind):
-        hints = get_type_hints(kind)
+        hints = _hints(kind)
         return kind(**{name: from_data(hints[name], value) for name, value in data.items()})
     if get_origin(kind) is dict:
         return {key: from_data(get_args(kind)[1], value) for key, value in data.items()}
@@ -289,6 +296,9 @@ def from_data(kind: Any, data: Any) -> Any:
         item = next(iter(get_args(kind)), None)
         return tuple(from_data(item, value) for value in data)
     return float(data) if kind in (float, float | str) and type(data) is int else data
+
+
+_hints = cache(get_type_hints)
 
 
 def digest(data: Any) -> str:

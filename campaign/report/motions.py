@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from campaign.results.which import ids, keeps_extremes, nominal_row
-from fpm.sealed import DamagedError
+from fpm.sealed import DamagedError, check
 
 if TYPE_CHECKING:
     import xarray
@@ -207,7 +207,8 @@ def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
 
 
 def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
-    """Write `motions/<run id>.nc` of the runs that the page of a campaign's folder shows.
+    """Write `motions/<run id>.nc` of the runs that the page of a campaign's folder shows, and
+    remove others that are damaged.
 
     None if they could not be made again as they were, since the structure or the mechanics changed.
     """
@@ -226,4 +227,9 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
         paths = [folder / MOTIONS / f"{run.id}.nc" for run in shown]
         for motion, path in zip(motions_of(samples, shown, frames), paths, strict=True):
             write_dataset(motion, path, "Whole motion of a run")
+    for path in set((folder / MOTIONS).glob("*.nc")) - set(paths):
+        try:
+            check(path, path.name)
+        except DamagedError:  # which is no longer shown, and so never made again
+            path.unlink()
     return paths

@@ -27,7 +27,7 @@ def attack(kinds: tuple[str, ...], minutes: float, seed: int, folder: Path) -> t
     rng, ledger, hunt = random.Random(seed), Ledger(), Hunt(seed)
     with tempfile.TemporaryDirectory() as name:
         place = Path(name)
-        victims = [Victim(place, keep) for keep in ("trajectories", "responses")]
+        victims = [Victim(place), Victim(place, "responses"), Victim(place, drawn=True)]
         for kind in kinds:
             end = time.monotonic() + 60.0 * minutes / len(kinds)
             while time.monotonic() < end:

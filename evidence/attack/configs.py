@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 import campaign
+import fpm
 from campaign.config.check import load_config
 from campaign.config.design import count_runs
 from campaign.config.sections import Campaign
@@ -44,12 +45,15 @@ COSTLY = 3e6
 """Steps times runs above which an accepted config is not simulated here."""
 
 
+_DUMPER = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+
+
 def mutated(rng: random.Random) -> str:
     """The text of a config that was changed in one to three places."""
     data = copy.deepcopy(rng.choice(BASES))
     for _ in range(rng.choice([1, 1, 2, 3])):
         _change(data, rng)
-    text = yaml.safe_dump(data, allow_unicode=True)
+    text = yaml.dump(data, Dumper=_DUMPER, allow_unicode=True)
     if rng.random() < 0.15:
         lines = text.split("\n")
         at = rng.randrange(len(lines))
@@ -118,13 +122,12 @@ def attack_by_config(
 
 
 def _is_cheap(found: Campaign) -> bool:
-    """Whether a campaign takes seconds: its steps, with the default one, times its runs."""
-    from campaign.plan.make import choose_step
-
+    """Whether a campaign takes seconds: its steps, as long as its nominal run lets them be, times
+    its runs."""
     experiment = found.experiment
     if experiment.scene.parameters.get("elements_per_link", 12) > 4:
         return False
-    steps = experiment.solver.duration / choose_step(experiment).step
+    steps = experiment.solver.duration / fpm.stable_step(experiment.nominal_scene).step
     return steps * count_runs(experiment) < COSTLY and experiment.solver.instants <= 5000
 
 

@@ -64,28 +64,50 @@ HARMS: dict[str, Callable[[Path, random.Random], str]] = {
 }
 
 
-def attack_files(victim: Victim, place: Path, ledger: Ledger, rng: random.Random) -> None:
-    """Damage one file of a finished campaign in one way."""
+def kinds_in(folder: Path) -> dict[str, list[Path]]:
+    """The sealed files of a campaign by what they are: of those in its folder each is a kind."""
+    found: dict[str, list[Path]] = {}
+    for path in results_in(folder):
+        name = path.relative_to(folder)
+        kind = name.name if name.parent == Path() else f"{name.parts[0]}/*{name.suffix}"
+        found.setdefault(kind, []).append(path)
+    return found
+
+
+def attack_files(
+    victim: Victim,
+    place: Path,
+    ledger: Ledger,
+    rng: random.Random,
+    kind: str | None = None,
+    harm: str | None = None,
+) -> None:
+    """Damage one file of a finished campaign in one way; both by chance if they are not given."""
     folder = victim.copy(place)
-    path = rng.choice(results_in(folder))
-    harm = rng.choice(list(HARMS))
+    kinds = kinds_in(folder)
+    path = rng.choice(kinds[kind or rng.choice(list(kinds))])
+    harm = harm or rng.choice(list(HARMS))
     before = path.read_bytes()
     done = HARMS[harm](path, rng)
     if path.read_bytes() == before:
         return
-    what = f"{path.relative_to(folder)}, {done}, keep: {victim.keep}"
-    ledger.attempt(harm, what, 60.0, lambda: _lead_on(victim, folder, path))
+    at_once = rng.random() < 0.5
+    what = f"{path.relative_to(folder)}, {done}, keep: {victim.keep}, at once: {at_once}"
+    ledger.attempt(harm, what, 60.0, lambda: _lead_on(victim, folder, path, at_once))
 
 
-def _lead_on(victim: Victim, folder: Path, path: Path) -> str:
-    """What the stages make of a damaged folder, then what a whole run makes of it."""
+def _lead_on(victim: Victim, folder: Path, path: Path, at_once: bool) -> str:
+    """What a whole run makes of a damaged folder, at once or after single stages.
+
+    Whoever reads the file first has to name it.
+    """
     stages, refused = Folder(folder), False
     sections = check_config(victim.raw)
-    workflow = Workflow(sections)
-    workflow.folder = stages
-    if path.parent in (folder, stages.figures) and str(path) not in workflow.stale():
+    workflow = Workflow(sections, folder.parent)
+    workflow.stale()
+    if path.parent.name != victim.keep and str(path) not in workflow.damaged:
         return "wrong"
-    for name in ("gather", "bounds", "summary"):
+    for name in () if at_once else ("gather", "bounds", "summary"):
         try:
             STAGES[name].run(stages, silent, **STAGES[name].sections_of(sections))
         except CampaignError:
@@ -93,7 +115,10 @@ def _lead_on(victim: Victim, folder: Path, path: Path) -> str:
             break
         if name == "bounds" and not victim.is_true(read_bounds(folder)):
             return "wrong"
-    if not victim.is_true(victim.run(folder.parent)):
+    told: list[str] = []
+    if not victim.is_true(victim.run(folder.parent, told.append)):
+        return "wrong"
+    if at_once and not any(str(path) in text for text in told):
         return "wrong"
     if broken_in(folder):
         return "stuck"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -30,12 +31,13 @@ def silent(text: str) -> None:
 
 
 class Victim:
-    """The campaign in `folder`, with runs kept as `keep` says, and its true bounds."""
+    """The campaign in `folder`, with runs kept as `keep` says, drawn or not; its true bounds."""
 
-    def __init__(self, folder: Path, keep: str = "trajectories"):
+    def __init__(self, folder: Path, keep: str = "trajectories", drawn: bool = False):
         self.raw = copy.deepcopy(RAW)
         self.raw["jobs"]["keep"] = keep
-        self.keep, self.whole = keep, folder / f"whole-{keep}"
+        self.keep, self.drawn = keep, drawn
+        self.whole = folder / f"whole-{keep}{'-drawn' * drawn}"
         self.truth = self.run(self.whole)
 
     @property
@@ -43,9 +45,9 @@ class Victim:
         """Its name, and that of its folder."""
         return self.raw["campaign"]
 
-    def run(self, results: Path) -> dict[str, np.ndarray]:
+    def run(self, results: Path, tell: Callable[[str], None] = silent) -> dict[str, np.ndarray]:
         """Run it (what is there already is used); its bounds."""
-        found = campaign.run(self.raw, results, figures=False, tell=silent)
+        found = campaign.run(self.raw, results, figures=self.drawn, tell=tell)
         return {name: found[name].values for name in VARIABLES}
 
     def copy(self, results: Path) -> Path:

@@ -1,6 +1,7 @@
-"""The program is attacked: nothing wrong, nothing stuck, no traceback, no hang.
+"""Processes are killed, and disks are full: nothing broken is left, and all goes on.
 
-`python -m evidence attack --minutes 60` does the same for an hour.
+`python -m evidence attack --minutes 60` does this, and all else that is in this folder, for an
+hour.
 """
 
 from __future__ import annotations
@@ -12,14 +13,10 @@ import signal
 
 import pytest
 
-from evidence.attack.configs import attack_by_config, attack_by_running, mutated
-from evidence.attack.damage import attack_files
 from evidence.attack.ledger import Ledger
 from evidence.attack.mutants import change_at, sites
 from evidence.attack.processes import attack_by_full_disk, attack_by_kill, command, start
 from evidence.attack.victim import RAW, Victim
-
-SEED = 20
 
 
 @pytest.fixture(scope="module")
@@ -29,67 +26,13 @@ def victims(tmp_path_factory):
     return [Victim(place, keep) for keep in ("trajectories", "responses")]
 
 
-def judged(ledger: Ledger) -> None:
-    assert not ledger.bad, ledger.bad[0]
-
-
-def damage(victims, place, count):
-    rng, ledger = random.Random(SEED), Ledger()
-    for _ in range(count):
-        attack_files(rng.choice(victims), place / "attacked", ledger, rng)
-    judged(ledger)
-    assert sum(ledger.counts.values()) > count // 2
-
-
-def configs(place, count, runs):
-    rng, ledger, ran = random.Random(SEED), Ledger(), 0
-    for _ in range(count):
-        text = mutated(rng)
-        if found := attack_by_config(text, place, ledger, ran < runs):
-            ran += 1
-            attack_by_running(found, text, place / str(ran), ledger)
-    judged(ledger)
-    assert ledger.counts["config mutated", "refused"] > count // 2
-    assert ledger.counts["config mutated", "right"] > count // 50
-    assert ran == runs
-
-
-def processes(victims, place, count):
-    rng, ledger = random.Random(SEED), Ledger()
-    for number in range(count):
-        attack_by_kill(rng.choice(victims), place / f"kill{number}", ledger, rng)
-        attack_by_full_disk(rng.choice(victims), place / f"disk{number}", ledger, rng)
-    judged(ledger)
-
-
-@pytest.mark.slow
-def test_damaged_files_are_told_and_made_again(victims, tmp_path):
-    damage(victims, tmp_path, 8)
-
-
-@pytest.mark.slow
-def test_mutated_configs_are_refused_or_run(tmp_path):
-    configs(tmp_path, 100, 3)
-
-
 @pytest.mark.slow
 def test_killed_runs_and_full_disks_leave_nothing_broken(victims, tmp_path):
-    processes(victims, tmp_path, 1)
-
-
-@pytest.mark.slow
-def test_many_damaged_files(victims, tmp_path):
-    damage(victims, tmp_path, 100)
-
-
-@pytest.mark.slow
-def test_many_mutated_configs(tmp_path):
-    configs(tmp_path, 2300, 100)
-
-
-@pytest.mark.slow
-def test_many_killed_runs_and_full_disks(victims, tmp_path):
-    processes(victims, tmp_path, 8)
+    rng, ledger = random.Random(20), Ledger()
+    for number in range(8):
+        attack_by_kill(rng.choice(victims), tmp_path / f"kill{number}", ledger, rng)
+        attack_by_full_disk(rng.choice(victims), tmp_path / f"disk{number}", ledger, rng)
+    assert not ledger.bad, ledger.bad[0]
 
 
 def test_a_mutant_is_changed_in_one_place():

@@ -1,0 +1,29 @@
+"""Configs are changed at random: refused in words, or run.
+
+`python -m evidence attack --only configs` does the same for longer.
+"""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from evidence.attack.configs import attack_by_config, attack_by_running, mutated
+from evidence.attack.ledger import Ledger
+
+COUNT, RUNS = 2300, 100
+
+
+@pytest.mark.slow
+def test_mutated_configs_are_refused_or_run(tmp_path):
+    rng, ledger, ran = random.Random(20), Ledger(), 0
+    for _ in range(COUNT):
+        text = mutated(rng)
+        if found := attack_by_config(text, tmp_path, ledger, ran < RUNS):
+            ran += 1
+            attack_by_running(found, text, tmp_path / str(ran), ledger)
+    assert not ledger.bad, ledger.bad[0]
+    assert ledger.counts["config mutated", "refused"] > COUNT // 2
+    assert ledger.counts["config mutated", "right"] > COUNT // 50
+    assert ran == RUNS

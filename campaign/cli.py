@@ -185,6 +185,8 @@ def _new(options: argparse.Namespace) -> int:
 def _check(options: argparse.Namespace) -> int:
     """Check configs without running anything, and say how many runs, how long and how much disk."""
     from campaign.config.check import load_config
+    from campaign.config.loader import load
+    from campaign.config.presets import mesh_of_preset
     from campaign.folder import Folder
     from campaign.plan.estimate import estimate, found
 
@@ -198,6 +200,8 @@ def _check(options: argparse.Namespace) -> int:
         else:
             there = found(campaign, Folder(Path("results", campaign.name)))
             print(f"{path}: {campaign.name}, {estimate(campaign)}{there and '; '}{there}")
+            if brought := mesh_of_preset(load(path), campaign):
+                print(f"{path}: {brought}")
     return status
 
 

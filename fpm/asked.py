@@ -28,10 +28,14 @@ VARIABLES = {
         "rad s-1", "angular velocity of points and bodies about global axes", "angular_velocity_of"
     ),
     "opening_rate": Variable("rad s-1", "rate of the opening of hinges", "opening_rate_of"),
+    "slide_rate": Variable("m s-1", "rate of the opening of slides", "slide_rate_of"),
     "joint_moment": Variable(
         "N m", "moment on the second part of a hinge about its axis, by who acts", "joint_moment_by"
     ),
-    "joint_work": Variable("J", "work of these moments so far", "joint_work_by"),
+    "joint_force": Variable(
+        "N", "force on the second part of a slide along its axis, by who acts", "joint_force_by"
+    ),
+    "joint_work": Variable("J", "work of these moments and forces so far", "joint_work_by"),
     "constraint_force": Variable(
         "N", "force by which a joint keeps its second part, along global axes",
         "constraint_force_of",

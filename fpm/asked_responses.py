@@ -80,9 +80,23 @@ def _vector(it: Definition) -> Found:
 def _one(it: Definition) -> Found:
     """One column."""
     name = it.one_of(it.data[it.kind], it.labels)
-    words = {"opening_rate": f"rate of the opening of hinge {name}"}
-    words["stress"] = f"equivalent stress in {'all bars' if name == 'all' else name}"
-    return Found((name,), "", VARIABLES[it.kind].unit, words[it.kind], ((it.kind, name),))
+    text = f"equivalent stress in {'all bars' if name == 'all' else name}"
+    return Found((name,), "", VARIABLES[it.kind].unit, text, ((it.kind, name),))
+
+
+def _hinge(it: Definition) -> tuple[str, bool]:
+    """The hinge that a definition is about, and whether it is a slide."""
+    slides = {hinge.name: hinge.slides for hinge in it.scene.hinges}
+    name = it.one_of(it.data[it.kind], slides)
+    return name, slides[name]
+
+
+def _rate(it: Definition) -> Found:
+    """The rate of an opening."""
+    name, slides = _hinge(it)
+    variable = "slide_rate" if slides else "opening_rate"
+    text = f"rate of the opening of {'slide' if slides else 'hinge'} {name}"
+    return Found((name,), "", VARIABLES[variable].unit, text, ((variable, name),))
 
 
 def parts_on(scene: "Scene", hinge: str) -> list[str]:
@@ -99,18 +113,19 @@ def parts_on(scene: "Scene", hinge: str) -> list[str]:
 
 
 def _moment(it: Definition) -> Found:
-    """The moment on a hinge by one part, or by all, or its power."""
-    hinges = [hinge.name for hinge in it.scene.hinges]
-    name = it.one_of(it.data[it.kind], hinges)
+    """The moment on a hinge, or force on a slide, by one part, or by all, or its power."""
+    name, slides = _hinge(it)
+    variable, rate = ("joint_force", "slide_rate") if slides else ("joint_moment", "opening_rate")
+    on = f"{'slide' if slides else 'hinge'} {name}"
     acting = parts_on(it.scene, name)
     part = it.one_of(it.data.get("part", "sum"), [*acting, "sum"], "part")
     own = acting if part == "sum" else [part]
-    needs = tuple(("joint_moment", f"{name} {each}") for each in own)
+    needs = tuple((variable, f"{name} {each}") for each in own)
     who = "all that acts" if part == "sum" else part
     if it.kind == "joint_power":
-        needs = (("opening_rate", name), *needs)
-        return Found((name, part), "", "W", f"power of {who} on hinge {name}", needs)
-    return Found((name, part), "", "N m", f"moment of {who} on hinge {name}", needs)
+        return Found((name, part), "", "W", f"power of {who} on {on}", ((rate, name), *needs))
+    what = "force" if slides else "moment"
+    return Found((name, part), "", VARIABLES[variable].unit, f"{what} of {who} on {on}", needs)
 
 
 def _section(it: Definition) -> Found:
@@ -159,7 +174,7 @@ def _loss(it: Definition) -> Found:
 KINDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], Callable[[Definition], Found]]] = {
     "acceleration": (("component",), (), _vector),
     "angular_velocity": (("component",), (), _vector),
-    "opening_rate": ((), (), _one),
+    "opening_rate": ((), (), _rate),
     "joint_moment": ((), ("part",), _moment),
     "joint_power": ((), ("part",), _moment),
     "constraint_force": (("component",), (), _vector),

@@ -43,11 +43,16 @@ class Sections(NamedTuple):
     moment: np.ndarray
 
 
+def bar_of(name: str) -> str:
+    """The bar of an element or of a stretch: `panel` of `panel from knee[3]`, `AB` of `AB[0]`."""
+    return name.rsplit("[", 1)[0].partition(" from ")[0]
+
+
 def bars_of(scene: Scene) -> dict[str, Bar]:
     """Bars by name. Stretches of a bar through several points are called "name from point"."""
     groups: dict[str, list[Beams]] = {}
     for beams in scene.beams:
-        groups.setdefault(beams.name.partition(" from ")[0], []).append(beams)
+        groups.setdefault(bar_of(beams.name), []).append(beams)
     return {name: Bar(name, tuple(found)) for name, found in groups.items()}
 
 

@@ -5,6 +5,7 @@ keep for one (fpm/kinds/probe.py), and how its values follow from what was kept.
 """
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from itertools import combinations
 from typing import NamedTuple
 
@@ -71,7 +72,29 @@ def _hinge(scene: Scene, name: str) -> int:
 def _opening_rate(kept: Kept, label: str) -> np.ndarray:
     hinge = kept.scene.hinges[_hinge(kept.scene, label)]
     one, two = hinge.particles
-    return np.sum((kept.axes(one) @ hinge.axes[0]) * (kept.spin(two) - kept.spin(one)), axis=1)
+    axis = kept.axes(one) @ hinge.axes[0]
+    if not hinge.slides:
+        return np.sum(axis * (kept.spin(two) - kept.spin(one)), axis=1)
+    point = kept.place(two) + kept.arm(hinge.beams[1])
+    one, two = (
+        kept.velocity(p) + np.cross(kept.spin(p), point - kept.place(p)) for p in (one, two)
+    )
+    return np.sum(axis * (two - one), axis=1)
+
+
+def _openings(scene: Scene, slides: bool) -> list[str]:
+    """Names of the hinges whose openings are lengths, or not."""
+    return [hinge.name for hinge in scene.hinges if hinge.slides == slides]
+
+
+def _acting(scene: Scene, slides: tuple[bool, ...]) -> list[str]:
+    """Who may act on openings that are lengths, or not."""
+    names = [name for which in slides for name in _openings(scene, which)]
+    return [f"{name} {part}" for name in names for part in PARTS]
+
+
+def _keep_moments(scene: Scene, label: str) -> Probe:
+    return Probe(moments=True)
 
 
 def _told(which: int) -> Callable[[Kept, str], np.ndarray]:
@@ -173,18 +196,21 @@ SOURCES = {
         lambda scene, label: Probe(forces=(_turning(scene)[_split(label)[0]],)),
         _angular_velocity,
     ),
-    "opening_rate": Source(
-        lambda scene: [hinge.name for hinge in scene.hinges],
-        lambda scene, label: Probe(forces=scene.hinges[_hinge(scene, label)].particles),
-        _opening_rate,
-    ),
     **{
         name: Source(
-            lambda scene: [f"{hinge.name} {part}" for hinge in scene.hinges for part in PARTS],
-            lambda scene, label: Probe(moments=True),
-            _told(which),
+            partial(_openings, slides=slides),
+            lambda scene, label: Probe(forces=scene.hinges[_hinge(scene, label)].particles),
+            _opening_rate,
         )
-        for which, name in enumerate(("joint_moment", "joint_work"))
+        for name, slides in (("opening_rate", False), ("slide_rate", True))
+    },
+    **{
+        name: Source(partial(_acting, slides=slides), _keep_moments, _told(which))
+        for name, slides, which in (
+            ("joint_moment", (False,), 0),
+            ("joint_force", (True,), 0),
+            ("joint_work", (False, True), 1),
+        )
     },
     "constraint_force": Source(
         lambda scene: _along_axes(joints_of(scene)), _keep_joint, _constraint_force

@@ -25,7 +25,7 @@ def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
     """All joints of two parts by name."""
     found = {}
     for joint in (*Hinge.of(scene), *Joint.of(scene)):
-        if len(joint.beams) == 2 and getattr(joint, "type", "") != "opening":
+        if len(joint.beams) == 2 and not getattr(joint, "holds_opening", False):
             found[joint.name] = joint
     return found
 

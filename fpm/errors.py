@@ -67,7 +67,13 @@ class InstabilityError(RuntimeError):
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """`" (did you mean x?)"` when a known name is close, else an empty string."""
+    meant = likely(name, known)
+    return f" (did you mean {meant}?)" if meant else ""
+
+
+def likely(name: str, known: Iterable[str]) -> str:
+    """The known name that is close; "" where none is."""
     known = list(known)
     close = [other for other in known if other.lower() == name.lower()]
     close += difflib.get_close_matches(name, known, n=1)
-    return f" (did you mean {close[0]}?)" if close else ""
+    return close[0] if close else ""

@@ -86,6 +86,12 @@ class Kept:
             return self._driven[particle][1, :, 1]
         return self._turned(particle, self._of(particle, "MOMENTUM"))
 
+    def velocity(self, particle: int) -> np.ndarray:
+        """Velocity (t, 3) m/s."""
+        if particle in self._driven:
+            return self._driven[particle][1, :, 0]
+        return self._of(particle, "VELOCITY")
+
     def acceleration(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
         """Acceleration (t, 3) m/s² and angular acceleration (t, 3) rad/s²: changes over the step
         around each instant, and over the half step after the first."""
@@ -125,7 +131,8 @@ class Kept:
         return self._rows(self._parts[Opening].told_track, count)
 
     def told(self, hinge: int, part: str) -> tuple[np.ndarray, np.ndarray]:
-        """Moment (t,) N m of a part on a hinge of that index, and its work so far (t,) J."""
+        """Moment (t,) N m of a part on a hinge of that index, or force (t,) N on a slide, and its
+        work so far (t,) J."""
         return tuple(self._told[:, hinge * len(PARTS) + PARTS.index(part)].T)
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:

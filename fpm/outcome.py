@@ -69,8 +69,8 @@ class Outcome:
 
     @property
     def openings(self) -> dict[str, np.ndarray]:
-        """Openings (t,) in rad by the names of the hinges."""
-        return self._by_name("opening")
+        """Openings (t,) in rad, or of slides in m, by the names of the hinges."""
+        return {**self._by_name("opening"), **self._by_name("slide_opening")}
 
     @property
     def tensions(self) -> dict[str, np.ndarray]:
@@ -85,6 +85,13 @@ class Outcome:
             for name in VARIABLES
             for label, values in self._by_name(name).items()
         }
+
+    @property
+    def latches(self) -> dict[Column, np.ndarray]:
+        """What was recorded of latches (t,), by variable and latch."""
+        from fpm.trajectory import LATCHES
+
+        return {(n, label): x for n in LATCHES for label, x in self._by_name(n).items()}
 
     @property
     def gap(self) -> np.ndarray:

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from itertools import zip_longest
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from fpm.quantities import Quantity
 from fpm.responses import Response
 
 if TYPE_CHECKING:
-    from fpm.outcome import Eventful
     from fpm.scene import Scene
 
 KEYS = {
@@ -33,17 +33,33 @@ NEEDED = {"value": ("at",), "settling": ("within",), "crossing": ("level",)}
 WAYS = ("rising", "falling", "either")
 
 
-def eventful(scene: "Scene") -> list["Eventful"]:
+class Source(NamedTuple):
+    """An element that has events: its name, theirs, and the joint that it is on, "" for none."""
+
+    name: str
+    events: tuple[str, ...]
+    joint: str = ""
+
+
+def eventful(scene: "Scene") -> list[Source]:
     """The elements of a scene that have events."""
     from fpm.kinds import kinds_of
-    from fpm.outcome import Eventful
 
-    kinds = [kind for kind in kinds_of([scene]) if kind.events]
-    return [Eventful(name, kind.events) for kind in kinds for name in kind.names(scene)]
+    def joint(element: object) -> str:
+        on = getattr(element, "hinge", None)
+        return "" if on is None else scene.hinges[on].name
+
+    return [
+        Source(name, kind.events, joint(element))
+        for kind in kinds_of([scene])
+        if kind.events
+        for name, element in zip_longest(kind.names(scene), kind.of(scene))
+        if name is not None  # a group of elements has more names than objects
+    ]
 
 
 def parse(
-    definitions: Mapping[str, object], responses: Iterable[Response], elements: Iterable["Eventful"]
+    definitions: Mapping[str, object], responses: Iterable[Response], elements: Iterable[Source]
 ) -> tuple[list[Quantity], list[SceneError]]:
     """The quantities of a config by their definitions, and what is wrong with the others.
 
@@ -58,12 +74,22 @@ def parse(
         try:
             found[name] = _parse(name, definitions[name], known, elements, found)
         except SceneError as error:
-            problems.append(error)
+            if not _follows(definitions, name, found):
+                problems.append(error)
     return [found[name] for name in definitions if name in found], problems
 
 
 def _refers(definition: object) -> bool:
     return isinstance(definition, Mapping) and isinstance(definition.get("at"), str)
+
+
+def _follows(definitions: Mapping[str, object], name: str, found: Mapping) -> bool:
+    """Whether a definition is at a time whose own one is wrong, which is told already."""
+    return (
+        _refers(definitions[name])
+        and (at := definitions[name]["at"]) in definitions
+        and (at not in found and not _refers(definitions[at]))
+    )
 
 
 def _parse(name, definition, responses, elements, others) -> Quantity:
@@ -127,6 +153,11 @@ def _parse_event(name, definition, number, elements) -> Quantity:
         of = definition["of"]
         # An element is known by its whole name, `stop A upper`, or by that of its joint, `A`.
         chosen = [place for place in places if of == place or of in place.split(" ")[1:]]
+        if not chosen:  # or, of one with a name of its own, by the joint that it is on
+            on = [e.name for e in elements if event in e.events and e.joint == of]
+            if len(on) > 1:
+                raise SceneError(f"{key}.of", of, f"one of those on it: {', '.join(on)}")
+            chosen = on
         if not chosen:
             raise SceneError(f"{key}.of", of, f"one of {', '.join(places)}{_hint(of, places)}")
         places = chosen

@@ -8,13 +8,24 @@ import numpy as np
 from fpm import asked_responses
 from fpm.asked import Column
 from fpm.errors import SceneError
+from fpm.kinds import Latch, RigidLatch
+from fpm.kinds.opening import SLIDING
 
 if TYPE_CHECKING:
     from fpm.scenes import SceneType
     from fpm.simulate import Outcome
 
 _NEVER_NEGATIVE = ("strain", "spring", "contact")  # energies: sums of squares
-ALWAYS = ("distance", "position", "velocity", "opening", "tension", "energy")
+LATCH_UNITS = {
+    "latch_moment": ("N m", "moment"),
+    "latch_impulse": ("N m s", "impulse so far"),
+    "latch_rate": ("rad s-1", "rate at the catch"),
+    "latch_impact": ("N m s", "impulse at the catch"),
+}
+"""Units and words of the responses that are about latches, on slides as SLIDING says."""
+
+LATCH = tuple(LATCH_UNITS)
+ALWAYS = ("distance", "position", "velocity", "opening", "tension", "energy", *LATCH)
 """The kinds of responses that every run records."""
 
 COMPONENTS = ("x", "y", "z", "norm")
@@ -65,6 +76,8 @@ class Response:
             return outcome.openings[self.about[0]]
         if self.kind == "tension":
             return outcome.tensions[self.about[0]]
+        if self.kind in LATCH:
+            return outcome.latches[self.about]
         return outcome.energies[self.about[0]]
 
 
@@ -78,8 +91,9 @@ def parse(name: str, definition: dict, scene_type: "SceneType") -> Response:
     """A response from its definition in a config; SceneError names what is wrong.
 
     One of: {distance: [P, Q]}, {position: P, component: z}, {velocity: P, component: z},
-    {opening: H}, {tension: C}, {energy: kind}; points P, Q, hinges H, cables C and kinds as the
-    scene has them; or one of `asked_responses.KINDS`, which docs/responses.md describes.
+    {opening: H}, {tension: C}, {energy: kind}, {latch_impulse: L} and the others of LATCH; points
+    P, Q, hinges H, cables C, kinds and latches L as the scene has them; or one of
+    `asked_responses.KINDS`, which docs/responses.md describes.
     """
     kinds = (*ALWAYS, *asked_responses.KINDS)
     if not isinstance(definition, dict) or len(set(definition) & set(kinds)) != 1:
@@ -110,9 +124,26 @@ def parse(name: str, definition: dict, scene_type: "SceneType") -> Response:
         return Response(name, kind, (point,), component, unit, f"{what}{kind} of {point}")
     if kind == "opening":
         hinge = _one_of(key, value, scene_type.hinges)
+        if any(h.slides for h in scene_type.sample.hinges if h.name == hinge):
+            return Response(name, kind, (hinge,), "", "m", f"opening of slide {hinge}")
         return Response(name, kind, (hinge,), "", "rad", f"opening of hinge {hinge}")
     if kind == "tension":
         cable = _one_of(key, value, scene_type.cables)
         return Response(name, kind, (cable,), "", "N", f"tension of cable {cable}")
+    if kind in LATCH:
+        return _of_latch(name, kind, key, value, scene_type.sample)
     energy = _one_of(key, value, scene_type.energies)
     return Response(name, kind, (energy,), "", "J", f"{energy} energy")
+
+
+def _of_latch(name: str, kind: str, key: str, value: object, scene) -> Response:
+    """A response of a latch; impacts are those of latches that hold exactly."""
+    kinds = (RigidLatch,) if kind == "latch_impact" else (Latch, RigidLatch)
+    latches = {latch.label(scene): latch for k in kinds for latch in k.of(scene)}
+    on = [label for label, x in latches.items() if scene.hinges[x.hinge].name == value]
+    label = on[0] if len(on) == 1 and value not in latches else _one_of(key, value, tuple(latches))
+    slides = scene.hinges[latches[label].hinge].slides
+    unit, text = LATCH_UNITS[kind]
+    unit = SLIDING[unit] if slides else unit
+    about = (f"slide_{kind.replace('moment', 'force')}" if slides else kind, label)
+    return Response(name, kind, about, "", unit, f"{text} of latch {label}")

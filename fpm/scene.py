@@ -217,6 +217,24 @@ class Scene:
         """
         return self.add(Joint.between(self, name, type, particles, point, axis, other))
 
+    def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
+        """Join two particles by a slide; returns its index, as of a hinge: it counts among those.
+
+        The second slides on the first along `axis` (3,), by the opening (m), which is `opening` at
+        the start. point may be (2, 3), as for other joints.
+        """
+        return self.add(Joint.slide(self, name, particles, point, axis, opening))
+
+    def add_universal(self, name, particles, point, axis, other, openings=(0.0, 0.0)) -> int:
+        """Join two particles by a cross about `axis` (3,) of the first and `other` (3,) of the
+        second, normal to it; returns the index of the angle about the first, the other's is next.
+
+        They count among the hinges as `name`_axis and `name`_other: by which the cross turns
+        against the first particle, and the second against the cross; openings (rad): at the start.
+        """
+        found = Joint.crossed(self, name, particles, point, axis, other, openings)
+        return min(self.add(hinge) for hinge in found)
+
     def hold_point(self, name, particle: int, point, axes: str) -> int:
         """Hold a point (3,) of a particle along global axes, e.g. "z"; returns the joint's index.
 

@@ -25,6 +25,13 @@ CONVENTIONS = "CF-1.8"
 
 _PARAMETER = "parameter_"
 
+LATCHES = {
+    f"{slide}latch_{what}": f"{slide}{'rigid_' if what == 'impact' else ''}latch"
+    for slide, load in (("", "moment"), ("slide_", "force"))
+    for what in (load, "impulse", "rate", "impact")
+}
+"""Variables of latches, and their dimensions (kinds/latch.py)."""
+
 
 class Contents(NamedTuple):
     """What a trajectory file holds: global attributes, and variables by name."""
@@ -35,8 +42,9 @@ class Contents(NamedTuple):
 
 class Curves(NamedTuple):
     """What responses are functions of, as an `fpm.Outcome` has it: time (t,) s; points: name ->
-    (position (t, 3) m, velocity (t, 3) m/s); openings: hinge -> (t,) rad; tensions: cable -> (t,)
-    N; energies: kind -> (t,) J.
+    (position (t, 3) m, velocity (t, 3) m/s); openings: hinge -> (t,) rad, slide -> (t,) m;
+    tensions: cable -> (t,) N; energies: kind -> (t,) J; latches: what was recorded of latches (t,),
+    by variable (LATCHES) and latch.
 
     Also events (e, 3) of contacts: time (s), index among the contacts, 1 if it closes; contacts:
     names of their hinges. happened: times (s) by element and event, of all that have events;
@@ -54,6 +62,7 @@ class Curves(NamedTuple):
     happened: dict[tuple[str, str], np.ndarray]
     events_dropped: int
     asked: Mapping[Column, np.ndarray] = MappingProxyType({})
+    latches: Mapping[Column, np.ndarray] = MappingProxyType({})
 
 
 def contents(outcome, responses=(), attributes=None, parameters=None) -> Contents:
@@ -291,6 +300,7 @@ def curves_of(outcome) -> Curves:
         happened=happened(outcome.events, eventful),
         events_dropped=outcome.events_dropped,
         asked=outcome.asked,
+        latches=outcome.latches,
     )
 
 
@@ -328,7 +338,11 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
                 name: (values("position")[:, i], values("velocity")[:, i])
                 for i, name in enumerate(names("point"))
             },
-            openings={name: values("opening")[:, i] for i, name in enumerate(names("hinge"))},
+            openings={
+                name: values(variable)[:, i]
+                for variable, own in (("opening", "hinge"), ("slide_opening", "slide"))
+                for i, name in enumerate(names(own))
+            },
             tensions={n: values("cable_tension")[:, i] for i, n in enumerate(names("cable"))},
             energies={
                 v.attributes["energy"]: v.values
@@ -341,6 +355,12 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
             asked={
                 (name, label): values(name)[:, i]
                 for name, (_, _, dimension) in VARIABLES.items()
+                for i, label in enumerate(names(dimension))
+            },
+            latches={
+                (name, label): values(name)[:, i]
+                for name, dimension in LATCHES.items()
+                if name in variables
                 for i, label in enumerate(names(dimension))
             },
         )

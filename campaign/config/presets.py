@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from campaign.config.scenes import mesh_of
+
+if TYPE_CHECKING:
+    from campaign.config.sections import Campaign
 
 # Smolyak's points on a line are the Lobatto points of the same order; in more directions they grow
 # slowly. One order serves all.
@@ -50,6 +53,21 @@ def with_preset(raw: Mapping) -> dict:
         parameters = config["scene"].setdefault("parameters", {})
         parameters.setdefault(mesh, preset["elements"])
     return config
+
+
+def mesh_of_preset(raw: Mapping, campaign: Campaign) -> str:
+    """What a config's preset makes of the structure's own mesh, in words; "" where it does not."""
+    mesh = mesh_of(raw["scene"]) if "preset" in raw else None
+    if mesh is None or mesh in (raw["scene"].get("parameters") or {}):
+        return ""
+    own = campaign.experiment.scene_type.parameters[mesh].default
+    found = campaign.experiment.scene.parameters[mesh]
+    if own == found:
+        return ""
+    return (
+        f"preset {raw['preset']} takes {mesh} = {found}, not the structure's own {own}; to keep "
+        f"that, state scene.parameters.{mesh}"
+    )
 
 
 def _spline_takes(config: Mapping) -> bool:

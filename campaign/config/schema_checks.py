@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-from fpm.errors import did_you_mean
+from fpm.errors import did_you_mean, likely
 
 # Sections of definitions by name, which are wrong as a whole.
 _WHOLE = ("intervals", "responses", "quantities", "requirements")
@@ -22,7 +22,8 @@ def schema_problems(raw: Any, schema: Mapping) -> tuple[list[str], dict | None]:
     that leaves no config.
     """
     endless = _not_finite(raw)
-    problems = [
+    raw, problems = _as_meant(raw, schema)
+    problems += [
         f"{key}: {value} is not allowed; allowed: a finite number" for key, value in endless
     ]
     validator = _validator()(schema)
@@ -47,6 +48,29 @@ def _validator() -> Any:
     types = Draft202012Validator.TYPE_CHECKER
     types = types.redefine("integer", lambda _, value: type(value) is int)
     return extend(Draft202012Validator, type_checker=types)
+
+
+def _as_meant(raw: Any, schema: Mapping) -> tuple[Any, list[str]]:
+    """The config with sections whose names are likely others under those, and sentences of them:
+    what would follow from such a slip is not told."""
+    known, problems = schema["properties"], []
+    if not isinstance(raw, Mapping):
+        return raw, problems
+    out = dict(raw)
+    for name in [name for name in raw if isinstance(name, str) and name not in known]:
+        former = next((part for part, of in known.items() if of.get("formerly") == name), "")
+        meant = former or likely(name, known)
+        if meant and meant not in out:
+            problems.append(_no_key("", name, known))
+            out[meant] = out.pop(name)
+    return out, problems
+
+
+def _no_key(dotted: str, name: str, known: Mapping) -> str:
+    """That a key is not known, with the likely one."""
+    renamed = {part.get("formerly"): other for other, part in known.items()}
+    hint = did_you_mean(renamed.get(name, name), known)
+    return f"{dotted}{name}: there is no such key{hint}; allowed: {', '.join(known)}"
 
 
 def _remove(data: Any, error: Any) -> None:
@@ -74,13 +98,7 @@ def _sentences(error: Any) -> list[str]:
     dotted = f"{key}." if key else ""
     if error.validator == "additionalProperties":
         known = error.schema.get("properties", {})
-        renamed = {part.get("formerly"): name for name, part in known.items()}
-        return [
-            f"{dotted}{name}: there is no such key{did_you_mean(renamed.get(name, name), known)}; "
-            f"allowed: {', '.join(known)}"
-            for name in error.instance
-            if name not in known
-        ]
+        return [_no_key(dotted, name, known) for name in error.instance if name not in known]
     if error.validator == "required":
         missing = [name for name in error.validator_value if name not in error.instance]
         name = next(name for name in missing if repr(name) in error.message)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from campaign.config.sections import Experiment, from_data
 from campaign.errors import CampaignError, ConfigError
 from campaign.folder import Folder
 from campaign.results.which import ids, nominal_row
+from campaign.runs.progress import warm_up
 
 if TYPE_CHECKING:
     import xarray
@@ -42,6 +44,7 @@ class Chosen:
         import fpm
         from fpm.motion import whole_motion
 
+        self._compile()
         try:
             (motion,) = whole_motion(
                 [self.scene], frames=frames, attributes=[dict(self.attributes)], **self._times()
@@ -55,10 +58,15 @@ class Chosen:
         import fpm
 
         record = [need for response in self.responses for need in response.needs]
+        self._compile(record)
         (outcome,) = fpm.simulate([self.scene], record=record, **self._times())
         if outcome.failure is not None:
             raise CampaignError(f"the run fails: {outcome.failure}")
         return outcome
+
+    def _compile(self, record: Sequence = ()) -> None:
+        """Have the kernels compiled, and say so where that takes a while."""
+        warm_up(self.scene, lambda text: print(text, file=sys.stderr), record)
 
     def _times(self) -> dict[str, Any]:
         keys = ("duration", "instants", "step", "energy_tolerance")

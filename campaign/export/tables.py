@@ -43,7 +43,8 @@ def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]
         for what, unit, track in zip(("", "velocity "), ("m", "m s-1"), tracks, strict=True):
             for axis, values in zip("xyz", track.T, strict=True):
                 found[f"{what}{axis} of {name} ({unit})"] = values
-    found |= {f"opening of {name} (rad)": turn for name, turn in outcome.openings.items()}
+    units = {hinge.name: "m" if hinge.slides else "rad" for hinge in outcome.scene.hinges}
+    found |= {f"opening of {n} ({units[n]})": values for n, values in outcome.openings.items()}
     found |= {f"{name} energy (J)": values for name, values in outcome.energies.items()}
     return found
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fpm.bars import bar_of
+
 if TYPE_CHECKING:
     import xarray
 
@@ -80,17 +82,18 @@ class Solid:
     @cached_property
     def bars(self) -> tuple[str, ...]:
         """Names of the bars: `link AB[3]` is an element of `link AB`."""
-        return tuple(dict.fromkeys(_bar(name) for name in self.elements))
+        return tuple(dict.fromkeys(map(bar_of, self.elements)))
 
     @cached_property
     def bar(self) -> np.ndarray:
         """Index (m,) of each element's bar."""
-        return np.array([self.bars.index(_bar(name)) for name in self.elements], dtype=int)
+        return np.array([self.bars.index(bar_of(name)) for name in self.elements], dtype=int)
 
     @cached_property
     def visible(self) -> np.ndarray:
         """Which of the six faces of each element (m, 6) are not hidden by its neighbour's."""
-        same = self.bar[1:] == self.bar[:-1]
+        stretches = np.array([name.rsplit("[", 1)[0] for name in self.elements])
+        same = stretches[1:] == stretches[:-1]
         same &= self.nodes[1:, 0] == self.nodes[:-1, 1]
         shown = np.ones((len(self.nodes), len(FACES)), bool)
         shown[1:, 4] = ~same
@@ -140,7 +143,3 @@ def _cables_of_scene(scene: Any) -> Cables:
     count = [len(cable.beams) for cable in scene.cables]
     of, on = np.repeat(np.arange(len(count)), count), np.array([b.particle for b in beams])
     return Cables(of, on, np.array([beam.arm for beam in beams]))
-
-
-def _bar(element: str) -> str:
-    return element.rsplit("[", 1)[0]

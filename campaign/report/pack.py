@@ -15,6 +15,7 @@ import numpy as np
 
 from campaign.report.data import MovingRun, PageData
 from campaign.report.motions import MOST_NUMBERS
+from fpm.bars import bar_of
 
 MOST_INSTANTS = 4001
 """Instants of a curve from which it is thinned."""
@@ -160,7 +161,7 @@ def _cables(moving: Sequence[MovingRun]) -> dict[str, Any] | None:
 def _bars(names: np.ndarray) -> list[int]:
     """For each element the index of its bar: `link AB[3]` belongs to `link AB`."""
     bars: dict[str, int] = {}
-    return [bars.setdefault(str(name).rsplit("[", 1)[0], len(bars)) for name in names]
+    return [bars.setdefault(bar_of(str(name)), len(bars)) for name in names]
 
 
 def _tensions(moving: Sequence[MovingRun], one: MovingRun, frames: np.ndarray) -> dict[str, Any]:

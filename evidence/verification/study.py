@@ -20,6 +20,7 @@ from evidence.verification import (
     rigid_holds,
     rigid_moving,
     rotation,
+    slides,
     statics,
     vibration,
 )
@@ -37,6 +38,7 @@ FAMILIES = (
     motors,
     rigid_holds,
     rigid_moving,
+    slides,
     mechanisms,
     cables,
     bennett,

@@ -28,7 +28,7 @@ from fpm.assembly.elastic import Elastic, elastic_of
 from fpm.assembly.places import Places
 from fpm.errors import SceneError
 from fpm.kinds.beam_limits import BEND, STRAIN
-from fpm.kinds.opening import opening_angle
+from fpm.kinds.opening import opening_at
 
 if TYPE_CHECKING:
     from fpm.scene import Scene
@@ -166,9 +166,7 @@ def _masses(scene, places: Places):
 
 def _reopened(scene, hinge):
     """The hinge with the opening that it has now."""
-    axis, first = (scene.frame[hinge.particles[0]] @ v[0] for v in (hinge.axes, hinge.references))
-    second = scene.frame[hinge.particles[1]] @ hinge.references[1]
-    return replace(hinge, opening=opening_angle(axis, first, second, near=hinge.opening))
+    return replace(hinge, opening=opening_at(scene, hinge))
 
 
 def _check_strains(elastic: Elastic, places: Places, before: tuple[str, float, float]) -> None:

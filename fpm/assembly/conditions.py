@@ -115,6 +115,10 @@ def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
         if name not in hinges:
             raise SceneError("hold", name, f"names of hinges: {', '.join(hinges)}")
         hinge, none = hinges[name], np.zeros((2, 3))
+        if hinge.slides:
+            arms, zero = np.array([beam.arm for beam in hinge.beams]), np.zeros(3)
+            rows.append((name, hinge.particles, CARRIED, hinge.axes[0], zero, arms, 1.0, zero))
+            continue
         axis, zero = hinge.axes[0], hinge.references[0]
         ahead = np.cos(hinge.opening) * zero + np.sin(hinge.opening) * np.cross(axis, zero)
         across = np.cross(axis, ahead)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.kinds.kind import Energy
-from fpm.kinds.opening import OnHinge, Opening, check_stiffness
+from fpm.kinds.opening import OnHinge, Opening, check_hinge, check_stiffness
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,7 @@ class Contact(OnHinge):
 
     def check(self, scene):
         """Hinge and stiffness."""
+        check_hinge(scene, "contact", self.hinge, ("revolute",))
         check_stiffness(scene, "contact", self.hinge, self.stiffness)
 
     @classmethod

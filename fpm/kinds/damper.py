@@ -30,7 +30,7 @@ class Damper(OnHinge):
     def check(self, scene):
         """Hinge and damping."""
         check_hinge(scene, "damper", self.hinge)
-        check_numbers("damper", damping=(self.damping, 0.0, "N m s/rad"))
+        check_numbers("damper", scene, self.hinge, damping=(self.damping, 0.0, "N m s/rad"))
 
     @classmethod
     def pack(cls, batch):

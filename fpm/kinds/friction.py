@@ -22,10 +22,14 @@ from fpm.kinds.opening import (
     check_numbers,
     pack_past,
     softness,
+    unit_of,
 )
 
 BEND = 1e-3
 """Angle (rad) by which a bristle is bent before it slips, if nothing else is said."""
+
+SLID = 1e-4
+"""The same (m) of a slide."""
 
 DAMPED = 0.3
 """Damping ratio of the bristle with the inertias of the hinge's own two particles, likewise. The
@@ -57,11 +61,12 @@ class Friction(OnHinge):
     def check(self, scene):
         """Hinge and numbers."""
         check_hinge(scene, "friction", self.hinge)
-        check_numbers("friction", moment=(self.moment, 0.0, "N m"))
+        check_numbers("friction", scene, self.hinge, moment=(self.moment, 0.0, "N m"))
         if not 0 < self.bend < np.inf:
-            raise SceneError("bend of friction", self.bend, "a finite angle > 0 (rad)")
+            unit = unit_of(scene, self.hinge, "rad")
+            raise SceneError("bend of friction", self.bend, f"a finite number > 0 ({unit})")
         if self.damping is not None:
-            check_numbers("friction", damping=(self.damping, 0.0, "N m s/rad"))
+            check_numbers("friction", scene, self.hinge, damping=(self.damping, 0.0, "N m s/rad"))
 
     def damping_in(self, scene) -> float:
         """c (N m s/rad)."""

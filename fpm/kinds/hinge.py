@@ -6,6 +6,13 @@ from the positions there: SHAKE (Ryckaert, Ciccotti, Berendsen, J. Comput. Phys.
 here for rigid arms and rotations. The impulses are equal and opposite, so momentum is kept, the
 scheme stays symplectic, and no drift builds up. A hinge point may be held along global axes
 (`support`), e.g. "z" lets it slide in a plane.
+
+A slide and both angles of a universal joint are hinges too, in that they have an opening, on which
+all that acts on hinges acts; what they keep together is solved with the coupled joints (joint.py).
+A universal joint is two: the angle about its axis on the first particle, from a reference of the
+first to the axis on the second; and that about the axis on the second, from the axis on the first
+to a reference of the second. The rate of each is the relative spin about its axis, as of any hinge,
+since the two axes stay normal to each other.
 """
 
 from collections import Counter
@@ -37,6 +44,10 @@ class Hinge(Kind):
     axis, one in each frame, that coincide at opening 0; the opening grows when the second turns by
     the right-hand rule about the axis against the first. opening (rad): at the start, including
     full turns. support: global axes along which the hinge point is held.
+
+    type: "revolute"; "prismatic": a slide, whose opening (m) is the way of the second beam's end
+    from the first's, along the axis, and `offset` (m); "universal" and "cross": the first and the
+    second angle of a universal joint, whose axis lies fixed in the first of its two particles.
     """
 
     name: str
@@ -45,6 +56,8 @@ class Hinge(Kind):
     references: np.ndarray
     opening: float
     support: str
+    type: str = "revolute"
+    offset: float = 0.0
 
     joins = True
     watches = (Watch("gap", MOST_GAP, True, _gapes), Watch("tilt", MOST_TILT, True, _gapes))
@@ -80,6 +93,21 @@ class Hinge(Kind):
         )
 
     @property
+    def slides(self) -> bool:
+        """Whether its opening is a length."""
+        return self.type == "prismatic"
+
+    @property
+    def ends(self) -> np.ndarray:
+        """What the opening is between (2, 3), in the frames of the particles: the references, or
+        the points of a slide, whose distance along the axis it is.
+        """
+        if not self.slides:
+            return self.references
+        one, two = (beam.arm for beam in self.beams)
+        return np.array([one - self.offset * self.axes[0], two])
+
+    @property
     def particles(self) -> tuple[int, int]:
         """Indices of the two particles."""
         return self.beams[0].particle, self.beams[1].particle
@@ -95,8 +123,8 @@ class Hinge(Kind):
             raise SceneError("hinge", self.name, "a name not yet used")
 
     def topology(self):
-        """Name, particles and held axes."""
-        return self.name, self.particles, self.support
+        """Name, type, particles and held axes."""
+        return self.name, self.type, self.particles, self.support
 
     @classmethod
     def names(cls, scene):
@@ -194,7 +222,10 @@ def alone(scene) -> list[bool]:
     shared.update(drive.particle for drive in scene.drives)
     turning = {e.hinge for kind, found in scene.kinds.items() if kind.holds for e in found}
     return [
-        h not in turning and shared.isdisjoint(hinge.particles) and is_regular(hinge, scene.fixed)
+        hinge.type == "revolute"
+        and h not in turning
+        and shared.isdisjoint(hinge.particles)
+        and is_regular(hinge, scene.fixed)
         for h, hinge in enumerate(scene.hinges)
     ]
 

@@ -9,7 +9,7 @@ they agree; the impulses are then the smallest that keep the joints closed.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from fpm.kinds.gravity import LOAD_WORK
 from fpm.kinds.hinge import Hinge, alone, arms, unit
 from fpm.kinds.hinge_limits import MOST_GAP, MOST_TILT
 from fpm.kinds.kind import AXES, Kind, Recorded, Watch
+from fpm.kinds.opening import check_numbers, opening_at
 from fpm.kinds.probe import Probe
 from fpm.kinds.turn import Turn
 from fpm.kinds.virtual_beam import VirtualBeam
@@ -32,11 +33,15 @@ TYPES = {
     "prismatic": at.PRISMATIC,
     "held": at.HELD,
     "opening": at.OPENING,
+    "slid": at.SLID,
 }
 """What a joint keeps together, by its name (joint_arrays.py)."""
 
 CONDITIONS = {"revolute": 5, "spherical": 3, "fixed": 6, "universal": 4, "prismatic": 5}
 """How many conditions each has."""
+
+ANGLES = "_axis", "_other"
+"""What the names of a universal joint's angles end with."""
 
 EASE = {8: 1e-10, 4: 1e-5}
 """Share by which the diagonal is raised, by the bytes of a number."""
@@ -100,6 +105,41 @@ class Joint(Kind):
         )
 
     @staticmethod
+    def slide(scene, name, particles, point, axis, opening: float) -> Hinge:
+        """A slide with its opening (m) between two particles of a scene (Scene.add_slide)."""
+        joint = Joint.between(scene, name, "prismatic", particles, point, axis)
+        check_numbers(f"slide {name}", opening=(opening, -np.inf, "m"))
+        found = Hinge(
+            name, joint.beams, joint.axes, joint.references, 0.0, "", "prismatic", float(opening)
+        )
+        return replace(found, opening=opening_at(scene, found))
+
+    @staticmethod
+    def crossed(scene, name, particles, point, axis, other, openings) -> tuple[Hinge, Hinge]:
+        """The two angles (rad) of a universal joint (Scene.add_universal)."""
+        joint = Joint.between(scene, name, "universal", particles, point, axis, other)
+        one, two = (scene.frame[p] @ a for p, a in zip(joint.particles, joint.axes, strict=True))
+        found = []
+        # The second is stated from the second particle to the first, about the opposite axis.
+        for k, (about, to) in enumerate(((one, two), (-two, one))):
+            check_numbers(f"universal joint {name}", opening=(openings[k], -np.inf, "rad"))
+            zero = np.cos(openings[k]) * to - np.sin(openings[k]) * np.cross(about, to)
+            beams = joint.beams[:: -1 if k else 1]
+            frames = [scene.frame[beam.particle].T for beam in beams]
+            found.append(
+                Hinge(
+                    name + ANGLES[k],
+                    beams,
+                    axes=np.array([frame @ about for frame in frames]),
+                    references=np.array([frames[0] @ zero, frames[1] @ to]),
+                    opening=float(openings[k]),
+                    support="",
+                    type=("universal", "cross")[k],
+                )
+            )
+        return tuple(found)
+
+    @staticmethod
     def holding(scene, name, particle: int, point, held: str) -> "Joint":
         """A point of a particle that is held along global axes, where it is."""
         if not held or set(held) - set(AXES):
@@ -115,7 +155,12 @@ class Joint(Kind):
     @property
     def conditions(self) -> int:
         """How many it has."""
-        return 1 if self.type == "opening" else CONDITIONS.get(self.type, len(self.held))
+        return 1 if self.holds_opening else CONDITIONS.get(self.type, len(self.held))
+
+    @property
+    def holds_opening(self) -> bool:
+        """Whether it holds the opening of a hinge, and keeps nothing together itself."""
+        return self.type in ("opening", "slid")
 
     def topology(self):
         """Name, type, particles and held axes."""
@@ -131,7 +176,11 @@ class Joint(Kind):
         for holder in Turn.of(scene):
             hinge = scene.hinges[holder.hinge]
             name = f"{hinge.name} (its {holder.called})"
-            found.append(Joint(name, "opening", hinge.beams, hinge.axes, hinge.references))
+            type, beams = "opening", hinge.beams
+            if hinge.slides:
+                pairs = zip(beams, hinge.ends, strict=True)
+                type, beams = "slid", tuple(VirtualBeam(beam.particle, end) for beam, end in pairs)
+            found.append(Joint(name, type, beams, hinge.axes, hinge.references))
         return found
 
     def check(self, scene):
@@ -207,8 +256,13 @@ class Joint(Kind):
 
 
 def as_joints(hinge: Hinge) -> Sequence[Joint]:
-    """A hinge as a joint, and its support as another."""
-    joint = Joint(hinge.name, "revolute", hinge.beams, hinge.axes, hinge.references)
+    """A hinge as a joint, and its support as another; of a universal joint's angles the first."""
+    if hinge.type == "cross":
+        return []
+    name, axes = hinge.name, hinge.axes
+    if hinge.type == "universal":
+        name, axes = name.removesuffix(ANGLES[0]), np.array([axes[0], hinge.references[1]])
+    joint = Joint(name, hinge.type, hinge.beams, axes, hinge.references)
     if not hinge.support:
         return [joint]
     none = np.zeros((2, 3))

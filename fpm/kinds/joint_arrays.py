@@ -14,6 +14,7 @@ UNIVERSAL = 3  # a point; an axis of the one stays normal to an axis of the othe
 PRISMATIC = 4  # all directions, and a line: along its axis the second slides on the first
 HELD = 5  # a point of the first, along global axes, where it was at the start
 OPENING = 6  # the opening of a hinge, where something holds it (turn.py)
+SLID = 7  # the same of a slide
 
 # Constants of a body: a particle that joints act on.
 HIM = 0  # inverse masses along the global axes (3)

@@ -33,6 +33,7 @@ from fpm.kinds.joint_arrays import (
     REVOLUTE,
     ROOT,
     ROOT1,
+    SLID,
     TURN1,
     TURNED,
     TURNS,
@@ -148,6 +149,8 @@ def find_gaps(part, state, j):
     if is_opening(part, j):
         off = opening_gap(part, state, j)
         store(part.rows, part.pattern.first[j], OFF, off)
+        if part.types[j] == SLID:
+            return off * off, 0.0 * off
         return 0.0 * off, off * off
     rows, kind, r = part.rows, part.types[j], part.pattern.first[j]
     _, first, point = place(part, state, j, 0)
@@ -219,7 +222,7 @@ def put_opening_row(part, state, j):
 
 
 def opening_gap(part, state, j):
-    """How far (rad) the opening that joint j holds is off; 0 in lanes where it is free."""
+    """How far (rad, m) the opening that joint j holds is off; 0 in lanes where it is free."""
     return held_gap(part, state, j)
 
 
@@ -230,11 +233,15 @@ def put_held_row(part, state, j):
     if t < 0:
         return False
     r = part.pattern.first[j]
-    _, first, _ = place(part, state, j, 0)
+    x1, first, _ = place(part, state, j, 0)
     axis, _, _ = directions(part, j, first)
     holds = where_negative(load(part.turns.state, t, HOLDS), 1.0, 0.0)
     turn = (-1.0 * holds) * axis
-    put_row(part, state, j, r, 0.0 * axis, turn, turn)
+    if part.types[j] == SLID:
+        x2, _, other = place(part, state, j, 1)
+        put_row(part, state, j, r, turn, cross(other - x1, turn), cross(other - x2, turn))
+    else:
+        put_row(part, state, j, r, 0.0 * axis, turn, turn)
     store(part.rows, r, MISSED, holds * load(part.rows, r, MISSED))
     return True
 
@@ -243,9 +250,12 @@ def put_held_row(part, state, j):
 def held_gap(part, state, j):
     """The same where some joints hold openings."""
     t = part.turn_of[j]
-    _, first, _ = place(part, state, j, 0)
-    _, second, _ = place(part, state, j, 1)
-    _, p, q = directions(part, j, first)
+    _, first, point = place(part, state, j, 0)
+    _, second, end = place(part, state, j, 1)
+    axis, p, q = directions(part, j, first)
+    if part.types[j] == SLID:
+        way = dot(axis, end - point) - load(part.turns.state, t, TARGET)
+        return where_negative(load(part.turns.state, t, HOLDS), way, 0.0)
     other = to_global(second, get3(part.sides, 2 * j + 1, REFERENCE))
     off = arctan2(dot(q, other), dot(p, other)) - load(part.turns.state, t, TARGET)
     off = off - FULL * floor((1.0 / FULL) * off + 0.5)

@@ -6,9 +6,9 @@ and tells the rates that the openings would have; `move` begins with the impulse
 
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import P, V
+from fpm.kernels.layout import P, V, X
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import add3, dot, get3, kernel, symmetric, times, to_global
+from fpm.kernels.vectors import add3, cross, dot, get3, kernel, symmetric, times, to_global
 from fpm.kinds import joint_kernels
 from fpm.kinds.hinge_arrays import get6
 from fpm.kinds.impulse_sums import clear
@@ -19,6 +19,7 @@ from fpm.kinds.joint_arrays import (
     INVERSE,
     MOMENT,
     OFF,
+    SLID,
     SPIN,
     TURNS,
     CountedTurnedJoints,
@@ -27,7 +28,7 @@ from fpm.kinds.joint_arrays import (
 from fpm.kinds.joint_arrays import IMPULSE as FOUND
 from fpm.kinds.joint_kernels import find_impulses, find_rates, kick_bodies, push_all
 from fpm.kinds.joint_matrix import build, factorise
-from fpm.kinds.joint_rows import find_rows, held_gap
+from fpm.kinds.joint_rows import find_rows, held_gap, place
 from fpm.kinds.turn_arrays import IMPULSE, NEEDED, RATE
 
 
@@ -90,9 +91,24 @@ def tell_rates(part, state):
         j = part.turn_at[t]
         one, two = part.slots[2 * j], part.slots[2 * j + 1]
         axis = to_global(frame(state, part.on[one]), get3(part.sides, 2 * j, AXIS))
-        rate = dot(axis, get3(b, two, SPIN) - get3(b, one, SPIN))
+        if part.types[j] == SLID:
+            _, _, end = place(part, state, j, 1)
+            between = velocity(part, state, two, end) - velocity(part, state, one, end)
+            rate = dot(axis, between)
+        else:
+            rate = dot(axis, get3(b, two, SPIN) - get3(b, one, SPIN))
         store(part.turns.state, t, RATE, rate)
         store(part.turns.state, t, NEEDED, load(part.rows, part.pattern.first[j], FOUND))
+
+
+@kernel
+def velocity(part, state, s, point):
+    """Velocity that a point of body s will have after the impulses."""
+    b, i = part.body_scratch, part.on[s]
+    v = get3(state, i, V)
+    if not part.driven[s]:
+        v = v + times(get3(part.bodies, s, HIM), get3(b, s, FORCE))
+    return v + cross(get3(b, s, SPIN), point - get3(state, i, X))
 
 
 @hook(TurnedJoints)

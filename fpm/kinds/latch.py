@@ -22,9 +22,11 @@ from fpm.kinds.opening import (
     ONSET,
     OnHinge,
     Opening,
+    by_unit,
     check_numbers,
     check_stiffness,
     pack_past,
+    unit_of,
 )
 
 SIDES = {"below": 1.0, "above": -1.0, "either": 0.0}
@@ -55,7 +57,7 @@ class Latch(OnHinge):
     def check(self, scene):
         """Hinge, numbers, and a label that no other latch has."""
         check_stiffness(scene, "latch", self.hinge, self.stiffness)
-        check_numbers("latch", damping=(self.damping, 0.0, "N m s/rad"))
+        check_numbers("latch", scene, self.hinge, damping=(self.damping, 0.0, "N m s/rad"))
         check_catching(scene, self)
 
     def label(self, scene) -> str:
@@ -104,16 +106,21 @@ class Latch(OnHinge):
     @classmethod
     def recorded(cls, part, scene, lane):
         """Moments, impulses, and rates of the openings when they caught."""
-        return recorded_of(part.track[:, :, lane], cls.labels(scene))
+        return recorded_of(cls, scene, part.track[:, :, lane])
 
 
 def check_catching(scene, latch) -> None:
     """SceneError unless a latch of either kind has numbers, and a label that no other has."""
     check_numbers(
-        "latch", angle=(latch.angle, -np.inf, "rad"), tolerance=(latch.tolerance, 0.0, "rad")
+        "latch",
+        scene,
+        latch.hinge,
+        angle=(latch.angle, -np.inf, "rad"),
+        tolerance=(latch.tolerance, 0.0, "rad"),
     )
     if not latch.fastest > 0:
-        raise SceneError("fastest rate of latch", latch.fastest, "a number > 0 (rad/s)")
+        unit = unit_of(scene, latch.hinge, "rad/s")
+        raise SceneError("fastest rate of latch", latch.fastest, f"a number > 0 ({unit})")
     if latch.side not in SIDES:
         raise SceneError("side of latch", latch.side, ", ".join(SIDES))
     others = [e for found in scene.kinds.values() for e in found if hasattr(e, "tolerance")]
@@ -121,12 +128,21 @@ def check_catching(scene, latch) -> None:
         raise SceneError("latch", latch.label(scene), "a name that no other latch has")
 
 
-def recorded_of(track: np.ndarray, labels: tuple[str, ...]) -> dict[str, Recorded]:
-    """Moments, impulses and rates out of ((instants + 1) l, 3)."""
-    moment, impulse, rate = track.T.reshape(3, -1, len(labels))
+def recorded_of(kind, scene, track: np.ndarray) -> dict[str, Recorded]:
+    """Moments, impulses, rates, and those with which they caught if they do so at once, of latches
+    of a kind out of ((instants + 1) l, 3 or 4).
+    """
+    latches = kind.of(scene)
+    columns = track.T.reshape(track.shape[1], -1, len(latches))
     texts = {
-        "latch_moment": (moment, "N m", "moment of the latches"),
-        "latch_impulse": (impulse, "N m s", "angular impulse of the latches so far"),
-        "latch_rate": (rate, "rad s-1", "rate of the opening when it was caught; 0 before"),
-    }
-    return {name: Recorded(*text, "latch", labels) for name, text in texts.items()}
+        "latch_moment": ("N m", "moment of the latches", "latch"),
+        "latch_impulse": ("N m s", "angular impulse of the latches so far", "latch"),
+        "latch_rate": ("rad s-1", "rate of the opening when it was caught; 0 before", "latch"),
+        "latch_impact": (
+            "N m s", "angular impulse with which a rigid latch caught; 0 before", "rigid_latch"
+        ),
+    }  # fmt: skip
+    pairs = zip(texts.items(), columns, strict=False)
+    found = {name: Recorded(values, *text, ()) for (name, text), values in pairs}
+    hinges = [scene.hinges[latch.hinge] for latch in latches]
+    return by_unit(found, hinges, [latch.label(scene) for latch in latches])

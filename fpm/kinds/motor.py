@@ -22,10 +22,12 @@ from fpm.kinds.opening import (
     JOINT_LOSS,
     OnHinge,
     Opening,
+    by_unit,
     check_hinge,
     check_numbers,
     check_stiffness,
     pack_past,
+    unit_of,
 )
 
 MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
@@ -39,10 +41,11 @@ def check_curve(scene, what: str, curve: int) -> None:
 
 def recorded_moments(cls, part, scene, lane, variable, dimension) -> dict[str, Recorded]:
     """Moments of motors of a kind that has them in its `track`."""
-    names = tuple(scene.hinges[motor.hinge].name for motor in cls.of(scene))
-    values = part.track[:, 0, lane].reshape(-1, len(names))
+    hinges = [scene.hinges[motor.hinge] for motor in cls.of(scene)]
+    values = part.track[:, 0, lane].reshape(-1, len(hinges))
     text = f"moment of the {dimension.replace('_', ' ')}s on their hinges"
-    return {variable: Recorded(values, "N m", text, dimension, names)}
+    found = {variable: Recorded(values, "N m", text, dimension, ())}
+    return by_unit(found, hinges, [hinge.name for hinge in hinges])
 
 
 @dataclass(frozen=True)
@@ -72,9 +75,9 @@ class Motor(OnHinge):
         others = [e for found in scene.kinds.values() for e in found if hasattr(e, "turn")]
         if self.hinge in [other.hinge for other in others]:
             raise SceneError("hinge of motor", self.hinge, "a hinge without a motor")
-        check_numbers(what, damping=(self.damping, 0.0, "N m s/rad"))
+        check_numbers(what, scene, self.hinge, damping=(self.damping, 0.0, "N m s/rad"))
         if not np.isfinite([self.start, self.turn]).all():
-            raise SceneError(f"opening of {what}", (self.start, self.turn), "finite angles (rad)")
+            raise SceneError(f"opening of {what}", (self.start, self.turn), "finite numbers")
         check_curve(scene, what, self.curve)
 
     def topology(self):
@@ -128,9 +131,11 @@ class TorqueMotor(OnHinge):
         if self.hinge in [motor.hinge for motor in TorqueMotor.of(scene)]:
             raise SceneError("hinge of torque motor", self.hinge, "a hinge without a torque motor")
         if not np.isfinite(self.torque):
-            raise SceneError(f"torque of {what}", self.torque, "a finite number (N m)")
+            unit = unit_of(scene, self.hinge, "N m")
+            raise SceneError(f"torque of {what}", self.torque, f"a finite number ({unit})")
         if not self.no_load > 0:
-            raise SceneError(f"no-load speed of {what}", self.no_load, "above 0 rad/s")
+            unit = unit_of(scene, self.hinge, "rad/s")
+            raise SceneError(f"no-load speed of {what}", self.no_load, f"above 0 {unit}")
         check_curve(scene, what, self.curve)
 
     def topology(self):

@@ -9,13 +9,13 @@ from numba.extending import overload
 from fpm.kernels.angles import arctan2
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import floor, load, store
-from fpm.kernels.layout import M, P
+from fpm.kernels.layout import F, M, P, X
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import INLINED, cross, dot, get3, kernel, put3, to_global
+from fpm.kernels.vectors import INLINED, add3, cross, dot, get3, kernel, put3, to_global
 
 TURN = 2 * math.pi
 
-AXIS, REFERENCE = 0, 3  # of either side, in its particle's frame (3 each)
+AXIS, REFERENCE = 0, 3  # of either side, in its particle's frame (3 each); of slides a point
 SIDE = 6
 
 NOW, BEFORE = 0, 1  # fields of the angles
@@ -35,18 +35,38 @@ class Openings(NamedTuple):
     track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded
 
 
-class ToldOpenings(NamedTuple):
-    """Openings that tell apart who acts on them; the part `which` of `parts` is a kind's own."""
+_PLAIN = [*Openings.__annotations__.items()]
+_TELLING = [
+    ("which", int),
+    ("parts", int),
+    ("told", np.ndarray),  # (h parts, TOLD, lanes)
+    ("told_track", np.ndarray),  # ((instants + 1) h parts, 2, lanes) recorded: moment, work
+]
+_SLIDES = [("slides", np.ndarray)]  # (h,) 1 where the opening is a length
 
-    ends: np.ndarray
-    sides: np.ndarray
-    angles: np.ndarray
-    followed: bool
-    track: np.ndarray
-    which: int
-    parts: int
-    told: np.ndarray  # (h parts, TOLD, lanes)
-    told_track: np.ndarray  # ((instants + 1) h parts, 2, lanes) recorded: moment, work
+ToldOpenings = NamedTuple("ToldOpenings", _PLAIN + _TELLING)
+"""Openings that tell apart who acts on them; the part `which` of `parts` is a kind's own."""
+
+SlidingOpenings = NamedTuple("SlidingOpenings", _PLAIN + _SLIDES)
+"""Openings some of which are lengths."""
+
+ToldSlidingOpenings = NamedTuple("ToldSlidingOpenings", _PLAIN + _TELLING + _SLIDES)
+"""The same that tell apart who acts on them."""
+
+TELLING = (ToldOpenings, ToldSlidingOpenings)
+SLIDING = (SlidingOpenings, ToldSlidingOpenings)
+
+
+def is_slide(openings, h):
+    """Whether opening h is a length; nothing is compiled of slides where there are none."""
+    return isinstance(openings, SLIDING) and openings.slides[h] != 0
+
+
+@overload(is_slide, jit_options=INLINED)
+def _is_slide(openings, h):
+    if openings.instance_class in SLIDING:
+        return lambda openings, h: openings.slides[h] != 0
+    return lambda openings, h: False
 
 
 @hook(Openings)
@@ -66,6 +86,11 @@ def update(part, state):
         axis = to_global(axes, get3(sides, 2 * h, AXIS))
         first = to_global(axes, get3(sides, 2 * h, REFERENCE))
         second = to_global(frame(state, two), get3(sides, 2 * h + 1, REFERENCE))
+        if is_slide(part, h):
+            between = (get3(state, two, X) + second) - (get3(state, one, X) + first)
+            store(angles, h, BEFORE, load(angles, h, NOW))
+            store(angles, h, NOW, dot(axis, between))
+            continue
         angle = arctan2(dot(axis, cross(first, second)), dot(first, second))
         last = load(angles, h, NOW)
         store(angles, h, BEFORE, last)
@@ -75,17 +100,28 @@ def update(part, state):
 
 @kernel
 def turn(openings, state, h, moment):
-    """Add a moment about the axis of hinge h to its second particle, its opposite to the first."""
+    """Add a moment about the axis of hinge h to its second particle, its opposite to the first; or
+    a force along that of a slide, both at the second's point, so that they are in balance.
+    """
     one, two = openings.ends[2 * h], openings.ends[2 * h + 1]
     axis = to_global(frame(state, one), get3(openings.sides, 2 * h, AXIS))
-    put3(state, two, M, moment * axis + get3(state, two, M))
-    put3(state, one, M, (-1.0 * moment) * axis + get3(state, one, M))
+    if is_slide(openings, h):
+        arm = to_global(frame(state, two), get3(openings.sides, 2 * h + 1, REFERENCE))
+        force = moment * axis
+        lever = get3(state, two, X) + arm - get3(state, one, X)
+        add3(state, two, F, force)
+        add3(state, two, M, cross(arm, force))
+        add3(state, one, F, -1.0 * force)
+        add3(state, one, M, -1.0 * cross(lever, force))
+    else:
+        put3(state, two, M, moment * axis + get3(state, two, M))
+        put3(state, one, M, (-1.0 * moment) * axis + get3(state, one, M))
     tell(openings, h, moment)
 
 
 @kernel
 def push(openings, state, h, impulse):
-    """The same by an impulse (N m s), after the kick."""
+    """The same by an impulse (N m s), after the kick; not for slides."""
     one, two = openings.ends[2 * h], openings.ends[2 * h + 1]
     axis = to_global(frame(state, one), get3(openings.sides, 2 * h, AXIS))
     put3(state, two, P, impulse * axis + get3(state, two, P))
@@ -94,7 +130,7 @@ def push(openings, state, h, impulse):
 
 def tell(openings, h, moment):
     """Count a moment as that of the kind that sees these openings, where they are told apart."""
-    if isinstance(openings, ToldOpenings):
+    if isinstance(openings, TELLING):
         add_told(openings, h, moment)
 
 
@@ -107,7 +143,7 @@ def add_told(openings, h, moment):
 
 @overload(tell, jit_options=INLINED)
 def _tell(openings, h, moment):
-    if openings.instance_class is ToldOpenings:
+    if openings.instance_class in TELLING:
         return lambda openings, h, moment: add_told(openings, h, moment)
     return lambda openings, h, moment: None
 
@@ -161,3 +197,14 @@ def record_tellings(part, row):
     for r in range(count):
         store(part.told_track, row * count + r, 0, load(part.told, r, MOMENT))
         store(part.told_track, row * count + r, 1, load(part.told, r, WORK))
+
+
+for _name, _kernel in (("forces", forces), ("record", record)):
+    hook(SlidingOpenings, _name)(_kernel)
+for _name, _kernel in (
+    ("forces", begin_told),
+    ("work_before", work_told),
+    ("record_step", record_told_after),
+    ("record", record_told),
+):
+    hook(ToldSlidingOpenings, _name)(_kernel)

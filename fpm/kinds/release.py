@@ -47,9 +47,9 @@ class Release(OnHinge):
         """Hinges and numbers; that it holds at the start, and may let go."""
         check_stiffness(scene, "release", self.hinge, self.stiffness)
         name = check_letting_go(scene, self)
-        check_numbers(name, damping=(self.damping, 0.0, "N m s/rad"))
+        check_numbers(name, scene, self.hinge, damping=(self.damping, 0.0, "N m s/rad"))
         if not np.isfinite(self.hold):
-            raise SceneError(f"hold of {name}", self.hold, "a finite angle (rad)")
+            raise SceneError(f"hold of {name}", self.hold, "a finite number")
 
     def topology(self):
         """Both hinges."""
@@ -85,7 +85,7 @@ def check_letting_go(scene, release) -> str:
     if release.hinge in [other.hinge for other in others]:
         raise SceneError("hinge of release", release.hinge, "a hinge without a release")
     if not np.isfinite(release.level):
-        raise SceneError(f"level {what}", release.level, "a finite angle (rad)")
+        raise SceneError(f"level {what}", release.level, "a finite number")
     if not release.time > 0:
         raise SceneError(f"time {what}", release.time, "above 0 s")
     if release.watch < 0 and not np.isfinite(release.time):

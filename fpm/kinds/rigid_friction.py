@@ -14,6 +14,7 @@ import numpy as np
 
 from fpm.kinds.opening import (
     JOINT_LOSS,
+    TURNING,
     Opening,
     check_hinge,
     check_numbers,
@@ -39,7 +40,7 @@ class RigidFriction(HoldsHinge):
 
     def check(self, scene):
         """Hinge and number."""
-        check_hinge(scene, "friction", self.hinge)
+        check_hinge(scene, "friction", self.hinge, TURNING)
         check_numbers("friction", moment=(self.moment, 0.0, "N m"))
 
     def held_at_start(self, scene):

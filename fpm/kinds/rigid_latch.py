@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.kinds.kind import Recorded
 from fpm.kinds.latch import SIDES, check_catching, recorded_of
 from fpm.kinds.opening import JOINT_LOSS, Opening, check_hinge, pack_past
 from fpm.kinds.turn import HoldsHinge, Turn
@@ -81,11 +80,4 @@ class RigidLatch(HoldsHinge):
     @classmethod
     def recorded(cls, part, scene, lane):
         """As of other latches, and the impulses with which they caught."""
-        labels = tuple(latch.label(scene) for latch in cls.of(scene))
-        *track, impact = part.track[:, :, lane].T
-        text = "angular impulse with which a rigid latch caught; 0 before"
-        return recorded_of(np.array(track).T, labels) | {
-            "latch_impact": Recorded(
-                impact.reshape(-1, len(labels)), "N m s", text, "rigid_latch", labels
-            )
-        }
+        return recorded_of(cls, scene, part.track[:, :, lane])

@@ -13,7 +13,7 @@ import numpy as np
 
 from fpm.errors import SceneError
 from fpm.kinds.motor import MOTOR_WORK, check_curve, recorded_moments
-from fpm.kinds.opening import Opening, check_hinge
+from fpm.kinds.opening import Opening, check_hinge, unit_of
 from fpm.kinds.turn import HoldsHinge, Turn
 
 AT_START = 1e-9
@@ -51,10 +51,11 @@ class RigidMotor(HoldsHinge):
         if self.hinge in [other.hinge for other in others]:
             raise SceneError("hinge of motor", self.hinge, "a hinge without a motor")
         if not np.isfinite([self.start, self.turn]).all():
-            raise SceneError(f"opening of {what}", (self.start, self.turn), "finite angles (rad)")
+            raise SceneError(f"opening of {what}", (self.start, self.turn), "finite numbers")
         check_curve(scene, what, self.curve)
         if abs(self.at(scene, 0.0) - hinge.opening) > AT_START:
-            allowed = f"{hinge.opening:g} rad, where the hinge is then, or a drive train"
+            unit = unit_of(scene, self.hinge, "rad")
+            allowed = f"{hinge.opening:g} {unit}, where the hinge is then, or a drive train"
             raise SceneError(f"opening of {what} at the start", self.at(scene, 0.0), allowed)
 
     def topology(self):

@@ -47,7 +47,11 @@ class Stop(OnHinge):
         """Hinge, side and numbers."""
         check_stiffness(scene, "stop", self.hinge, self.stiffness)
         check_numbers(
-            "stop", angle=(self.angle, -np.inf, "rad"), damping=(self.damping, 0.0, "N m s/rad")
+            "stop",
+            scene,
+            self.hinge,
+            angle=(self.angle, -np.inf, "rad"),
+            damping=(self.damping, 0.0, "N m s/rad"),
         )
         if self.side not in SIDES:
             raise SceneError("side of stop", self.side, " or ".join(SIDES))

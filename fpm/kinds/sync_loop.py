@@ -15,7 +15,14 @@ import numpy as np
 
 from fpm.errors import SceneError
 from fpm.kinds.kind import Deformations, Energy, Kind, Recorded
-from fpm.kinds.opening import Opening, check_stiffness, relative_turn, softness
+from fpm.kinds.opening import (
+    TURNING,
+    Opening,
+    check_hinge,
+    check_stiffness,
+    relative_turn,
+    softness,
+)
 
 
 @dataclass(frozen=True)
@@ -45,6 +52,7 @@ class SyncLoop(Kind):
         if self.name in [other.name for other in SyncLoop.of(scene)]:
             raise SceneError("loop", self.name, "a name that no other loop has")
         for hinge in self.hinges:
+            check_hinge(scene, what, hinge, TURNING)
             check_stiffness(scene, what, hinge, self.stiffness, "N/m")
         if len(set(self.hinges)) != 2:
             raise SceneError(f"hinges of {what}", self.hinges, "two different ones")
@@ -88,7 +96,7 @@ class SyncLoop(Kind):
         if not on:
             return None
         rows = relative_turn(scene, on, stiffness)
-        return Deformations(*rows[:3], np.array(element))
+        return Deformations(*rows[:3], np.array(element)[rows.element])
 
     @classmethod
     def pack(cls, batch):

@@ -23,6 +23,12 @@ class TorsionSpring(OnHinge):
         check_stiffness(scene, "torsion spring", self.hinge, self.stiffness)
 
     @classmethod
+    def names(cls, scene):
+        """Those on slides are just springs."""
+        hinges = [scene.hinges[spring.hinge] for spring in cls.of(scene)]
+        return [f"{'spring' if h.slides else cls.called} {h.name}" for h in hinges]
+
+    @classmethod
     def pack(cls, batch):
         from fpm.kinds.torsion_spring_kernels import Springs
 

@@ -10,7 +10,7 @@ from numba.extending import overload
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import ACCOUNTS
 from fpm.kernels.vectors import INLINED, kernel
-from fpm.kinds.opening_kernels import BEFORE, MOMENT, NOW, WORK, ToldOpenings
+from fpm.kinds.opening_kernels import BEFORE, MOMENT, NOW, TELLING, WORK
 from fpm.kinds.turn_arrays import IMPULSE
 
 # Kept for each element from one step to the next, in this order from a first field.
@@ -38,7 +38,7 @@ def moment_of(turns, t, now):
 
 def tell_late(openings, h, moment):
     """Count a moment of the kicks that are over, where moments are told apart."""
-    if isinstance(openings, ToldOpenings):
+    if isinstance(openings, TELLING):
         add_late(openings, h, moment)
 
 
@@ -53,7 +53,7 @@ def add_late(openings, h, moment):
 
 @overload(tell_late, jit_options=INLINED)
 def _tell_late(openings, h, moment):
-    if openings.instance_class is ToldOpenings:
+    if openings.instance_class in TELLING:
         return lambda openings, h, moment: add_late(openings, h, moment)
     return lambda openings, h, moment: None
 

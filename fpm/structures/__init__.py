@@ -15,8 +15,9 @@ from fpm.scene import Scene
 from fpm.scenes import SceneType
 from fpm.sources import syntax_digest
 from fpm.structures.builder import Builder
-from fpm.structures.model import TEXTS, Model
+from fpm.structures.model import KEYS, TEXTS, Model
 from fpm.structures.parameters import Given, read_parameters
+from fpm.structures.place import as_meant
 from fpm.structures.problems import Problem, Problems, StructureError, among
 from fpm.structures.python_file import load_python
 from fpm.structures.reading import Table, Text, plain, read
@@ -70,7 +71,7 @@ def load(path: str | Path) -> SceneType:
 def loads(text: str, source: str = "structure") -> StructureType:
     """The structure of a YAML file's text; `source` names it in messages."""
     problems = Problems(source)
-    table = read(text, problems)
+    table = as_meant(read(text, problems), KEYS, problems)
     parameters = table.entries.get("parameters", Table({}, {}, 0))
     if not isinstance(parameters, Table):
         problems.refuse(parameters.line, "parameters", plain(parameters), "a mapping from names")
@@ -151,7 +152,8 @@ def _text(table: Table, key: str, problems: Problems) -> str:
 def _mesh(table: Table, name: str, given: Mapping[str, Given], problems: Problems) -> str | None:
     """The parameter that the file calls its mesh."""
     whole = [other for other, one in given.items() if one.whole]
-    if name and name not in whole:
+    stated = table.entries.get("parameters", Table({}, {}, 0)).entries
+    if name and name not in whole and (name in given or name not in stated):
         hint, line = did_you_mean(name, whole), table.entries["mesh"].line
         problems.say(
             line, f"mesh: {name!r} is not allowed{hint}; allowed: a parameter with `whole: true`: "

@@ -71,7 +71,7 @@ class Builder:
     where they are not.
     """
 
-    hold: list[str] | None = None
+    hold: list[tuple[str, int]] | None = None
 
     def __init__(self, model: "Model", values: Mapping[str, float], problems: Problems):
         self.problems = problems
@@ -194,12 +194,9 @@ class Builder:
         if self.hold is None or self.problems:
             return
         line = model.overall.lines.get("assemble", 0)
-        held = [self._made["joints", name] for name in self.hold]
+        held = [self._made["joints", name] + which for name, which in self.hold]
         try:
-            if None in held:
-                name = self.hold[held.index(None)]
-                raise SceneError("assemble.hold", name, "names of revolute joints")
-            assemble(self.scene, self.hold)
+            assemble(self.scene, [self.scene.hinges[hinge].name for hinge in held])
         except MisfitError as error:
             self._note(line, f"assemble: {error.key}", error)
         except SceneError as error:

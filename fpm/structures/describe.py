@@ -1,16 +1,22 @@
 """A structure in words: what may be set in it, what it is made of, and what a run costs."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import fields
 
 import numpy as np
 
 from fpm.bars import bars_of
+from fpm.kinds import kinds_of
 from fpm.kinds.cable import Cable, length_through
+from fpm.kinds.hinge import Hinge
 from fpm.kinds.joint import Joint
+from fpm.kinds.kind import Kind
+from fpm.kinds.opening import SLIDING
 from fpm.kinds.virtual_beam import VirtualBeam
 from fpm.scene import Scene
 from fpm.scenes import Parameter, SceneType
 from fpm.structures import report
+from fpm.structures.statement import SLID
 
 
 def describe(found: SceneType, duration: float = 1.0) -> str:
@@ -19,10 +25,11 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
     cost, mobility = report.cost(scene, duration), report.mobility(scene)
     mesh = getattr(found, "mesh", None)
     rows = [[name, *_row(p, name == mesh)] for name, p in found.parameters.items()]
-    joints = [f"{h.name} (opening {np.degrees(h.opening):.4g} deg)" for h in scene.hinges]
+    joints = [f"{h.name} ({_opening(h)})" for h in scene.hinges]
     joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
     redundant = report.redundant(scene)
     cables = [_cable(scene, cable) for cable in scene.cables]
+    actions = acting(scene)
     points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
     lines = [
         f"{found.name}: {found.description}" if found.description else found.name,
@@ -35,6 +42,7 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
         *(_listed("supports", scene.supports) if scene.supports else ()),
         *_listed("joints", joints),
         *(_listed("cables", cables) if cables else ()),
+        *(_listed("on joints", actions) if actions else ()),
         "",
         f"mass          {report.mass(scene):.6g} kg",
         f"its centre    {_vector(report.centre(scene))}",
@@ -43,11 +51,23 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
         *([f"redundant     {', '.join(redundant)}"] if redundant else []),
         *([f"assembled     {_forced(scene)}"] if scene.assembly is not None else []),
         f"stable step   {_step(cost)}",
+        *([f"              {remedy}"] if (remedy := _remedy(found, scene, cost)) else []),
         f"a run         {len(scene.elements)} elements, {cost.steps} steps for {duration:g} s, "
         f"{cost.element_steps:.3g} steps of elements, about {cost.seconds:.2g} s of a core "
         "(one of eight side by side)",
     ]
     return "\n".join(lines)
+
+
+def _opening(hinge: Hinge) -> str:
+    """The opening of a hinge at the start."""
+    kind = {"prismatic": "slide, ", "universal": "universal, ", "cross": "universal, "}
+    return f"{kind.get(hinge.type, '')}opening {_angle(hinge.opening, hinge)}"
+
+
+def _angle(opening: float, hinge: Hinge) -> str:
+    """An opening of a hinge, in degrees, or of a slide."""
+    return f"{opening:.4g} m" if hinge.slides else f"{np.degrees(opening):.4g} deg"
 
 
 def _ways(count: int) -> str:
@@ -59,6 +79,64 @@ def _step(cost: report.Cost) -> str:
     if cost.step == np.inf:
         return "none, as nothing is elastic: a step is at most the time between two instants"
     return f"{cost.step:.4g} s, set by {cost.element}"
+
+
+def _remedy(found: SceneType, scene: Scene, cost: report.Cost) -> str:
+    """What would make the stable step longer."""
+    if cost.step == np.inf:
+        return ""
+    ways = [
+        f"{name} = {_number(value)} (x {share:.3g})"
+        for name, value, share in report.longer_steps(found, cost.step)
+    ]
+    if cost.element.startswith(ON_JOINTS) and scene.beams:
+        ways.append("`masses` with the fittings' inertia at its joint, where bars are light")
+    return f"longer with {'; '.join(ways)}" if ways else ""
+
+
+ON_JOINTS = ("torsion spring ", "spring ", "latch ", "stop ", "friction ", "damper ", "release ")
+"""With what the names of elements begin that may be stiff on light ends of bars."""
+
+_UNITS = {
+    "stiffness": "N m/rad", "damping": "N m s/rad", "moment": "N m", "torque": "N m",
+    "rest": "rad", "angle": "rad", "tolerance": "rad", "hold": "rad", "turn": "rad",
+    "fastest": "rad/s", "no_load": "rad/s", "time": "s", "preload": "N",
+}  # fmt: skip
+"""Units of what is told of an element that acts on a joint, if that is no slide."""
+
+
+def acting(scene: Scene) -> list[str]:
+    """What acts on joints, with its numbers, in the order of the joints."""
+    found = []
+    for kind in kinds_of([scene]):
+        pairs = zip(kind.names(scene), kind.of(scene), strict=True) if kind.acts_as else ()
+        for name, element in pairs:
+            on = getattr(element, "hinges", (getattr(element, "hinge", None),))
+            hinges = [scene.hinges[hinge] for hinge in on]
+            joints = " and ".join(hinge.name for hinge in hinges)
+            numbers = [*_numbers(element, hinges[0].slides, loop=len(on) > 1)]
+            if (watch := getattr(element, "watch", -1)) >= 0:
+                watched = scene.hinges[watch]
+                numbers.append(f"until {watched.name} passes {_angle(element.level, watched)}")
+            found.append((on[0], f"{name} ({', '.join([f'on {joints}', *numbers])})"))
+    return [text for _, text in sorted(found, key=lambda pair: pair[0])]
+
+
+def _numbers(element: Kind, slides: bool, loop: bool) -> Iterator[str]:
+    """The numbers of an element on joints, those that do nothing left out."""
+    for field in fields(element):
+        value, unit = getattr(element, field.name), _UNITS.get(field.name)
+        if unit is None or not isinstance(value, int | float) or not np.isfinite(value):
+            continue
+        if value == 0.0 and field.name in ("damping", "tolerance"):
+            continue
+        if loop and field.name == "stiffness":
+            unit = "N/m"
+        unit = SLIDING.get(unit, unit) if slides else unit
+        if unit.startswith("rad"):
+            value, unit = np.degrees(value), unit.replace("rad", "deg")
+        name = SLID.get(field.name, field.name) if slides else field.name
+        yield f"{name.replace('_', ' ')} {value:.4g} {unit}"
 
 
 def _forced(scene: Scene) -> str:

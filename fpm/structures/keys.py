@@ -4,12 +4,15 @@
 sample and raises SceneError for numbers that are not allowed. A further kind of value goes here.
 """
 
-from dataclasses import dataclass
+from collections.abc import Container
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fpm.errors import SceneError
+from fpm.kinds.joint import ANGLES
+from fpm.kinds.opening import SLIDING
 from fpm.structures.names import Bound
 from fpm.structures.place import Place
 from fpm.structures.reading import Items, Node, Table, Text
@@ -37,6 +40,10 @@ class Key:
         """What is allowed, in words."""
         raise NotImplementedError
 
+    def sliding(self, joints: Container[str]) -> "Key":
+        """The key where `joints`, keys of the statement, name slides: with units of lengths."""
+        return self
+
     def read(self, node: Node, place: Place) -> Any:
         """What the node means; what is wrong is noted, and SkippedError raised."""
         raise NotImplementedError
@@ -48,17 +55,25 @@ class Key:
 
 @dataclass(frozen=True)
 class Number(Key):
-    """A number in a unit; `least` (allowed) or `above` (not allowed) is its lower end."""
+    """A number in a unit; `least` (allowed) or `above` (not allowed) is its lower end. joint: the
+    key that names the joint whose opening it may be about.
+    """
 
     unit: str = ""
     least: float | None = None
     above: float | None = None
+    joint: str = "joint"
 
     @property
     def allowed(self) -> str:
         what = {"": "a number", "rad": "an angle"}.get(self.unit, f"a value in {self.unit}")
         end = f" >= {self.least:g}" if self.least is not None else ""
         return what + (f" > {self.above:g}" if self.above is not None else end)
+
+    def sliding(self, joints: Container[str]) -> "Number":
+        return (
+            replace(self, unit=SLIDING.get(self.unit, self.unit)) if self.joint in joints else self
+        )
 
     def read(self, node: Node, place: Place) -> Bound:
         return place.number(node, unit(self.unit).dimension, self.allowed, self.unit == "rad")
@@ -167,6 +182,47 @@ class Reference(Key):
 
 
 @dataclass(frozen=True)
+class Opening(Key):
+    """The opening of a joint, of one of some types: its value is the index of the hinge."""
+
+    types: tuple[str, ...] = ("revolute", "prismatic", "universal")
+    hint: str = ""
+
+    @property
+    def allowed(self) -> str:
+        one = " or ".join(type for type in self.types if type != "universal")
+        more = f", or of a universal one with {' or '.join(ANGLES)} behind it"
+        return f"the name of a {one} joint{more if 'universal' in self.types else ''}{self.hint}"
+
+    def read(self, node: Node, place: Place) -> tuple[str, int]:
+        names, text = place.names, node.value if isinstance(node, Text) else ""
+        for k, end in enumerate(ANGLES):
+            known = [n for n, type in names.types.items() if type == "universal"]
+            try:
+                place.context.find(text.removesuffix(end), known if text.endswith(end) else ())
+            except KeyError:
+                continue
+            full = place.reference(Text(text.removesuffix(end), node.line), "joints")
+            self._check(node, place, full, "universal")
+            return full, k
+        full = place.reference(node, "joints")
+        type = names.types.get(full, "")
+        self._check(node, place, full, "" if type == "universal" else type)
+        return full, 0
+
+    def _check(self, node: Node, place: Place, full: str, type: str) -> None:
+        if type not in self.types:
+            if place.names.types.get(full) == "universal" and "universal" in self.types:
+                place.refuse(
+                    node, f"one of its two angles, {' or '.join(full + e for e in ANGLES)}"
+                )
+            place.refuse(node, self.allowed)
+
+    def value(self, read: tuple[str, int], build: "Builder", key: str) -> int:
+        return build.made("joints", read[0]) + read[1]
+
+
+@dataclass(frozen=True)
 class Part(Reference):
     """The name of a part. ground: whether that is one here."""
 
@@ -223,11 +279,14 @@ class Many(Key):
         count = f"{self.least}" if self.least == self.most else f"{self.least} or more"
         return f"a list of {count}, each {self.kind.allowed}"
 
+    def sliding(self, joints: Container[str]) -> "Many":
+        return replace(self, kind=self.kind.sliding(joints))
+
     def read(self, node: Node, place: Place) -> list:
         if not isinstance(node, Items) or not self.least <= len(node.items) <= self.most:
             place.refuse(node, self.allowed)
         found = [self.kind.read(item, place) for item in node.items]
-        if isinstance(self.kind, Reference) and len(set(found)) < len(found):
+        if isinstance(self.kind, Reference | Opening) and len(set(found)) < len(found):
             place.refuse(node, f"{self.allowed}, each once")
         return found
 
@@ -285,14 +344,14 @@ class Either(Key):
 class Assembled(Key):
     """Whether parts are forced together: None, or the names of the joints that are held then."""
 
-    allowed = "true, false, or {hold: [revolute joints]}"
+    allowed = "true, false, or {hold: [joints]}"
 
-    def read(self, node: Node, place: Place) -> list[str] | None:
+    def read(self, node: Node, place: Place) -> list[tuple[str, int]] | None:
         if isinstance(node, Text) and node.value in ("true", "false"):
             return [] if node.value == "true" else None
         if not isinstance(node, Table) or node.entries.keys() != {"hold"}:
             place.refuse(node, self.allowed)
-        joints = Many(kind=Reference(group="joints"))
+        joints = Many(kind=Opening())
         return joints.read(node.entries["hold"], place.inside("hold"))
 
 

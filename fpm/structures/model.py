@@ -87,6 +87,9 @@ class Model:
                 key = joined(sheet.key, group, name)
                 if is_name(name, key, line, self.problems, number=group == "let"):
                     self._name(sheet.context.prefix, name, group, key, line)
+                type = getattr(node.entries[name], "entries", {}).get("type")
+                if group == "joints" and isinstance(type, Text):
+                    self.names.types[sheet.context.prefix + name] = type.value
 
     def _name(self, prefix: str, name: str, group: str, key: str, line: int) -> None:
         """Note one name of a group."""

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from keyword import iskeyword
 
-from fpm.errors import did_you_mean
+from fpm.errors import did_you_mean, likely
 from fpm.structures.expressions import RESERVED, ExpressionError, parse
 from fpm.structures.names import NEIGHBOURS, Bound, Context, Names
 from fpm.structures.problems import Problems, SkippedError, show
@@ -103,6 +103,17 @@ def table_at(node: Table, name: str, key: str, problems: Problems) -> Table:
 def joined(*parts: str) -> str:
     """Keys with dots between them."""
     return ".".join(part for part in parts if part)
+
+
+def as_meant(node: Table, known: tuple[str, ...], problems: Problems) -> Table:
+    """The table with keys that are likely others under those: told, but not what follows of it."""
+    entries, lines = dict(node.entries), dict(node.lines)
+    for name in node.entries.keys() - set(known):
+        meant = likely(name, known)
+        if meant and meant not in entries:
+            check_keys(Table({name: node.entries[name]}, node.lines, 0), "", known, problems)
+            entries[meant], lines[meant] = entries.pop(name), lines.pop(name)
+    return Table(entries, lines, node.line)
 
 
 def check_keys(node: Table, key: str, known: tuple[str, ...], problems: Problems) -> None:

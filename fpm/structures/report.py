@@ -6,9 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.effort import machine, run_seconds
+from fpm.errors import SceneError
 from fpm.kinds.joint import Joint, as_joints
 from fpm.kinds.kind import AXES
 from fpm.scene import Scene
+from fpm.scenes import SceneType
 from fpm.timestep import stable_step
 
 SMALLEST = 1e-9
@@ -158,6 +160,28 @@ def redundant(scene: Scene) -> list[str]:
     ends = np.cumsum([len(r) for r in rows.values()])[:-1]
     parts = np.split(shares, ends)
     return [name for name, share in zip(rows, parts, strict=True) if share.max(initial=0.0) > 1e-6]
+
+
+def longer_steps(found: SceneType, step: float) -> list[tuple[str, float, float]]:
+    """The parameters by which a stable step (s) of the defaults grows most, at most three.
+
+    Each with a value a tenth away, or half of a whole number, and how many times as long the step
+    is there.
+    """
+    ways = []
+    for name, parameter in found.parameters.items():
+        value = parameter.default
+        if not value or parameter.kind not in ("real", "integer"):
+            continue
+        whole = parameter.kind == "integer"
+        for other in (value // 2,) if whole else (0.9 * value, 1.1 * value):
+            try:
+                share = stable_step(found.build(**{name: other})).step / step
+            except SceneError:
+                continue
+            if 1.03 < share < np.inf:
+                ways.append((name, other, share))
+    return sorted(ways, key=lambda way: -way[2])[:3]
 
 
 def cost(scene: Scene, duration: float, safety: float = 0.9) -> Cost:

@@ -4,19 +4,25 @@ A statement says which keys it takes, with units and ranges, and how it goes int
 kind of joint or action is one such function in a file of `statements/`, and one line in its list.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from fpm.errors import did_you_mean
-from fpm.structures.keys import REQUIRED, Key
+from fpm.structures.keys import REQUIRED, Key, Opening
 from fpm.structures.place import Place
 from fpm.structures.problems import SkippedError, among
 from fpm.structures.reading import Table, Text
 
 if TYPE_CHECKING:
     from fpm.structures.builder import Builder
+
+SLIDE = "prismatic"
+SLID = {"moment": "force", "angle": "position", "turn": "travel", "torque": "force",
+        "angles": "positions", "moments": "forces"}  # fmt: skip
+"""Names of keys of what acts on joints, and those of the same on slides."""
 
 PARTS = ("bars", "bodies")
 """Groups whose things are parts: what joints join, supports hold and loads act on."""
@@ -29,18 +35,27 @@ class Statement:
     group: the file's key; type: the entry's `type`, "" in groups of one kind; keys: what it takes,
     by name; build(build, it): puts one into the scene of a Builder and returns what others get that
     refer to it, `it` having the full `name` and the values of all keys; SceneError for what cannot
-    be. about: what it is, as docs/structures.md says.
+    be. about: what it is, as docs/structures.md says. fields: of `it`, by keys of other names.
     """
 
     group: str
     type: str
     keys: dict[str, Key]
     build: Callable[["Builder", SimpleNamespace], Any]
+    fields: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def about(self) -> str:
         """The first line of the building function's docstring."""
         return (self.build.__doc__ or "").split("\n")[0]
+
+    def sliding(self, joints: Container[str]) -> "Statement":
+        """The statement where `joints`, of its keys, name slides: units and names are others."""
+        if not joints:
+            return self
+        named = {(SLID.get(n, n) if "joint" in joints else n): n for n in self.keys}
+        keys = {name: self.keys[n].sliding(joints) for name, n in named.items()}
+        return replace(self, keys=keys, fields=named)
 
 
 def statement(group: str, type: str = "", **keys: Key) -> Callable[[Callable], Statement]:
@@ -65,7 +80,7 @@ class Entry:
         for name, kind in self.statement.keys.items():
             given = name in self.read
             value = kind.value(self.read[name], build, name) if given else kind.default
-            setattr(it, name, value)
+            setattr(it, self.statement.fields.get(name, name), value)
         return it
 
 
@@ -80,6 +95,7 @@ def read_entry(
     statement = _statement(kinds, node, place)
     if statement is None:
         return None
+    statement = statement.sliding(_slides(statement, node, place))
     sound, read = True, {}
     for key, entry in node.entries.items():
         if key in statement.keys:
@@ -100,6 +116,18 @@ def read_entry(
             sound = False
             problems.say(line, f"{place.key}.{key}: missing; allowed: {kind.allowed}")
     return Entry(statement, name, place.key, line, node.lines, read) if sound else None
+
+
+def _slides(statement: Statement, node: Table, place: Place) -> list[str]:
+    """The keys of an entry that name slides."""
+    found = []
+    for key, kind in statement.keys.items():
+        takes = isinstance(kind, Opening) and SLIDE in kind.types
+        if takes and isinstance(entry := node.entries.get(key), Text):
+            with suppress(KeyError, SkippedError):
+                if place.names.types[place.context.find(entry.value, place.names.types)] == SLIDE:
+                    found.append(key)
+    return found
 
 
 def _statement(kinds, node: Table, place: Place) -> Statement | None:

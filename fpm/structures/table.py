@@ -1,6 +1,6 @@
 """The table of keys in docs/structures.md: `python -m fpm.structures.table` prints it."""
 
-from fpm.structures.keys import REQUIRED, Key
+from fpm.structures.keys import REQUIRED, Key, Opening
 from fpm.structures.model import overall
 from fpm.structures.statement import Statement
 from fpm.structures.statements import STATEMENTS
@@ -16,11 +16,25 @@ def markdown() -> str:
 def _section(one: Statement) -> str:
     what = f"`{one.group}`" if one.group else "at the top of the file"
     title = f"{what}, `type: {one.type}`" if one.type else what
+    slid = one.sliding(["joint", "watch"]) if _slides(one) else one
     rows = [
-        f"| `{name}` | {key.about} | {key.allowed} | {_default(key)} |\n"
-        for name, key in one.keys.items()
+        f"| `{name}`{_if(other, name)} | {key.about} | {key.allowed}"
+        f"{_if(slid.keys[other].allowed, key.allowed)} | {_default(key)} |\n"
+        for (name, key), other in zip(one.keys.items(), slid.keys, strict=True)
     ]
     return f"### {title}\n\n{one.about}\n\n{HEAD}{''.join(rows)}"
+
+
+def _slides(one: Statement) -> bool:
+    """Whether it may act on slides, and on others."""
+    return any(isinstance(k, Opening) and len(k.types) == 3 for k in one.keys.values())
+
+
+def _if(other: str, own: str) -> str:
+    """What is other on a slide."""
+    return (
+        "" if other == own else f" (on a slide {f'`{other}`' if other.isidentifier() else other})"
+    )
 
 
 def _default(key: Key) -> str:

@@ -9,7 +9,7 @@ import pytest
 import fpm
 from campaign.config.check import check_config, schema
 from campaign.config.design import count_runs
-from campaign.config.presets import PRESETS
+from campaign.config.presets import PRESETS, mesh_of_preset
 from campaign.errors import ConfigError
 from campaign.plan.make import make_plan
 
@@ -116,3 +116,12 @@ def test_the_safety_of_the_time_step_is_the_mechanics():
     assert solver["safety"]["default"] == safety
     assert {preset["safety"] for preset in PRESETS.values()} == {safety}
     assert schema()["properties"]["preset"]["enum"] == list(PRESETS)
+
+
+def test_the_mesh_that_a_preset_brings_is_told(bare):
+    raw = bare | {"preset": "reference", "scene": {"name": "bennett"}}
+    told = mesh_of_preset(raw, check_config(raw))
+    assert told.startswith("preset reference takes elements_per_link = 32, not the structure's own")
+    own = raw | {"scene": {"name": "bennett", "parameters": {"elements_per_link": 10}}}
+    assert mesh_of_preset(own, check_config(own)) == ""
+    assert mesh_of_preset(bare, check_config(bare)) == ""

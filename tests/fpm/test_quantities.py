@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from fpm import SceneError
-from fpm.outcome import Eventful
-from fpm.quantity_definitions import parse
+from fpm.quantity_definitions import Source, parse
 from fpm.responses import Response
 from fpm.trajectory import Curves, happened
 
 TIME = np.linspace(0.0, 2.0, 401)
-ELEMENTS = [Eventful("contact A", ("opens", "closes")), Eventful("latch A upper", ("locks",)),
-            Eventful("contact C", ("opens", "closes"))]  # fmt: skip
+ELEMENTS = [Source("contact A", ("opens", "closes")), Source("latch A upper", ("locks",), "knee"),
+            Source("contact C", ("opens", "closes"), "C"), Source("latch one", ("latches",), "hip"),
+            Source("latch two", ("latches",), "hip")]  # fmt: skip
 EVENTS = np.array([[0.5, 0, 1], [0.7, 0, 0], [0.9, 2, 1], [1.3, 0, 1], [1.4, 1, 0]])
 RESPONSE = Response("x", "position", ("P",), "x", "m", "x-component of the position of P")
 
@@ -24,7 +24,7 @@ def read(definition, values, time=TIME, dropped=0) -> float:
     track[:, 0] = values
     curves = Curves(
         time, {"P": (track, track)}, {}, {}, {}, np.zeros((0, 3)), [],
-        happened(EVENTS, ELEMENTS), dropped,
+        happened(EVENTS, [element[:2] for element in ELEMENTS]), dropped,
     )  # fmt: skip
     names = {"q": definition, "shut": {"event": "closes"}, "half": {"crossing": "x", "level": 0.5}}
     (found, *_), problems = parse(names, [RESPONSE], ELEMENTS)
@@ -170,3 +170,19 @@ def test_what_is_said_of_quantities():
     assert found[0].long_name == "time of the 2nd event 'closes' of contact A"
     assert found[1].long_name == "x-component of the position of P at t"
     assert "first crossing of 0.5 rising" in found[2].long_name
+
+
+def test_an_element_with_a_name_of_its_own_is_known_by_its_joint_where_it_is_the_only_one():
+    assert read({"event": "locks", "of": "knee"}, WAVE) == 1.4
+    _, (problem,) = parse({"q": {"event": "latches", "of": "hip"}}, [], ELEMENTS)
+    assert problem.allowed == "one of those on it: latch one, latch two"
+
+
+def test_what_only_follows_from_a_wrong_quantity_is_not_told():
+    wrong = {
+        "t": {"event": "clozes"},
+        "v": {"value": "x", "at": "t"},
+        "w": {"value": "x", "at": "u"},
+    }
+    _, problems = parse(wrong, [RESPONSE], ELEMENTS)
+    assert [problem.key for problem in problems] == ["quantities.t.event", "quantities.w.at"]

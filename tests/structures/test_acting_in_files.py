@@ -57,7 +57,7 @@ def test_friction_may_stick_exactly():
         ("moment: L*0.2 N", "moment: L", "actions.dry.moment"),
         ("moment: L*0.2 N", "moment: 1, bend: 0", "actions.dry.bend: 0"),
         ("least: -10 deg, most: 100 deg, ", "", "`least`, `most`, or both"),
-        ("least: -10 deg", "least: 110 deg", "an angle below `most`, 1.74533 rad"),
+        ("least: -10 deg", "least: 110 deg", "an opening below `most`, 1.74533 rad"),
         ("side: below", "side: left", "actions.pin.side: 'left' is not allowed; allowed: below"),
         ("side: below", "side: [below]", "actions.pin.side"),
         ("holds: one way", "holds: yes", "allowed: both ways, one way"),

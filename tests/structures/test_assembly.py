@@ -236,7 +236,7 @@ def test_scenes_in_which_nothing_moves_are_assembled_or_refused():
         ("{hold: [A]}", "{hold: [K]}", "assemble.hold: there is no joint 'K'"),
         ("{hold: [A]}", "false", "or `assemble: true`"),
         ("A: {type: revolute, parts: [ground, AB], at: A, axis: z}",
-         "A: {type: spherical, parts: [ground, AB], at: A}", "names of revolute joints"),
+         "A: {type: spherical, parts: [ground, AB], at: A}", "the name of a revolute or prismatic"),
     ],
 )  # fmt: skip
 def test_wrong_ways_to_ask_for_it_are_refused(old, new, said):

@@ -196,3 +196,9 @@ def test_a_file_that_is_not_there_is_told(tmp_path):
         load(tmp_path / "mast.yaml")
     with pytest.raises(StructureError, match="cannot be read"):
         load(tmp_path / "mast.py")
+
+
+@pytest.mark.parametrize(("old", "new"), [("points:", "pionts:"), ("bars:", "bar:"),
+                                          ("value: 2, whole", "value: 2.5, whole")])  # fmt: skip
+def test_what_only_follows_from_a_slip_is_not_told(old, new):
+    assert len(problems_of(SMALL.replace(old, new))) == 1

@@ -27,7 +27,7 @@ def merged(base, more):
 
 
 def test_the_page_has_examples():
-    assert len(YAML) == 13
+    assert len(YAML) == 14
     assert len(PYTHON) == 2
 
 

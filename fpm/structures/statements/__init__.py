@@ -37,6 +37,7 @@ STATEMENTS: tuple[Statement, ...] = (
     joints.prismatic,
     moved.curve,
     acting.torsion_spring,
+    acting.spring,
     acting.contact,
     acting.damper,
     acting.friction,

@@ -1,49 +1,55 @@
 """What acts on a joint's opening."""
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
-from fpm.errors import SceneError
 from fpm.kinds import Damper, Friction, Latch, RigidFriction, RigidLatch, Stop, TableSpring
-from fpm.kinds.friction import BEND
-from fpm.structures.keys import Choice, Many, Number, Reference
+from fpm.kinds.friction import BEND, SLID
+from fpm.kinds.opening import unit_of
+from fpm.structures.keys import Choice, Many, Number, Opening
 from fpm.structures.statement import statement
 
-
-@dataclass(frozen=True)
-class RevoluteJoint(Reference):
-    """The name of a revolute joint; its value is the index of the hinge."""
-
-    group: str = "joints"
-    allowed = "the name of a revolute joint"
-
-    def value(self, read, build, key):
-        hinge = super().value(read, build, key)
-        if hinge is None:
-            raise SceneError(key, read, self.allowed)
-        return hinge
-
-
-JOINT = RevoluteJoint(about="on which joint it acts")
+JOINT = Opening(about="on which joint it acts")
+TURNING = replace(JOINT, types=("revolute", "universal"))
 
 
 @statement(
     "actions",
     "torsion spring",
-    joint=JOINT,
+    joint=replace(TURNING, hint="; for a slide there is `spring`"),
     stiffness=Number(unit="N m/rad", least=0, about="moment for each radian"),
     rest=Number(0.0, "opening at which it is at rest", unit="rad"),
 )
 def torsion_spring(build, it):
-    """Turns a revolute joint towards an opening."""
+    """Turns a joint towards an opening."""
     build.scene.add_torsion_spring(it.joint, it.stiffness, it.rest)
 
 
 @statement(
     "actions",
+    "spring",
+    joint=replace(JOINT, types=("prismatic",)),
+    stiffness=Number(unit="N/m", least=0, about="force for each metre"),
+    rest=Number(None, "opening at which it is at rest; this or `preload`", unit="m"),
+    preload=Number(None, "force at the start, > 0 where it opens", unit="N"),
+)
+def spring(build, it):
+    """Pushes or pulls a slide towards an opening."""
+    if (it.rest is None) == (it.preload is None):
+        build.refuse("rest", it.rest, "one of `rest` and `preload`")
+    rest = it.rest
+    if rest is None:
+        if not it.stiffness > 0:
+            build.refuse("stiffness", it.stiffness, "above 0 N/m, with a `preload`")
+        rest = build.scene.hinges[it.joint].opening + it.preload / it.stiffness
+    build.scene.add_torsion_spring(it.joint, it.stiffness, rest)
+
+
+@statement(
+    "actions",
     "contact",
-    joint=JOINT,
+    joint=replace(JOINT, types=("revolute",)),
     stiffness=Number(unit="N m/rad", least=0, about="moment for each radian below zero"),
 )
 def contact(build, it):
@@ -58,7 +64,7 @@ def contact(build, it):
     damping=Number(unit="N m s/rad", least=0, about="moment for each radian a second"),
 )
 def damper(build, it):
-    """Resists the turning of a revolute joint, in proportion to its rate."""
+    """Resists the motion of a joint, in proportion to its rate."""
     build.scene.add(Damper(it.joint, it.damping))
 
 
@@ -67,7 +73,10 @@ def damper(build, it):
     "friction",
     joint=JOINT,
     moment=Number(unit="N m", least=0, about="at which it slips; below, it sticks for ever"),
-    bend=Number(BEND, "by how much it gives before it slips", unit="rad", above=0),
+    bend=Number(
+        None, f"by how much it gives before it slips; left out: {BEND:g} rad, {1e3 * SLID:g} mm",
+        unit="rad", above=0,
+    ),
     damping=Number(
         None, "while it sticks; left out: 0.3 of critical for the joint's own two particles",
         unit="N m s/rad", least=0,
@@ -76,13 +85,17 @@ def damper(build, it):
                   options=("by its bend", "exactly")),
 )  # fmt: skip
 def friction(build, it):
-    """Dry (Coulomb) friction in a revolute joint."""
+    """Dry (Coulomb) friction in a joint."""
+    slides = build.scene.hinges[it.joint].slides
     if it.sticks == "exactly":
-        if it.bend != BEND or it.damping is not None:
+        if it.bend is not None or it.damping is not None:
             build.refuse("sticks", it.sticks, "by its bend, or neither `bend` nor `damping`")
+        if slides:
+            build.refuse("sticks", it.sticks, "by its bend, on a slide")
         build.scene.add(RigidFriction(it.joint, it.moment))
         return
-    build.scene.add(Friction(it.joint, it.moment, it.bend, it.damping))
+    bend = it.bend or (SLID if slides else BEND)
+    build.scene.add(Friction(it.joint, it.moment, bend, it.damping))
 
 
 @statement(
@@ -95,11 +108,12 @@ def friction(build, it):
     damping=Number(0.0, "moment for each radian a second, beyond", unit="N m s/rad", least=0),
 )
 def stop(build, it):
-    """Keeps the opening of a revolute joint from going further; never pulls."""
+    """Keeps the opening of a joint from going further; never pulls."""
     if it.least is None and it.most is None:
         build.refuse("least", None, "`least`, `most`, or both")
     if it.least is not None and it.most is not None and it.least >= it.most:
-        build.refuse("least", it.least, f"an angle below `most`, {it.most:g} rad")
+        unit = unit_of(build.scene, it.joint, "rad")
+        build.refuse("least", it.least, f"an opening below `most`, {it.most:g} {unit}")
     for angle, side in ((it.least, "below"), (it.most, "above")):
         if angle is not None:
             build.scene.add(Stop(it.joint, angle, side, it.stiffness, it.damping))
@@ -121,7 +135,7 @@ def stop(build, it):
                  options=("both ways", "one way")),
 )  # fmt: skip
 def latch(build, it):
-    """Catches a revolute joint at an opening and holds it from then on."""
+    """Catches a joint at an opening and holds it from then on."""
     fastest = np.inf if it.fastest is None else it.fastest
     if it.stiffness is None:
         for key, given in (("damping", it.damping > 0), ("holds", it.holds == "one way")):
@@ -147,5 +161,5 @@ def latch(build, it):
     ),
 )
 def tape_spring(build, it):
-    """Turns a revolute joint by a moment that a table gives, with a peak and a plateau, say."""
+    """Moves a joint by a moment, or force, that a table gives, with a peak and a plateau, say."""
     build.scene.add(TableSpring(it.joint, tuple(it.angles), tuple(it.moments)))

@@ -107,13 +107,13 @@ def _own(part) -> str:
     return part.name.rpartition(".")[2]
 
 
-def _join(build, it, type: str, axis=(1.0, 0.0, 0.0), other=None) -> None:
+def _join(build, it, type: str) -> None:
     """Join all parts to the first."""
     particles, points = meet(build, it)
     for k in range(1, len(particles)):
         name = f"{it.name}_{_own(it.parts[k])}" if k > 1 else it.name
         pair = (particles[0], particles[k])
-        build.scene.add_joint(name, type, pair, points[[0, k]], axis, other)
+        build.scene.add_joint(name, type, pair, points[[0, k]])
 
 
 @statement("joints", "spherical", parts=PARTS, at=AT)
@@ -138,13 +138,21 @@ PAIR = Many(kind=Part(ground=True), least=2, most=2, about="what it joins")
     at=AT,
     axis=Direction(about="of the cross, on the first part"),
     other=Direction(about="axis of the cross on the second part, normal to that on the first"),
-)
+    openings=Many(
+        None,
+        "its angles at the start: of the cross about `axis` against the first part, and of the "
+        "second part about `other` against the cross; left out: 0",
+        kind=Number(unit="rad"), least=2, most=2,
+    ),
+)  # fmt: skip
 def universal(build, it):
     """Cardan's joint: parts share a point, and a cross about two axes that stay normal."""
     if abs(it.axis @ it.other) > 1e-6:
         build.refuse("other", it.other.tolist(), f"a direction normal to {it.axis.tolist()}")
     other = unit(it.other - (it.axis @ it.other) * it.axis, "other")
-    _join(build, it, "universal", it.axis, other)
+    particles, points = meet(build, it)
+    openings = it.openings or (0.0, 0.0)
+    return build.scene.add_universal(it.name, particles, points, it.axis, other, openings)
 
 
 @statement(
@@ -153,10 +161,16 @@ def universal(build, it):
     parts=PAIR,
     at=AT,
     axis=Direction(about="along which the second part slides on the first"),
+    opening=Number(
+        0.0,
+        "position at the start; grows as the second part slides along the axis against the first",
+        unit="m",
+    ),
 )
 def prismatic(build, it):
     """A slider: the second part moves along an axis of the first, and does not turn on it."""
-    _join(build, it, "prismatic", it.axis)
+    particles, points = meet(build, it)
+    return build.scene.add_slide(it.name, particles, points, it.axis, it.opening)
 
 
 def _across(build, reference, axis) -> np.ndarray:

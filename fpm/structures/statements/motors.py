@@ -3,13 +3,14 @@
 import numpy as np
 
 from fpm.kinds.motor import Motor, TorqueMotor
+from fpm.kinds.opening import unit_of
 from fpm.kinds.release import Release
 from fpm.kinds.rigid_motor import RigidMotor
 from fpm.kinds.rigid_release import RigidRelease
 from fpm.kinds.sync_loop import SyncLoop
-from fpm.structures.keys import Many, Number, Reference
+from fpm.structures.keys import Many, Number, Opening, Reference
 from fpm.structures.statement import statement
-from fpm.structures.statements.acting import JOINT, RevoluteJoint
+from fpm.structures.statements.acting import JOINT, TURNING
 
 CURVE = {"group": "curves"}
 
@@ -24,7 +25,7 @@ def _at_start(build, hinge: int) -> float:
 @statement(
     "actions",
     "loop",
-    joints=Many(kind=JOINT, least=2, most=2, about="the two on which its pulleys sit"),
+    joints=Many(kind=TURNING, least=2, most=2, about="the two on which its pulleys sit"),
     radii=Many(
         kind=Number(unit="m"),
         least=2,
@@ -63,7 +64,7 @@ def loop(build, it):
     damping=Number(0.0, "of its drive train", unit="N m s/rad", least=0),
 )
 def motor(build, it):
-    """Prescribes the opening of a revolute joint, exactly or through an elastic drive train."""
+    """Prescribes the opening of a joint, exactly or through an elastic drive train."""
     start = _at_start(build, it.joint) if it.start is None else it.start
     if it.stiffness is None:
         if it.damping > 0:
@@ -84,7 +85,7 @@ def motor(build, it):
     ),
 )
 def torque_motor(build, it):
-    """Turns a revolute joint by a torque that falls with the speed, evenly down to none."""
+    """Moves a joint by a torque, or force, that falls with the speed, evenly down to none."""
     curve = -1 if it.curve is None else it.curve
     no_load = np.inf if it.no_load is None else it.no_load
     build.scene.add(TorqueMotor(it.joint, it.torque, curve, no_load))
@@ -100,11 +101,11 @@ def torque_motor(build, it):
     damping=Number(0.0, "with which it holds", unit="N m s/rad", least=0),
     hold=Number(None, "opening at which it holds; left out: that at the start", unit="rad"),
     time=Number(None, "when it lets go", unit="s", above=0),
-    watch=RevoluteJoint(None, "another joint: it lets go where its opening passes `level`"),
-    level=Number(None, "opening of the joint that is watched", unit="rad"),
+    watch=Opening(None, "another joint: it lets go where its opening passes `level`"),
+    level=Number(None, "opening of the joint that is watched", unit="rad", joint="watch"),
 )
 def release(build, it):
-    """Holds a revolute joint until a time, or until another has opened so far; the first counts."""
+    """Holds a joint until a time, or until another has opened so far; the first counts."""
     if it.time is None and it.watch is None:
         build.refuse("time", None, "a time, or a joint to `watch`")
     if (it.watch is None) != (it.level is None):
@@ -120,7 +121,10 @@ def release(build, it):
         if it.damping > 0:
             build.refuse("damping", it.damping, "none without a `stiffness`")
         if abs(hold - start) > AT_START:
-            build.refuse("hold", hold, f"the opening at the start, {start:g} rad, or a `stiffness`")
+            unit = unit_of(build.scene, it.joint, "rad")
+            build.refuse(
+                "hold", hold, f"the opening at the start, {start:g} {unit}, or a `stiffness`"
+            )
         build.scene.add(RigidRelease(it.joint, **when))
     else:
         build.scene.add(Release(it.joint, it.stiffness, it.damping, hold=hold, **when))

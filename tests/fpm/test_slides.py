@@ -1,0 +1,173 @@
+"""Openings of slides and universal joints: what is refused, stable steps, lanes, files."""
+
+import numpy as np
+import pytest
+
+import fpm
+from evidence.verification.slides import scene_of_all
+from fpm import responses, trajectory
+from fpm.assembly import assemble
+from fpm.kinds import Contact, Damper, Friction, Latch, RigidFriction, Stop, SyncLoop
+from fpm.scenes import SceneType
+from fpm.timestep import stable_step
+
+X, Y = np.eye(3)[:2]
+J = (0.02, 0.03, 0.05)
+
+
+def bodies(*masses, held=True) -> fpm.Scene:
+    scene = fpm.Scene("bodies")
+    places = [(0.3 * k, 0.1 * k, 0.0) for k in range(len(masses))]
+    scene.add_particles(places, masses, J)
+    if held:
+        scene.fix(0)
+    return scene
+
+
+def oscillator() -> fpm.Scene:
+    """A body of 2 kg on a slide with a spring and a damper."""
+    scene = bodies(1.0, 2.0)
+    slide = scene.add_slide("boom", (0, 1), (0.1, 0.0, 0.0), X, 0.05)
+    scene.add_torsion_spring(slide, 50.0, 0.2)
+    scene.add(Damper(slide, 1.5))
+    scene.velocity[1] = 0.3 * X
+    return scene
+
+
+def test_openings_at_the_start_are_those_that_are_stated():
+    scene = bodies(1.0, 2.0, 1.0)
+    assert scene.add_slide("boom", (0, 1), (0.1, 0.0, 0.0), X, -0.07) == 0
+    assert scene.add_universal("cross", (1, 2), (0.5, 0.0, 0.0), X, Y, (0.4, -2.0)) == 1
+    scene.frame[2] = scene.frame[2].copy()
+    assert [hinge.name for hinge in scene.hinges] == ["boom", "cross_axis", "cross_other"]
+    from fpm.kinds.opening import opening_at
+
+    found = [opening_at(scene, hinge) for hinge in scene.hinges]
+    assert found == pytest.approx([-0.07, 0.4, -2.0], abs=1e-12)
+
+
+def test_assembly_closes_a_slide_across_its_axis_and_tells_where_it_is():
+    for hold, opening in (((), 0.12), (("boom",), 0.1)):
+        scene = bodies(1.0, 2.0)
+        scene.add_slide("boom", (0, 1), [(0.1, 0.0, 0.0), (0.12, 0.03, 0.0)], X, 0.1)
+        assemble(scene, hold)
+        assert scene.hinges[0].opening == pytest.approx(opening, abs=1e-9)
+        assert scene.position[1] == pytest.approx((0.3 + opening - 0.12, 0.07, 0.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        (lambda s: Contact(s, 1.0), "one that is revolute"),
+        (lambda s: RigidFriction(s, 1.0), "one that is revolute or universal or cross"),
+        (lambda s: SyncLoop("belt", (s, s + 1), (1.0, 1.0), 1.0), "one that is revolute or univ"),
+        (lambda s: Damper(s, -1.0), r"N s/m"),
+        (lambda s: Latch(s, np.nan, 1.0), r"\(m\)"),
+        (lambda s: Latch(s, 0.0, -1.0), r"N/m"),
+        (lambda s: Latch(s, 0.0, 1.0, fastest=0.0), r"m/s"),
+        (lambda s: Stop(s, np.inf, "above", 1.0), r"\(m\)"),
+        (lambda s: Friction(s, -1.0), r"\(N\)"),
+        (lambda s: Friction(s, 1.0, 0.0), r"\(m\)"),
+    ],
+)
+def test_what_cannot_act_on_a_slide_is_refused_in_its_units(kind, said):
+    scene = bodies(1.0, 2.0, 1.0)
+    slide = scene.add_slide("boom", (0, 1), (0.1, 0.0, 0.0), X)
+    scene.add_hinge("hinge", (1, 2), (0.5, 0.0, 0.0), X)
+    with pytest.raises(fpm.SceneError, match=said):
+        scene.add(kind(slide))
+
+
+def test_the_stable_step_of_a_slide_is_that_of_the_masses_where_the_line_misses_no_centre():
+    scene = bodies(1.0, 2.0, held=False)
+    along = scene.position[1] - scene.position[0]
+    scene.add_torsion_spring(scene.add_slide("boom", (0, 1), (0.9, -4.0, 2.0), along), 50.0)
+    assert stable_step(scene).frequency == pytest.approx(np.sqrt(50.0 * 1.5), rel=1e-9)
+    held = bodies(1.0, 2.0)
+    held.add_torsion_spring(held.add_slide("boom", (0, 1), (0.9, -4.0, 2.0), X), 50.0)
+    assert stable_step(held).frequency == pytest.approx(5.0, rel=1e-9)
+
+
+def test_the_stable_step_of_a_cross_holds_wherever_it_turns():
+    """A spring about the axis on the first part turns the second about its softest direction."""
+    for angle in (0.0, 0.7, np.pi / 2):
+        scene = bodies(1.0, 2.0)
+        turned = [[np.cos(angle), 0, np.sin(angle)], Y, [-np.sin(angle), 0, np.cos(angle)]]
+        scene.frame[1] = np.array(turned).T
+        cross = scene.add_universal("cross", (0, 1), scene.position[1], X, Y, (0.0, angle))
+        scene.add_torsion_spring(cross, 8.0)
+        assert stable_step(scene).frequency == pytest.approx(np.sqrt(8.0 / J[0]), rel=1e-9)
+
+
+@pytest.mark.slow
+def test_all_that_acts_is_the_same_alone_and_in_any_batch():
+    run = {"duration": 0.8, "instants": 401, "step": 2e-4}
+    scenes = [scene_of_all(speed) for speed in (1.0, 0.7, 1.3)]
+    together = fpm.simulate(scenes, **run)
+    for scene, outcome in zip(scenes, together, strict=True):
+        (alone,) = fpm.simulate(scene, **run)
+        assert outcome.failure is None
+        assert np.array_equal(outcome.events, alone.events)
+        for name, values in alone.openings.items():
+            assert np.array_equal(outcome.openings[name], values), name
+        for name, values in alone.energies.items():
+            assert np.array_equal(outcome.energies[name], values), name
+
+
+@pytest.mark.slow
+def test_files_have_what_slides_and_their_latches_did(tmp_path):
+    (outcome,) = fpm.simulate(scene_of_all(), duration=0.8, instants=401, step=2e-4)
+    data = outcome.dataset()
+    assert data["slide_opening"].attrs["units"] == "m"
+    assert data["opening"].attrs["units"] == "rad"
+    assert data["slide_latch_impulse"].attrs["units"] == "N s"
+    assert data["slide_motor_force"].sel(slide_motor="driven").attrs["units"] == "N"
+    trajectory.write(data, tmp_path / "run.nc")
+    curves = trajectory.read_curves(tmp_path / "run.nc")
+    for name in ("openings", "latches"):
+        found, wanted = getattr(curves, name), getattr(outcome, name)
+        assert found.keys() == wanted.keys()
+        assert all(np.array_equal(found[key], values) for key, values in wanted.items())
+    asked = {
+        "caught": ({"latch_impact": "caught"}, "N s", -2 / 3),
+        "crossed": ({"latch_impact": "crossed_other"}, "N m s", -0.06),
+        "rate": ({"latch_rate": "latched"}, "m s-1", 1.0),
+    }
+    kind = SceneType("all", "", {}, (), tuple(outcome.openings), scene_of_all)
+    for name, (definition, unit, value) in asked.items():
+        found = responses.parse(name, definition, kind)
+        assert found.unit == unit
+        assert found.evaluate(curves)[-1] == pytest.approx(value, rel=1e-5)
+    with pytest.raises(fpm.SceneError, match="one of caught, crossed_other"):
+        responses.parse("impact", {"latch_impact": "latched"}, kind)
+
+
+@pytest.mark.slow
+def test_rates_forces_and_work_on_a_slide_are_those_of_the_oscillator():
+    kind = SceneType("boom", "", {}, (), ("boom",), oscillator)
+    definitions = {
+        "way": {"opening": "boom"},
+        "rate": {"opening_rate": "boom"},
+        "spring": {"joint_moment": "boom", "part": "spring"},
+        "damper": {"joint_moment": "boom", "part": "damper"},
+        "power": {"joint_power": "boom"},
+        "lost": {"loss": "damper"},
+    }
+    asked = [responses.parse(name, d, kind) for name, d in definitions.items()]
+    assert [r.unit for r in asked] == ["m", "m s-1", "N", "N", "W", "J"]
+    needs = [column for response in asked for column in response.needs]
+    (outcome,) = fpm.simulate(oscillator(), duration=1.0, instants=1001, step=1e-4, record=needs)
+    way, rate, spring, damper, power, lost = (r.evaluate(outcome) for r in asked)
+    time, mass, decay = outcome.time, 2.0, 1.5 / 4
+    damped = np.sqrt(25.0 - decay**2)
+    start = np.array([-0.15, (0.3 - decay * 0.15) / damped])
+    wave = np.array([np.cos(damped * time), np.sin(damped * time)])
+    exact = 0.2 + np.exp(-decay * time) * (start @ wave)
+    speed = np.gradient(exact, time, edge_order=2)
+    np.testing.assert_allclose(way, exact, atol=1e-7)
+    np.testing.assert_allclose(rate, speed, atol=1e-5)
+    np.testing.assert_allclose(spring, -50.0 * (exact - 0.2), atol=1e-5)
+    np.testing.assert_allclose(damper, -1.5 * speed, atol=2e-3)
+    np.testing.assert_allclose(power, rate * (spring + damper), atol=1e-12)
+    held = mass * (0.3**2 - rate**2) / 2 + 25.0 * (0.15**2 - (way - 0.2) ** 2)
+    np.testing.assert_allclose(lost, held, atol=1e-5)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from campaign.config.beforehand import look
 from campaign.errors import ConfigError
 from campaign.workflow import Workflow
 
@@ -71,6 +72,44 @@ def test_a_bad_config_is_refused_before_any_job(workplace):
     assert "Traceback" not in refused.stdout
     assert "Job stats" not in refused.stdout
     assert not (workplace.folder / "results").exists()
+
+
+BROKEN = {
+    "a syntax error": (GOOD.replace("[B, D]", "[B, D"), ["line 6, column 23: this is not YAML"]),
+    "a file that is missing": (None, ["the file cannot be read: No such file or directory"]),
+    "Python to be run": (
+        GOOD + "__use_yte__: true\n__definitions__: [\"open('executed', 'w')\"]\n",
+        ["__use_yte__: not allowed"],
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_what_snakemake_cannot_tell_is_told_before_it_reads_the_file(workplace, case):
+    text, words = BROKEN[case]
+    path = workplace.folder / "config" / "bad.yaml"
+    if text:
+        path.write_text(text, encoding="utf-8")
+    refused = workplace.snakemake("--dry-run", "--configfile", str(path), "--quiet", "host")
+    assert refused.returncode == 1
+    for word in [f"{path} has 1 problem", *words]:
+        assert word in refused.stdout
+    assert "Traceback" not in refused.stdout
+    assert not (workplace.folder / "executed").exists()
+
+
+def test_files_are_found_among_all_arguments_of_snakemake(tmp_path):
+    good, bad = tmp_path / "good.yaml", tmp_path / "bad.yaml"
+    good.write_text(GOOD, encoding="utf-8")
+    bad.write_text("a: [", encoding="utf-8")
+    look(["-c2", "--configfile", str(good), "--config", "a=1", "-n", "--", str(bad)])
+    for arguments in (
+        ["-c2", "--configfile", str(good), str(bad), "-n"],
+        ["all", f"--configfile={bad}", "--config", "jobs={group: 1}"],
+        ["--configfiles", str(bad), "--cores", "2"],
+    ):
+        with pytest.raises(SystemExit):
+            look(arguments)
 
 
 def test_the_default_campaign_is_checked_too(workplace):

@@ -12,7 +12,7 @@ from .estimates import widen
 if TYPE_CHECKING:
     import xarray as xr
 
-SURROGATE, WHOLE = "surrogate", "whole"
+SURROGATE = "surrogate"
 
 
 def add_errors(

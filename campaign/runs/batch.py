@@ -68,7 +68,7 @@ def run_batch(
         scene = plan.experiment.build(plan.named(work[0][1][0]))
         warm_up(scene, tell, plan.experiment.asked)
         total = sum(map(len, groups))
-        progress = Progress(plan.experiment.name, total, store.counter(groups), tell)
+        progress = Progress(plan.experiment.name, total, store.counter(groups), tell, Path(folder))
         begun = clocks()
         simulation.after = lambda: progress.report(last=False)
         one = partial(_simulate_group, simulation, store, processes)

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import fcntl
+import json
 import math
+import os
 import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from pathlib import Path
 from typing import Any, TextIO
 
 Tell = Callable[[str], None]
+
+_IDLE = 120.0  # s without a job at work, after which the next one begins anew
 
 
 class Teller:
@@ -45,12 +51,16 @@ class Teller:
 class Progress:
     """Tells how many runs of the campaign are done and how long the rest will take.
 
-    Counts what all jobs together have written, so that the rate is that of the whole campaign.
+    Counts what all jobs have written to `folder` since the first of them began, so that all
+    of them foretell the same.
     """
 
-    def __init__(self, campaign: str, total: int, count: Callable[[], int], tell: Tell):
+    def __init__(
+        self, campaign: str, total: int, count: Callable[[], int], tell: Tell, folder: Path
+    ):
         self.campaign, self.total, self.count, self.tell = campaign, total, count, tell
-        self.start_time, self.start_count = time.monotonic(), count()
+        self.note = folder / ".progress"
+        self.start_time, self.start_count = _beginning(self.note, count())
         self.told = -math.inf
 
     def report(self, last: bool = True) -> None:
@@ -62,12 +72,38 @@ class Progress:
         gained = done - self.start_count
         text = f"{self.campaign}: {done} of {self.total} runs done"
         if done < self.total and gained > 0:
-            left = (time.monotonic() - self.start_time) / gained * (self.total - done)
+            left = (time.time() - self.start_time) / gained * (self.total - done)
             text += f", about {duration_text(left)} left"
         if isinstance(self.tell, Teller):
             self.tell.move(text, last)
         else:
             self.tell(text)
+        with suppress(OSError):
+            if done < self.total:
+                os.utime(self.note, (time.time(),) * 2)
+            else:
+                self.note.unlink(missing_ok=True)
+
+
+def _beginning(note: Path, count: int) -> tuple[float, int]:
+    """When (s since 1970) the jobs that work at this began, and how many runs there were then: as
+    the first of them noted it for the others.
+
+    A note that none has touched for long is of jobs that were killed. Where files have no locks,
+    each job goes by its own.
+    """
+    own = time.time(), count
+    with suppress(OSError, ValueError):
+        note.parent.mkdir(parents=True, exist_ok=True)
+        with note.open("a+", encoding="utf-8") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            known = os.fstat(file.fileno())
+            if known.st_size and own[0] - known.st_mtime < _IDLE:
+                file.seek(0)
+                return tuple(json.load(file))
+            file.truncate(0)
+            file.write(json.dumps(own))
+    return own
 
 
 def duration_text(seconds: float) -> str:

@@ -18,7 +18,7 @@ from campaign.plan.make import make_plan
 from campaign.results.samples import gather
 from campaign.results.summary import SOFT, _doubts
 from campaign.runs.batch import clocks, run_batch
-from campaign.runs.progress import Progress, duration_text
+from campaign.runs.progress import duration_text
 from fpm.trajectory import read_curves
 
 KEEP = ["trajectories", "responses"]
@@ -235,18 +235,6 @@ def test_runs_with_too_many_events_to_keep_are_told(raw, tmp_path, monkeypatch):
     monkeypatch.setattr(fpm.pack, "MOST_EVENTS", 1)
     with pytest.raises(CampaignError, match="contact events, more than are kept"):
         run_all(check_config(raw), tmp_path, "trajectories")
-
-
-def test_progress_tells_what_is_done_and_what_is_left():
-    said, done = [], [0]
-    progress = Progress("x", 10, lambda: done[0], said.append)
-    done[0] = 4
-    progress.report()
-    done[0] = 10
-    progress.report()
-    assert said[0].startswith("x: 4 of 10 runs done, about ")
-    assert said[0].endswith(" left")
-    assert said[1] == "x: 10 of 10 runs done"
 
 
 @pytest.mark.parametrize(

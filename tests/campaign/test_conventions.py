@@ -12,6 +12,7 @@ DOCS = Path(__file__).parents[2] / "docs/data.md"
 KNOWN = {"3.1": "units", "4.4": "time"}
 
 
+@pytest.mark.slow  # to import the checker takes seconds
 @pytest.mark.parametrize(
     "file", ["samples.nc", "bounds.nc", "surrogate.nc", "sensitivities.nc", ""]
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 
 import pytest
 
@@ -37,10 +38,18 @@ def test_a_message_goes_below_a_line_that_has_not_ended():
     assert terminal.getvalue().endswith("1 of 3\ncompiling\n")
 
 
-def test_the_line_tells_how_long_it_will_take(monkeypatch):
-    now, done, terminal = [100.0], [10], Terminal()
-    monkeypatch.setattr("time.monotonic", lambda: now[0])
-    progress = Progress("mast", 110, lambda: done[0], Teller(terminal))
+@pytest.fixture
+def now(monkeypatch):
+    """The time (s), in a list so that it can be changed."""
+    now = [100.0]
+    for clock in ("time", "monotonic"):
+        monkeypatch.setattr(f"time.{clock}", lambda: now[0])
+    return now
+
+
+def test_the_line_tells_how_long_it_will_take(now, tmp_path):
+    done, terminal = [10], Terminal()
+    progress = Progress("mast", 110, lambda: done[0], Teller(terminal), tmp_path)
     now[0], done[0] = 120.0, 30  # one a second
     progress.report(last=False)
     assert terminal.getvalue().endswith("mast: 30 of 110 runs done, about 1 min 20 s left")
@@ -50,6 +59,44 @@ def test_the_line_tells_how_long_it_will_take(monkeypatch):
     done[0] = 110
     progress.report()
     assert terminal.getvalue().endswith("mast: 110 of 110 runs done\n")
+
+
+def test_all_jobs_of_a_campaign_foretell_the_same(now, tmp_path):
+    """However late one of them began, also the next one on a core; another day begins anew."""
+    done, told = [0], []
+    first = Progress("mast", 100, lambda: done[0], told.append, tmp_path)
+    now[0], done[0] = 150.0, 50  # one a second
+    second = Progress("mast", 100, lambda: done[0], told.append, tmp_path)
+    now[0], done[0] = 160.0, 60
+    first.report(last=False)
+    second.report(last=False)
+    assert told == ["mast: 60 of 100 runs done, about 40 s left"] * 2
+    first.report()
+    now[0], done[0] = 170.0, 70
+    second.report()
+    assert told[-1] == "mast: 70 of 100 runs done, about 30 s left"
+    now[0] = 171.0
+    third = Progress("mast", 100, lambda: done[0], told.append, tmp_path)
+    third.report(last=False)
+    assert told[-1] == "mast: 70 of 100 runs done, about 30 s left"
+    now[0] = 9000.0
+    later = Progress("mast", 100, lambda: done[0], told.append, tmp_path)
+    now[0], done[0] = 9010.0, 80
+    later.report(last=False)
+    assert told[-1] == "mast: 80 of 100 runs done, about 20 s left"
+    done[0] = 100
+    later.report()
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_a_killed_job_noted_is_not_believed(now, tmp_path):
+    (tmp_path / ".progress").write_text("[1.0, 0]")
+    os.utime(tmp_path / ".progress", (30.0, 30.0))
+    told, done, now[0] = [], [10], 1000.0
+    progress = Progress("mast", 30, lambda: done[0], told.append, tmp_path)
+    now[0], done[0] = 1010.0, 20
+    progress.report(last=False)
+    assert told == ["mast: 20 of 30 runs done, about 10 s left"]
 
 
 @pytest.mark.slow

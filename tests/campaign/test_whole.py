@@ -72,6 +72,23 @@ def test_all_runs_open_in_one_line_with_their_parameters(finished):
     samples.close()
 
 
+def test_whole_trajectories_open_as_one(finished):
+    pytest.importorskip("dask", reason="not installed")
+
+    def named(run):
+        return run.drop_dims("event", errors="ignore").expand_dims(run=[run.attrs["run_id"]])
+
+    paths = finished.path / "trajectories/*.nc"
+    with (
+        xr.open_mfdataset(str(paths), preprocess=named) as runs,
+        xr.open_dataset(finished.samples) as samples,
+    ):
+        assert runs["position"].dims == ("run", "time", "point", "axis")
+        one, other = (runs["position"].sel(point=point) for point in "BD")
+        distance = np.sqrt(((one - other) ** 2).sum("axis")).sel(run=samples["run_id"].values)
+        np.testing.assert_allclose(distance, samples["values"].sel(response="BD"), rtol=1e-6)
+
+
 @pytest.mark.slow
 def test_runs_that_exist_are_used_by_another_design(raw, tmp_path):
     raw["intervals"]["E"] = {"relative": 0.05}

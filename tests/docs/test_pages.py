@@ -124,7 +124,13 @@ def _check_campaign(words):
         assert name is None or Path(name).is_file(), name
 
 
-SNIPPETS = [(page, text) for page in PAGES for text in blocks(page, "python") if "def " not in text]
+# A snippet that defines a class or a function of a kernel is a form; `named` is run.
+SNIPPETS = [
+    (page, text)
+    for page in PAGES
+    for text in blocks(page, "python")
+    if "def " not in text or "open_mfdataset" in text
+]
 
 
 @pytest.mark.parametrize(
@@ -132,6 +138,8 @@ SNIPPETS = [(page, text) for page in PAGES for text in blocks(page, "python") if
 )
 def test_a_snippet_runs(page, text, folder, monkeypatch):
     monkeypatch.chdir(folder)
+    if "open_mfdataset" in text:
+        pytest.importorskip("dask", reason="not installed")
     text = text.replace('sel(response="angle")', "isel(response=0)")  # of the campaign stood for
     exec(compile(text, page.name, "exec"), {})
 

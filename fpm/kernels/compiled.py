@@ -11,6 +11,7 @@ import fcntl
 import functools
 import hashlib
 import json
+import logging
 import os
 import threading
 from collections.abc import Callable, Iterator
@@ -116,7 +117,11 @@ def loop_for(arguments: tuple) -> Callable:
     if (kinds, world.state.dtype) not in READY:  # to find the whole signature takes milliseconds
         with THREADS, _one_at_a_time(folder := cache_folder(kinds)) as is_locked:
             run = _loop(kinds, is_cached=is_locked)
-            if is_locked and not _is_intact(folder):
+            if is_locked and (damaged := _damaged(folder)):
+                logging.getLogger(__name__).warning(
+                    "%s: compiled code that is not as it was written; it is made again",
+                    ", ".join(str(folder / name) for name in damaged),
+                )
                 for path in _kept(folder):
                     path.unlink(missing_ok=True)
             run.compile(tuple(map(numba.typeof, arguments)))
@@ -143,13 +148,13 @@ def _digests(folder: Path) -> dict[str, str]:
     }
 
 
-def _is_intact(folder: Path) -> bool:
-    """Whether compiled code is as it was written; True where there is none yet."""
-    found = _digests(folder)
-    try:
-        return not found or json.loads((folder / DIGESTS).read_text(encoding="utf-8")) == found
-    except (OSError, ValueError):
-        return False
+def _damaged(folder: Path) -> list[str]:
+    """Names of files of compiled code that are not as they were written; none where there are none
+    yet."""
+    found, written = _digests(folder), {}
+    with suppress(OSError, ValueError):
+        written = json.loads((folder / DIGESTS).read_text(encoding="utf-8"))
+    return [name for name in found | written if found and found.get(name) != written.get(name)]
 
 
 @contextmanager

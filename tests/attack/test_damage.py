@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import random
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +14,7 @@ import campaign
 from evidence.attack.damage import HARMS, attack_files, cut, flip, kinds_in, zero
 from evidence.attack.ledger import Ledger
 from evidence.attack.victim import RAW, Victim, broken_in, silent
+from fpm.sealed import check
 
 
 def attacked(victim, place, kinds):
@@ -43,6 +45,8 @@ def test_damaged_figures_pages_and_motions_are_named_and_made_again(tmp_path):
     people = ("figures", "motions", "report")
     paths = [files[0] for kind, files in kinds_in(folder).items() if kind.startswith(people)]
     assert len(paths) == 5
+    for path in filter(Path.is_file, folder.rglob("*")):
+        assert check(path)["name"] in (path.name, f"run {path.stem}")
     for path, harm in zip(paths, (flip, zero, cut, flip, zero), strict=True):
         harm(path, rng)
     made_again(paths, lambda tell: drawn.run(folder.parent, tell))

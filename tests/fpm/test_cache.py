@@ -34,11 +34,14 @@ def test_cached_code_gives_the_bits_of_fresh_code(tmp_path):
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": root}
 
     def run():
-        return subprocess.run(
+        done = subprocess.run(
             [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True,
             check=True,
-        ).stdout.split()  # fmt: skip
+        )  # fmt: skip
+        told.append(done.stderr)
+        return done.stdout.split()
 
+    told = []
     runs = [run(), run()]
     assert [int(hits) for _, hits in runs] == [0, 1]
     assert runs[0][0] == runs[1][0]
@@ -47,7 +50,9 @@ def test_cached_code_gives_the_bits_of_fresh_code(tmp_path):
         (path,) = tmp_path.rglob(f"*.{kind}")
         path.write_bytes(harm(path.read_bytes()))
         assert run() == [runs[0][0], "0"]
+        assert f"{path}: compiled code that is not as it was written; it is made again" in told[-1]
         assert run() == [runs[0][0], "1"]
+        assert "again" not in told[-1]
 
 
 OWN_KIND = {

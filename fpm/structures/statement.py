@@ -5,7 +5,6 @@ kind of joint or action is one such function in a file of `statements/`, and one
 """
 
 from collections.abc import Callable, Container, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -124,9 +123,15 @@ def _slides(statement: Statement, node: Table, place: Place) -> list[str]:
     for key, kind in statement.keys.items():
         takes = isinstance(kind, Opening) and SLIDE in kind.types
         if takes and isinstance(entry := node.entries.get(key), Text):
-            with suppress(KeyError, SkippedError):
-                if place.names.types[place.context.find(entry.value, place.names.types)] == SLIDE:
-                    found.append(key)
+            types = place.names.types
+            try:
+                full = place.context.find(entry.value, types)
+            except SkippedError:  # of a neighbour that is not there: as of the unit itself
+                full = place.context.prefix + entry.value.partition(".")[2]
+            except KeyError:
+                continue
+            if types.get(full) == SLIDE:
+                found.append(key)
     return found
 
 

@@ -14,7 +14,7 @@ MASSES = np.array([TUBE, TUBE, TUBE + HEAD])
 
 
 def with_all_kinds(scene: fpm.Scene) -> fpm.Scene:
-    """The scene with what does nothing, of the kinds that the scene of all has: one loop for both."""
+    """The scene and, doing nothing, what else the scene of all has: one loop for both."""
     scene.gravity = (0.0, 0.0, -1e-300)
     scene.add(Stop(0, 1e3, "above", 0.0))
     scene.add(Latch(0, 1e3, 0.0, name="far"))

@@ -343,7 +343,7 @@ def test_the_error_covers_in_three_dimensions_with_few_runs_held_out(order, held
     assert error.mean() < 20 * true.mean()  # 16 with 60 runs: what is smooth it takes for worse
 
 
-@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("dimension", [1, 2, 3])
 def test_the_error_of_sought_runs_is_near_the_true_one(dimension):
     """A spline through runs that were sought in rounds of a quarter more."""
     time = np.linspace(0.0, 1.0, 201)
@@ -358,7 +358,7 @@ def test_the_error_of_sought_runs_is_near_the_true_one(dimension):
         unit = np.concatenate([unit, new])
     scan = ringing(spread_points(np.ones(dimension, dtype=bool), 4000, seed=5))
     low, high = scan.min(axis=0), scan.max(axis=0)
-    box = Box(list("ab")[:dimension], [-1.0] * dimension, [1.0] * dimension)
+    box = Box(list("abc")[:dimension], [-1.0] * dimension, [1.0] * dimension)
     design = Design(unit, np.zeros((0, dimension), dtype=int), "sought", (0,) * dimension)
     samples = samples_of(lambda v: ringing(v[None])[0], box, design, time, held_out=0)
     bounds = bounds_dataset(samples, design, model="spline")
@@ -368,3 +368,19 @@ def test_the_error_of_sought_runs_is_near_the_true_one(dimension):
     assert error.mean() < 20 * true.mean()
     largest = bounds_dataset(samples, None, model="spline")["error"][0].values
     assert error.mean() < 0.5 * largest.mean()
+
+
+def test_in_many_directions_sought_runs_are_judged_as_others():
+    """A bound is attained at a corner from which all runs are far: the largest error counts."""
+    time, box = np.linspace(0.0, 1.0, 21), Box(list("abcdef"), [-1.0] * 6, [1.0] * 6)
+
+    def growing(v):
+        return np.exp(0.03 * (1 + time) * v.sum())
+
+    unit = make_design("scan", 6, samples=48).points
+    design = Design(unit, np.zeros((0, 6), dtype=int), "sought", (0,) * 6)
+    samples = samples_of(growing, box, design, time, held_out=0)
+    sought, others = (
+        bounds_dataset(samples, one, model="spline")["error"].values for one in (design, None)
+    )
+    assert (sought == others).all()

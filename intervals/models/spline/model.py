@@ -43,6 +43,9 @@ def check_spline_runs(points: np.ndarray) -> None:
         raise IntervalError("runs", len(points), allowed)
 
 
+_AVERAGED = 3  # most directions in which left-out errors of sought runs are averaged
+
+
 class SplineModel(Model):
     """One spline through all runs, whatever their design and role.
 
@@ -52,8 +55,10 @@ class SplineModel(Model):
     - the largest over the runs inside the box and those that `design`, if given, does not contain
       (there the spline need not extrapolate), and in several directions over the runs next to
       where each bound is attained, one more than there are directions;
-    - of runs that were sought where the bounds are decided (`design.method` "sought"), the root
-      mean square over all of them, on a line the mean: any of them may be next to a bound.
+    - of runs that were sought where the bounds are decided (`design.method` "sought"), in up to
+      three directions the mean over all of them, of a power as high as there are directions: any
+      of them may be next to a bound. In more directions no run is near most corners, and the
+      largest counts as of other runs.
 
     To it comes the largest difference between a run and the spline through all.
     """
@@ -72,10 +77,11 @@ class SplineModel(Model):
         if design is not None:
             judged[other_runs(points, design.points[:, self.order])] = True
         self.judged = judged if judged.any() else ~judged
-        self.sought = design is not None and design.method == "sought"
+        sought = design is not None and design.method == "sought"
+        self.averages = sought and (self.spline.scales > 0).sum() <= _AVERAGED
         self.attributes = {
             "design_runs": len(points),
-            "error_kind": f"{'mean' if self.sought else 'largest'} difference of a run and the "
+            "error_kind": f"{'mean' if self.averages else 'largest'} difference of a run and the "
             "spline through the others",
             "spline_scales": self.spline.scales[self._back].tolist(),
         }
@@ -93,9 +99,9 @@ class SplineModel(Model):
     def error(self, found: Range, window: float | None) -> ErrorEstimate:
         spline = self.spline
         free = int((spline.scales > 0).sum())
-        if self.sought:
+        if self.averages:
             left_out = np.abs(spline.left_out)
-            power = min(max(free, 1), 2)
+            power = max(free, 1)
             left_out = (left_out**power).mean(axis=0) ** (1 / power)
         else:
             left_out = np.abs(spline.left_out[self.judged]).max(axis=0)

@@ -229,7 +229,7 @@ class Scene:
         """Join two particles by a cross about `axis` (3,) of the first and `other` (3,) of the
         second, normal to it; returns the index of the angle about the first, the other's is next.
 
-        They count among the hinges as `name`_axis and `name`_other: by which the cross turns
+        They count among the hinges as `<name>_axis` and `<name>_other`: by which the cross turns
         against the first particle, and the second against the cross; openings (rad): at the start.
         """
         found = Joint.crossed(self, name, particles, point, axis, other, openings)

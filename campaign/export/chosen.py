@@ -152,7 +152,10 @@ def _of_config(path: Path, settings: Mapping[str, str], duration: float | None) 
         experiment = replace(experiment, solver=solver)
     nominal = dict(zip(experiment.box.names, experiment.nominal, strict=True))
     values = nominal | parsed(settings)
-    step = choose_step(experiment).step
+    # Stable with what is set too, as a finer mesh.
+    fixed = {name: value for name, value in values.items() if name not in nominal}
+    scene = replace(experiment.scene, parameters={**experiment.scene.parameters, **fixed})
+    step = choose_step(replace(experiment, scene=scene)).step
     return _chosen(experiment, values, step, experiment.name, {"campaign": experiment.name})
 
 

@@ -1,10 +1,13 @@
-"""Every command and snippet of README and docs is right, and run as far as it takes seconds."""
+"""Every command and snippet of README and docs is right, and is run but for what `NOT_RUN` and
+`ONLY_CHECKED` name."""
 
 import re
 import shlex
+import shutil
 from pathlib import Path
 
 import pytest
+import xarray
 import yaml
 
 import campaign
@@ -20,12 +23,39 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").r
 PAGES = [page for page in PAGES if "made" not in page.parts]
 _BLOCK = re.compile(r"^( *)```(\w*)\n(.*?)^\1```$", re.M | re.S)
 
-# Of other programs, and of ours what is no command to be typed as it stands.
-OTHERS = (
-    "git clone", "python3 -m venv", ". .venv/bin/activate", "pip install", "pre-commit", "pytest",
-    ".ci/run", "sphinx-build", "python3.11 -m venv", "EXUDYN_PYTHON=", "cd deployable-intervals",
-    "exudyn/bin/pip install", "elastica/bin/pip install", "python -m fpm.structures.table",
-)  # fmt: skip
+# What is not run here, by how it begins, and why; where a test elsewhere runs it, that is named.
+NOT_RUN = {
+    "git clone": "there is no address",
+    "cd deployable-intervals": "goes with git clone",
+    "python3 -m venv": ".ci/run makes an environment",
+    "python3.11 -m venv": "of a peer, which is not installed here",
+    ". .venv/bin/activate": ".ci/run makes an environment",
+    "pip install": ".ci/run installs the program",
+    "pre-commit": ".ci/run gives its commands one by one",
+    "pytest": "these are the tests",
+    ".ci/run": "runs these tests",
+    "sphinx-build": "tests/docs/test_site.py builds the site",
+    "EXUDYN_PYTHON=": "a peer, which is not installed here",
+    "exudyn/bin/pip install": "a peer, which is not installed here",
+    "elastica/bin/pip install": "a peer, which is not installed here",
+    "python -m fpm.structures.table": "tests/structures/test_structures_page.py makes the table",
+    "python -m campaign attack": "an hour; tests/attack gives each attack once",
+    "python -m evidence": "minutes, or hours; tests/evidence runs parts of the studies",
+    "snakemake": "tests/workflow runs Snakemake; CAMPAIGNS tells of each config",
+}
+
+# Where each campaign of the pages is run: here (by `python -m campaign run`, which makes the same
+# files as Snakemake), or by another test.
+CAMPAIGNS = {
+    "mast": "here", "closing": "here", "deploys": "here", "first": "here",
+    "small": "tests/golden/values.json", "paper": "tests/golden/values.json",
+    "three": "tests/golden/values.json", "six": "tests/golden/values.json",
+    "aim": "tests/workflow/test_campaign_runs.py",
+}  # fmt: skip
+# Only checked, since each takes minutes on two cores, with the time loop that it compiles.
+ONLY_CHECKED = {
+    "array", "auto", "boom", "tensegrity", "ring_truss", "strength", "strength_scan", "scan",
+}  # fmt: skip
 
 
 def blocks(page, *languages):
@@ -56,33 +86,43 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("checkout")
     for name in ("config", "docs", "Snakefile", "workflow"):
         (folder / name).symlink_to(ROOT / name)
-    for name in ("first", "mine"):
+    for name in PAGE_OF:
         for text in blocks(ROOT / "docs" / f"{PAGE_OF[name]}.md", "yaml"):
             kind = "campaign" if text.startswith("campaign:") else "structure"
             (folder / FILES[name, kind]).write_text(text, encoding="utf-8")
-    campaign.run(ROOT / "config/small.yaml", folder / "results", tell=lambda text: None)
+    quietly = {"figures": False, "tell": lambda text: None}
+    campaign.run(ROOT / "config/small.yaml", folder / "results", **quietly)
     for other in ("paper", "first"):
         (folder / "results" / other).symlink_to(folder / "results/small")
     return folder
 
 
-PAGE_OF = {"first": "first-campaign", "mine": "own-structure"}
+PAGE_OF = {"first": "first-campaign", "mine": "own-structure", "ladder": "step-ladder"}
 FILES = {
     ("first", "campaign"): "first.yaml", ("mine", "structure"): "mine.yaml",
-    ("mine", "campaign"): "my-campaign.yaml",
+    ("mine", "campaign"): "my-campaign.yaml", ("ladder", "structure"): "ladder.yaml",
+    ("ladder", "campaign"): "my-ladder.yaml",
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("page", "line"), CASES, ids=[f"{p.stem}: {c}" for p, c in CASES])
+def _marks(line):
+    """Slow is what simulates a structure of its own."""
+    simulates = re.match(r"python -m campaign export (config/mast|config/structures|mine)", line)
+    return [pytest.mark.slow] * bool(simulates)
+
+
+@pytest.mark.parametrize(
+    ("page", "line"),
+    [pytest.param(*case, marks=_marks(case[1])) for case in CASES],
+    ids=[f"{p.stem}: {c}" for p, c in CASES],
+)
 def test_a_command_can_be_given(page, line, folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
-    if line.startswith(OTHERS):
+    if line.startswith(tuple(NOT_RUN)) and not line.startswith("snakemake"):
         return
     words = shlex.split(line)
     if words[0] == "snakemake":
         _check_snakemake(words[1:])
-    elif words[:3] == ["python", "-m", "evidence"]:
-        assert words[3] in {*STUDIES, "attack"} or words[3].isupper()
     else:
         assert words[:3] == ["python", "-m", "campaign"], line
         _check_campaign(words[3:])
@@ -101,7 +141,8 @@ def _check_snakemake(words):
 
 
 def _check_campaign(words):
-    """Run what is quick; what has the name of a file to come, or takes long, is only parsed."""
+    """Run it, but for a form, a file that the reader is to write, and campaigns, which
+    `test_a_campaign_of_the_pages_runs`."""
     if any(word.isupper() or "|" in word or "<" in word for word in words):
         return  # a form, not a command
     if len(words) == 1 and words[0] != "keys":
@@ -112,16 +153,36 @@ def _check_campaign(words):
         with pytest.raises(SystemExit) as ended:
             main([*words, "--help"])
         assert ended.value.code == 0
-    elif any(word in ("my.yaml", "mast.yaml") for word in words):
+    elif words[0] == "run" or any(word in ("my.yaml", "mast.yaml") for word in words):
         _parser().parse_args(words)
-    elif words[0] in ("check", "structure", "keys", "report") or (
-        words[0] == "export" and words[1].startswith("results/")
-    ):
-        assert main([*words, *(["--frames", "3"] if words[0] == "export" else [])]) == 0
     else:
-        options = _parser().parse_args(words)
-        name = getattr(options, "what", None) or getattr(options, "file", None)
-        assert name is None or Path(name).is_file(), name
+        if words[0] == "new":  # several pages fill the same folder
+            shutil.rmtree(words[1], ignore_errors=True)
+        assert main([*words, *(["--frames", "3"] if words[0] == "export" else [])]) == 0
+
+
+def _config_of(line):
+    """Which campaign a command runs, by the name of its file; None if it runs none."""
+    found = re.search(r"(?:--configfile|campaign run) (?:config/)?(\w+)\.yaml", line)
+    if found or not re.match(r"snakemake -c\d+( --config .*)?$", line):
+        return found and found[1]
+    return "paper"
+
+
+def test_it_is_known_where_each_campaign_of_the_pages_is_run():
+    asked = {name for _, line in CASES if (name := _config_of(line))} - {"my"}
+    assert asked == {*CAMPAIGNS, *ONLY_CHECKED}
+    for name, where in CAMPAIGNS.items():
+        assert where == "here" or f'"{name}' in (ROOT / where).read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["mast", "closing", "deploys"])
+def test_a_campaign_of_the_pages_runs(name, folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    assert main(["run", f"config/{name}.yaml", "--no-figures"]) == 0
+    told = (folder / "results" / name / "summary.md").read_text(encoding="utf-8")
+    assert told.startswith(f"# {name}\n")
 
 
 # A snippet that defines a class or a function of a kernel is a form; `named` is run.
@@ -148,7 +209,7 @@ def test_the_structure_and_campaigns_of_the_pages_are_right(folder, monkeypatch)
     monkeypatch.chdir(folder)
     mine = structures.load("mine.yaml")
     assert report.mobility(mine.build()).degrees == 2
-    for name in ("first.yaml", "my-campaign.yaml"):
+    for name in ("first.yaml", "my-campaign.yaml", "my-ladder.yaml"):
         assert load_config([name]).name == yaml.safe_load(Path(name).read_text())["campaign"]
 
 
@@ -166,8 +227,9 @@ def test_the_answer_of_the_first_campaign_is_what_the_page_says(folder, monkeypa
     import numpy as np
 
     monkeypatch.chdir(folder)
-    bounds = campaign.run("first.yaml", folder / "other", figures=False, tell=lambda text: None)
-    last = bounds.sel(response="angle").isel(time=-1)
+    assert main(["run", "first.yaml", "--results", "other", "--no-figures"]) == 0
+    with xarray.open_dataset("other/first/bounds.nc") as bounds:
+        last = bounds.sel(response="angle").isel(time=-1).load()
 
     def angle(k, mass):
         return np.pi * (1 - np.cos(3 * np.sqrt(3 * k / (mass * (1 + 0.1**2 / 4)))))

@@ -95,6 +95,14 @@ def test_a_configs_nominal_run_is_that_of_its_campaign(results, tmp_path):
     assert length(longer.scene) == pytest.approx(1.02)
 
 
+def test_a_finer_mesh_of_a_config_has_a_step_that_is_stable(tmp_path):
+    path = tmp_path / "swing.yaml"
+    path.write_text(yaml.safe_dump(CONFIG))
+    coarse, fine = (choose(str(path), settings={"elements": n}) for n in ("3", "6"))
+    assert fine.step < 0.6 * coarse.step
+    assert fine.outcome().failure is None
+
+
 def test_a_structure_moves_without_a_campaign(tmp_path):
     chosen = choose("pendulum", settings={"elements": "3", "E": "1e8", "L": "0.8"}, duration=0.02)
     assert length(chosen.scene) == pytest.approx(0.8)

@@ -22,21 +22,21 @@ def with_a_body(motion, reach):
     return motion.assign(element_particle=ends, section_corner=corners)
 
 
-def extent_of(data, path):
+def extent_of(data, path, browser):
     """Radius (m) of what the page's picture holds, and the size (m) by which pins are drawn."""
     write_page(data, path)
-    with Browser() as browser:
-        browser.open(path)
-        browser.settle()
-        assert browser.errors() == []
-        view = "document.getElementById('view').dataset"
-        return browser.ask(f"[Number({view}.radius), Number({view}.pin)]")
+    browser.open(path)
+    browser.settle()
+    assert browser.errors() == []
+    view = "document.getElementById('view').dataset"
+    return browser.ask(f"[Number({view}.radius), Number({view}.pin)]")
 
 
 @pytest.mark.slow
 def test_the_picture_holds_bodies_and_pins_are_not_as_large_as_they(data, tmp_path):
-    radius, size = extent_of(data, tmp_path / "bars.html")
     moving = tuple(replace(m, motion=with_a_body(m.motion, 3.0)) for m in data.moving)
-    wide, same = extent_of(replace(data, moving=moving), tmp_path / "body.html")
+    with Browser() as browser:
+        radius, size = extent_of(data, tmp_path / "bars.html", browser)
+        wide, same = extent_of(replace(data, moving=moving), tmp_path / "body.html", browser)
     assert same == pytest.approx(size)
     assert 3.0 < wide < 3.0 + 2 * radius

@@ -1,5 +1,7 @@
 """The whole motion is the trajectory's, and its strains are those of beam theory."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray
@@ -10,6 +12,7 @@ from fpm import motion as whole
 from fpm.errors import SceneError
 from fpm.motion_dataset import shapes_of
 from fpm.scenes.bennett_geometry import bennett_geometry
+from fpm.structures import load
 
 TIME = {"duration": 0.02, "instants": 41}
 
@@ -97,14 +100,15 @@ def test_the_dataset_says_what_it_holds(pair):
 
 
 @pytest.mark.slow
-def test_particles_without_any_bar_move_too_as_boxes_of_their_inertia():
-    scene = fpm.Scene("thrown")
-    for particle in scene.add_particles([[0, 0, 0], [1, 0, 0]], 1.0, 1.0, velocity=(0, 0, 1.0)):
-        scene.add_load(int(particle), force=(0, 0, -10.0))
-    (motion,) = whole.whole_motion([scene], duration=0.2, instants=3, step=0.01)
-    np.testing.assert_allclose(motion["position"].values[-1, :, 2], 0.2 - 5 * 0.04, atol=1e-12)
-    assert motion.sizes["hinge"] == motion.sizes["point"] == 0
-    assert motion["element"].values.tolist() == ["body 0", "body 1"]
+def test_rigid_bodies_without_any_bar_move_too_as_boxes_of_their_inertia():
+    """A solar array on a free hub: its centre of mass stays where it is."""
+    scene = load(Path(__file__).parents[2] / "config/structures/solar_array.yaml").build()
+    (motion,) = whole.whole_motion([scene], duration=1.0, instants=3, step=0.002)
+    place, mass = motion["position"].values, scene.mass[:, None]
+    assert np.abs(place[-1] - place[0]).max() > 0.01
+    np.testing.assert_allclose((mass * (place - place[0])).sum(axis=1) / mass.sum(), 0, atol=1e-9)
+    assert motion["element"].values.tolist()[:2] == ["body 0", "body 1"]
+    assert motion.sizes["element"] == motion.sizes["particle"]
     assert not motion["stress"].values.any()
 
 

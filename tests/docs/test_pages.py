@@ -54,7 +54,7 @@ CAMPAIGNS = {
 }  # fmt: skip
 # Only checked, since each takes minutes on two cores, with the time loop that it compiles.
 ONLY_CHECKED = {
-    "array", "auto", "boom", "tensegrity", "ring_truss", "strength", "strength_scan", "scan",
+    "array", "auto", "boom", "tensegrity", "ring_truss", "strength", "strength_scan", "scan", "telescope",
 }  # fmt: skip
 
 

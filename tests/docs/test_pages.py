@@ -52,7 +52,7 @@ CAMPAIGNS = {
     "three": "tests/golden/values.json", "six": "tests/golden/values.json",
     "aim": "tests/workflow/test_campaign_runs.py",
 }  # fmt: skip
-# Only checked: the scans make 10,000 runs each, and the others take three minutes of a core together,
+# Only checked: the scans make 10,000 runs each, and the others take three minutes of a core in all,
 # with the time loops that they compile.
 ONLY_CHECKED = {
     "scan", "strength_scan",

@@ -63,8 +63,8 @@ def digest(*places: str) -> str:
 
 EXTREMES = (
     "stable-step", "materials", "sections", "lengths", "stiffnesses", "starts", "meshes",
-    "durations", "damping", "precision", "intervals", "cables", "latches", "motors", "joints",
-    "rigid-holds", "refusals",
+    "durations", "damping", "precision", "intervals", "cables", "latches", "slides", "motors",
+    "joints", "rigid-holds", "refusals",
 )  # fmt: skip
 
 STUDIES = {

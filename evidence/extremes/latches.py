@@ -1,28 +1,39 @@
 """Extremes of what acts on openings: stiff latches, hard stops, huge and tiny friction and damping.
 
-A rigid flap on a hinge, at the default step; what is refused is tried again with smaller shares of
-the stable step, as its message says. Then it is judged by closed forms.
+A rigid flap on a hinge, or a block on a slide, at the default step; what is refused is tried again
+with smaller shares of the stable step, as its message says. Then it is judged by closed forms.
 """
+
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 import fpm
 from evidence.extremes.cables import attempt
 from evidence.rows import Row, at_most, refused
-from evidence.verification.latches import J, flap
+from evidence.verification.latches import IDLE, J, flap
 from fpm.kinds import Damper, Friction, Latch, Stop, TableSpring
 
 RIGHT = 0.01
 """Allowed error of times, rates and angles, as a share."""
 
 
-def stiff_latches() -> list[Row]:
+class On(NamedTuple):
+    """On what all acts: scene(*elements, rate) of a body on a hinge or slide, and its units."""
+
+    scene: Callable[..., fpm.Scene]
+    way: str
+    force: str
+
+
+def stiff_latches(on: On) -> list[Row]:
     """Latches that hold a panel of 1 rad/s, from soft to very stiff: the swing is w √(J/k)."""
     rows = []
     for stiffness in (1.0, 1e2, 1e4, 1e6, 1e8):
-        scene = flap(Latch(0, 0.5, stiffness), rate=1.0)
+        scene = on.scene(Latch(0, 0.5, stiffness), rate=1.0)
         swing = np.sqrt(J / stiffness)
-        name = f"latch of {stiffness:g} N m/rad"
+        name = f"latch of {stiffness:g} {on.force}/{on.way}"
         found, name, outcome = attempt(name, scene, 0.5 + 2 * np.pi * swing * 3)
         rows += found
         if outcome is None:
@@ -36,14 +47,14 @@ def stiff_latches() -> list[Row]:
     return rows
 
 
-def hard_stops() -> list[Row]:
+def hard_stops(on: On) -> list[Row]:
     """Stops without and with far too much damping."""
     rows = []
     for stiffness in (1.0, 1e3, 1e6, 1e9):
         for ratio in (0.0, 100.0):
             damping = 2 * ratio * np.sqrt(stiffness * J)
-            scene = flap(Stop(0, 0.1, "above", stiffness, damping), rate=1.0)
-            name = f"stop of {stiffness:g} N m/rad, {ratio:g} of critical damping"
+            scene = on.scene(Stop(0, 0.1, "above", stiffness, damping), rate=1.0)
+            name = f"stop of {stiffness:g} {on.force}/{on.way}, {ratio:g} of critical damping"
             long = 0.1 + 4 * np.pi * np.sqrt(J / stiffness) * (1 if ratio == 0 else 0.1)
             found, name, outcome = attempt(name, scene, long)
             rows += found
@@ -58,14 +69,14 @@ def hard_stops() -> list[Row]:
     return rows
 
 
-def friction() -> list[Row]:
+def friction(on: On) -> list[Row]:
     """Friction that stops a flap within its bend at once, and friction that is hardly there."""
     rows = []
     for moment in (1e-6, 1.0, 1e3, 1e6):
         exact = J / (2 * moment)
         duration = min(2.0, J / moment + 2.0)
-        name = f"friction of {moment:g} N m"
-        found, name, outcome = attempt(name, flap(Friction(0, moment), rate=1.0), duration)
+        name = f"friction of {moment:g} {on.force}"
+        found, name, outcome = attempt(name, on.scene(Friction(0, moment), rate=1.0), duration)
         rows += found
         if outcome is None:
             continue
@@ -73,18 +84,18 @@ def friction() -> list[Row]:
         if J / moment > duration:
             exact = duration - moment / J * duration**2 / 2
         error = float(abs(opening[-1] - exact))
-        rows.append(at_most(f"{name}: is at (rad)", error, 1.1e-3, "J w²/2M, within its bend",
+        rows.append(at_most(f"{name}: is at ({on.way})", error, 1.1e-3, "J w²/2M, within its bend",
                             f"{outcome.steps} steps"))  # fmt: skip
     return rows
 
 
-def dampers() -> list[Row]:
+def dampers(on: On) -> list[Row]:
     """Dampers from one that is hardly there to one that stops the flap in a microsecond."""
     rows = []
     for damping in (1e-6, 1.0, 1e3, 1e6):
         duration = 1.0 if damping < 10 else 100 * J / damping
-        name = f"damper of {damping:g} N m s/rad"
-        found, name, outcome = attempt(name, flap(Damper(0, damping), rate=1.0), duration)
+        name = f"damper of {damping:g} {on.force} s/{on.way}"
+        found, name, outcome = attempt(name, on.scene(Damper(0, damping), rate=1.0), duration)
         rows += found
         if outcome is None:
             continue
@@ -95,13 +106,13 @@ def dampers() -> list[Row]:
     return rows
 
 
-def tables() -> list[Row]:
+def tables(on: On) -> list[Row]:
     """Tables with a step that is nearly a jump, and with slopes from flat to very steep."""
     rows = []
     for width in (1.0, 1e-2, 1e-4):
         table = (0.5 - width / 2, 0.5 + width / 2), (0.5, -0.5)
-        scene = flap(TableSpring(0, *table))
-        found, name, outcome = attempt(f"table that turns over in {width:g} rad", scene, 8.0)
+        scene = on.scene(TableSpring(0, *table))
+        found, name, outcome = attempt(f"table that turns over in {width:g} {on.way}", scene, 8.0)
         rows += found
         if outcome is None:
             continue
@@ -133,7 +144,24 @@ def refusals() -> list[Row]:
     return rows
 
 
-def study() -> list[Row]:
+def block(*elements, rate: float = 0.0) -> fpm.Scene:
+    """A block on a slide with what a flap has on its hinge, sliding at a rate (m/s)."""
+    scene = fpm.Scene("block")
+    ground, body = (int(p) for p in scene.add_particles([(0, 0, 0)] * 2, [1.0, J], 1.0))
+    scene.fix(ground)
+    scene.add_slide("hinge", (ground, body), (0, 0, 0), (1, 0, 0))
+    scene.add_torsion_spring(0, 0.0, 0.0)
+    given = {type(element): element for element in elements}
+    for idle in IDLE:
+        scene.add(given.get(type(idle), idle))
+    scene.velocity[body] = (rate, 0.0, 0.0)
+    return scene
+
+
+HINGE, SLIDE = On(flap, "rad", "N m"), On(block, "m", "N")
+
+
+def study(on: On = HINGE) -> list[Row]:
     """All rows."""
-    parts = (stiff_latches, hard_stops, friction, dampers, tables, refusals)
-    return [row for part in parts for row in part()]
+    parts = (stiff_latches, hard_stops, friction, dampers, tables)
+    return [row for part in parts for row in part(on)] + (refusals() if on is HINGE else [])

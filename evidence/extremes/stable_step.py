@@ -86,10 +86,33 @@ def arms(fast: bool) -> Iterator[Case]:
         yield one(f"bars on arms {factor:g} times as stiff", scene, 1e-3)
 
 
+def slides(fast: bool) -> Iterator[Case]:
+    """Two oblong bars at an angle, the second on a slide or a cross of the first, with a spring."""
+    cases = {"slide": (1e7,), "cross_axis": (1e3,)}
+    if not fast:
+        cases = {"slide": (1e4, 1e7, 1e9), "cross_axis": (1.0, 1e3, 1e6), "cross_other": (1e3, 1e6)}
+    for kind, stiffnesses in cases.items():
+        for stiffness in stiffnesses:
+            scene, section = fpm.Scene(kind), fpm.Section.rectangle(0.02, 0.04)
+            ends = [((0, 0, 0), (1, 0, 0)), ((1, 0, 0), (2, 0.3, 0.2))]
+            first, second = (
+                scene.add_link(*pair, (0, 0, 1), section, MATERIAL, 4, f"bar {k}")
+                for k, pair in enumerate(ends)
+            )
+            pair = int(first.particles[-1]), int(second.particles[0])
+            if kind == "slide":
+                opening = scene.add_slide(kind, pair, (1, 0, 0), (1, 0, 0))
+            else:
+                opening = scene.add_universal("cross", pair, (1, 0, 0), (0, 1, 0), (0, 0, 1))
+            scene.add_torsion_spring(opening + (kind == "cross_other"), stiffness)
+            unit = "N/m" if kind == "slide" else "N m/rad"
+            yield one(f"bars on a {kind}, spring of {stiffness:g} {unit}", scene, 1e-4)
+
+
 def study(fast: bool = False) -> list[Row]:
     """Rows: ratio of the estimate to the true limit; allowed from 0.7 to 1 (and the resolution)."""
     rows = []
-    for cases in (bars, linkages, contacts, arms):
+    for cases in (bars, linkages, contacts, arms, slides):
         for name, scene, tested in cases(fast):
             found = fpm.stable_step(scene)
             limit = true_limit(tested, RESOLUTION)

@@ -33,6 +33,7 @@ GROUPS: dict[str, Callable[[], list[Row]]] = {
     "intervals": runs.intervals,
     "cables": cables.study,
     "latches": latches.study,
+    "slides": partial(latches.study, latches.SLIDE),
     "motors": motors.study,
     "joints": joints.study,
     "rigid-holds": rigid_holds.study,

@@ -184,8 +184,8 @@ def relative_turn(scene, on, stiffness) -> Deformations:
 
 
 def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
-    """Derivatives (12,) of an opening by the motions of both particles, in their own axes, with
-    factors on the stiffness.
+    """Derivatives (12,) of an opening by the motions of both particles, the turns in their own
+    axes, with factors on the stiffness.
 
     The particles of a slide turn together, so that what their turn does to the opening may be taken
     as that of either, or of both in any shares: those that bound the frequency best.
@@ -205,6 +205,8 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
         turns = [scene.frame[particle].T @ turn for particle in (p, q)]
         soft, other = turns[0] ** 2 @ first, turns[1] ** 2 @ second
         share = other / (soft + other) if soft + other > 0 else 0.0
+        frame = scene.frame if scene.unstrained is None else scene.unstrained
+        one, two = frame[p] @ one, frame[q] @ two
         return [(np.concatenate([-one, share * turns[0], two, (1 - share) * turns[1]]), 1.0)]
     plane = np.linalg.svd(hinge.references[1][None])[2][1:]  # normal to the axis on the second
     soft = one**2 @ first

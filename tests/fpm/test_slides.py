@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import fpm
+from evidence.extremes.stable_step import slides
 from evidence.verification.slides import scene_of_all
 from fpm import responses, trajectory
 from fpm.assembly import assemble
@@ -171,3 +172,11 @@ def test_rates_forces_and_work_on_a_slide_are_those_of_the_oscillator():
     np.testing.assert_allclose(power, rate * (spring + damper), atol=1e-12)
     held = mass * (0.3**2 - rate**2) / 2 + 25.0 * (0.15**2 - (way - 0.2) ** 2)
     np.testing.assert_allclose(lost, held, atol=1e-5)
+
+
+@pytest.mark.parametrize(("number", "limit"), [(0, 1.034372e-4), (1, 1.075014e-4)])
+def test_the_stable_step_is_the_one_beyond_which_elastic_bars_break_down(number, limit):
+    """Beside what bisection of runs has found (the study of extremes)."""
+    name, scene, _ = list(slides(fast=True))[number]
+    assert stable_step(scene).step == pytest.approx(limit, rel=0.02), name
+    assert stable_step(scene).step < 1.0005 * limit, name

@@ -92,12 +92,15 @@ def test_a_latch_catches_at_the_exact_time_and_rate(ran):
 
 
 @pytest.mark.slow
-def test_a_latch_holds_as_an_oscillator(ran):
-    outcome = ran["undamped"]
-    caught, rate, omega = outcome.events[0, 0], 1.490188240, np.sqrt(100.1 / J)
+@pytest.mark.parametrize(("name", "damping"), [("undamped", 0.0), ("held", 1.0)])
+def test_a_latch_holds_as_an_oscillator(ran, name, damping):
+    outcome, decay = ran[name], damping / (2 * J)
+    caught, rate, omega = outcome.events[0, 0], 1.490188240, np.sqrt(100.1 / J - decay**2)
     after = outcome.time > caught
     time, push = outcome.time[after] - caught, 0.1 * np.pi / 2 / 100.1
-    exact = np.pi / 2 + push * (1 - np.cos(omega * time)) + rate / omega * np.sin(omega * time)
+    sine = (rate - decay * push) / omega
+    swing = sine * np.sin(omega * time) - push * np.cos(omega * time)
+    exact = np.pi / 2 + push + np.exp(-decay * time) * swing
     # Leapfrog's phase is off by ω³ h² t/24, and the swing is 0.086 rad.
     assert np.abs(opening(outcome)[after] - exact).max() < 5e-5
 

@@ -200,6 +200,8 @@ def _check(options: argparse.Namespace) -> int:
         else:
             there = found(campaign, Folder(Path("results", campaign.name)))
             print(f"{path}: {campaign.name}, {estimate(campaign)}{there and '; '}{there}")
+            if campaign.experiment.scene.file.endswith(".py"):
+                print(f"{path}: {campaign.experiment.scene.file} is a program, which was run")
             if brought := mesh_of_preset(load(path), campaign):
                 print(f"{path}: {brought}")
     return status
@@ -251,6 +253,8 @@ def _structure(options: argparse.Namespace) -> int:
     except fpm.SceneError as error:
         print(error, file=sys.stderr)
         return 1
+    if name.endswith(".py"):
+        print(f"{name} is a program, which was run")
     print(describe(found, options.duration))
     if options.no_picture:
         return 0

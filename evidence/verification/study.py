@@ -11,6 +11,7 @@ from evidence.results import Report
 from evidence.verification import (
     bennett,
     cables,
+    deployables,
     dynamics,
     forces,
     joints,
@@ -40,6 +41,7 @@ FAMILIES = (
     rigid_moving,
     slides,
     mechanisms,
+    deployables,
     cables,
     bennett,
 )

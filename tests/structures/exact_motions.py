@@ -1,42 +1,7 @@
 """Exact motions that structures of the library are compared with."""
 
 import numpy as np
-from scipy.integrate import quad, solve_ivp
-
-
-def crossing(time, values, level):
-    """The first time (s) at which values (t,) pass a level, and their rate there.
-
-    A cubic through the four instants around it.
-    """
-    after = int(np.argmax((values[1:] - level) * (values[0] - level) <= 0)) + 1
-    near = slice(max(after - 2, 0), max(after - 2, 0) + 4)
-    cubic = np.polynomial.Polynomial.fit(time[near], values[near] - level, 3)
-    root = min(cubic.roots().real, key=lambda t: abs(t - time[after]))
-    return float(root), float(cubic.deriv()(root))
-
-
-def scissor(units, k=1.0, gyration=0.0):
-    """Time (s) and rate (rad/s) of a rigid planar scissor mast from 85 to 30 degrees to its axis.
-
-    Bars of 1 m and 1 kg; gyration (m): radius of gyration of a bar's section, which turns with it.
-    """
-
-    start, end = np.radians([85, 30])
-
-    def mass(q):
-        crossed = units / 12 + np.sin(q) ** 2 * units * (4 * units**2 - 1) / 12
-        return 2 * (crossed + units * gyration**2)
-
-    def rate(q):
-        return np.sqrt(4 * units * k * (start**2 - q**2) / mass(q))
-
-    # With q = start - u², the integrand stays finite where the mast starts from rest.
-    def slowness(u):
-        q = start - u * u
-        return 2 * u / rate(q) if u else 2 / np.sqrt(8 * units * k * start / mass(start))
-
-    return quad(slowness, 0, np.sqrt(start - end), epsabs=1e-13)[0], float(rate(end))
+from scipy.integrate import solve_ivp
 
 
 def zfold(k, fold, gyration, times):

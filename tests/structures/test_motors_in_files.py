@@ -82,7 +82,7 @@ def test_a_motor_without_stiffness_is_rigid():
         ("[60 mm, -30 mm]", "[60 mm, 0]", "radii of loop belt"),
         ("preload: 5 N}", "preload: -5 N}", "actions.belt.preload: -5"),
         ("stiffness: 20 kN/m", "stiffness: 20 kN", "actions.belt.stiffness: "),
-        ("turn: 60 deg, ", "", "actions.drive.turn: missing"),
+        ("turn: 60 deg, ", "", "actions.drive.turn: None"),
         ("turn: 60 deg", "turn: 60", "actions.drive.turn: "),
         ("turn: 60 deg, curve: ramp", "turn: 60 deg", "actions.drive.curve: missing"),
         ("damping: 2 N", "damping: -2 N", "actions.drive.damping: -2"),
@@ -107,3 +107,31 @@ def test_what_is_refused(old, new, problem):
     text = TEXT.replace(old, new, 1)
     assert text != TEXT
     assert any(problem in told for told in problems_of(text)), problems_of(text)
+
+
+def test_a_motor_may_prescribe_its_rate():
+    text = SMALL.replace(
+        "actions:",
+        """curves:
+  speed: {times: [0, 1 s, 3 s, 4 s], values: [0, 1, 1, 0]}
+actions:
+  drive: {type: motor, joint: root, rate: 0.5 rad/s, curve: speed}""",
+    )
+    (motor,) = loads(text).build().kinds[RigidMotor]
+    scene = loads(text).build()
+    for time, opening in (
+        (0.0, 0.0),
+        (0.5, 0.0625),
+        (1.0, 0.25),
+        (3.0, 1.25),
+        (4.0, 1.5),
+        (9.0, 1.5),
+    ):
+        assert motor.at(scene, time) == pytest.approx(opening, abs=1e-6)
+    for old, new, said in (
+        ("values: [0, 1, 1, 0]", "values: [0, 1, 1, 1]", "one that ends at 0"),
+        ("rate: 0.5 rad/s", "rate: 0.5 rad/s, turn: 1 rad", "not both"),
+        ("rate: 0.5 rad/s, ", "", "by how much it moves, or a `rate`"),
+    ):
+        (told,) = problems_of(text.replace(old, new))
+        assert said in told

@@ -4,10 +4,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from exact_motions import crossing, solar_array
+from exact_motions import solar_array
 from structures_for_tests import structure
 
 import fpm
+from evidence.verification.deployables import crossing
 from fpm.kinds import Damper, Latch, SyncLoop
 
 OPEN = np.pi / 2

@@ -55,8 +55,9 @@ def loop(build, it):
     "actions",
     "motor",
     joint=JOINT,
-    turn=Number(unit="rad", about="by how much it turns, times `curve`"),
-    curve=Reference(**CURVE, about="of the opening"),
+    turn=Number(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),
+    rate=Number(None, "how fast it turns, times `curve`, which ends at 0", unit="rad/s"),
+    curve=Reference(**CURVE, about="of the opening, or of its rate"),
     start=Number(None, "opening before the turn; left out: that at the start", unit="rad"),
     stiffness=Number(
         None, "of its drive train; left out: it prescribes exactly", unit="N m/rad", least=0
@@ -66,12 +67,32 @@ def loop(build, it):
 def motor(build, it):
     """Prescribes the opening of a joint, exactly or through an elastic drive train."""
     start = _at_start(build, it.joint) if it.start is None else it.start
+    if (it.turn is None) == (it.rate is None):
+        build.refuse("turn", it.turn, "by how much it moves, or a `rate`, not both")
+    turn, curve = it.turn, it.curve
+    if turn is None:
+        turn, curve = it.rate, _integrated(build, it.curve)
     if it.stiffness is None:
         if it.damping > 0:
             build.refuse("damping", it.damping, "none without a `stiffness`")
-        build.scene.add(RigidMotor(it.joint, start, it.turn, it.curve))
+        build.scene.add(RigidMotor(it.joint, start, turn, curve))
     else:
-        build.scene.add(Motor(it.joint, it.stiffness, it.damping, start, it.turn, it.curve))
+        build.scene.add(Motor(it.joint, it.stiffness, it.damping, start, turn, curve))
+
+
+PIECES = 2000
+"""Straight pieces that stand for the opening where a rate is prescribed."""
+
+
+def _integrated(build, curve: int) -> int:
+    """The curve of an opening (s) whose rate is a curve; refused if that does not end at 0."""
+    times, values = build.scene.curves[curve]
+    if values[-1] != 0.0 or not times[-1] > 0.0:
+        build.refuse("curve", float(values[-1]), "one that ends at 0, as the rate is constant then")
+    fine = np.union1d(np.linspace(0.0, times[-1], PIECES + 1), times[times > 0.0])
+    rates = np.interp(fine, times, values)
+    ways = np.cumsum(np.diff(fine) * (rates[1:] + rates[:-1]) / 2)
+    return build.scene.add_curve(fine, [0.0, *ways])
 
 
 @statement(

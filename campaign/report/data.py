@@ -108,6 +108,14 @@ class LeftOut:
 
 
 @dataclass(frozen=True)
+class Judged:
+    """Runs with their parameter values (R, k), and which of them meet all requirements (R,)."""
+
+    values: np.ndarray
+    met: np.ndarray
+
+
+@dataclass(frozen=True)
 class Work:
     """A piece of work: what, seconds of the clock and of the processor (if known)."""
 
@@ -127,6 +135,7 @@ class PageData:
     provenance: name -> text; config: text to start from again; answers: what the summary tells of
     quantities, requirements and the best choice; about: what the structure is; fixed:
     its parameters that are not uncertain, with their values;
+    judged: which runs meet the requirements, if there are any;
     overlap: of the faces of a contact, rad; scan: what the summary tells of a scan's bounds.
     """
 
@@ -145,6 +154,7 @@ class PageData:
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
     answers: Mapping[str, Any] = field(default_factory=dict)
+    judged: Judged | None = None
     about: str = ""
     fixed: str = ""
     overlap: float = 0.0

@@ -8,6 +8,7 @@ from pathlib import Path
 from campaign.files import write_result
 from campaign.report import words
 from campaign.report.data import PageData
+from campaign.report.failing import panels
 from campaign.report.pack import payload
 from campaign.report.trust import trust
 from campaign.results import answers, decisions
@@ -62,6 +63,7 @@ def render(data: PageData) -> str:
         cautions=words.cautions(data),
         verdicts=[words.verdict(data, response) for response in data.responses],
         spread=words.spread,
+        panels=panels(data),
         trust=trust(data),
         style=_text("style.css"),
         script="\n".join(_text(f"js/{name}.js") for name in SCRIPTS),

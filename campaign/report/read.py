@@ -15,6 +15,7 @@ from campaign.files import open_dataset, open_netcdf
 from campaign.report.data import (
     FURTHER,
     Event,
+    Judged,
     LeftOut,
     MovingRun,
     PageData,
@@ -23,6 +24,7 @@ from campaign.report.data import (
     Run,
     Work,
 )  # fmt: skip
+from campaign.report.failing import meets
 from campaign.report.motions import MOTIONS, Shown, shown_runs
 from campaign.results.which import counts, ids, keeps_extremes, roles
 from campaign.results.words import with_unit
@@ -65,6 +67,7 @@ def from_results(folder: str | Path) -> PageData:
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
         answers={name: summary[name] for name in _ANSWERS if name in summary},
+        judged=_judged(samples, folder, summary),
         overlap=float(samples["overlap"].max()),
         scan=summary.get("scan", {}),
     )
@@ -226,6 +229,20 @@ def _moving(
             more.append(Run(one.id, FURTHER, one.values, events=_impacts(motion)))
         found.append(MovingRun(run, one.label, motion))
     return tuple(more), tuple(found)
+
+
+def _judged(samples: xarray.Dataset, folder: Path, summary: Mapping) -> Judged | None:
+    """Which runs meet the requirements, further ones too."""
+    if "requirements" not in summary:
+        return None
+    found = [samples]
+    if (folder / "further.nc").exists():
+        found.append(_load(folder / "further.nc"))
+    values, numbers = (
+        np.concatenate([each[name].values for each in found]) for name in ("value", "quantities")
+    )
+    limits = [limit for row in summary["requirements"] for limit in row["limits"]]
+    return Judged(values, meets(limits, samples["quantity"].values.tolist(), numbers))
 
 
 def _left(

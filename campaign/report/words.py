@@ -164,7 +164,8 @@ def cautions(data: PageData) -> list[str]:
         most = quantity(data.overlap, "rad", 2)
         sentences.append(
             f"Faces that touch pass through each other by up to {most}: the contacts are too soft "
-            "to be contacts, and what follows a closure means little."
+            "to be contacts, and what follows a closure means little. What to do: make them "
+            "stiffer, which takes shorter steps."
         )
     return sentences
 

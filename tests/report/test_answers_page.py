@@ -12,6 +12,7 @@ from opening import CONFIG
 import campaign
 from campaign.report import from_results, make_motions, words
 from campaign.report.data import FURTHER
+from campaign.report.failing import meets, panels
 from campaign.report.page import render
 
 
@@ -52,6 +53,36 @@ def test_the_page_has_verdicts_intervals_and_tables(opened):
     assert len(ends) == 2 and all(re.fullmatch(r"k = [\d.]+ N m/rad", end) for end in ends)
     assert "t_never" in page
     assert "does not happen in any run" in page
+
+
+def test_the_part_of_the_box_that_fails_is_drawn(opened):
+    """The panel is in time where its spring is stiff: k of 0.095 to 0.105 N m/rad."""
+    limit, (panel,) = 1.9334, panels(opened)
+    exact = 0.1 * (opened.answers["quantities"][0]["nominal"] / limit) ** 2  # t goes with k^-1/2
+    assert {met for *_, met in panel.marks} == {True, False}
+    for x, _, met in panel.marks:
+        assert met == (0.095 + 0.01 * x > exact)
+    (low, bottom), (high, top) = panel.kept
+    share = opened.answers["together"]["largest_share"]
+    assert (low, high) == pytest.approx((0.5 - 0.5 * share, 0.5 + 0.5 * share))
+    assert (bottom, top) == (0, 1)
+    assert 0.095 + 0.01 * low == pytest.approx(exact, rel=1e-3)
+    page = render(opened)
+    assert page.count('class="fails"') == sum(not met for *_, met in panel.marks) > 0
+
+
+def test_what_does_not_happen_meets_only_a_wish_for_that():
+    numbers = np.array([[1.0, 5.0], [2.0, np.nan], [3.0, 7.0]])
+
+    def met(quantity, kind, level):
+        limit = {"quantity": quantity, "kind": kind, "level": level}
+        return meets([limit], ["t", "v"], numbers).tolist()
+
+    assert met("t", "at_most", 2.0) == [True, True, False]
+    assert met("v", "at_least", 6.0) == [False, False, True]
+    assert met("v", "at_most", 6.0) == [True, False, False]
+    assert met("v", "happens", True) == [True, False, True]
+    assert met("v", "happens", False) == [False, True, False]
 
 
 def test_the_runs_at_the_ends_of_quantities_move(folder):

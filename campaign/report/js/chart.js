@@ -45,7 +45,7 @@ class Chart {
     if (!width || (this.onPaper && !paper)) return;
     this.width = width;
     const { left, right, top, bottom } = MARGIN, [from, to] = this.span, [low, high] = this.range();
-    const tall = paper ? 0.72 * this.height : this.height, inner = width - left - right, base = tall - bottom;
+    const tall = paper ? 0.72 * Math.min(230, this.height) : this.height, inner = width - left - right, base = tall - bottom;
     this.x = (t) => left + (inner * (t - from)) / (to - from);
     this.y = (v) => base - ((base - top) * (v - low)) / (high - low);
     const id = `clip-${this.title.replace(/\W/g, "-")}`;

@@ -168,7 +168,8 @@ def _cost(plan: Plan, shares: Mapping) -> Cost:
     for part in plan.adaptive.check:
         runs += checked
         seconds += _whole(checked) * factor[part] * each
-    affordable = min(asked.runs - runs, (60 * asked.minutes - seconds) / each)
+    last = 2 * checked, 6 * checked * each  # the check of step and mesh at the end
+    affordable = min(asked.runs - runs - last[0], (60 * asked.minutes - seconds - last[1]) / each)
     more = added(nodes, growth(asked, shares, plan.adaptive, nodes), affordable)
     elements = int(plan.experiment.scene.parameters.get(asked.mesh, 0))
     return Cost(runs, seconds, nodes, more, checked, each, elements)

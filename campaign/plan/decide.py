@@ -55,14 +55,15 @@ class Cost:
     elements: int
 
     def of(self, action: str) -> tuple[int, float]:
-        """Runs and seconds of the next round after an action, with the check that belongs to it."""
-        if action == "runs":
-            return self.more, self.more * self.each
+        """Runs and seconds of the next round after an action, with the check that belongs to it,
+        and with that of step and mesh at the end, for which there must be room."""
         if action == "check":
             return 2 * self.checked, 6 * self.checked * self.each
+        if action == "runs":
+            return self.more + 2 * self.checked, (self.more + 6 * self.checked) * self.each
         if action == "step":
             return self.nodes + 2 * self.checked, (2 * self.nodes + 12 * self.checked) * self.each
-        return self.nodes + self.checked, (4 * self.nodes + 16 * self.checked) * self.each
+        return self.nodes + 3 * self.checked, (4 * self.nodes + 40 * self.checked) * self.each
 
 
 @dataclass(frozen=True)
@@ -149,12 +150,9 @@ def _left(aim: float, parts: Mapping[str, float]) -> float:
 
 def _is_last(asked: Accuracy, unmet: Shares, state: Rounds, cost: Cost) -> bool:
     """Whether surrogates are expected to be accurate enough after the next runs, and a check is
-    affordable and cheaper than a round of its own."""
-    runs, seconds = cost.of("check")
-    runs, total = runs + cost.more, seconds + cost.more * cost.each
-    allowed = cost.runs + runs <= asked.runs and cost.seconds + total <= 60 * asked.minutes
+    cheaper than a round of its own."""
     fall = cost.nodes / (cost.nodes + cost.more)
-    return allowed and seconds <= _ROUND and all(
+    return cost.of("check")[1] <= _ROUND and all(
         parts["surrogate"] * fall ** _rate(name, parts, state, cost.nodes)
         <= _left(asked.shares[name], parts)
         for name, parts in unmet.items()

@@ -134,11 +134,12 @@ def test_what_a_round_takes_fits_the_budget_or_it_is_not_begun(what):
              "mesh": {"surrogate": 0.01, "mesh": 0.3}}[what]  # fmt: skip
     runs, seconds = COST.of(what)
     # Half the step costs twice, a mesh twice as fine four times; what is checked is run as it is
-    # from then on, with half its step, and on a mesh twice as fine.
-    n, c = COST.nodes, COST.checked
-    assert runs == {"runs": COST.more, "check": 2 * c, "step": n + 2 * c, "mesh": n + c}[what]
-    worth = {"runs": COST.more, "check": (2 + 4) * c, "step": 2 * n + 2 * (2 + 4) * c,
-             "mesh": 4 * n + 4 * 4 * c}[what]  # fmt: skip
+    # from then on, with half its step, and on a mesh twice as fine. There is room for the last
+    # check, of step and mesh.
+    n, c, last = COST.nodes, COST.checked, (2 + 4) * COST.checked
+    assert runs == 2 * c + {"runs": COST.more, "check": 0, "step": n, "mesh": n + c}[what]
+    worth = {"runs": COST.more + last, "check": last, "step": 2 * (n + last),
+             "mesh": 4 * (n + 4 * c + last)}[what]  # fmt: skip
     assert seconds == pytest.approx(worth * COST.each)
     if what == "check":
         return
@@ -225,9 +226,8 @@ def test_what_should_be_the_last_runs_are_checked_at_once_where_that_is_cheap():
     assert decided(parts, cost=COST).check == ()  # more than half a second
     far = {"surrogate": 0.9, "mesh": 0.02}
     assert decided(far, cost=cheap).check == ()
-    few = Accuracy({"x": 0.1}, 50, 60.0, "n")
-    assert decided(parts, cost=cheap, aim=few).action == "runs"
-    assert decided(parts, cost=cheap, aim=few).check == ()
+    few = Accuracy({"x": 0.1}, cheap.runs + cheap.more + 2 * cheap.checked - 1, 60.0, "n")
+    assert decided(parts, cost=cheap, aim=few).action == "check"  # runs would leave no room for it
 
 
 OPENING = {

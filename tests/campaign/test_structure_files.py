@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 import campaign
+from campaign.cli import main
 from campaign.config.check import check_config, load_config
 from campaign.config.sections import Campaign, as_json, from_data, plain_data
 from campaign.errors import CampaignError, ConfigError
@@ -143,7 +144,7 @@ def test_a_preset_reaches_the_mesh_that_the_file_names(path):
     assert found.scene.parameters == {"elements": 8}
 
 
-def test_a_structure_in_python_is_a_scene_too(path):
+def test_a_structure_in_python_is_a_scene_too(path, capsys):
     raw = yaml.safe_load(path.read_text(encoding="utf-8"))
     page = (ROOT / "docs" / "structures.md").read_text(encoding="utf-8")
     text = page.split("```python\n")[-1].split("```")[0]
@@ -153,6 +154,8 @@ def test_a_structure_in_python_is_a_scene_too(path):
     raw["responses"] = {"z": {"position": "tip", "component": "z"}}
     path.write_text(yaml.safe_dump(raw), encoding="utf-8")
     assert load_config([path]).experiment.build({"L": 2.0}).points["tip"].particle > 0
+    assert main(["check", str(path)]) == 0
+    assert "bar.py is a program, which was run" in capsys.readouterr().out
 
 
 def test_what_is_wrong_with_a_file_is_told(path):

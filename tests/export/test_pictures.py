@@ -1,5 +1,6 @@
 """Pictures show the structure: where it is, how large, and nothing that is behind."""
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -171,3 +172,19 @@ def test_slack_cables_are_dashed(strung):
     taut, slack = (paint_cables(ax, solid, moment, View()) for moment in (0, 5))
     assert [dash is not None for _, dash in taut.get_linestyle()] == [False, False, False]
     assert [dash is not None for _, dash in slack.get_linestyle()] == [False, True, True]
+
+
+def test_stretches_of_a_bar_have_one_colour_and_the_faces_where_they_meet():
+    one = cube()
+    two = replace(
+        one,
+        nodes=np.array([[0, 1], [1, 2]]),
+        sections=np.tile(one.sections, (2, 1, 1, 1)),
+        position=np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]]),
+        frame=np.tile(np.eye(3), (1, 3, 1, 1)),
+        elements=("bar from foot[0]", "bar from knee[0]"),
+    )
+    assert two.bars == ("bar",)
+    assert two.bar.tolist() == [0, 0]
+    assert two.visible.all()
+    assert not replace(two, elements=("bar[0]", "bar[1]")).visible.all()

@@ -18,6 +18,7 @@ DEFAULTS = {
     "joints revolute": {"opening": 0.0, "held": ""},
     "joints prismatic": {"opening": 0.0},
     "actions torsion spring": {"rest": 0.0},
+    "actions spring": {"rest": 0.0},
     "actions stop": {"damping": 0.0},
     "actions latch": {"tolerance": 0.0, "side": "either", "damping": 0.0},
     "actions motor": {"damping": 0.0},

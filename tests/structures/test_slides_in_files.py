@@ -32,6 +32,7 @@ actions:
   drive: {type: motor, joint: boom, travel: 0.2 m, curve: ramp, stiffness: 100 N/m}
   pull: {type: torque motor, joint: boom, force: 3 N, no_load: 1 m/s}
   bend: {type: torsion spring, joint: knuckle_other, stiffness: 2 N m/rad}
+  twist: {type: torsion spring, joint: knuckle_axis, stiffness: 4, preload: -1 N m}
   bolt: {type: release, joint: knuckle_axis, watch: boom, level: 0.1 m, stiffness: 5 N m/rad}
 """
 TEXT = SMALL.replace("points:", "points:\n  C: [0, 1 m, 0]")
@@ -48,7 +49,8 @@ def test_all_that_acts_on_slides_and_crosses_is_in_the_scene():
     for kind in (Damper, Friction, Stop, RigidLatch, Latch, Motor, TorqueMotor, TableSpring):
         assert on[kind] == 0
     assert [(s.hinge, s.stiffness, s.rest) for s in scene.springs] == [
-        (0, 40.0, 0.25), (2, 2.0, 0.0), (3, 3.0, pytest.approx(1.5707963))
+        (0, 40.0, 0.25), (2, 2.0, 0.0),
+        (1, 4.0, pytest.approx(0.0872665 - 0.25)), (3, 3.0, pytest.approx(1.5707963))
     ]  # fmt: skip
     assert found[Friction].bend == 1e-4
     assert (found[Release].hinge, found[Release].watch, found[Release].level) == (1, 0, 0.1)
@@ -79,9 +81,11 @@ def test_the_command_lists_what_acts_and_what_makes_the_step_longer():
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
+        ("40 N/m", "0", "above 0, with a `preload`"),
+        ("stiffness: 2 N m/rad", "stiffness: 2, preload: 1 N", "allowed: a value in N m"),
         ("rest: 90 deg", "rest: 90 mm", "'90 mm' is m; allowed: an angle"),
         ("40 N/m", "40 N m/rad", "allowed: a value in N/m >= 0"),
-        ("preload: 8 N", "preload: 8 N, rest: 1", "one of `rest` and `preload`"),
+        ("preload: 8 N", "preload: 8 N, rest: 1", "none, with a `preload`"),
         ("position: 0.3 m", "position: 20 deg", "allowed: a value in m"),
         ("position: 0.3 m", "angle: 0.3", "no such key; allowed: type, joint, position"),
         ("force: 0.5 N", "force: 0.5 N m", "allowed: a value in N >= 0"),

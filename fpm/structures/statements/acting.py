@@ -14,16 +14,29 @@ JOINT = Opening(about="on which joint it acts")
 TURNING = replace(JOINT, types=("revolute", "universal"))
 
 
+def _add_spring(build, it) -> None:
+    """A spring at rest at an opening, or such that it has its preload at the start."""
+    rest = it.rest
+    if it.preload is not None:
+        if rest != 0.0:
+            build.refuse("rest", rest, "none, with a `preload`")
+        if not it.stiffness > 0:
+            build.refuse("stiffness", it.stiffness, "above 0, with a `preload`")
+        rest = build.scene.hinges[it.joint].opening + it.preload / it.stiffness
+    build.scene.add_torsion_spring(it.joint, it.stiffness, rest)
+
+
 @statement(
     "actions",
     "torsion spring",
     joint=replace(TURNING, hint="; for a slide there is `spring`"),
     stiffness=Number(unit="N m/rad", least=0, about="moment for each radian"),
     rest=Number(0.0, "opening at which it is at rest", unit="rad"),
+    preload=Number(None, "moment at the start, > 0 where it opens, for `rest`", unit="N m"),
 )
 def torsion_spring(build, it):
     """Turns a joint towards an opening."""
-    build.scene.add_torsion_spring(it.joint, it.stiffness, it.rest)
+    _add_spring(build, it)
 
 
 @statement(
@@ -31,19 +44,12 @@ def torsion_spring(build, it):
     "spring",
     joint=replace(JOINT, types=("prismatic",)),
     stiffness=Number(unit="N/m", least=0, about="force for each metre"),
-    rest=Number(None, "opening at which it is at rest; this or `preload`", unit="m"),
-    preload=Number(None, "force at the start, > 0 where it opens", unit="N"),
+    rest=Number(0.0, "opening at which it is at rest", unit="m"),
+    preload=Number(None, "force at the start, > 0 where it opens, for `rest`", unit="N"),
 )
 def spring(build, it):
     """Pushes or pulls a slide towards an opening."""
-    if (it.rest is None) == (it.preload is None):
-        build.refuse("rest", it.rest, "one of `rest` and `preload`")
-    rest = it.rest
-    if rest is None:
-        if not it.stiffness > 0:
-            build.refuse("stiffness", it.stiffness, "above 0 N/m, with a `preload`")
-        rest = build.scene.hinges[it.joint].opening + it.preload / it.stiffness
-    build.scene.add_torsion_spring(it.joint, it.stiffness, rest)
+    _add_spring(build, it)
 
 
 @statement(

@@ -68,13 +68,14 @@ class Shapes(NamedTuple):
 def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
     """The shapes of a scene, of whose elements the sections have these corners (m, 2, 4, 3), m.
 
-    A rigid body is a particle that is on no bar, and free to move in some way. It is drawn as the
-    box that has its mass and principal inertias: with edges a, b, c, b² + c² = 12 I/m and so on.
+    A rigid body is a particle that is on no bar, and free to move in some way, or has a name of a
+    body. It is drawn as the box that has its mass and principal inertias: with edges a, b, c,
+    b² + c² = 12 I/m and so on.
     """
     nodes, length, half = elements_of(scene)
     names = [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))]
     free = np.flatnonzero(~scene.fixed.all(axis=1))
-    bodies = np.setdiff1d(free, nodes)
+    bodies = np.setdiff1d([*free, *scene.bodies.values()], nodes).astype(int)
     inertia = scene.inertia[bodies]
     squares = 6.0 * (inertia.sum(axis=1, keepdims=True) - 2.0 * inertia)
     edges = np.sqrt(np.maximum(squares / scene.mass[bodies, None], 0.0))

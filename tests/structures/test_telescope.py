@@ -6,23 +6,9 @@ from scipy.integrate import solve_ivp
 from structures_for_tests import structure
 
 import fpm
-from evidence.verification.slides import scene_of_all
-from fpm.kinds import Latch, RigidMotor, Stop, kinds_of
 
 PUSH, TIRED, TRAVEL, DAMPING, RUB, TUBE, HEAD = 20.0, 0.6, 0.8, 2.0, 0.5, 1.5, 4.0
 MASSES = np.array([TUBE, TUBE, TUBE + HEAD])
-
-
-def with_all_kinds(scene: fpm.Scene) -> fpm.Scene:
-    """The scene and, doing nothing, what else the scene of all has: one loop for both."""
-    scene.gravity = (0.0, 0.0, -1e-300)
-    scene.add(Stop(0, 1e3, "above", 0.0))
-    scene.add(Latch(0, 1e3, 0.0, name="far"))
-    ground, aside = scene.add_particles([(5, 0, 0)] * 2, 1.0, 1.0)
-    scene.fix(ground)
-    slide = scene.add_slide("aside", (ground, aside), (5, 0, 0), (0, 0, 1))
-    scene.add(RigidMotor(slide, 0.0, 0.0, -1))
-    return scene
 
 
 def on_a_line(until=2.5) -> tuple[list[float], list[float]]:
@@ -73,9 +59,7 @@ def on_a_line(until=2.5) -> tuple[list[float], list[float]]:
 
 @pytest.mark.slow
 def test_each_tube_latches_when_and_as_fast_as_points_on_a_line_do():
-    scene = with_all_kinds(structure("telescope").build())
-    assert set(kinds_of([scene])) == set(kinds_of([scene_of_all()]))
-    (outcome,) = fpm.simulate(scene, duration=2.0, instants=201, step=2e-4)
+    (outcome,) = fpm.simulate(structure("telescope").build(), duration=2.0, instants=201, step=2e-4)
     assert outcome.failure is None
     times, rates = on_a_line()
     names = [element.name for element in outcome.eventful]

@@ -107,6 +107,10 @@ def _parser() -> argparse.ArgumentParser:
             )
         elif name == "gather":
             one.add_argument("--bundles", nargs="*", type=Path, default=[], help="runs, as files")
+        elif name == "report":
+            words = "frames of the runs that move, evenly spread (%(default)s)"
+            default = signature(stage.work).parameters["frames"].default
+            one.add_argument("--frames", type=int, default=default, help=words)
         elif "threads" in signature(stage.work).parameters:
             one.add_argument("--threads", type=int, default=1, help="that share the runs")
         one.add_argument("--log", type=Path, help="file that messages go to as well")
@@ -306,7 +310,7 @@ def _run_stage(options: argparse.Namespace) -> int:
             log = options.log.open("w", encoding="utf-8")
 
     tell = Teller(*filter(None, (sys.stderr, log)))
-    keys = ("batch", "batches", "processes", "threads", "bundle", "bundles")
+    keys = ("batch", "batches", "processes", "threads", "bundle", "bundles", "frames")
     more = {key: getattr(options, key) for key in keys if hasattr(options, key)}
     try:
         sections = _sections(options)

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, get_type_hints
 
 from campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
-from campaign.errors import of_files
+from campaign.errors import CampaignError, of_files
 from campaign.files import results_of
 from campaign.folder import Folder
 from campaign.runs.progress import Tell
@@ -189,13 +189,15 @@ def summary(
     tell(summarise(folder, published, bool(requirements), bool(choose.parameters)))
 
 
-def report(folder: Folder, tell: Tell) -> None:
+def report(folder: Folder, tell: Tell, frames: int = 401) -> None:
     """Make the page that shows and tells everything, with the motion of some runs."""
     from campaign.report import from_results, make_motions, words, write_page
 
+    if frames < 2:
+        raise CampaignError(f"--frames {frames}: allowed: 2 and more")
     # What turns frames into quaternions is imported while the runs are integrated.
     import_ahead("scipy.spatial.transform")
-    if not make_motions(folder.path):
+    if not make_motions(folder.path, frames):
         tell("no run is made again: the structure or the mechanics have changed since")
     data = from_results(folder.path)
     write_page(data, folder.report)

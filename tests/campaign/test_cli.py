@@ -6,7 +6,9 @@ import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray
 import yaml
 
 from campaign.cli import main
@@ -79,6 +81,19 @@ def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path,
         assert unsealed(path) == unsealed(finished / path.name)
     assert main(["envelopes", str(folder.path), "--config", '{"error": {"shade_above": 0.2}}']) == 0
     assert (folder.figures / "vBz.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_the_page_moves_in_as_many_frames_as_are_asked_for(finished, tmp_path, capsys):
+    copy = tmp_path / "copy"
+    shutil.copytree(finished.path, copy)
+    assert main(["report", str(copy), "--frames", "1"]) == 1
+    assert "--frames 1: allowed: 2 and more" in capsys.readouterr().err
+    assert main(["report", str(copy), "--frames", "5"]) == 0
+    for path in (copy / "motions").glob("*.nc"):
+        with xarray.open_dataset(path) as motion:
+            time = motion["time"].values
+        assert set(np.linspace(0, time[-1], 5).round(9)) <= set(time.round(9))
+        assert 5 <= len(time) < 9  # and the nominal run's events
 
 
 @pytest.mark.parametrize("name", ["bennett", "config/structures/scissor.yaml"])

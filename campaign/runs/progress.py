@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import fcntl
+import hashlib
 import json
 import math
 import os
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -59,7 +61,7 @@ class Progress:
         self, campaign: str, total: int, count: Callable[[], int], tell: Tell, folder: Path
     ):
         self.campaign, self.total, self.count, self.tell = campaign, total, count, tell
-        self.note = folder / ".progress"
+        self.note = note_of(folder)
         self.start_time, self.start_count = _beginning(self.note, count())
         self.told = -math.inf
 
@@ -85,6 +87,13 @@ class Progress:
                 self.note.unlink(missing_ok=True)
 
 
+def note_of(folder: Path) -> Path:
+    """The file by which this machine's jobs that write to a folder know when they began; not among
+    the results, which may be carried elsewhere as they are."""
+    key = hashlib.sha256(str(folder.resolve()).encode()).hexdigest()[:16]
+    return Path(tempfile.gettempdir()) / f"deployable-intervals-{os.getuid()}-{key}"
+
+
 def _beginning(note: Path, count: int) -> tuple[float, int]:
     """When (s since 1970) the jobs that work at this began, and how many runs there were then: as
     the first of them noted it for the others.
@@ -93,16 +102,14 @@ def _beginning(note: Path, count: int) -> tuple[float, int]:
     each job goes by its own.
     """
     own = time.time(), count
-    with suppress(OSError, ValueError):
-        note.parent.mkdir(parents=True, exist_ok=True)
-        with note.open("a+", encoding="utf-8") as file:
-            fcntl.flock(file, fcntl.LOCK_EX)
-            known = os.fstat(file.fileno())
-            if known.st_size and own[0] - known.st_mtime < _IDLE:
-                file.seek(0)
-                return tuple(json.load(file))
-            file.truncate(0)
-            file.write(json.dumps(own))
+    with suppress(OSError, ValueError), note.open("a+", encoding="utf-8") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        known = os.fstat(file.fileno())
+        if known.st_size and own[0] - known.st_mtime < _IDLE:
+            file.seek(0)
+            return tuple(json.load(file))
+        file.truncate(0)
+        file.write(json.dumps(own))
     return own
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import campaign
 from campaign.plan.estimate import _rounded, estimate, size_text
-from campaign.runs.progress import Progress, Teller
+from campaign.runs.progress import Progress, Teller, note_of
 
 
 class Terminal(io.StringIO):
@@ -39,8 +39,9 @@ def test_a_message_goes_below_a_line_that_has_not_ended():
 
 
 @pytest.fixture
-def now(monkeypatch):
+def now(monkeypatch, tmp_path):
     """The time (s), in a list so that it can be changed."""
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     now = [100.0]
     for clock in ("time", "monotonic"):
         monkeypatch.setattr(f"time.{clock}", lambda: now[0])
@@ -90,8 +91,8 @@ def test_all_jobs_of_a_campaign_foretell_the_same(now, tmp_path):
 
 
 def test_what_a_killed_job_noted_is_not_believed(now, tmp_path):
-    (tmp_path / ".progress").write_text("[1.0, 0]")
-    os.utime(tmp_path / ".progress", (30.0, 30.0))
+    note_of(tmp_path).write_text("[1.0, 0]")
+    os.utime(note_of(tmp_path), (30.0, 30.0))
     told, done, now[0] = [], [10], 1000.0
     progress = Progress("mast", 30, lambda: done[0], told.append, tmp_path)
     now[0], done[0] = 1010.0, 20

@@ -28,6 +28,9 @@ BEYOND = 10.0
 """How many times what held-out runs show of the next coefficients a foretold tail may be. On the
 paper's campaign, whose decay is right, it is at most 2.7 times."""
 
+AVERAGED = 3
+"""Most directions in which the left-out errors of sought runs are averaged (see `usual`)."""
+
 _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-out runs see
 
 
@@ -140,6 +143,19 @@ def overruled(
     told = np.abs(coefficients).sum(axis=0).reshape(decay.shape)
     told = np.maximum(told, np.abs(missed).max(axis=0))
     return np.minimum(decay, BEYOND * widen(time, told, window))
+
+
+def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
+    """Error (...) of what was fitted through runs that were sought where it decides, by their
+    left-out errors (N, ...): any run may be next to that place, and where a run was sought the fit
+    was in doubt, so that a mean counts, of a power as high as there are directions. In more than
+    `AVERAGED` directions no run is near most corners, and the largest counts.
+    """
+    size = np.abs(left_out)
+    if directions > AVERAGED:
+        return size.max(axis=0)
+    power = max(directions, 1)
+    return (size**power).mean(axis=0) ** (1 / power)
 
 
 def direction_tails(surrogate: Surrogate) -> np.ndarray:

@@ -87,13 +87,14 @@ class Bench:
         return at, float(apart[at])
 
     def place(self, at: np.ndarray, q: int) -> dict:
-        """A unit point (k) as parameter values `at`, and what was `simulated` there of quantity
-        number `q`: None where there is no run, or no number."""
+        """A unit point (k) as parameter values `at`, whether there is a run there (`ran`), and what
+        was `simulated` of quantity number `q`: None where there is no run, or no number."""
         box = self.experiment.box
         values = dict(zip(box.names, map(float, box.from_unit(at)), strict=True))
         run, apart = self.nearest(at)
-        value = self.numbers[run, q] if apart <= SAME else np.nan
-        return {"at": values, "simulated": number(value)}
+        ran = bool(apart <= SAME)
+        value = self.numbers[run, q] if ran else np.nan
+        return {"at": values, "ran": ran, "simulated": number(value)}
 
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
         """Indices of the runs at unit points (P, k), simulated unless they are there.

@@ -51,12 +51,15 @@ def quantities_dataset(bench: Bench, ends: list[Ends], finer: Mapping[str, np.nd
     """The intervals of all quantities as an xarray Dataset; finer: errors (q,) of step and mesh."""
     import xarray as xr
 
+    from intervals.estimates import AVERAGED
+
     variables = _Variables()
     _put_ends(variables, bench, ends)
     sought = bench.experiment.is_sought
     errors = [e.surrogate.usual_error if sought else e.surrogate.error for e in ends]
     errors = [error if np.isfinite(error) else np.nan for error in errors]
-    kind = "mean" if sought else "largest"
+    averaged = sought and bench.experiment.box.free.sum() <= AVERAGED
+    kind = "mean" if averaged else "largest"
     text = f"estimated error of the surrogate: its {kind} left-out one"
     variables.put("error", _OF, errors, text)
     for name, values in finer.items():

@@ -99,15 +99,25 @@ class Judged:
 
 
 def _judged(bench: Bench, asked: list[Asked]) -> Judged:
-    from intervals.scalars import Limit, largest_share
+    from intervals.scalars import Limit, largest_share, share_reaching
 
     surrogates = bench.surrogates()
     limits = [Limit(surrogates[one.quantity], one.kind, one.level) for one in asked]
     upper = bench.experiment.box.free.astype(float)
     worst = [limit.worst(-upper, upper) for limit in limits]
     largest = largest_share(limits, bench.nominal)
+    slack = np.array([
+        limit.slack_of(bench.numbers[:, one.quantity])
+        for one, limit in zip(asked, limits, strict=True)
+    ])  # fmt: skip
+    broken = np.flatnonzero(slack.min(axis=0) < 0)
+    reached = share_reaching(bench.nominal, bench.unit[broken])
     fails = None
-    if largest[2] is not None:
+    if len(broken) and reached.min() < largest[0]:  # a run fails where the surrogates do not
+        run = broken[reached.argmin()]
+        fails = bench.unit[run]
+        largest = float(reached.min()), int(slack[:, run].argmin()), fails
+    elif largest[2] is not None:
         # A little beyond the border, so that the run there fails and does not only touch it.
         outward = np.clip((1 + _BEYOND) * (largest[2] - bench.nominal), -2, 2)
         fails = np.clip(bench.nominal + outward, -upper, upper)
@@ -167,4 +177,6 @@ def _together(bench: Bench, judged: Judged) -> dict:
     asked = judged.asked[which]
     fails = {"requirement": asked.requirement, **_told(bench, asked)}
     fails |= bench.place(judged.fails, asked.quantity)
+    simulated = np.nan if fails["simulated"] is None else fails["simulated"]
+    fails["kept"] = bool(fails["ran"] and judged.limits[which].slack_of(simulated) >= 0)
     return {"met": met, "share": share, "largest_share": largest, "fails": fails}

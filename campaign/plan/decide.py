@@ -105,7 +105,8 @@ def decide(
         return _end(asked, unmet, f"the config keeps its {action}", state, cost)
     runs, seconds = cost.of(action)
     if cost.runs + runs > asked.runs:
-        budget = f"the budget of {asked.runs} runs does not allow more ({cost.runs} are spent)"
+        spent = f"{cost.runs} are spent, {2 * cost.checked} kept for the last check"
+        budget = f"the budget of {asked.runs} runs does not allow more ({spent})"
         return _end(asked, unmet, budget, state, cost)
     if cost.seconds + seconds > 60 * asked.minutes:
         spent = duration_text(max(1.0, cost.seconds))

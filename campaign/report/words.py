@@ -179,7 +179,11 @@ _ACCURACY = (
 def remedy(data: PageData, response: Response) -> str:
     """What to do about a large estimated error of a response."""
     if "asked" in response.errors:
-        more = "let `accuracy` have more `runs` and `minutes`"
+        more = (
+            "let `accuracy` have more `runs` and `minutes`, and, where the summary says that a "
+            "finer mesh hardly helps, give that response or quantity a larger share of its own "
+            "under `of`, or leave it out: it ends the rounds for all"
+        )
     elif data.bounds_kind.startswith("enclosed"):
         more = f"{_ACCURACY}; or try `bounds: {{model: spline}}`, a curve through the same runs"
     elif data.bounds_kind.startswith("attained"):

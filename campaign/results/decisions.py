@@ -47,14 +47,19 @@ def together_lines(together: Mapping, units: Mapping[str, str]) -> list[str]:
         return []
     share = together["largest_share"]
     text = (
-        f"Intervals of {share_text(share)} of their widths about the nominal values meet all"
+        f"Intervals of {share_text(share)} of their widths about the nominal values meet all, by "
+        "what was fitted and in all runs made there"
         if share > 0
         else "The nominal values fail"
     )
+    failure = f"of {fails['requirement']} ({limit_text(fails)}) at {place(fails['at'], units)}"
+    if not fails["ran"]:
+        return [f"{text}. By the surrogate the nearest failure is {failure}; no run was made."]
     simulated = with_unit(fails["simulated"], fails["units"], 6, "does not happen")
+    kept = ", which meets it: the surrogate is off by that much" if fails["kept"] else ""
     return [
-        f"{text}. The nearest failure is of {fails['requirement']} ({limit_text(fails)}) at "
-        f"{place(fails['at'], units)}; simulated there: {fails['quantity']} = {simulated}."
+        f"{text}. The nearest failure is {failure}; simulated there: {fails['quantity']} = "
+        f"{simulated}{kept}."
     ]
 
 

@@ -130,6 +130,8 @@ def _map(ax: Any, found: Any, q: int, unit: np.ndarray, values: np.ndarray, free
     for which, mark in (("argmin", "v"), ("argmax", "^")):
         place = found[which][q]
         ax.plot(place[i], place[j], mark, color="white", mec="black", ms=7, clip_on=False)
+    for line in ax.lines:  # on the border: their size would collapse the layout of many maps
+        line.set_in_layout(False)
     ax.set_xlabel(_label(found, i), fontsize=8)
     ax.set_ylabel(_label(found, j), fontsize=8)
 

@@ -7,7 +7,6 @@ import hashlib
 import json
 import math
 import os
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -91,7 +90,8 @@ def note_of(folder: Path) -> Path:
     """The file by which this machine's jobs that write to a folder know when they began; not among
     the results, which may be carried elsewhere as they are."""
     key = hashlib.sha256(str(folder.resolve()).encode()).hexdigest()[:16]
-    return Path(tempfile.gettempdir()) / f"deployable-intervals-{os.getuid()}-{key}"
+    cache = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
+    return cache / "fpm" / f"progress-{key}.json"
 
 
 def _beginning(note: Path, count: int) -> tuple[float, int]:
@@ -102,12 +102,15 @@ def _beginning(note: Path, count: int) -> tuple[float, int]:
     each job goes by its own.
     """
     own = time.time(), count
-    with suppress(OSError, ValueError), note.open("a+", encoding="utf-8") as file:
+    with suppress(OSError):
+        note.parent.mkdir(parents=True, exist_ok=True)
+    with suppress(OSError, ValueError, TypeError), note.open("a+", encoding="utf-8") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         known = os.fstat(file.fileno())
         if known.st_size and own[0] - known.st_mtime < _IDLE:
             file.seek(0)
-            return tuple(json.load(file))
+            began, before = json.load(file)
+            return float(began), int(before)
         file.truncate(0)
         file.write(json.dumps(own))
     return own

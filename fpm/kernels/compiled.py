@@ -152,8 +152,8 @@ def _damaged(folder: Path) -> list[str]:
     """Names of files of compiled code that are not as they were written; none where there are none
     yet."""
     found, written = _digests(folder), {}
-    with suppress(OSError, ValueError):
-        written = json.loads((folder / DIGESTS).read_text(encoding="utf-8"))
+    with suppress(OSError, ValueError, TypeError):
+        written = dict(json.loads((folder / DIGESTS).read_text(encoding="utf-8")))
     return [name for name in found | written if found and found.get(name) != written.get(name)]
 
 

@@ -28,6 +28,9 @@ from fpm.kinds.opening import opening_angle
 from fpm.kinds.probe import Probe
 from fpm.kinds.virtual_beam import VirtualBeam
 
+ANGLES = "_axis", "_other"
+"""What the names of a universal joint's angles end with."""
+
 
 def _gapes(values: dict[str, float]) -> tuple[str, str]:
     return (
@@ -118,9 +121,9 @@ class Hinge(Kind):
         return [hinge for hinge, lone in zip(scene.hinges, alone(scene), strict=True) if lone]
 
     def check(self, scene):
-        """One name, one hinge."""
-        if self.name in {hinge.name for hinge in scene.hinges}:
-            raise SceneError("hinge", self.name, "a name not yet used")
+        """One name, one hinge or joint."""
+        if {self.name, name_of(self)} & names_taken(scene):
+            raise SceneError("hinge", name_of(self), "a name not yet used")
 
     def topology(self):
         """Name, type, particles and held axes."""
@@ -176,6 +179,18 @@ class Hinge(Kind):
             "hinge_gap": Recorded(gap, "m", "largest gap of a hinge, or to where it is held"),
             "hinge_axis_gap": Recorded(tilt, "rad", "largest angle between hinge axes"),
         }
+
+
+def name_of(hinge: Hinge) -> str:
+    """The name of a hinge as a joint: of a universal one without that of its angle."""
+    return hinge.name.removesuffix(ANGLES[0]) if hinge.type == "universal" else hinge.name
+
+
+def names_taken(scene) -> set[str]:
+    """Names of joints and hinges, of universal joints also without those of their angles."""
+    joints = [e for found in scene.kinds.values() for e in found if hasattr(e, "references")]
+    names = {joint.name for joint in (*joints, *scene.hinges)}
+    return names | {name_of(hinge) for hinge in scene.hinges}
 
 
 def _bodies(scene) -> np.ndarray:

@@ -17,7 +17,7 @@ from fpm.errors import SceneError
 from fpm.kinds import joint_arrays as at
 from fpm.kinds.drive import Drive
 from fpm.kinds.gravity import LOAD_WORK
-from fpm.kinds.hinge import Hinge, alone, arms, unit
+from fpm.kinds.hinge import ANGLES, Hinge, alone, arms, name_of, names_taken, unit
 from fpm.kinds.hinge_limits import MOST_GAP, MOST_TILT
 from fpm.kinds.kind import AXES, Kind, Recorded, Watch
 from fpm.kinds.opening import check_numbers, opening_at
@@ -39,9 +39,6 @@ TYPES = {
 
 CONDITIONS = {"revolute": 5, "spherical": 3, "fixed": 6, "universal": 4, "prismatic": 5}
 """How many conditions each has."""
-
-ANGLES = "_axis", "_other"
-"""What the names of a universal joint's angles end with."""
 
 EASE = {8: 1e-10, 4: 1e-5}
 """Share by which the diagonal is raised, by the bytes of a number."""
@@ -185,7 +182,7 @@ class Joint(Kind):
 
     def check(self, scene):
         """One name, one joint."""
-        if self.name in {joint.name for joint in (*scene.kinds.get(Joint, []), *scene.hinges)}:
+        if self.name in names_taken(scene):
             raise SceneError("joint", self.name, "a name not yet used")
 
     @classmethod
@@ -259,9 +256,9 @@ def as_joints(hinge: Hinge) -> Sequence[Joint]:
     """A hinge as a joint, and its support as another; of a universal joint's angles the first."""
     if hinge.type == "cross":
         return []
-    name, axes = hinge.name, hinge.axes
+    name, axes = name_of(hinge), hinge.axes
     if hinge.type == "universal":
-        name, axes = name.removesuffix(ANGLES[0]), np.array([axes[0], hinge.references[1]])
+        axes = np.array([axes[0], hinge.references[1]])
     joint = Joint(name, hinge.type, hinge.beams, axes, hinge.references)
     if not hinge.support:
         return [joint]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fpm.errors import SceneError
-from fpm.kinds.joint import ANGLES
+from fpm.kinds.hinge import ANGLES
 from fpm.kinds.opening import SLIDING
 from fpm.structures.names import Bound
 from fpm.structures.place import Place

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.effort import machine, run_seconds
-from fpm.errors import SceneError
 from fpm.kinds.joint import Joint, as_joints
 from fpm.kinds.kind import AXES
 from fpm.scene import Scene
@@ -174,10 +173,10 @@ def longer_steps(found: SceneType, step: float) -> list[tuple[str, float, float]
         if not value or parameter.kind not in ("real", "integer"):
             continue
         whole = parameter.kind == "integer"
-        for other in (value // 2,) if whole else (0.9 * value, 1.1 * value):
+        for other in (max(value // 2, 1),) if whole else (0.9 * value, 1.1 * value):
             try:
                 share = stable_step(found.build(**{name: other})).step / step
-            except SceneError:
+            except Exception:  # whatever a structure's own code says to a value of ours
                 continue
             if 1.03 < share < np.inf:
                 ways.append((name, other, share))

@@ -9,7 +9,7 @@ from .extremes import Extremes, extremes
 from .fits import Fit, best_fit
 from .influence import Influence, influence
 from .occurrence import Occurrence
-from .requirements import Limit, largest_share, share_of_box, sub_box
+from .requirements import Limit, largest_share, share_of_box, share_reaching, sub_box
 from .surrogate import ScalarSurrogate, fit_scalar
 
 __all__ = [
@@ -28,5 +28,6 @@ __all__ = [
     "influence",
     "largest_share",
     "share_of_box",
+    "share_reaching",
     "sub_box",
 ]

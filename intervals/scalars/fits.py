@@ -13,6 +13,7 @@ import numpy as np
 from ..chebyshev import product_basis
 from ..designs.multi_indices import count_total_degree, total_degree
 from ..errors import IntervalError
+from ..estimates import usual
 from ..models.spline import MAX_RUNS, Spline, check_spline_runs, fit_spline
 from ..models.spline.solve import distinct
 from ..surrogate import Surrogate
@@ -42,10 +43,9 @@ class Fit:
 
     @property
     def usual_error(self) -> float:
-        """Estimated error where runs were sought until they are next to what decides: the root mean
-        square of the left-out errors, on a line their mean, as of a response's spline."""
-        power = min(max(int((np.ptp(self.points, axis=0) > 0).sum()), 1), 2)
-        return float((np.abs(self.left_out) ** power).mean() ** (1 / power))
+        """Estimated error where runs were sought until they are next to what decides, as of a
+        response's spline (see `estimates.usual`)."""
+        return float(usual(self.left_out, int((np.ptp(self.points, axis=0) > 0).sum())))
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
         """Values (P) at unit coordinates (P, k)."""

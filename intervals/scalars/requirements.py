@@ -69,6 +69,14 @@ def sub_box(nominal: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
     return nominal + share * (-1.0 - nominal), nominal + share * (1.0 - nominal)
 
 
+def share_reaching(nominal: np.ndarray, unit: np.ndarray) -> np.ndarray:
+    """The least shares (P) to which the box may be shrunk towards a nominal point (k) so that it
+    still holds unit points (P, k)."""
+    away = np.asarray(unit, dtype=float) - nominal
+    room = np.where(away > 0, 1.0 - nominal, 1.0 + nominal)
+    return np.divide(np.abs(away), room, out=np.zeros_like(away), where=room > 0).max(axis=1)
+
+
 def share_of_box(limits: Sequence[Limit], free: np.ndarray) -> float:
     """Share of the box, by volume, in which all limits are kept; `free` (k): directions of width.
 

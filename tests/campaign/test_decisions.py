@@ -15,6 +15,7 @@ from campaign.cli import UNMET, main
 from campaign.config.sections import Choose
 from campaign.errors import ConfigError
 from campaign.folder import Folder
+from campaign.results.decisions import together_lines
 from intervals.scalars import Choice
 
 LATEST = float(1.01 * exact_time(0.1))
@@ -80,6 +81,47 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     text = (folder / "summary.md").read_text()
     assert f"{100 * together['share']:.4g} % of the box meets all requirements." in text
     assert "The nearest failure is of in_time" in text
+
+
+def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
+    """Whatever the surrogates say: they keep all here, and a run half way to a side does not."""
+    from types import SimpleNamespace
+
+    import intervals.scalars
+    from campaign.answers import requirements as answered
+
+    class Kept(intervals.scalars.Limit):
+        def worst(self, lower, upper):
+            return 1.0, np.zeros(2)
+
+    monkeypatch.setattr(intervals.scalars, "Limit", Kept)
+    bench = SimpleNamespace(
+        unit=np.array([[0.0, 0.0], [0.25, -0.5], [-1.0, 1.0]]),
+        numbers=np.array([[1.0], [np.nan], [2.0]]),
+        nominal=np.array([0.0, 0.0]),
+        experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True, True]))),
+        surrogates=lambda: [None],
+    )
+    found = answered._judged(bench, [answered.Asked("there", 0, "happens", 1.0)])
+    assert found.largest[:2] == (0.5, 0)
+    np.testing.assert_array_equal(found.fails, [0.25, -0.5])
+
+
+@pytest.mark.parametrize(
+    ("ran", "simulated", "kept", "text"),
+    [
+        (False, None, False, "By the surrogate the nearest failure is of there"),
+        (True, None, False, "simulated there: t = does not happen."),
+        (True, 2.5, False, "simulated there: t = 2.5 s."),
+        (True, 1.5, True, "simulated there: t = 1.5 s, which meets it"),
+    ],
+)
+def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, text):
+    fails = {"requirement": "there", "quantity": "t", "units": "s", "kind": "at_most", "level": 2.0,
+             "at": {"k": 1.0}, "ran": ran, "simulated": simulated, "kept": kept}  # fmt: skip
+    (line,) = together_lines({"fails": fails, "largest_share": 0.5}, {"k": "N"})
+    assert text in line
+    assert ("simulated" in line) == ran
 
 
 def test_something_that_must_happen(tmp_path):

@@ -41,7 +41,7 @@ def test_a_message_goes_below_a_line_that_has_not_ended():
 @pytest.fixture
 def now(monkeypatch, tmp_path):
     """The time (s), in a list so that it can be changed."""
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     now = [100.0]
     for clock in ("time", "monotonic"):
         monkeypatch.setattr(f"time.{clock}", lambda: now[0])
@@ -87,12 +87,16 @@ def test_all_jobs_of_a_campaign_foretell_the_same(now, tmp_path):
     assert told[-1] == "mast: 80 of 100 runs done, about 20 s left"
     done[0] = 100
     later.report()
-    assert not list(tmp_path.iterdir())
+    assert not note_of(tmp_path).exists()
 
 
-def test_what_a_killed_job_noted_is_not_believed(now, tmp_path):
-    note_of(tmp_path).write_text("[1.0, 0]")
-    os.utime(note_of(tmp_path), (30.0, 30.0))
+@pytest.mark.parametrize(
+    ("noted", "when"), [("[1.0, 0]", 30.0), ("5", 100.0), ('["a", "b"]', 100.0), ("[1]", 100.0)]
+)
+def test_what_a_killed_job_noted_or_nobody_is_not_believed(now, tmp_path, noted, when):
+    note_of(tmp_path).parent.mkdir(parents=True, exist_ok=True)
+    note_of(tmp_path).write_text(noted)
+    os.utime(note_of(tmp_path), (when, when))
     told, done, now[0] = [], [10], 1000.0
     progress = Progress("mast", 30, lambda: done[0], told.append, tmp_path)
     now[0], done[0] = 1010.0, 20

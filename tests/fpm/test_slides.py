@@ -47,6 +47,23 @@ def test_openings_at_the_start_are_those_that_are_stated():
     assert found == pytest.approx([-0.07, 0.4, -2.0], abs=1e-12)
 
 
+def test_no_two_joints_have_one_name_in_whichever_way_they_are_stated():
+    """A force asked of a joint by its name would else be another's."""
+    point = (0.1, 0.0, 0.0)
+    stated = {
+        "slide": lambda scene: scene.add_slide("J", (0, 1), point, X),
+        "universal": lambda scene: scene.add_universal("J", (0, 1), point, X, Y),
+        "spherical": lambda scene: scene.add_joint("J", "spherical", (0, 1), point),
+    }
+    for first in stated.values():
+        for second in stated.values():
+            scene = fpm.Scene("twice")
+            scene.add_particles([(0.0, 0.0, 0.0), (0.2, 0.0, 0.0)], 1.0, (1.0, 1.0, 1.0))
+            first(scene)
+            with pytest.raises(fpm.SceneError, match="not yet used"):
+                second(scene)
+
+
 def test_assembly_closes_a_slide_across_its_axis_and_tells_where_it_is():
     for hold, opening in (((), 0.12), (("boom",), 0.1)):
         scene = bodies(1.0, 2.0)

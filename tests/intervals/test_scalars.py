@@ -14,6 +14,7 @@ from intervals.scalars import (
     influence,
     largest_share,
     share_of_box,
+    share_reaching,
     sub_box,
 )
 
@@ -280,3 +281,12 @@ def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
 def test_a_box_shrinks_towards_its_nominal_point():
     lower, upper = sub_box(np.array([0.5]), 0.5)
     np.testing.assert_allclose((lower[0], upper[0]), (-0.25, 0.75))
+
+
+def test_a_box_shrunk_to_a_points_share_just_holds_it():
+    rng = np.random.default_rng(3)
+    unit, nominal = rng.uniform(-1, 1, (40, 3)), np.array([0.2, -1.0, 0.9])
+    for point, share in zip(unit, share_reaching(nominal, unit), strict=True):
+        for less, inside in ((0.0, True), (1e-9, False)):
+            lower, upper = sub_box(nominal, share - less)
+            assert ((lower <= point + 1e-12) & (point <= upper + 1e-12)).all() == inside

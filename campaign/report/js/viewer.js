@@ -68,7 +68,7 @@ class Viewer {
     });
     canvas.addEventListener("pointermove", (event) => this.drag(event));
     canvas.addEventListener("pointerup", ({ clientX, clientY }) => { // not every browser does so itself
-      if (Math.hypot(clientX - this.start[0], clientY - this.start[1]) < 6) canvas.focus({ preventScroll: true });
+      if (this.start && Math.hypot(clientX - this.start[0], clientY - this.start[1]) < 6) canvas.focus({ preventScroll: true });
     });
     for (const name of ["pointerup", "pointercancel"]) {
       canvas.addEventListener(name, (event) => this.pointers.delete(event.pointerId));

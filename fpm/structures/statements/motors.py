@@ -87,7 +87,7 @@ PIECES = 2000
 def _integrated(build, curve: int) -> int:
     """The curve of an opening (s) whose rate is a curve; refused if that does not end at 0."""
     times, values = build.scene.curves[curve]
-    if values[-1] != 0.0 or not times[-1] > 0.0:
+    if abs(values[-1]) > 1e-12 * np.abs(values).max() or not times[-1] > 0.0:
         build.refuse("curve", float(values[-1]), "one that ends at 0, as the rate is constant then")
     fine = np.union1d(np.linspace(0.0, times[-1], PIECES + 1), times[times > 0.0])
     rates = np.interp(fine, times, values)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...designs import Design, SplitDesign
 from ...errors import IntervalError
-from ...estimates import ErrorEstimate, error_estimate
+from ...estimates import AVERAGED, ErrorEstimate, error_estimate, usual
 from ...points import other_runs
 from ...ranges import Range
 from ...samples import Samples
@@ -43,9 +43,6 @@ def check_spline_runs(points: np.ndarray) -> None:
         raise IntervalError("runs", len(points), allowed)
 
 
-_AVERAGED = 3  # most directions in which left-out errors of sought runs are averaged
-
-
 class SplineModel(Model):
     """One spline through all runs, whatever their design and role.
 
@@ -78,7 +75,7 @@ class SplineModel(Model):
             judged[other_runs(points, design.points[:, self.order])] = True
         self.judged = judged if judged.any() else ~judged
         sought = design is not None and design.method == "sought"
-        self.averages = sought and (self.spline.scales > 0).sum() <= _AVERAGED
+        self.averages = sought and (self.spline.scales > 0).sum() <= AVERAGED
         self.attributes = {
             "design_runs": len(points),
             "error_kind": f"{'mean' if self.averages else 'largest'} difference of a run and the "
@@ -100,9 +97,7 @@ class SplineModel(Model):
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:
-            left_out = np.abs(spline.left_out)
-            power = max(free, 1)
-            left_out = (left_out**power).mean(axis=0) ** (1 / power)
+            left_out = usual(spline.left_out, free)
         else:
             left_out = np.abs(spline.left_out[self.judged]).max(axis=0)
             if free > 1:

@@ -17,12 +17,13 @@ def program() -> int:
     from campaign.cli import main
 
     try:
-        status = main(sys.argv[1:])
-        sys.stdout.flush()
+        try:
+            return main(sys.argv[1:])
+        finally:  # of help and versions, too, which end by an exception
+            sys.stdout.flush()
     except BrokenPipeError:  # whoever reads it has seen enough, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        status = 1
-    return status
+        return 1
 
 
 if __name__ == "__main__":

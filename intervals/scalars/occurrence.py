@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..designs.scan import scan_points
+from ..errors import IntervalError
+from ..models.spline import check_spline_runs, fit_spline
 
 _POINTS = 8192
+_SPLINED = 1000  # runs, of which a spline is fitted in a second
 _LEAST = 5e-4  # radius of a gap between runs, below which none is sought, in unit coordinates
 
 
@@ -18,7 +22,9 @@ class Occurrence:
     """Runs at unit points (N, k), and whether it happens (N) in each.
 
     At any other place it is taken to happen if it does in the nearest run. Places between two runs
-    that differ, with none in between, are open: nothing is known of them.
+    that differ, with none in between, are open: nothing is known of them. So are those of which
+    the sign of a spline through all runs (1 where it happens, -1 elsewhere) tells otherwise: runs
+    crowd where the border was sought, and away from there the nearest one may be far.
     """
 
     points: np.ndarray
@@ -49,7 +55,13 @@ class Occurrence:
         open_ = np.zeros(len(spread), dtype=bool)
         for middle, radius in zip(*self._gaps(), strict=True):
             open_ |= ((spread - middle) ** 2).sum(axis=1) < radius**2
-        return float((self.certainty(spread) >= 0).mean()), float(open_.mean())
+        there = self.certainty(spread) >= 0
+        with suppress(IntervalError):  # too few for a spline, or all in one plane
+            check_spline_runs(self.points)
+            if len(self.points) <= _SPLINED:
+                signs = fit_spline(self.points, np.where(self.happens, 1.0, -1.0)[:, None])
+                open_ |= there != (signs.evaluate(spread)[:, 0] >= 0)
+        return float(there.mean()), float(open_.mean())
 
     def between(self, count: int) -> np.ndarray:
         """Unit points (at most `count`, k) half way between runs of both kinds, farthest first, for

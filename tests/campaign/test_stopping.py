@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -47,9 +48,12 @@ def test_ctrl_c_stays_ignored_where_it_is(interrupts):
     assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
 
 
-def test_whoever_reads_the_words_may_stop_reading():
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_whoever_reads_the_words_may_stop_reading(unbuffered):
     command = [sys.executable, "-m", "campaign", "new", "--starts"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
+    with subprocess.Popen(command, **pipes, env=environment) as process:
         process.stdout.close()  # as `head` does
         assert process.stderr.read() == b""
     assert process.returncode == 1

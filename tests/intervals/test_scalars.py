@@ -9,6 +9,7 @@ from intervals.points import held_out_points
 from intervals.scalars import (
     Goal,
     Limit,
+    Occurrence,
     best_choice,
     fit_scalar,
     influence,
@@ -290,3 +291,20 @@ def test_a_box_shrunk_to_a_points_share_just_holds_it():
         for less, inside in ((0.0, True), (1e-9, False)):
             lower, upper = sub_box(nominal, share - less)
             assert ((lower <= point + 1e-12) & (point <= upper + 1e-12)).all() == inside
+
+
+@pytest.mark.parametrize(("level", "slope"), [(0.65, -0.1), (0.625, 0.15), (0.3, 0.2)])
+def test_what_the_nearest_runs_get_wrong_is_told_to_be_open(level, slope):
+    """Further runs crowd where pairs that differ led them; at the rest of a straight border the
+    nearest run may be far, and wrong."""
+    places = np.random.default_rng(4).uniform(-1, 1, (20000, 2))
+
+    def happens(unit):
+        return unit[:, 1] < level + slope * unit[:, 0]
+
+    points = make_design("smolyak", 2, order=3).points
+    for _ in range(6):
+        found = Occurrence(points, happens(points))
+        wrong = (found.evaluate(places) != happens(places)).mean()
+        assert 0.02 < wrong < found.share()[1] + 0.005
+        points = np.concatenate([points, found.between(8)])

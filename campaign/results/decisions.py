@@ -106,6 +106,7 @@ def choice_lines(choice: Mapping, units: Mapping[str, str]) -> list[str]:
 
 def choice_rows(choice: Mapping, units: Mapping[str, str]) -> list[tuple[str, str, str, str]]:
     """Goals and limits of the best choice: which, by the surrogate, where, simulated there."""
+    units = {**units, **{each["name"]: each["units"] for each in choice["parameters"]}}
     goals = [
         (
             f"{goal['sense']} {goal['end']}({goal['quantity']})",

@@ -88,6 +88,11 @@ class Folder:
         """The folder of the figures of the whole campaign, where no response's can be."""
         return self.figures / "campaign"
 
+    @property
+    def written(self) -> tuple[Path, ...]:
+        """All folders that stages write to, but for those of runs, which their stores sweep."""
+        return self.path, self.figures, self.overviews, self / "batches", self / "motions"
+
     def batch(self, number: int) -> Path:
         """What a batch of runs leaves when all of them are there."""
         return self / f"batches/{number}.json"

@@ -229,7 +229,7 @@ class Stage:
         """
         sections = {name: arguments[name] for name in self.sections}
         try:
-            for place in (folder.path, folder.figures, folder.overviews, folder / "batches"):
+            for place in folder.written:
                 sweep(place)
             facts = {"basis": self.basis(sections), **self._plan(folder)}
             with results_of(facts):

@@ -10,7 +10,11 @@ import threading
 
 import pytest
 
+from campaign.errors import CampaignError
+from campaign.folder import Folder
+from campaign.stages import STAGES
 from campaign.stopping import end_on_ctrl_c, import_ahead
+from fpm.sealed import _host
 
 
 @pytest.fixture
@@ -57,3 +61,18 @@ def test_whoever_reads_the_words_may_stop_reading(unbuffered):
         process.stdout.close()  # as `head` does
         assert process.stderr.read() == b""
     assert process.returncode == 1
+
+
+def test_every_stage_sweeps_what_dead_processes_left_in_any_folder(tmp_path):
+    """A run that was killed while it wrote the motions of the page, say, and goes on without it."""
+    with subprocess.Popen([sys.executable, "-c", ""]) as dead:
+        pass
+    folder = Folder(tmp_path / "mine")
+    left = []
+    for place in folder.written:
+        place.mkdir(parents=True, exist_ok=True)
+        left.append(place / f".one.{_host()}-{dead.pid}.part.nc")
+        left[-1].touch()
+    with pytest.raises((CampaignError, OSError)):  # there is no plan
+        STAGES["gather"].run(folder, print, jobs=None)
+    assert not [path for path in left if path.exists()]

@@ -91,7 +91,7 @@ class Folder:
     @property
     def written(self) -> tuple[Path, ...]:
         """All folders that stages write to, but for those of runs, which their stores sweep."""
-        return self.path, self.figures, self.overviews, self / "batches", self / "motions"
+        return self.path, self.figures, self.overviews, self / "batches", self.motions
 
     def batch(self, number: int) -> Path:
         """What a batch of runs leaves when all of them are there."""

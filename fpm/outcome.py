@@ -1,14 +1,16 @@
 """What a run gives back: the curves of one sample, its events, and why it failed if it did."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from fpm.asked import VARIABLES, Column
 from fpm.errors import InstabilityError
-from fpm.kinds import energies_of
-from fpm.kinds.kind import Energy, Recorded
+from fpm.kinds import energies_of, kinds_of
+from fpm.kinds.kind import Energy, Eventful, Kind, Recorded
 from fpm.scene import Scene
 from fpm.timestep import StableStep, stable_step
 
@@ -31,11 +33,21 @@ class Motion(NamedTuple):
     spin: np.ndarray
 
 
-class Eventful(NamedTuple):
-    """An element that has events: its name, and theirs in the order of their numbers."""
+def eventful(scene: Scene, kinds: Iterable[type[Kind]] | None = None) -> tuple[Eventful, ...]:
+    """The elements of a scene that have events, or those of these kinds of it."""
+    kinds = kinds_of([scene]) if kinds is None else kinds
 
-    name: str
-    events: tuple[str, ...]
+    def joint(element: object) -> str:
+        on = getattr(element, "hinge", None)
+        return "" if on is None else scene.hinges[on].name
+
+    return tuple(
+        Eventful(name, kind.events, joint(element))
+        for kind in kinds
+        if kind.events
+        for name, element in zip_longest(kind.names(scene), kind.of(scene))
+        if name is not None  # a group of elements has more names than objects
+    )
 
 
 @dataclass(frozen=True)
@@ -159,7 +171,7 @@ def outcome_of(
         energy_kinds=kinds,
         recorded=recorded,
         events=batch.events[: min(noted, len(batch.events)), :, lane],
-        eventful=tuple(Eventful(n, k.events) for k in batch.eventful.of for n in k.names(scene)),
+        eventful=eventful(scene, batch.eventful.of),
         events_dropped=max(0, noted - len(batch.events)),
         step=division.step,
         steps=steps,

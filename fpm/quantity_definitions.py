@@ -2,17 +2,13 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from itertools import zip_longest
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from fpm.errors import SceneError, did_you_mean
+from fpm.kinds.kind import Eventful
 from fpm.quantities import Quantity
 from fpm.responses import Response
-
-if TYPE_CHECKING:
-    from fpm.scene import Scene
 
 KEYS = {
     "largest": (),
@@ -33,38 +29,14 @@ NEEDED = {"value": ("at",), "settling": ("within",), "crossing": ("level",)}
 WAYS = ("rising", "falling", "either")
 
 
-class Source(NamedTuple):
-    """An element that has events: its name, theirs, and the joint that it is on, "" for none."""
-
-    name: str
-    events: tuple[str, ...]
-    joint: str = ""
-
-
-def eventful(scene: "Scene") -> list[Source]:
-    """The elements of a scene that have events."""
-    from fpm.kinds import kinds_of
-
-    def joint(element: object) -> str:
-        on = getattr(element, "hinge", None)
-        return "" if on is None else scene.hinges[on].name
-
-    return [
-        Source(name, kind.events, joint(element))
-        for kind in kinds_of([scene])
-        if kind.events
-        for name, element in zip_longest(kind.names(scene), kind.of(scene))
-        if name is not None  # a group of elements has more names than objects
-    ]
-
-
 def parse(
-    definitions: Mapping[str, object], responses: Iterable[Response], elements: Iterable[Source]
+    definitions: Mapping[str, object], responses: Iterable[Response], elements: Iterable[Eventful]
 ) -> tuple[list[Quantity], list[SceneError]]:
     """The quantities of a config by their definitions, and what is wrong with the others.
 
-    responses: those of the config; elements: what has events in the scene (`eventful`). Each
-    definition is one of KEYS with its keys; docs/quantities.md describes them.
+    responses: those of the config; elements: what has events in the scene
+    (`fpm.outcome.eventful`). Each definition is one of KEYS with its keys; docs/quantities.md
+    describes them.
     """
     known, elements = {response.name: response for response in responses}, list(elements)
     found: dict[str, Quantity] = {}

@@ -9,6 +9,7 @@ from fpm import asked_responses
 from fpm.asked import Column
 from fpm.errors import SceneError
 from fpm.kinds import Latch, RigidLatch
+from fpm.kinds.latch import RECORDED
 from fpm.kinds.opening import SLIDING
 
 if TYPE_CHECKING:
@@ -16,15 +17,7 @@ if TYPE_CHECKING:
     from fpm.simulate import Outcome
 
 _NEVER_NEGATIVE = ("strain", "spring", "contact")  # energies: sums of squares
-LATCH_UNITS = {
-    "latch_moment": ("N m", "moment"),
-    "latch_impulse": ("N m s", "impulse so far"),
-    "latch_rate": ("rad s-1", "rate at the catch"),
-    "latch_impact": ("N m s", "impulse at the catch"),
-}
-"""Units and words of the responses that are about latches, on slides as SLIDING says."""
-
-LATCH = tuple(LATCH_UNITS)
+LATCH = tuple(RECORDED)
 ALWAYS = ("distance", "position", "velocity", "opening", "tension", "energy", *LATCH)
 """The kinds of responses that every run records."""
 
@@ -143,7 +136,7 @@ def _of_latch(name: str, kind: str, key: str, value: object, scene) -> Response:
     on = [label for label, x in latches.items() if scene.hinges[x.hinge].name == value]
     label = on[0] if len(on) == 1 and value not in latches else _one_of(key, value, tuple(latches))
     slides = scene.hinges[latches[label].hinge].slides
-    unit, text = LATCH_UNITS[kind]
+    unit, _, _, text = RECORDED[kind]
     unit = SLIDING[unit] if slides else unit
     about = (f"slide_{kind.replace('moment', 'force')}" if slides else kind, label)
     return Response(name, kind, about, "", unit, f"{text} of latch {label}")

@@ -123,7 +123,7 @@ def tree_digest(path: Path) -> str:
 @cache
 def _tree_digest(content: bytes, path: str) -> str:
     version = f"{sys.version_info.major}.{sys.version_info.minor}"
-    memo = _cache() / f"{hashlib.sha256(content).hexdigest()}-{version}-{VERSION}"
+    memo = user_cache() / "syntax" / f"{hashlib.sha256(content).hexdigest()}-{version}-{VERSION}"
     with suppress(OSError):
         kept = memo.read_text()
         if len(kept) == 64:
@@ -137,9 +137,9 @@ def _tree_digest(content: bytes, path: str) -> str:
     return found
 
 
-def _cache() -> Path:
-    user = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
-    return user / "fpm" / "syntax"
+def user_cache() -> Path:
+    """The folder of the user's in which may be kept what can be made again."""
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "fpm"
 
 
 def _tree(content: bytes, path: str) -> str:

@@ -7,7 +7,7 @@ kinds give them; all others are fixed.
 """
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -16,6 +16,8 @@ import numpy as np
 
 from fpm import classic, sealed
 from fpm.asked import VARIABLES, Column
+from fpm.kinds.kind import Eventful
+from fpm.kinds.latch import RECORDED
 
 if TYPE_CHECKING:
     import xarray
@@ -26,9 +28,9 @@ CONVENTIONS = "CF-1.8"
 _PARAMETER = "parameter_"
 
 LATCHES = {
-    f"{slide}latch_{what}": f"{slide}{'rigid_' if what == 'impact' else ''}latch"
+    slide + name.replace("moment", load): slide + dimension
     for slide, load in (("", "moment"), ("slide_", "force"))
-    for what in (load, "impulse", "rate", "impact")
+    for name, (_, _, dimension, _) in RECORDED.items()
 }
 """Variables of latches, and their dimensions (kinds/latch.py)."""
 
@@ -251,9 +253,7 @@ IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
 """Events at which velocities change all at once, and those that end what they begin."""
 
 
-def impact_events(
-    events: np.ndarray, eventful: Sequence[tuple[str, Sequence[str]]]
-) -> dict[str, Any]:
+def impact_events(events: np.ndarray, eventful: Iterable[Eventful]) -> dict[str, Any]:
     """Of the events (e, 3) of all elements those of impacts: where responses bend or jump.
 
     eventful: elements with their events. Returns `events` and `contacts`, as `Curves` has them;
@@ -261,7 +261,7 @@ def impact_events(
     stand in the way of the impacts that follow.
     """
     found, names = [np.zeros((0, 3))], []
-    for i, (name, own) in enumerate(eventful):
+    for i, (name, own, _) in enumerate(eventful):
         begins = next((event for event in own if event in IMPACTS), None)
         if begins is None:
             continue
@@ -276,13 +276,11 @@ def impact_events(
     return {"events": rows[np.lexsort((-rows[:, 2], rows[:, 0]))], "contacts": names}
 
 
-def happened(
-    events: np.ndarray, eventful: Sequence[tuple[str, Sequence[str]]]
-) -> dict[tuple[str, str], np.ndarray]:
+def happened(events: np.ndarray, eventful: Iterable[Eventful]) -> dict[tuple[str, str], np.ndarray]:
     """Times (s) by element and event, of events (e, 3); eventful: elements with their events."""
     return {
         (name, event): events[(events[:, 1] == i) & (events[:, 2] == number), 0]
-        for i, (name, own) in enumerate(eventful)
+        for i, (name, own, _) in enumerate(eventful)
         for number, event in enumerate(own)
     }
 
@@ -329,8 +327,10 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
         return np.stack([values(name) for name in columns], axis=1)
 
     try:
-        elements = names("event_element")
-        own = [text.split(" ") for text in names("event_names")]
+        eventful = [
+            Eventful(name, tuple(events.split(" ")))
+            for name, events in zip(names("event_element"), names("event_names"), strict=True)
+        ]
         found = events()
         return Curves(
             time=values("time"),
@@ -349,8 +349,8 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
                 for v in variables.values()
                 if "energy" in v.attributes
             },
-            **impact_events(found, list(zip(elements, own, strict=True))),
-            happened=happened(found, list(zip(elements, own, strict=True))),
+            **impact_events(found, eventful),
+            happened=happened(found, eventful),
             events_dropped=int(attributes.get("events_dropped", 0)),
             asked={
                 (name, label): values(name)[:, i]

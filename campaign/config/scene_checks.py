@@ -168,7 +168,8 @@ def _response_problems(campaign: Campaign, built: Any) -> list[str]:
 
 def _quantity_problems(experiment: Experiment) -> list[str]:
     """What of the quantities cannot be read off a run of the scene."""
-    from fpm.quantity_definitions import eventful, parse
+    from fpm.outcome import eventful
+    from fpm.quantity_definitions import parse
 
     if not experiment.quantities:
         return []

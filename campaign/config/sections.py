@@ -132,7 +132,8 @@ class Experiment:
     @cached_property
     def numbers(self) -> list[Any]:
         """The parsed quantities, `fpm.quantities.Quantity`; raises `fpm.SceneError`."""
-        from fpm.quantity_definitions import eventful, parse
+        from fpm.outcome import eventful
+        from fpm.quantity_definitions import parse
 
         if not self.quantities:
             return []

@@ -12,14 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from campaign.folder import Folder
 from campaign.results.which import ids, keeps_extremes, nominal_row
 from fpm.sealed import DamagedError, check
 
 if TYPE_CHECKING:
     import xarray
-
-MOTIONS = "motions"
-"""Folder beside the samples, with one netCDF file per run."""
 
 MOST_MOVING = 24
 """Runs that are shown, the nominal one among them; of more ends, those of quantities come first."""
@@ -200,7 +198,7 @@ def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
         (name,) = ids(samples, [row])
         with (
             suppress(FileNotFoundError, DamagedError),
-            open_dataset(folder / MOTIONS / f"{name}.nc") as motion,
+            open_dataset(Folder(folder).motions / f"{name}.nc") as motion,
         ):
             return motion.load()
         return motions_of(samples, [Shown(name, samples["value"].values[row], "", row)])[0]
@@ -224,10 +222,10 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
         shown = shown_runs(folder)
         values = dict(zip(samples["parameter"].values.tolist(), shown[0].values, strict=True))
         shown = shown[: how_many_move(len(experiment.build(values).position))]
-        paths = [folder / MOTIONS / f"{run.id}.nc" for run in shown]
+        paths = [Folder(folder).motions / f"{run.id}.nc" for run in shown]
         for motion, path in zip(motions_of(samples, shown, frames), paths, strict=True):
             write_dataset(motion, path, "Whole motion of a run")
-    for path in set((folder / MOTIONS).glob("*.nc")) - set(paths):
+    for path in set(Folder(folder).motions.glob("*.nc")) - set(paths):
         try:
             check(path, path.name)
         except DamagedError:  # which is no longer shown, and so never made again

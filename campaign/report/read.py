@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from campaign.files import open_dataset, open_netcdf
+from campaign.folder import Folder
 from campaign.report.data import (
     FURTHER,
     Event,
@@ -25,7 +26,7 @@ from campaign.report.data import (
     Work,
 )  # fmt: skip
 from campaign.report.failing import meets
-from campaign.report.motions import MOTIONS, Shown, shown_runs
+from campaign.report.motions import Shown, shown_runs
 from campaign.results.which import counts, ids, keeps_extremes, roles
 from campaign.results.words import with_unit
 from fpm.sealed import DamagedError, check
@@ -219,7 +220,7 @@ def _moving(
     more = list(runs)
     for one in shown:
         try:
-            motion = _load(folder / MOTIONS / f"{one.id}.nc")
+            motion = _load(Folder(folder).motions / f"{one.id}.nc")
         except (FileNotFoundError, DamagedError):  # of a structure that has changed since
             if not found:
                 return runs, ()

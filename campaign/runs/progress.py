@@ -14,6 +14,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
+from fpm.sources import user_cache
+
 Tell = Callable[[str], None]
 
 _IDLE = 120.0  # s without a job at work, after which the next one begins anew
@@ -90,8 +92,7 @@ def note_of(folder: Path) -> Path:
     """The file by which this machine's jobs that write to a folder know when they began; not among
     the results, which may be carried elsewhere as they are."""
     key = hashlib.sha256(str(folder.resolve()).encode()).hexdigest()[:16]
-    cache = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
-    return cache / "fpm" / f"progress-{key}.json"
+    return user_cache() / f"progress-{key}.json"
 
 
 def _beginning(note: Path, count: int) -> tuple[float, int]:

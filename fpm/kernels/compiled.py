@@ -80,8 +80,7 @@ def cache_folder(parts: tuple[type, ...] = ()) -> Path:
         writable = os.access(beside, os.W_OK)
     except OSError:
         writable = False
-    user = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "fpm"
-    return (beside if writable else user) / name
+    return (beside if writable else sources.user_cache()) / name
 
 
 LOOPS: dict[tuple[type, ...], Dispatcher] = {}

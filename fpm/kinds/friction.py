@@ -28,7 +28,7 @@ from fpm.kinds.opening import (
 BEND = 1e-3
 """Angle (rad) by which a bristle is bent before it slips, if nothing else is said."""
 
-SLID = 1e-4
+SLIDE_BEND = 1e-4
 """The same (m) of a slide."""
 
 DAMPED = 0.3

@@ -54,6 +54,15 @@ class Recorded(NamedTuple):
         return self._replace(values=values, labels=other.labels + self.labels)
 
 
+class Eventful(NamedTuple):
+    """An element that has events: its name, theirs in the order of their numbers, and the name of
+    the joint that it is on, "" for none."""
+
+    name: str
+    events: tuple[str, ...]
+    joint: str = ""
+
+
 class Deformations(NamedTuple):
     """Rows of the deformations of elements at the start, in the particles' own axes (timestep.py).
 
@@ -65,13 +74,6 @@ class Deformations(NamedTuple):
     values: np.ndarray
     stiffness: np.ndarray
     element: np.ndarray
-
-
-def rows_of(pairs, values, stiffness) -> Deformations:
-    """Deformations of elements that have one each: pairs (e, 2) of particles, values (e, 12)."""
-    pairs = np.asarray(pairs, int)
-    dofs = (6 * pairs[:, :, None] + np.arange(6)).reshape(-1, 12)
-    return Deformations(dofs, np.array(values), np.array(stiffness), np.arange(len(pairs)))
 
 
 class Kind:

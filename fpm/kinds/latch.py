@@ -32,6 +32,20 @@ from fpm.kinds.opening import (
 SIDES = {"below": 1.0, "above": -1.0, "either": 0.0}
 """From where the opening comes when it is caught."""
 
+RECORDED = {
+    "latch_moment": ("N m", "moment of the latches", "latch", "moment"),
+    "latch_impulse": ("N m s", "angular impulse of the latches so far", "latch", "impulse so far"),
+    "latch_rate": (
+        "rad s-1", "rate of the opening when it was caught; 0 before", "latch", "rate at the catch",
+    ),
+    "latch_impact": (
+        "N m s", "angular impulse with which a rigid latch caught; 0 before", "rigid_latch",
+        "impulse at the catch",
+    ),
+}  # fmt: skip
+"""Unit, long name and dimension of what is recorded of latches, and words for that of one; on
+slides names and units are others (opening.by_unit)."""
+
 
 @dataclass(frozen=True)
 class Latch(OnHinge):
@@ -134,15 +148,7 @@ def recorded_of(kind, scene, track: np.ndarray) -> dict[str, Recorded]:
     """
     latches = kind.of(scene)
     columns = track.T.reshape(track.shape[1], -1, len(latches))
-    texts = {
-        "latch_moment": ("N m", "moment of the latches", "latch"),
-        "latch_impulse": ("N m s", "angular impulse of the latches so far", "latch"),
-        "latch_rate": ("rad s-1", "rate of the opening when it was caught; 0 before", "latch"),
-        "latch_impact": (
-            "N m s", "angular impulse with which a rigid latch caught; 0 before", "rigid_latch"
-        ),
-    }  # fmt: skip
-    pairs = zip(texts.items(), columns, strict=False)
-    found = {name: Recorded(values, *text, ()) for (name, text), values in pairs}
+    pairs = zip(RECORDED.items(), columns, strict=False)
+    found = {name: Recorded(values, *text[:3], ()) for (name, text), values in pairs}
     hinges = [scene.hinges[latch.hinge] for latch in latches]
     return by_unit(found, hinges, [latch.label(scene) for latch in latches])

@@ -16,7 +16,7 @@ from fpm.kinds.virtual_beam import VirtualBeam
 from fpm.scene import Scene
 from fpm.scenes import Parameter, SceneType
 from fpm.structures import report
-from fpm.structures.statement import SLID
+from fpm.structures.statement import ON_SLIDES
 
 
 def describe(found: SceneType, duration: float = 1.0) -> str:
@@ -135,7 +135,7 @@ def _numbers(element: Kind, slides: bool, loop: bool) -> Iterator[str]:
         unit = SLIDING.get(unit, unit) if slides else unit
         if unit.startswith("rad"):
             value, unit = np.degrees(value), unit.replace("rad", "deg")
-        name = SLID.get(field.name, field.name) if slides else field.name
+        name = ON_SLIDES.get(field.name, field.name) if slides else field.name
         yield f"{name.replace('_', ' ')} {value:.4g} {unit}"
 
 

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from fpm.structures.builder import Builder
 
 SLIDE = "prismatic"
-SLID = {"moment": "force", "angle": "position", "turn": "travel", "torque": "force",
-        "angles": "positions", "moments": "forces"}  # fmt: skip
+ON_SLIDES = {"moment": "force", "angle": "position", "turn": "travel", "torque": "force",
+             "angles": "positions", "moments": "forces"}  # fmt: skip
 """Names of keys of what acts on joints, and those of the same on slides."""
 
 PARTS = ("bars", "bodies")
@@ -52,7 +52,7 @@ class Statement:
         """The statement where `joints`, of its keys, name slides: units and names are others."""
         if not joints:
             return self
-        named = {(SLID.get(n, n) if "joint" in joints else n): n for n in self.keys}
+        named = {(ON_SLIDES.get(n, n) if "joint" in joints else n): n for n in self.keys}
         keys = {name: self.keys[n].sliding(joints) for name, n in named.items()}
         return replace(self, keys=keys, fields=named)
 

@@ -125,7 +125,7 @@ def test_releases_hold_until_a_time_or_another_opening(outcomes):
 
 
 def _elements(outcome) -> list[int]:
-    names = [name for name, _ in outcome.eventful]
+    names = [element.name for element in outcome.eventful]
     return [names.index(f"release H{k}") for k in (2, 3)]
 
 
@@ -144,7 +144,7 @@ def test_a_loop_swings_between_its_hinges_and_gets_slack(outcomes):
     turned = np.arcsin(tight * fast / 0.1) / fast
     size = np.hypot(2 * tight, 0.1 * np.cos(fast * turned) / slower)
     again = turned + 2 / slower * np.arccos(2 * tight / size)
-    names = [name for name, _ in outcomes[1].eventful]
+    names = [element.name for element in outcomes[1].eventful]
     events = outcomes[1].events[outcomes[1].events[:, 1] == names.index("loop belt")]
     np.testing.assert_allclose(events[:2, 0], [turned, again], atol=2e-5)
     assert events[:2, 2].tolist() == [1, 0]

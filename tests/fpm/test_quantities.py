@@ -6,14 +6,19 @@ import numpy as np
 import pytest
 
 from fpm import SceneError
-from fpm.quantity_definitions import Source, parse
+from fpm.kinds.kind import Eventful
+from fpm.quantity_definitions import parse
 from fpm.responses import Response
 from fpm.trajectory import Curves, happened
 
 TIME = np.linspace(0.0, 2.0, 401)
-ELEMENTS = [Source("contact A", ("opens", "closes")), Source("latch A upper", ("locks",), "knee"),
-            Source("contact C", ("opens", "closes"), "C"), Source("latch one", ("latches",), "hip"),
-            Source("latch two", ("latches",), "hip")]  # fmt: skip
+ELEMENTS = [
+    Eventful("contact A", ("opens", "closes")),
+    Eventful("latch A upper", ("locks",), "knee"),
+    Eventful("contact C", ("opens", "closes"), "C"),
+    Eventful("latch one", ("latches",), "hip"),
+    Eventful("latch two", ("latches",), "hip"),
+]
 EVENTS = np.array([[0.5, 0, 1], [0.7, 0, 0], [0.9, 2, 1], [1.3, 0, 1], [1.4, 1, 0]])
 RESPONSE = Response("x", "position", ("P",), "x", "m", "x-component of the position of P")
 
@@ -24,7 +29,7 @@ def read(definition, values, time=TIME, dropped=0) -> float:
     track[:, 0] = values
     curves = Curves(
         time, {"P": (track, track)}, {}, {}, {}, np.zeros((0, 3)), [],
-        happened(EVENTS, [element[:2] for element in ELEMENTS]), dropped,
+        happened(EVENTS, ELEMENTS), dropped,
     )  # fmt: skip
     names = {"q": definition, "shut": {"event": "closes"}, "half": {"crossing": "x", "level": 0.5}}
     (found, *_), problems = parse(names, [RESPONSE], ELEMENTS)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from fpm.kinds import Damper, Friction, Latch, RigidFriction, RigidLatch, Stop, TableSpring
-from fpm.kinds.friction import BEND, SLID
+from fpm.kinds.friction import BEND, SLIDE_BEND
 from fpm.kinds.opening import unit_of
 from fpm.structures.keys import Choice, Many, Number, Opening
 from fpm.structures.statement import statement
@@ -80,8 +80,9 @@ def damper(build, it):
     joint=JOINT,
     moment=Number(unit="N m", least=0, about="at which it slips; below, it sticks for ever"),
     bend=Number(
-        None, f"by how much it gives before it slips; left out: {BEND:g} rad, {1e3 * SLID:g} mm",
-        unit="rad", above=0,
+        None, unit="rad", above=0,
+        about="by how much it gives before it slips; left out: "
+        f"{BEND:g} rad, {1e3 * SLIDE_BEND:g} mm",
     ),
     damping=Number(
         None, "while it sticks; left out: 0.3 of critical for the joint's own two particles",
@@ -100,7 +101,7 @@ def friction(build, it):
             build.refuse("sticks", it.sticks, "by its bend, on a slide")
         build.scene.add(RigidFriction(it.joint, it.moment))
         return
-    bend = it.bend or (SLID if slides else BEND)
+    bend = it.bend or (SLIDE_BEND if slides else BEND)
     build.scene.add(Friction(it.joint, it.moment, bend, it.damping))
 
 

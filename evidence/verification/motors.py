@@ -108,7 +108,7 @@ def motors(bench: Bench) -> None:
         source = "ω₀ (1 - exp(-T t/J ω₀))"
         bench.check_small(f"turned by a torque motor, {name}", worst, 1e-4, source, "its turn")
         watched = np.interp(0.3, turned, time)
-        events = {n: outcome.events[outcome.events[:, 1] == i, 0] for i, (n, _) in
+        events = {element.name: outcome.events[outcome.events[:, 1] == i, 0] for i, element in
                   enumerate(outcome.eventful)}  # fmt: skip
         for hinge, due, what in (("C", release, "a time"), ("D", watched, "another opening")):
             label = f"release at {what}, {due:.4f} s"

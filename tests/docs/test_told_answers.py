@@ -1,0 +1,141 @@
+"""The campaigns of README and docs are run, and what they answer is what the pages tell of it."""
+
+import json
+import re
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+import xarray
+
+from campaign.cli import main
+
+ROOT = Path(__file__).parents[2]
+
+
+def answers(folder: Path) -> SimpleNamespace:
+    """What a campaign answers, by the names of its quantities and responses; `all_meet`, `meet`,
+    `choice` and `runs` beside them."""
+    told = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    found = {one["name"]: SimpleNamespace(**one) for one in told.get("quantities", [])}
+    with xarray.open_dataset(folder / "bounds.nc") as bounds:
+        for one in told["responses"]:
+            last = bounds.sel(response=one["name"]).isel(time=-1)
+            ends = {"last_lower": last["lower"].item(), "last_upper": last["upper"].item()}
+            found[one["name"]] = SimpleNamespace(**one, **ends)
+    found["meet"] = {one["name"]: one["share"] for one in told.get("requirements", [])}
+    found["all_meet"] = told.get("together", {}).get("share")
+    found["choice"] = told.get("choice")
+    found["runs"] = told["design"]["runs"]
+    return SimpleNamespace(**found)
+
+
+def interval(of: SimpleNamespace, digits: int, unit: str, scale: float = 1.0) -> str:
+    """The interval of a quantity as pages write it."""
+    return f"{of.lower * scale:.{digits}f} to {of.upper * scale:.{digits}f} {unit}"
+
+
+TOLD = {
+    "array": {"docs/library/solar-array.md": lambda a: [
+        interval(a.t_open, 3, "s"), interval(a.v_open, 3, "m/s"), interval(a.turned, 4, "m"),
+    ]},
+    "boom": {"docs/library/boom.md": lambda a: [
+        interval(a.t_root, 2, "s"), interval(a.t_tube, 2, "s"),
+    ]},
+    "telescope": {"docs/library/telescope.md": lambda a: [
+        interval(a.t_out, 2, "s"), f"{-a.blow.upper:.1f} to {-a.blow.lower:.1f} N s",
+    ]},
+    "tensegrity": {"docs/library/tensegrity.md": lambda a: [
+        f"{1e3 * a.height.last_lower:.1f} to {1e3 * a.height.last_upper:.1f} mm",
+        f"{a.side.last_lower:.1f} to {a.side.last_upper:.1f} N",
+        f"{a.base.last_lower:.1f} to {a.base.last_upper:.1f} N",
+    ]},
+    "ring_truss": {"docs/library/ring_truss.md": lambda a: [
+        f"{a.near.largest_difference:.2f} and {a.far.largest_difference:.2f} rad",
+        f"{a.near.largest_error:.3f} and {a.far.largest_error:.3f} rad",
+    ]},
+    "strength": {"docs/responses.md": lambda a: [
+        interval(a.t_shut, 5, "s"), interval(a.moment_peak, 2, "N m"),
+        interval(a.contact_peak, 2, "N m"), interval(a.stress_peak, 3, "MPa", 1e-6),
+    ]},
+    "auto": {"docs/choosing-accuracy.md": lambda a: [
+        f"{a.runs} runs", f"{a.BD.largest_difference:.4f} m",
+        f"{a.vBz.largest_difference:.2f} m/s",
+    ]},
+    "mast": {"docs/library/scissor.md": lambda a: [
+        f"{a.reach.largest_difference:.3f} m", f"{a.vend.largest_difference:.2f} m/s",
+    ]},
+    "closing": {"docs/quantities.md": lambda a: [
+        interval(a.t_shut, 3, "s"), f"{100 * a.all_meet:.1f} %",
+        f"{a.choice['parameters'][0]['value']:.2f} N m/rad",
+    ]},
+    "deploys": {"docs/will-it-latch.md": lambda a: [
+        f"{100 * a.meet['opens']:.0f} % of the box", f"{100 * a.all_meet:.0f} % of the box",
+        interval(a.t_open, 2, "s"), f"at most {a.v_open.upper:.2f} m/s",
+        f"k = {a.choice['parameters'][0]['value']:.3f} N m/rad",
+    ], "README.md": lambda a: [
+        f"in {100 * a.meet['opens']:.0f} % of the box", f"after {interval(a.t_open, 1, 's')}",
+    ]},
+}  # fmt: skip
+"""For each campaign the pages that tell of it, and the texts that are there if they tell right."""
+
+
+def written(page: str) -> str:
+    """The text of a page, its lines joined."""
+    return " ".join((ROOT / page).read_text(encoding="utf-8").split())
+
+
+def run(config: Path, results: Path) -> SimpleNamespace:
+    assert main(["run", str(config), "--results", str(results), "--no-figures"]) == 0
+    return answers(results / config.stem)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TOLD)
+def test_a_page_tells_what_its_campaign_answers(name, tmp_path):
+    found = run(ROOT / f"config/{name}.yaml", tmp_path)
+    for page, texts in TOLD[name].items():
+        missing = [text for text in texts(found) if text not in written(page)]
+        assert not missing, f"{page} does not say {missing}"
+
+
+@pytest.fixture
+def fewer(tmp_path):
+    """Runs a scan with 64 of its 10,000 runs, which are the first of them."""
+
+    def run_fewer(name):
+        text = (ROOT / f"config/{name}.yaml").read_text(encoding="utf-8")
+        config = tmp_path / f"{name}.yaml"
+        config.write_text(re.sub(r"\bsamples: 10000\b", "samples: 64", text), encoding="utf-8")
+        found = run(config, tmp_path)
+        assert 64 <= found.runs <= 65  # the nominal one beside them
+        return found
+
+    return run_fewer
+
+
+@pytest.mark.slow
+def test_few_runs_of_the_scan_reach_nearly_as_far_as_all(fewer):
+    """The README's differences of 10,000 runs, of which no part can reach further."""
+    assert "a scan of 10,000 runs 0.0617 m and 4.20 m/s" in written("README.md")
+    found = fewer("scan")
+    for response, told, digit in ((found.BD, 0.0617, 1e-4), (found.vBz, 4.20, 1e-2)):
+        assert 0.99 * told < response.largest_difference < told + digit
+
+
+@pytest.mark.slow
+def test_few_runs_of_the_scan_for_strength_lie_within_all(fewer):
+    """The table's intervals of 10,000 runs; the closing's ends lie in corners, which come first."""
+    found = fewer("strength_scan")
+    for name, least, largest, digits, unit in (
+        ("t_shut", 0.30021, 0.31896, 5, "s"), ("moment_peak", 11.51, 22.41, 2, "N m"),
+        ("contact_peak", 24.22, 27.78, 2, "N m"), ("stress_peak", 5.411, 6.257, 3, "MPa"),
+    ):  # fmt: skip
+        assert f"| {least:.{digits}f} to {largest:.{digits}f} {unit} |" in written(
+            "docs/responses.md"
+        )
+        one, scale = getattr(found, name), 1e-6 if unit == "MPa" else 1.0
+        slack, width = 10.0**-digits, largest - least
+        lower, upper = one.simulated_lower * scale, one.simulated_upper * scale
+        assert least - slack < lower < upper < largest + slack
+        assert upper - lower > (0.999 if name == "t_shut" else 0.8) * width

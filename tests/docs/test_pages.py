@@ -32,7 +32,7 @@ NOT_RUN = {
     "python3 -m venv": ".ci/run makes and takes an environment of its own",
     "pip install -e": ".ci/run installs the program, with what it depends on",
     "pip install .": "tests/workflow/test_wheel.py installs a wheel",
-    "pip install snakemake": "another program, with which tests/slurm and tests/workflow/test_storage.py run",
+    "pip install snakemake": "plugins, for tests/slurm and tests/workflow/test_storage.py",
     "pre-commit": "asks a network; .ci/run gives its three commands",
     "pytest": "these are the tests",
     ".ci/run": "runs these tests",
@@ -57,16 +57,16 @@ NOT_RUN = {
 _TOLD, _GOLDEN = "tests/docs/test_told_answers.py", "tests/golden/values.json"
 _FLOW = "tests/workflow/test_campaign_runs.py"
 CAMPAIGNS = {
-    "first": "here", "my": "here", "paper": _FLOW, "small": _GOLDEN, "three": _GOLDEN, "six": _GOLDEN,
-    "aim": _FLOW,
+    "first": "here", "my": "here", "paper": _FLOW, "aim": _FLOW,
+    "small": _GOLDEN, "three": _GOLDEN, "six": _GOLDEN,
     "array": _TOLD, "auto": _TOLD, "boom": _TOLD, "closing": _TOLD, "deploys": _TOLD, "mast": _TOLD,
     "ring_truss": _TOLD, "strength": _TOLD, "telescope": _TOLD, "tensegrity": _TOLD,
     # With 64 of their 10,000 runs, which take 5 and 16 minutes of a core.
     "scan": _TOLD, "strength_scan": _TOLD,
 }  # fmt: skip
 
-# Studies, and parts of them, that take long, with their cpu time on a slow core; the tests that run smaller
-# ones. `snakemake NAME` does what `python -m evidence NAME` does: tests/evidence/test_studies.py.
+# Studies, and parts of them, that take long, with their cpu time on a slow core; the tests that run
+# smaller ones. `snakemake NAME` calls `python -m evidence NAME`: tests/evidence/test_studies.py.
 STUDIES_NOT_RUN = {
     "verification": "4 minutes; every problem on a coarser mesh: tests/evidence/test_problems.py",
     "extremes": "2.5 minutes; many groups: tests/evidence/test_extremes.py",

@@ -129,7 +129,8 @@ class PageData:
     """All that the page tells.
 
     time (t,) s; bounds_kind: what the bounds are, in words; runs: those that are told, of
-    `run_count` that were made, and of `further_count` for the ends of quantities those that move;
+    `run_count` of the design, and of those for the ends of quantities the ones that move;
+    run_counts: what the summary tells of how many were made for what;
     moving: the nominal run first, then those at which quantities and bounds are attained;
     left: those of them that do not move, since the page would be too large;
     provenance: name -> text; config: text to start from again; answers: what the summary tells of
@@ -147,7 +148,7 @@ class PageData:
     responses: tuple[Response, ...]
     runs: tuple[Run, ...]
     run_count: int
-    further_count: int = 0
+    run_counts: Mapping[str, int] = field(default_factory=dict)
     moving: tuple[MovingRun, ...] = ()
     left: tuple[LeftOut, ...] = ()
     work: tuple[Work, ...] = ()

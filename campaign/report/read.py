@@ -61,7 +61,7 @@ def from_results(folder: str | Path) -> PageData:
         ),
         runs=runs,
         run_count=counts(samples).runs,
-        further_count=summary.get("runs", {}).get("further_runs", 0),
+        run_counts=summary.get("runs", {}),
         moving=moving,
         left=_left(shown, runs, moving),
         work=_work(folder),

@@ -14,7 +14,7 @@ from campaign.results.decisions import verdict as decided
 from campaign.results.scan_words import known_error
 from campaign.results.summary import SOFT
 from campaign.results.units import pretty
-from campaign.results.words import percent
+from campaign.results.words import percent, runs_text
 
 _NAMED = 2
 """Quantities, or responses, that the headline names."""
@@ -221,9 +221,8 @@ def facts(data: PageData) -> str:
     duration = quantity(float(data.time[-1] - data.time[0]), "s")
     count = len(data.parameters)
     parameters = "one interval parameter" if count == 1 else f"{count} interval parameters"
-    runs = f"{data.run_count} runs"
-    if data.further_count:
-        runs += f" and {data.further_count} more for the ends of intervals"
+    made = data.run_counts if "all" in data.run_counts else {"all": data.run_count}
+    runs = runs_text(made)
     about = f": {data.about}" if data.about else ""
     text = f"Structure {data.scene}{about}. {duration} of motion, {parameters}, {runs}."
     known = [f"{p.name} is the {p.long_name}" for p in data.parameters if p.long_name]

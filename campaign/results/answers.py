@@ -21,13 +21,11 @@ from fpm.sealed import check
 def answer_rows(folder: Folder, requirements: bool, choice: bool) -> dict:
     """What a summary tells of quantities, and of requirements and the best choice if asked for."""
     with open_netcdf(folder.quantities) as data:
-        found = {"quantities": quantity_rows(data), "runs": {}}
-        for name in ("runs", "further_runs"):
-            found["runs"][name] = int(data.getncattr(name))
+        found = {"quantities": quantity_rows(data), "further_runs": int(data.further_runs)}
     if requirements:
         judged = read_json(folder.requirements)
         found |= {name: judged[name] for name in ("requirements", "together")}
-        found["runs"] = {name: judged[name] for name in found["runs"]}
+        found["further_runs"] = judged["further_runs"]
     if choice:
         found["choice"] = read_json(folder.choice)
     return found
@@ -47,7 +45,7 @@ def answer_lines(summary: Mapping) -> list[str]:
         lines += requirement_lines(summary["requirements"], summary["together"], units)
     if "choice" in summary:
         lines += choice_lines(summary["choice"], units)
-    return lines + quantity_lines(summary["quantities"], units, **summary["runs"])
+    return lines + quantity_lines(summary["quantities"], units)
 
 
 def quantity_rows(data: Any) -> list[dict]:
@@ -89,10 +87,8 @@ def _number(value: Any) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def quantity_lines(
-    rows: list[Mapping], units: Mapping[str, str], runs: int, further_runs: int
-) -> list[str]:
-    """The quantities' intervals in Markdown; some of all runs were made for answers."""
+def quantity_lines(rows: list[Mapping], units: Mapping[str, str]) -> list[str]:
+    """The quantities' intervals in Markdown."""
     lines = ["", "## Quantities", ""]
     lines += table(
         ("quantity", "interval", "lower end at", "upper end at", "error estimate", "ends"),
@@ -108,7 +104,6 @@ def quantity_lines(
             for row in rows
         ],
     )
-    lines += ["", f"Answers took {further_runs} further runs, {runs} in all."]
     for row in rows:
         if row["runs_without"]:
             lines += ["", occurrence(row)]

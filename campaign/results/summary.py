@@ -23,6 +23,7 @@ from campaign.results.budget import (
 from campaign.results.scan_words import known_error, scan_facts, scan_text
 from campaign.results.units import pretty
 from campaign.results.which import counts, nominal_row
+from campaign.results.words import runs_text
 
 
 def summarise(
@@ -46,10 +47,20 @@ def summarise(
         summary["accuracy"] = accuracy_facts(plan)
         for row in (*summary["responses"], *summary.get("quantities", [])):
             row["errors"]["asked"] = plan.experiment.accuracy.shares[row["name"]]
+    summary["runs"] = _run_counts(summary)
     text = as_text(summary)
     write_result(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
     write_result(folder / "summary.md", text)
     return text
+
+
+def _run_counts(summary: dict) -> dict[str, int]:
+    """How many runs were made, by what for, and in `all`."""
+    found = {"design": summary["design"]["runs"], "further": summary.pop("further_runs", 0)}
+    found["choice"] = summary.get("choice", {}).get("runs", 0)
+    sought = summary.get("accuracy", {}).get("runs", 0)  # those of its checks among them
+    found["checks"] = max(0, sought - found["design"] - found["further"])
+    return {**found, "all": sum(found.values())}
 
 
 def headline(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict:
@@ -173,12 +184,16 @@ def closures(samples: Any, run: int) -> list[dict]:
 def as_text(summary: Mapping) -> str:
     """The summary as Markdown."""
     design, rows = summary["design"], summary["responses"]
+    told = f"In all {runs_text(summary['runs'])}"
+    if "accuracy" not in summary and any("step" in row.get("errors", {}) for row in rows):
+        told += "; some were repeated on top to check step and mesh"
     order = "" if not any(design["order"]) else f" of order {max(design['order'])}"
     lines = [
         f"# {summary['campaign']}",
         "",
         f"Scene {summary['scene']}; {design['method']}{order}: {design['runs']} runs "
         f"({_runs_text(design)}); time step {summary['time_step']:.4g} s.",
+        *([] if told == f"In all {design['runs']} runs" else ["", f"{told}."]),
         "",
         f"Bounds: {summary['bounds']}.",
         "",

@@ -25,6 +25,21 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
     return lines + [f"| {' | '.join(row)} |" for row in rows]
 
 
+_RUNS = {
+    "design": "of the design",
+    "checks": "on other meshes and in checks",
+    "further": "further ones for quantities and requirements",
+    "choice": "for the best choice",
+}
+"""What runs are made for."""
+
+
+def runs_text(runs: Mapping[str, int]) -> str:
+    """`28 runs: 23 of the design, 5 further ones ...`; only their number where all have one end."""
+    parts = [f"{runs[name]} {what}" for name, what in _RUNS.items() if runs.get(name)]
+    return f"{runs['all']} runs" + (f": {', '.join(parts)}" if len(parts) > 1 else "")
+
+
 def percent(share: float) -> str:
     """`0.0749` as `7 %`; two digits below one per cent."""
     return f"{100 * share:.2g} %" if abs(share) < 0.01 else f"{100 * share:.0f} %"

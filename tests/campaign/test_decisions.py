@@ -153,7 +153,7 @@ def test_the_best_choice_is_that_of_the_closed_form(tmp_path):
     limits = {one["requirement"]: one for one in found["limits"]}
     assert limits["not_early"]["margin"] == pytest.approx(0, abs=1e-5)
     assert found["runs"] < 20
-    assert f"It took {found['runs']} runs" in (folder / "summary.md").read_text()
+    assert f"{found['runs']} for the best choice" in (folder / "summary.md").read_text()
     kept = [row["values"][0] for row in found["tried"] if row["kept"]]
     least, most = border(LATEST) / 0.95, exact
     np.testing.assert_allclose([min(kept), max(kept)], [least, most], atol=0.15 / 32)

@@ -114,20 +114,21 @@ def bounds(
     analyse(folder, bounds, more)
 
 
-def quantities(folder: Folder, tell: Tell, verify: Any, jobs: Any, threads: int = 1) -> None:
-    """Find the intervals of the quantities, with further runs at their ends."""
-    from campaign.answers.quantities import answer
-
-    answer(folder, verify, jobs, tell, threads)
-
-
-def requirements(
+def quantities(
     folder: Folder, tell: Tell, requirements: Any, verify: Any, jobs: Any, threads: int = 1
 ) -> None:
+    """Find the intervals of the quantities, with further runs at their ends, and where
+    requirements are decided."""
+    from campaign.answers.quantities import answer
+
+    answer(folder, requirements, verify, jobs, tell, threads)
+
+
+def requirements(folder: Folder, tell: Tell, requirements: Any, jobs: Any) -> None:
     """Tell what of the box meets the requirements, and where they fail."""
     from campaign.answers.requirements import answer
 
-    answer(folder, requirements, verify, jobs, tell, threads)
+    answer(folder, requirements, jobs, tell)
 
 
 def choice(
@@ -326,13 +327,8 @@ STAGES = {
         Stage(simulate, ("jobs",), _RUNS, (_PLAN,)),
         Stage(gather, ("jobs",), (*_GATHERED, *_RUNS), (_PLAN,)),
         Stage(bounds, ("bounds", "verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
-        Stage(quantities, ("verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
-        Stage(
-            requirements,
-            ("requirements", "verify", "jobs"),
-            _ANSWERS,
-            (_PLAN, _SAMPLES, "further.nc"),
-        ),
+        Stage(quantities, ("requirements", "verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
+        Stage(requirements, ("requirements", "jobs"), _ANSWERS, (_PLAN, _SAMPLES, "further.nc")),
         Stage(choice, ("choose", "requirements", "verify", "jobs"), _ANSWERS, (_PLAN,)),
         Stage(envelopes, ("error",), _PLOT, (_BOX,)),
         Stage(sensitivities, (), _PLOT, ("sensitivities.nc",)),
@@ -376,6 +372,7 @@ STAGES = {
                 *_SUMMARY,
                 *_BOUNDS[:2],
                 *_MOTIONS,
+                "intervals/scalars/requirements.py",
             ),
             (_SAMPLES, _BOX, "sensitivities.nc", "summary.json"),
         ),

@@ -53,7 +53,8 @@ def run(
                 draughtsman.ask("moments", campaign, folder)
             _stage("bounds", campaign, folder, tell, threads=os.cpu_count() or 1)
         for name in answers(campaign):
-            _stage(name, campaign, folder, tell, threads=os.cpu_count() or 1)
+            threads = {} if name == "requirements" else {"threads": os.cpu_count() or 1}
+            _stage(name, campaign, folder, tell, **threads)
         for name in wanted:
             if name != "moments":
                 draughtsman.ask(name, campaign, folder)

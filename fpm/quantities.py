@@ -44,9 +44,9 @@ class Quantity:
     @property
     def least(self) -> float | None:
         """The least value that it can have; None where there is none."""
-        if self.kind in ("overshoot", "rms"):
+        if self.is_time or self.kind in ("overshoot", "rms"):
             return 0.0
-        return None if self.is_time else self.response.least
+        return self.response.least
 
     def evaluate(self, curves: "Curves") -> float:
         """The number of one run; NaN where what is asked for does not happen in it.

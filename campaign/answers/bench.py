@@ -23,7 +23,7 @@ from campaign.runs.results import Record
 from campaign.runs.store import open_store
 
 # In unit coordinates: places nearer than this have one run, or need none of their own.
-NEAR, SAME = 1e-6, 1e-3
+NEAR, SAME = 1e-6, 2e-4
 
 
 class Bench:

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from campaign.answers.bench import SAME, Bench, number
-from campaign.answers.requirements import Asked, limits_of
+from campaign.answers.limits import Asked, limits_of, told
 from campaign.config.answers import goals_of
 from campaign.config.sections import Choose, Experiment, Interval, Jobs, Verify
 from campaign.files import write_result
@@ -156,9 +156,6 @@ def _goal(bench: Bench, goal: tuple[float, str, str], value: float, at: np.ndarr
 
 
 def _limit(bench: Bench, asked: Asked, slack: float, at: np.ndarray) -> dict:
-    quantity = bench.experiment.numbers[asked.quantity]
-    level = bool(asked.level) if asked.kind == "happens" else asked.level
-    named = {"requirement": asked.requirement, "quantity": quantity.name, "units": quantity.unit}
-    named |= {"kind": asked.kind, "level": level}
-    named |= {"margin": number(slack), "kept": bool(slack >= 0)}
-    return {**named, **bench.place(at, asked.quantity)}
+    margin = {"margin": number(slack), "kept": bool(slack >= 0)}
+    named = {"requirement": asked.requirement, **told(bench, asked)}
+    return {**named, **margin, **bench.place(at, asked.quantity)}

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from campaign.answers.bench import SAME, Bench
+from campaign.answers.limits import Asked, judged
 
 TOLD = 1e-3
 """An end has settled when the surrogate promises no more than this share of the width beyond what
 was simulated. Also the share of the box that may remain open about where something happens."""
 
-_BORDER = 4  # further runs in a round about where something happens
+_BORDER = 8  # further runs in a round about where something happens: eight take what three do
 
 
 @dataclass(frozen=True)
@@ -42,13 +44,20 @@ class Ends:
         )
 
 
-def settle(bench: Bench, rounds: int) -> list[Ends]:
+def settle(bench: Bench, rounds: int, asked: Sequence[Asked] = ()) -> list[Ends]:
     """The ends of all quantities, after at most so many rounds of further runs: where surrogates
-    have their ends, until they promise no more, and about where something ceases to happen."""
+    have their ends, until they promise no more, about where something ceases to happen, and at the
+    places that decide the limits that are asked."""
     for number in range(rounds + 1):
-        ends = [_ends(bench, q, s) for q, s in enumerate(bench.surrogates())]
+        surrogates = bench.surrogates()
+        ends = [_ends(bench, q, s) for q, s in enumerate(surrogates)]
+        if number == rounds:
+            break
         points = [point for end in ends for point in _wanted(bench, end)]
-        if number == rounds or not points:
+        if asked:
+            places = judged(bench, surrogates, asked).places
+            points += [at for at in places if bench.nearest(at)[1] > SAME]
+        if not points:
             break
         before = len(bench.unit)
         bench.add(points)
@@ -76,6 +85,6 @@ def _wanted(bench: Bench, ends: Ends) -> list[np.ndarray]:
         if moving and bench.nearest(at)[1] > SAME:
             points.append(at)
     occurrence = ends.surrogate.occurrence
-    if occurrence.share()[1] > TOLD:
+    if occurrence.open > TOLD:
         points += list(occurrence.between(_BORDER))
     return points

@@ -9,7 +9,7 @@ their ends take, `further.nc`.
     error                           estimated error of the surrogate
     error_step, error_mesh, error_whole     with `verify.finer`: those of step and mesh, and the sum
     runs_with, runs_without         in how many runs there is such a number, and in how many not
-    happens, open                   share of the box in which there is, and in which it is not known
+    happens, open                   share of the box in which there is, and what of it is open
     is_time, fit                    1 for times of the run; what was fitted
     least                           what it can not be below, NaN where there is none
     share, alone, fixed, halved (quantity, parameter)   what each parameter contributes
@@ -26,6 +26,7 @@ import numpy as np
 from campaign.answers.bench import Bench
 from campaign.answers.ends import Ends, settle
 from campaign.answers.finer import finer_errors
+from campaign.answers.limits import limits_of
 from campaign.config.sections import Jobs, Verify, plain_data
 from campaign.folder import Folder
 from campaign.results.bounds import write_dataset
@@ -35,12 +36,21 @@ from fpm.trajectory import CONVENTIONS
 _OF, _BY = ("quantity",), ("quantity", "parameter")
 
 
-def answer(folder: Folder, verify: Verify, jobs: Jobs, tell: Tell, threads: int) -> None:
-    """Write quantities.nc and further.nc of a sampled campaign that has quantities."""
+def answer(
+    folder: Folder,
+    requirements: Mapping[str, Mapping],
+    verify: Verify,
+    jobs: Jobs,
+    tell: Tell,
+    threads: int,
+) -> None:
+    """Write quantities.nc and further.nc of a sampled campaign that has quantities, with the runs
+    that requirements take."""
     bench = Bench.of(folder, jobs, tell, threads)
-    ends = settle(bench, verify.rounds)
+    asked = limits_of(requirements, list(bench.experiment.quantities))
+    ends = settle(bench, verify.rounds, asked)
     if bench.further:
-        tell(f"{bench.experiment.name}: further runs at ends: {len(bench.further)}")
+        tell(f"{bench.experiment.name}: further runs where it is decided: {len(bench.further)}")
     finer = finer_errors(bench, ends) if verify.finer else {}
     found = quantities_dataset(bench, ends, finer)
     write_dataset(found, folder.quantities, "Intervals of quantities")
@@ -110,13 +120,17 @@ def _put_ends(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
 
 def _put_occurrence(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
     """In how many runs, and in which share of the box, there is such a number."""
+    from intervals.scalars import Limit, share_of_box
+
     there = np.isfinite(bench.numbers).sum(axis=0) + bench.others
     variables.put("runs_with", _OF, there, "runs that have the number", "1")
     without = len(bench.unit) + bench.left_out - there
     variables.put("runs_without", _OF, without, "runs in which it does not happen", "1")
-    shares = np.array([e.surrogate.occurrence.share() for e in ends])
+    free = bench.experiment.box.free
+    shares = np.array([share_of_box([Limit(e.surrogate, "happens", 1.0)], free) for e in ends])
     variables.put("happens", _OF, shares[:, 0], "share of the box in which it happens", "1")
-    variables.put("open", _OF, shares[:, 1], "share of the box in which that is not known", "1")
+    text = "by how much that share may be more or less"
+    variables.put("open", _OF, shares[:, 1], text, "1")
 
 
 def _put_shares(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:

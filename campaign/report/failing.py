@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from campaign.report.data import PageData, Parameter
+from intervals.scalars import Limit
 
 MOST_PARAMETERS = 3
 """Parameters that are drawn against each other: those by which failing runs differ most."""
@@ -33,11 +34,8 @@ def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) 
     by name; not a number is what does not happen, and breaks any limit but `happens: false`."""
     met = np.ones(len(numbers), dtype=bool)
     for limit in limits:
-        value, level = numbers[:, list(names).index(limit["quantity"])], limit["level"]
-        if limit["kind"] == "happens":
-            met &= np.isfinite(value) == level
-        else:
-            met &= value <= level if limit["kind"] == "at_most" else value >= level
+        value = numbers[:, list(names).index(limit["quantity"])]
+        met &= Limit(None, limit["kind"], limit["level"]).slack_of(value) >= 0
     return met
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from campaign.files import open_netcdf
 from campaign.folder import Folder
 from campaign.results.budget import quantity_errors
-from campaign.results.decisions import choice_lines, requirement_lines
+from campaign.results.decisions import choice_lines, requirement_lines, share_text
 from campaign.results.units import pretty
 from campaign.results.words import place, table, units_of, with_unit
 from fpm.sealed import check
@@ -138,19 +138,17 @@ def ends(row: Mapping) -> str:
     for side in ("lower", "upper"):
         if row[f"simulated_{side}"] != row[side]:
             parts.append(f"{side} simulated only to {row[f'simulated_{side}']:.6g}")
-    return ", ".join(parts) or "simulated"
+    return f"not verified: {', '.join(parts)}" if parts else "simulated"
 
 
 def occurrence(row: Mapping) -> str:
     """In which part of the box it happens."""
     total = row["runs_with"] + row["runs_without"]
-    share = f"about {100 * row['happens']:.3g} % of the box"
     if not row["runs_with"]:
         return f"{row['name']} does not happen in any of the {total} runs."
     return (
-        f"{row['name']} happens in {share}: in {row['runs_with']} of {total} runs. Of "
-        f"{100 * row['open']:.2g} % of the box they do not tell. "
-        "The interval is that of the part in which it happens."
+        f"{row['name']} happens in {share_text(row['happens'], row['open'])} of the box: in "
+        f"{row['runs_with']} of {total} runs. The interval is that of the part in which it happens."
     )
 
 

@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from campaign.results.units import pretty
 from campaign.results.words import place, table, with_unit
+
+_TOLD = 0.05
+"""Per cent of the box from which they are said to be open."""
 
 
 def requirement_lines(
@@ -37,7 +42,8 @@ def verdict(together: Mapping) -> str:
         return "All of the box meets all requirements."
     if together["met"] == "none":
         return "None of the box meets all requirements."
-    return f"{share_text(together['share'])} of the box meets all requirements."
+    share = share_text(together["share"], together["open"])
+    return f"{share} of the box meets all requirements."
 
 
 def together_lines(together: Mapping, units: Mapping[str, str]) -> list[str]:
@@ -63,17 +69,26 @@ def together_lines(together: Mapping, units: Mapping[str, str]) -> list[str]:
     ]
 
 
-def share_text(share: float) -> str:
-    """A share in per cent, never rounded to all or nothing."""
-    percent = 100 * share
-    if 0 < percent < 0.01 or 99.99 < percent < 100:
-        return "Less than 0.01 %" if percent < 1 else "More than 99.99 %"
-    return f"{percent:.4g} %"
+def share_text(share: float, open_: float = 0.0) -> str:
+    """A share in per cent, never rounded to all or nothing, with what is open of it, and as many
+    digits as that leaves: `81 % (open: 2 %)`."""
+    percent, more = 100 * share, 100 * open_
+    if more < _TOLD:
+        digits, least, told = f"{percent:.4g}", 0.01, ""
+    else:
+        places = max(0, -int(np.floor(np.log10(more))))
+        least = 10.0**-places
+        digits, more = f"{percent:.{places}f}", np.ceil(more / least - 1e-9) * least
+        told = f" (open: {more:.{places}f} %)"
+    if 0 < percent < least or 100 - least < percent < 100:
+        return f"{f'Less than {least:g}' if percent < 50 else f'More than {100 - least:g}'} %{told}"
+    return f"{digits} %{told}"
 
 
 def met(row: Mapping) -> str:
     """By how much of the box a requirement is met."""
-    return {"all": "all", "none": "none"}.get(row["met"]) or f"some: {share_text(row['share'])}"
+    known = {"all": "all", "none": "none"}
+    return known.get(row["met"]) or f"some: {share_text(row['share'], row['open'])}"
 
 
 def limit_text(row: Mapping) -> str:

@@ -1,31 +1,40 @@
-"""In which part of the box something happens, told by the nearest runs or by its time."""
+"""In which part of the box something happens: a smooth border between the runs, or its time.
+
+The border is where the smoothest function vanishes that is at least 1 in all runs in which it
+happens and at most -1 in all others: a support vector machine with a hard margin (Cortes and
+Vapnik 1995), whose kernel is Matérn's for functions with two derivatives. Open is where the size of
+the function is below those at the nearest runs of both kinds, which there are next to the border at
+least 1. Further runs are sought about the border (Basudhar and Missoum 2010). Why this one:
+docs/quantities.md.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ..designs.scan import scan_points
-from ..errors import IntervalError
-from ..models.spline import check_spline_runs, fit_spline
+from ..models.spline.search import spread_points
+from ..models.spline.solve import distinct
 
-_POINTS = 8192
-_SPLINED = 1000  # runs, of which a spline is fitted in a second
-_LEAST = 5e-4  # radius of a gap between runs, below which none is sought, in unit coordinates
+_POINTS, _CANDIDATES = 8192, 2048
+_MOST = (
+    1000  # runs that a border is fitted to, in half a second: those nearest to others that differ
+)
+_LENGTH = 2.0  # of the kernel: the side of the box
+_NOISE = 1e-10  # added to the kernel of a run with itself, so that rounding is no obstacle
+_LEAST = (
+    5e-4  # distance of two runs about a border, in unit coordinates, below which none is sought
+)
+_LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are sought
 
 
 @dataclass(frozen=True)
 class Occurrence:
-    """Runs at unit points (N, k), and whether it happens (N) in each.
-
-    At any other place it is taken to happen if it does in the nearest run. Places between two runs
-    that differ, with none in between, are open: nothing is known of them. So are those of which
-    the sign of a spline through all runs (1 where it happens, -1 elsewhere) tells otherwise: runs
-    crowd where the border was sought, and away from there the nearest one may be far.
-    """
+    """Runs at unit points (N, k), and whether it happens (N) in each."""
 
     points: np.ndarray
     happens: np.ndarray
@@ -37,67 +46,111 @@ class Occurrence:
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
         """Mask (P) of unit coordinates (P, k)."""
-        if not self.mixed:
-            return np.full(len(unit), bool(self.happens.all()))
         return self.certainty(unit) >= 0
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
-        """By how much the nearest run in which it happens is nearer than any other, (P), at unit
-        coordinates (P, k); below 0 where it is farther. Only where runs differ (`mixed`)."""
-        yes, no = self._distances(unit)
-        return no - yes
-
-    def share(self) -> tuple[float, float]:
-        """Share of the box in which it happens, and the share that is open."""
+        """A function (P) of unit coordinates (P, k) that is below 0 where it does not happen, and
+        open where its size is below `doubt`; infinite where all runs agree."""
+        unit = np.asarray(unit, dtype=float)
         if not self.mixed:
-            return float(self.happens.all()), 0.0
-        spread = self._spread()
-        open_ = np.zeros(len(spread), dtype=bool)
-        for middle, radius in zip(*self._gaps(), strict=True):
-            open_ |= ((spread - middle) ** 2).sum(axis=1) < radius**2
-        there = self.certainty(spread) >= 0
-        with suppress(IntervalError):  # too few for a spline, or all in one plane
-            check_spline_runs(self.points)
-            if len(self.points) <= _SPLINED:
-                signs = fit_spline(self.points, np.where(self.happens, 1.0, -1.0)[:, None])
-                open_ |= there != (signs.evaluate(spread)[:, 0] >= 0)
-        return float(there.mean()), float(open_.mean())
+            return np.full(len(unit), np.inf if self.happens.all() else -np.inf)
+        return self._border(unit)
 
-    def between(self, count: int) -> np.ndarray:
-        """Unit points (at most `count`, k) half way between runs of both kinds, farthest first, for
-        runs that would narrow down where the border is."""
-        if not self.mixed:
-            return np.zeros((0, self.points.shape[1]))
-        middles, radii = self._gaps()
-        chosen: list[np.ndarray] = []
-        for i in np.argsort(-radii, kind="stable"):
-            if len(chosen) == count or radii[i] < _LEAST:
-                break
-            if all(np.linalg.norm(middles[i] - other) > radii[i] for other in chosen):
-                chosen.append(middles[i])
-        return np.array(chosen).reshape(-1, self.points.shape[1])
-
-    def _gaps(self) -> tuple[np.ndarray, np.ndarray]:
-        """Middles (G, k) and radii (G) of the balls between a run and the nearest one of the other
-        kind, those with no run inside."""
+    def doubt(self, unit: np.ndarray) -> np.ndarray:
+        """Size (P) of the certainty at unit coordinates (P, k) up to which the runs leave open what
+        happens."""
         from scipy.spatial import cKDTree
 
-        found = []
-        for kind in (self.happens, ~self.happens):
-            own, others = self.points[kind], self.points[~kind]
-            _, near = cKDTree(others).query(own)
-            found.append(np.stack([own, others[near]], axis=1))
-        pairs = np.concatenate(found)
-        middles = pairs.mean(axis=1)
-        radii = np.linalg.norm(pairs[:, 0] - pairs[:, 1], axis=1) / 2
-        nearest, _ = cKDTree(self.points).query(middles)
-        empty = nearest > radii * (1 - 1e-9)
-        _, first = np.unique(np.round(middles[empty], 9) + 0.0, axis=0, return_index=True)
-        return middles[empty][first], radii[empty][first]
+        if not self.mixed:
+            return np.zeros(len(unit))
+        certain = np.where(self.happens, 1.0, -1.0) * self._border(self.points)
+        nearest = [
+            certain[kind][cKDTree(self.points[kind]).query(unit)[1]]
+            for kind in (self.happens, ~self.happens)
+        ]
+        # Runs too close together, or too rough a border: some lie on the wrong side of it.
+        return np.maximum(np.minimum(*nearest), max(1.0, float(-certain.min())))
+
+    @cached_property
+    def open(self) -> float:
+        """Share of the box, about, in which the runs leave open what happens."""
+        spread = self._spread()
+        return float((np.abs(self.certainty(spread)) < self.doubt(spread)).mean())
+
+    def between(self, count: int) -> np.ndarray:
+        """Unit points (at most `count`, k) where it is open whether it happens, as far from all
+        runs and each other as can be, for runs that would narrow down where the border is."""
+        chosen = np.zeros((0, self.points.shape[1]))
+        if not self.mixed:
+            return chosen
+        from scipy.spatial import cKDTree
+
+        places = self._open_places()
+        away = cKDTree(self.points).query(places)[0] if len(places) else np.zeros(0)
+        while len(chosen) < count and away.max(initial=0.0) > _LEAST:
+            chosen = np.concatenate([chosen, places[[away.argmax()]]])
+            away = np.minimum(away, np.linalg.norm(places - chosen[-1], axis=1))
+        return chosen
+
+    def _open_places(self) -> np.ndarray:
+        """Unit points (P, k) at which the certainty has one of a few sizes below 1, each between
+        two points of the box of which one is above and one below all of them."""
+        from scipy.spatial import cKDTree
+
+        spread = spread_points(self._free, _CANDIDATES)
+        spread[:, ~self._free] = self.points[0, ~self._free]
+        spread = np.concatenate([spread, self.points])
+        certain = self.certainty(spread)
+        above, below = spread[certain > max(_LEVELS)], spread[certain < min(_LEVELS)]
+        if not len(above) or not len(below):
+            return spread[:0]
+        below, found = below[cKDTree(below).query(above)[1]], []
+        for level in _LEVELS:
+            high, low = above, below
+            for _ in range(20):
+                middle = (high + low) / 2
+                up = (self.certainty(middle) >= level)[:, None]
+                high, low = np.where(up, middle, high), np.where(up, low, middle)
+            found.append((high + low) / 2)
+        return np.concatenate(found)
+
+    @cached_property
+    def _free(self) -> np.ndarray:
+        return np.ptp(self.points, axis=0) > 0
+
+    @cached_property
+    def _border(self) -> Callable[[np.ndarray], np.ndarray]:
+        """The smoothest function that tells the runs apart, by its dual: the least |L' a - b| with
+        a >= 0, where L L' is the kernel with the runs' signs and L b = 1."""
+        from scipy.linalg import cholesky, solve_triangular
+        from scipy.optimize import nnls
+
+        points, signs = self._deciding()
+        kernel = _matern(points, points) * signs * signs[:, None]
+        root = cholesky(kernel + _NOISE * np.eye(len(points)), lower=True)
+        ones = solve_triangular(root, np.ones(len(points)), lower=True)
+        weights, _ = nnls(root.T, ones, maxiter=100 * len(points))
+        bearing = weights > 0
+        points, weights = points[bearing], (weights * signs)[bearing]
+        return lambda unit: _matern(unit, points) @ weights
+
+    def _deciding(self) -> tuple[np.ndarray, np.ndarray]:
+        """Unit points (n, k) and signs (n) of the runs that a border is fitted to."""
+        from scipy.spatial import cKDTree
+
+        rows = distinct(self.points)
+        if len(rows) > _MOST:
+            away = np.empty(len(rows))
+            for kind in (True, False):
+                own = self.happens[rows] == kind
+                others = self.points[self.happens != kind]
+                away[own] = cKDTree(others).query(self.points[rows[own]])[0]
+            rows = rows[np.argsort(away, kind="stable")[:_MOST]]
+        return self.points[rows], np.where(self.happens[rows], 1.0, -1.0)
 
     def _spread(self) -> np.ndarray:
         """Points of the box, evenly spread."""
-        free = np.ptp(self.points, axis=0) > 0
+        free = self._free
         if free.sum() == 1:
             points = np.zeros((_POINTS, len(free)))
             points[:, free] = -1 + (2 * np.arange(_POINTS)[:, None] + 1) / _POINTS
@@ -106,21 +159,19 @@ class Occurrence:
         points[:, ~free] = self.points[0, ~free]
         return points
 
-    def _distances(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distances (P) to the nearest run in which it happens, and in which it does not."""
-        from scipy.spatial import cKDTree
 
-        return tuple(
-            cKDTree(self.points[kind]).query(np.asarray(unit, dtype=float))[0]
-            for kind in (self.happens, ~self.happens)
-        )
+def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Matérn's kernel (P, N) with two derivatives, of unit points (P, k) and (N, k)."""
+    squares = (unit**2).sum(axis=1)[:, None] + (points**2).sum(axis=1) - 2 * unit @ points.T
+    distance = np.sqrt(5 * np.maximum(squares, 0.0)) / _LENGTH
+    return (1 + distance + distance**2 / 3) * np.exp(-distance)
 
 
 @dataclass(frozen=True)
 class Until(Occurrence):
     """It happens wherever a function foretells it by the time `latest`, when runs end.
 
-    That agrees with all runs (`agrees`), and tells the border far better than the nearest runs do.
+    That agrees with all runs (`agrees`), and tells the border better than whether it happens does.
     """
 
     foretold: Callable[[np.ndarray], np.ndarray]
@@ -136,11 +187,8 @@ class Until(Occurrence):
     def certainty(self, unit: np.ndarray) -> np.ndarray:
         return self.latest - self.foretold(np.asarray(unit, dtype=float))
 
-    def share(self) -> tuple[float, float]:
-        if not self.mixed:
-            return super().share()
-        early = self.certainty(self._spread())
-        return float((early >= 0).mean()), float((np.abs(early) < self.error).mean())
+    def doubt(self, unit: np.ndarray) -> np.ndarray:
+        return np.full(len(unit), self.error)
 
     def between(self, count: int) -> np.ndarray:
         return np.zeros((0, self.points.shape[1]))

@@ -19,19 +19,31 @@ class Limit:
     """What a number must keep: `kind` "at_most" or "at_least" a `level`, or "happens", whose level
     is 1 if there must be a number and 0 if there must be none."""
 
-    surrogate: ScalarSurrogate
+    surrogate: ScalarSurrogate | None
     kind: str
     level: float
 
-    def slack(self, unit: np.ndarray) -> np.ndarray:
-        """By how much the limit is kept at unit coordinates (P, k): (P), below 0 where it is not.
+    def conditions(self, unit: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """What must not be below 0 at unit coordinates (P, k): functions (P), and their errors (P).
+
+        There must be the number, or none; and it must keep its level.
+        """
+        found = self.surrogate
+        certain, doubt = found.occurrence.certainty(unit), found.occurrence.doubt(unit)
+        if self.kind == "happens":
+            return [(certain if self.level else -certain, doubt)]
+        if found.fit is None:
+            return [(certain, doubt)]
+        sign = 1.0 if self.kind == "at_most" else -1.0
+        slack = sign * (self.level - found.foretold(unit))
+        return [(certain, doubt), (slack, np.full(len(unit), found.error))]
+
+    def slack_of(self, values: np.ndarray) -> np.ndarray:
+        """By how much the limit is kept by values (...) of the number, NaN where there is none:
+        below 0 where it is not.
 
         Where there is no number, no level is kept; "happens" is kept or broken by infinity.
         """
-        return self.slack_of(self.surrogate.evaluate(unit))
-
-    def slack_of(self, values: np.ndarray) -> np.ndarray:
-        """The same for values (...) of the number, NaN where there is none."""
         values = np.asarray(values, dtype=float)
         there = np.isfinite(values)
         if self.kind == "happens":
@@ -77,52 +89,63 @@ def share_reaching(nominal: np.ndarray, unit: np.ndarray) -> np.ndarray:
     return np.divide(np.abs(away), room, out=np.zeros_like(away), where=room > 0).max(axis=1)
 
 
-def share_of_box(limits: Sequence[Limit], free: np.ndarray) -> float:
-    """Share of the box, by volume, in which all limits are kept; `free` (k): directions of width.
+def share_of_box(limits: Sequence[Limit], free: np.ndarray) -> tuple[float, float]:
+    """Share of the box, by volume, in which all limits are kept, and how much of it is open: by
+    how much it would be more or less if all errors were to one side. `free` (k): directions of
+    width.
 
     Along one line in one dimension, along many lines spread over the box in several; the borders on
-    each are found by linear interpolation of the least slack.
+    each are found by linear interpolation of what must not be below 0.
     """
     free = np.asarray(free, dtype=bool)
-    if not free.any():
-        return float(all(limit.slack(np.zeros((1, len(free))))[0] >= 0 for limit in limits))
     # The lines go along the direction with the largest differences.
     single = free.sum() == 1
     count = _ON_ONE_LINE if single else _ON_LINE
-    line = np.linspace(-1.0, 1.0, count)
+    line = np.linspace(-1.0, 1.0, count) if free.any() else np.zeros(2)
     along = int(np.argmax(free)) if single else _steepest(limits, free)
     others = free.copy()
     others[along] = False
-    starts = np.zeros((1, len(free))) if single else scan_points(others, _LINES, corners=False)
-    slack = []
+    starts = scan_points(others, _LINES if others.any() else 1, corners=False)
+    kept = []
     for first in range(0, len(starts), _AT_ONCE):
-        points = np.repeat(starts[first : first + _AT_ONCE, None], count, axis=1)
+        points = np.repeat(starts[first : first + _AT_ONCE, None], len(line), axis=1)
         points[:, :, along] = line
         flat = points.reshape(-1, len(free))
-        slack.append(np.min([limit.slack(flat) for limit in limits], axis=0).reshape(-1, count))
-    slack = np.concatenate(slack)
-    # Infinite slack has a sign only; it changes half way between two points.
-    size = np.abs(slack[np.isfinite(slack)]).max(initial=1.0)
-    slack = np.clip(slack, -size, size)
-    a, b = slack[:, :-1], slack[:, 1:]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        part = np.where(a >= 0, a, b) / np.abs(a - b)
-    kept = np.where((a >= 0) & (b >= 0), 1.0, np.where((a < 0) & (b < 0), 0.0, part))
-    return float(kept.mean())
+        found = [one for limit in limits for one in limit.conditions(flat)]
+        found = [tuple(each.reshape(-1, len(line)) for each in one) for one in found]
+        kept.append([_kept(found, sign).mean(axis=1) for sign in (0.0, -1.0, 1.0)])
+    share, least, most = np.concatenate(kept, axis=1).mean(axis=1)
+    return float(share), float(max(most - share, share - least))
+
+
+def _kept(conditions: Sequence[tuple[np.ndarray, np.ndarray]], sign: float) -> np.ndarray:
+    """Parts (L, S - 1) of the stretches between points on lines, on which values (L, S), with so
+    many times their errors (L, S) added, are not below 0."""
+    start, end = np.zeros((1, 1)), np.ones((1, 1))
+    for values, error in conditions:
+        if sign:
+            values = np.where(np.isfinite(values), values + sign * error, values)
+        # Infinity has a sign only; it changes half way between two points.
+        size = np.abs(values[np.isfinite(values)]).max(initial=1.0)
+        values = np.clip(values, -size, size)
+        a, b = values[:, :-1], values[:, 1:]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            border = a / (a - b)
+        start = np.maximum(start, np.where(a >= 0, 0.0, np.where(b >= 0, border, 1.0)))
+        end = np.minimum(end, np.where(b >= 0, 1.0, np.where(a >= 0, border, 0.0)))
+    return np.maximum(end - start, 0.0)
 
 
 def _steepest(limits: Sequence[Limit], free: np.ndarray) -> int:
-    """The direction along which the numbers change most, as shares of all their change."""
-    total = np.zeros(len(free))
+    """The direction along which what decides changes most, as shares of all its change."""
+    rows, total = np.flatnonzero(free), np.zeros(len(free))
+    ends = np.zeros((2 * len(rows), len(free)))
+    ends[np.arange(len(rows)), rows], ends[len(rows) + np.arange(len(rows)), rows] = -1.0, 1.0
     for limit in limits:
-        if limit.kind == "happens" or limit.surrogate.fit is None:
-            continue
-        change = np.zeros(len(free))
-        for j in np.flatnonzero(free):
-            ends = np.zeros((2, len(free)))
-            ends[:, j] = -1.0, 1.0
-            change[j] = abs(np.diff(limit.surrogate.fit.evaluate(ends))[0])
-        total += change / (change.sum() or 1.0)
+        for values, _ in limit.conditions(ends):
+            if len(rows) and np.isfinite(values).all():
+                change = np.abs(np.diff(values.reshape(2, -1), axis=0)[0])
+                total[rows] += change / (change.sum() or 1.0)
     return int(np.argmax(np.where(free, total, -1.0)))
 
 

@@ -33,14 +33,16 @@ class ScalarSurrogate:
         """The same of runs that were sought; see `Fit.usual_error`."""
         return np.nan if self.fit is None else self.fit.usual_error
 
+    def foretold(self, unit: np.ndarray) -> np.ndarray:
+        """What the fit tells (P) at unit coordinates (P, k), within what is possible, be there a
+        number or not."""
+        return np.clip(self.fit.evaluate(np.asarray(unit, dtype=float)), self.least, self.latest)
+
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
         """Values (P) at unit coordinates (P, k), NaN where there is none."""
-        unit = np.asarray(unit, dtype=float)
         if self.fit is None:
             return np.full(len(unit), np.nan)
-        values = np.maximum(self.fit.evaluate(unit), self.least)
-        there = self.occurrence.evaluate(unit) & (values <= self.latest)
-        return np.where(there, values, np.nan)
+        return np.where(self.occurrence.evaluate(unit), self.foretold(unit), np.nan)
 
     def range(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None, **options: int
@@ -82,7 +84,7 @@ class ScalarSurrogate:
         if not self.occurrence.mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == wanted else None
         certainty, points = self.occurrence.certainty, self.occurrence.points
-        found = extremes(certainty, lower, upper, points, climbs=0)
+        found = extremes(certainty, lower, upper, points, climbs=1)
         if wanted:
             return found.argmax if found.high >= 0 else None
         return found.argmin if found.low < 0 else None

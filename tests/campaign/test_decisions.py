@@ -88,7 +88,7 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
     from types import SimpleNamespace
 
     import intervals.scalars
-    from campaign.answers import requirements as answered
+    from campaign.answers import limits
 
     class Kept(intervals.scalars.Limit):
         def worst(self, lower, upper):
@@ -100,9 +100,8 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
         numbers=np.array([[1.0], [np.nan], [2.0]]),
         nominal=np.array([0.0, 0.0]),
         experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True, True]))),
-        surrogates=lambda: [None],
     )
-    found = answered._judged(bench, [answered.Asked("there", 0, "happens", 1.0)])
+    found = limits.judged(bench, [None], [limits.Asked("there", 0, "happens", 1.0)])
     assert found.largest[:2] == (0.5, 0)
     np.testing.assert_array_equal(found.fails, [0.25, -0.5])
 

@@ -11,6 +11,7 @@ from campaign.answers.choice import design_points
 from campaign.answers.ends import _ends
 from campaign.results.answers import digits_for, ends, interval
 from campaign.results.budget import quantity_errors
+from campaign.results.decisions import share_text
 from intervals import Box
 from intervals.scalars.extremes import Extremes
 
@@ -41,10 +42,25 @@ def test_digits_tell_ends_apart(middle, width):
 def test_ends_say_how_far_they_were_simulated():
     row = {"verified": False, "lower": 1.0, "upper": 2.0}
     assert ends(row | {"simulated_lower": 1.0, "simulated_upper": 1.5}) == (
-        "upper simulated only to 1.5"
+        "not verified: upper simulated only to 1.5"
     )
     assert ends(row | {"simulated_lower": 1.0, "simulated_upper": 2.0}) == "simulated"
     assert ends({"verified": True}) == "simulated"
+
+
+@pytest.mark.parametrize(
+    ("share", "open_", "text"),
+    [
+        (0.81234, 0.0001, "81.23 %"),
+        (0.81234, 0.0213, "81 % (open: 3 %)"),
+        (0.81234, 0.0006, "81.23 % (open: 0.06 %)"),
+        (0.5, 0.12, "50 % (open: 12 %)"),
+        (0.9999, 0.02, "More than 99 % (open: 2 %)"),
+        (1e-6, 0.0, "Less than 0.01 %"),
+    ],
+)
+def test_a_share_has_the_digits_that_what_is_open_leaves(share, open_, text):
+    assert share_text(share, open_) == text
 
 
 def test_the_error_of_a_quantity_is_the_sum_of_its_parts_as_a_share_of_its_width():

@@ -37,12 +37,9 @@ rule requirements:
         "{stage}/requirements.json",
     log:
         "{stage}/logs/requirements.log",
+    localrule: True
     conda:
         ENVIRONMENT
-    threads: WORKFLOW.processes
-    resources:
-        runtime=lambda wildcards, attempt: attempt * WORKFLOW.minutes(),
-        mem_mb=lambda wildcards, attempt: attempt * WORKFLOW.megabytes(),
     params:
         folder=folder_of,
         config=sections("requirements"),
@@ -50,8 +47,7 @@ rule requirements:
     message:
         "Judging the requirements"
     shell:
-        "python -m campaign requirements {params.folder:q} --config {params.config:q}"
-        " --threads {threads} --log {log:q}"
+        "python -m campaign requirements {params.folder:q} --config {params.config:q} --log {log:q}"
 
 
 rule choice:

@@ -130,14 +130,20 @@ def digits_for(lower: float, upper: float) -> int:
     return int(np.clip(np.ceil(np.log10(size / width)) + 3, 4, 9)) if width > 0 < size else 6
 
 
+_VERIFIED = 1e-3
+"""Share of the width by which a run may be short of an end that counts as simulated."""
+
+
 def ends(row: Mapping) -> str:
     """Whether the ends were simulated."""
     if row["verified"]:
         return "simulated"
-    parts = []
-    for side in ("lower", "upper"):
-        if row[f"simulated_{side}"] != row[side]:
-            parts.append(f"{side} simulated only to {row[f'simulated_{side}']:.6g}")
+    least = _VERIFIED * (row["upper"] - row["lower"])
+    parts = [
+        f"{side} simulated only to {row[f'simulated_{side}']:.6g}"
+        for side in ("lower", "upper")
+        if abs(row[f"simulated_{side}"] - row[side]) > least
+    ]
     return f"not verified: {', '.join(parts)}" if parts else "simulated"
 
 

@@ -9,13 +9,15 @@ import pytest
 import xarray
 
 from campaign.cli import main
+from campaign.results.decisions import share_text
 
 ROOT = Path(__file__).parents[2]
+_NONE = {"share": 0.0, "open": 0.0}
 
 
 def answers(folder: Path) -> SimpleNamespace:
-    """What a campaign answers, by the names of its quantities and responses; `all_meet`, `meet`,
-    `choice` and `runs` beside them."""
+    """What a campaign answers, by the names of its quantities and responses; which shares `meet`
+    each requirement and `all`, `choice` and `runs` beside them."""
     told = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     found = {one["name"]: SimpleNamespace(**one) for one in told.get("quantities", [])}
     with xarray.open_dataset(folder / "bounds.nc") as bounds:
@@ -23,8 +25,10 @@ def answers(folder: Path) -> SimpleNamespace:
             last = bounds.sel(response=one["name"]).isel(time=-1)
             ends = {"last_lower": last["lower"].item(), "last_upper": last["upper"].item()}
             found[one["name"]] = SimpleNamespace(**one, **ends)
-    found["meet"] = {one["name"]: one["share"] for one in told.get("requirements", [])}
-    found["all_meet"] = told.get("together", {}).get("share")
+    found["meet"] = {
+        one["name"]: share_text(one["share"], one["open"])
+        for one in [*told.get("requirements", []), {"name": "all", **told.get("together", _NONE)}]
+    }
     found["choice"] = told.get("choice")
     found["runs"] = told["runs"]["all"]
     return SimpleNamespace(**found)
@@ -68,15 +72,15 @@ TOLD = {
         f"{a.reach.largest_difference:.3f} m", f"{a.vend.largest_difference:.2f} m/s",
     ]},
     "closing": {"docs/quantities.md": lambda a: [
-        interval(a.t_shut, 3, "s"), f"{100 * a.all_meet:.1f} %",
+        interval(a.t_shut, 3, "s"), a.meet["all"],
         f"{a.choice['parameters'][0]['value']:.2f} N m/rad",
     ]},
     "deploys": {"docs/will-it-latch.md": lambda a: [
-        f"{100 * a.meet['opens']:.0f} % of the box", f"{100 * a.all_meet:.0f} % of the box",
+        f"{a.meet['opens']} of the box", f"{a.meet['all']} of the box",
         interval(a.t_open, 2, "s"), f"at most {a.v_open.upper:.2f} m/s",
         f"k = {a.choice['parameters'][0]['value']:.3f} N m/rad",
     ], "README.md": lambda a: [
-        f"in {100 * a.meet['opens']:.0f} % of the box", f"after {interval(a.t_open, 1, 's')}",
+        f"in {a.meet['opens']} of the box", f"after {interval(a.t_open, 1, 's')}",
     ]},
 }  # fmt: skip
 """For each campaign the pages that tell of it, and the texts that are there if they tell right."""

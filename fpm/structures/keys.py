@@ -15,6 +15,7 @@ from fpm.kinds.hinge import ANGLES
 from fpm.kinds.opening import SLIDING
 from fpm.structures.names import Bound
 from fpm.structures.place import Place
+from fpm.structures.problems import SkippedError
 from fpm.structures.reading import Items, Node, Table, Text
 from fpm.structures.units import NUMBER, unit
 
@@ -207,6 +208,8 @@ class Opening(Key):
             return full, k
         full = place.reference(node, "joints")
         type = names.types.get(full, "")
+        if not type:  # which is told of the joint
+            raise SkippedError(full)
         self._check(node, place, full, "" if type == "universal" else type)
         return full, 0
 

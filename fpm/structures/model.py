@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from fpm.errors import likely
 from fpm.scene import Scene
 from fpm.structures import repeat
 from fpm.structures.keys import COMMA, Assembled, Number, Vector
@@ -87,9 +88,11 @@ class Model:
                 key = joined(sheet.key, group, name)
                 if is_name(name, key, line, self.problems, number=group == "let"):
                     self._name(sheet.context.prefix, name, group, key, line)
-                type = getattr(node.entries[name], "entries", {}).get("type")
-                if group == "joints" and isinstance(type, Text):
-                    self.names.types[sheet.context.prefix + name] = type.value
+                if group == "joints":
+                    type = getattr(node.entries[name], "entries", {}).get("type")
+                    given = type.value if isinstance(type, Text) else ""
+                    meant = given if given in GROUPS[group] else likely(given, GROUPS[group])
+                    self.names.types[sheet.context.prefix + name] = meant
 
     def _name(self, prefix: str, name: str, group: str, key: str, line: int) -> None:
         """Note one name of a group."""

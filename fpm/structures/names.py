@@ -92,7 +92,7 @@ class Names:
         self.problems = problems
         self.numbers: dict[str, Number] = {}
         self.things: dict[str, dict[str, int]] = {"parts": {"ground": 0}}
-        self.types: dict[str, str] = {}  # of joints, by name
+        self.types: dict[str, str] = {}  # of joints, by name; "" where nobody can tell
         self.used: set[str] = set()
         self.absent: set[tuple[str, str]] = set()  # (group, name): wrong, or at a row's end
         self.order: list[str] = []

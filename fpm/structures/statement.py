@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from fpm.errors import did_you_mean
+from fpm.errors import did_you_mean, likely
 from fpm.structures.keys import REQUIRED, Key, Opening
 from fpm.structures.place import Place
 from fpm.structures.problems import SkippedError, among
@@ -94,8 +94,12 @@ def read_entry(
     statement = _statement(kinds, node, place)
     if statement is None:
         return None
-    statement = statement.sliding(_slides(statement, node, place))
-    sound, read = True, {}
+    try:
+        slides = _slides(statement, node, place)
+    except SkippedError:
+        return None
+    turning, statement = statement, statement.sliding(slides)
+    sound, read, meant = True, {}, set()
     for key, entry in node.entries.items():
         if key in statement.keys:
             try:
@@ -105,20 +109,35 @@ def read_entry(
         elif key != "type" or not statement.type:
             sound = False
             known = [*(["type"] if statement.type else []), *statement.keys]
+            other, hint = _meant(key, turning, known)
+            meant.add(other)
             problems.say(
                 node.lines[key],
-                f"{place.key}.{key}: there is no such key{did_you_mean(key, known)}; "
-                f"allowed: {', '.join(known)}",
+                f"{place.key}.{key}: there is no such key{hint}; allowed: {', '.join(known)}",
             )
     for key, kind in statement.keys.items():
         if kind.default is REQUIRED and key not in node.entries:
+            if key in meant:
+                continue  # told already
             sound = False
             problems.say(line, f"{place.key}.{key}: missing; allowed: {kind.allowed}")
     return Entry(statement, name, place.key, line, node.lines, read) if sound else None
 
 
+def _meant(key: str, turning: Statement, known: list[str]) -> tuple[str, str]:
+    """Which of the known keys of a statement is meant by another, and the hint that says so;
+    turning: the statement as it is on hinges."""
+    if key in turning.keys:
+        return ON_SLIDES[key], f" on a slide, where it is {ON_SLIDES[key]}"
+    for name in turning.keys:
+        if ON_SLIDES.get(name) == key and "joint" in known:
+            return name, f" on a hinge, where it is {name}"
+    return likely(key, known), did_you_mean(key, known)
+
+
 def _slides(statement: Statement, node: Table, place: Place) -> list[str]:
-    """The keys of an entry that name slides."""
+    """The keys of an entry that name slides; SkippedError if one names a joint of which nobody can
+    tell what it is."""
     found = []
     for key, kind in statement.keys.items():
         takes = isinstance(kind, Opening) and SLIDE in kind.types
@@ -130,7 +149,9 @@ def _slides(statement: Statement, node: Table, place: Place) -> list[str]:
                 full = place.context.prefix + entry.value.partition(".")[2]
             except KeyError:
                 continue
-            if types.get(full) == SLIDE:
+            if not types.get(full):
+                raise SkippedError(full)
+            if types[full] == SLIDE:
                 found.append(key)
     return found
 

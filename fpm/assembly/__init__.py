@@ -54,7 +54,8 @@ MASS_SHARE, EASE = 1e-8, 1e-13
 
 class Assembly(NamedTuple):
     """What forced a scene together: the strain energy that is left (J); the joint that was farthest
-    open, by a gap (m) and an angle (rad) between directions that should agree; rounds.
+    open, by a gap (m) and an angle (rad) between directions that should agree; rounds; the openings
+    (rad, of slides m) of the hinges before, as they were stated.
     """
 
     energy: float
@@ -62,6 +63,7 @@ class Assembly(NamedTuple):
     gap: float
     tilt: float
     rounds: int
+    stated: tuple[float, ...]
 
 
 class MisfitError(SceneError):
@@ -94,8 +96,9 @@ def assemble(scene: "Scene", hold: Sequence[str] = ()) -> None:
     if scene.unstrained is None:  # else it was assembled before
         scene.unstrained, scene.unstrained_position = scene.frame, scene.position
     scene.position, scene.frame = places.position, places.frame
+    stated = tuple(hinge.opening for hinge in scene.hinges)
     scene.hinges = [_reopened(scene, hinge) for hinge in scene.hinges]
-    scene.assembly = Assembly(elastic.energy(places), worst, gap, tilt, rounds)
+    scene.assembly = Assembly(elastic.energy(places), worst, gap, tilt, rounds, stated)
 
 
 def _settle(scene, places: Places, conditions: Conditions, elastic: Elastic):

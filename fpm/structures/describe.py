@@ -25,7 +25,9 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
     cost, mobility = report.cost(scene, duration), report.mobility(scene)
     mesh = getattr(found, "mesh", None)
     rows = [[name, *_row(p, name == mesh)] for name, p in found.parameters.items()]
-    joints = [f"{h.name} ({_opening(h)})" for h in scene.hinges]
+    stated = scene.assembly.stated if scene.assembly else [h.opening for h in scene.hinges]
+    openings = zip(scene.hinges, stated, strict=True)
+    joints = [f"{hinge.name} ({_opening(hinge, before)})" for hinge, before in openings]
     joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
     redundant = report.redundant(scene)
     cables = [_cable(scene, cable) for cable in scene.cables]
@@ -59,14 +61,18 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
     return "\n".join(lines)
 
 
-def _opening(hinge: Hinge) -> str:
-    """The opening of a hinge at the start."""
+def _opening(hinge: Hinge, stated: float) -> str:
+    """The opening of a hinge at the start, and the one that was stated if parts were forced together
+    to another."""
     kind = {"prismatic": "slide, ", "universal": "universal, ", "cross": "universal, "}
-    return f"{kind.get(hinge.type, '')}opening {_angle(hinge.opening, hinge)}"
+    now, before = (_angle(opening, hinge) for opening in (hinge.opening, stated))
+    other = f", stated as {before}" if now != before else ""
+    return f"{kind.get(hinge.type, '')}opening {now}{other}"
 
 
 def _angle(opening: float, hinge: Hinge) -> str:
-    """An opening of a hinge, in degrees, or of a slide."""
+    """An opening of a hinge, in degrees, or of a slide; what rounding leaves is none."""
+    opening = round(opening, 9) + 0.0
     return f"{opening:.4g} m" if hinge.slides else f"{np.degrees(opening):.4g} deg"
 
 
@@ -141,7 +147,7 @@ def _numbers(element: Kind, slides: bool, loop: bool) -> Iterator[str]:
 
 def _forced(scene: Scene) -> str:
     """What forced the parts together."""
-    _, joint, gap, tilt, _ = scene.assembly
+    joint, gap, tilt = scene.assembly[1:4]
     parts = [f"{gap:.4g} m"] * (gap > 0) + [f"{tilt:.4g} rad"] * (tilt > 0)
     found = f"joint {joint} was open by {' and '.join(parts)}" if parts else "nothing was open"
     return f"{found}; {scene.assembly.energy:.4g} J of strain energy are left"

@@ -8,6 +8,7 @@ import fpm
 from fpm import structures
 from fpm.assembly import MisfitError, assemble
 from fpm.structures import StructureError, check, loads
+from fpm.structures.describe import describe
 
 STEEL, ROD = fpm.Material(210e9, 0.3, 7850.0), fpm.Section.circle(0.02)
 EA, EI, GJ = STEEL.E * ROD.A, STEEL.E * ROD.Iy, STEEL.G * ROD.J
@@ -243,3 +244,34 @@ def test_wrong_ways_to_ask_for_it_are_refused(old, new, said):
     assert old in FOURBAR
     found = problems_of(FOURBAR.replace(old, new))
     assert any(said in problem for problem in found), found
+
+
+def test_an_opening_that_forcing_changes_is_told_beside_the_stated_one():
+    """A strut that is 2 mm too long moves a sled on its rail."""
+    text = """
+assemble: true
+parameters:
+  slack: {value: 2, unit: mm, range: [-10, 10], description: error of the strut's length}
+points:
+  origin: [0, 0, 0]
+  high: [0, 0, 0.3 m]
+  far: [0.4 m, 0, 0]
+  end: [0.4 m + slack, 0, 0]
+materials:
+  steel: {E: 200 GPa, nu: 0.3, rho: 7800 kg/m3}
+sections:
+  rod: {type: square, side: 10 mm}
+bars:
+  strut: {through: [high, end], section: rod, material: steel, elements: 2}
+bodies:
+  sled: {mass: 1, centre: far, points: [origin], box: [0.1 m, 0.1 m, 0.1 m]}
+joints:
+  rail: {type: prismatic, parts: [ground, sled], at: origin, axis: x, opening: 0.4 m}
+  top: {type: revolute, parts: [ground, strut], at: high, axis: y}
+  foot: {type: revolute, parts: [strut, sled], at: {strut: end, sled: far}, axis: y}
+record:
+  far: {part: sled, at: far}
+"""
+    lines = describe(loads(text)).splitlines()
+    assert "  rail (slide, opening 0.402 m, stated as 0.4 m)" in lines
+    assert "  top (opening 0 deg)" in lines

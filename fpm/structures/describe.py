@@ -62,8 +62,7 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
 
 
 def _opening(hinge: Hinge, stated: float) -> str:
-    """The opening of a hinge at the start, and the one that was stated if parts were forced together
-    to another."""
+    """The opening of a hinge at the start, and the stated one if parts were forced to another."""
     kind = {"prismatic": "slide, ", "universal": "universal, ", "cross": "universal, "}
     now, before = (_angle(opening, hinge) for opening in (hinge.opening, stated))
     other = f", stated as {before}" if now != before else ""

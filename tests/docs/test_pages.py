@@ -68,13 +68,13 @@ CAMPAIGNS = {
 # Studies, and parts of them, that take long, with their cpu time on a slow core; the tests that run
 # smaller ones. `snakemake NAME` calls `python -m evidence NAME`: tests/evidence/test_studies.py.
 STUDIES_NOT_RUN = {
-    "verification": "4 minutes; every problem on a coarser mesh: tests/evidence/test_problems.py",
+    "verification": "1 minute, and 2 to compile; coarser: tests/evidence/test_problems.py",
     "extremes": "2.5 minutes; many groups: tests/evidence/test_extremes.py",
     "accuracy": "1.2 minutes; five choices: tests/evidence/test_accuracy.py",
     "tradeoff": "7 minutes; a small case: tests/evidence/test_tradeoff.py",
     "scaling": "1 minute; what it tells: tests/evidence/test_scaling.py",
     "calibration": "3 minutes; a coarse mesh: tests/evidence/test_calibration.py",
-    "benchmark": "4 minutes; its parts on small cases: tests/evidence/test_benchmark.py",
+    "benchmark": "3 minutes; its parts on small cases: tests/evidence/test_benchmark.py",
     "benchmark --only cost kinds": "1 minute",
     "benchmark --only machine": "16 s; on smaller links: tests/evidence/test_benchmark.py",
     "benchmark --only scan": "1.3 minutes",

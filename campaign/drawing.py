@@ -31,7 +31,9 @@ _CHILD = """
 import signal
 signal.signal(signal.SIGINT, signal.SIG_DFL)
 from campaign.drawing import draw
+from campaign.stopping import leave
 draw()
+leave(0)
 """
 
 

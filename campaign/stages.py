@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -67,15 +67,19 @@ def simulate(
     threads: int = 1,
     processes: int = 1,
     bundle: Any = None,
+    ahead: Sequence[str] = (),
 ) -> None:
-    """Simulate one batch of the planned runs, except those that are there already."""
+    """Simulate one batch of the planned runs, except those that are there already.
+
+    ahead: modules that are imported meanwhile.
+    """
     from campaign.plan.plan import read_plan
     from campaign.runs.batch import run_batch
     from campaign.runs.bundle import pack
 
     made = read_plan(folder.plan)
     store, manifest = folder.runs(jobs.keep), folder.batch(batch)
-    run_batch(made, batch, batches, jobs, store, manifest, tell, threads, processes)
+    run_batch(made, batch, batches, jobs, store, manifest, tell, threads, processes, ahead)
     if bundle:
         pack(store, bundle)
 

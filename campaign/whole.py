@@ -17,9 +17,11 @@ from campaign.files import open_dataset
 from campaign.folder import ROUND_FILES, Folder
 from campaign.runs.progress import Tell, Teller
 from campaign.stages import STAGES, answers, batch_count, drawings, waits_for_page
-from campaign.stopping import import_ahead
 from campaign.workflow import Workflow
 from fpm.sealed import DamagedError
+
+_NEEDED_NEXT = ("xarray",)
+"""What takes long to import and is needed after the runs."""
 
 
 def run(
@@ -97,11 +99,9 @@ def _sample(campaign: Campaign, folder: Folder, tell: Tell) -> None:
     from campaign.plan.plan import read_plan
 
     batches = batch_count(campaign, len(read_plan(folder.plan).runs))
-    # What bounds need takes a second to import; meanwhile threads integrate.
-    import_ahead("xarray")
-    threads = os.cpu_count() or 1
+    more = {"batches": batches, "threads": os.cpu_count() or 1, "ahead": _NEEDED_NEXT}
     for batch in range(batches):
-        _stage("simulate", campaign, folder, tell, batch=batch, batches=batches, threads=threads)
+        _stage("simulate", campaign, folder, tell, batch=batch, **more)
     _stage("gather", campaign, folder, tell)
 
 

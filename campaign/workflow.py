@@ -86,11 +86,16 @@ class Workflow:
         return self.campaign.jobs.processes
 
     @cache  # noqa: B019
-    def minutes(self, batches: int = 1) -> int:
-        """Minutes to ask a queue for: for one of so many jobs that the runs are shared among."""
-        from campaign.plan.jobs import job_minutes
+    def minutes(self, batches: int = 1, plan_path: str | None = None) -> int:
+        """Minutes to ask a queue for: for one of so many jobs that the runs are shared among.
 
-        return job_minutes(self.campaign, -(-count_runs(self.campaign.experiment) // batches))
+        plan_path: the plan of these runs, if it is there.
+        """
+        from campaign.plan.jobs import job_minutes
+        from campaign.plan.plan import read_step
+
+        runs = -(-count_runs(self.campaign.experiment) // batches)
+        return job_minutes(self.campaign, runs, read_step(plan_path) if plan_path else None)
 
     @cache  # noqa: B019
     def megabytes(self) -> int:

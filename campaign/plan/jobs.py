@@ -7,6 +7,7 @@ import math
 from campaign.config.sections import Campaign
 from campaign.plan.estimate import LANES, recorded, run_seconds
 from campaign.plan.make import choose_step
+from campaign.plan.plan import TimeStep
 
 STARTING = 5.0
 """Minutes of a job beside its runs, at most: starting, and compiling the time loop once."""
@@ -22,13 +23,16 @@ def runs_in_job(campaign: Campaign) -> int:
     return max(1, jobs.processes, int(fitting / jobs.group)) * jobs.group
 
 
-def job_minutes(campaign: Campaign, runs: int) -> int:
+def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> int:
     """Minutes to ask a queue for, for a job of so many runs: twice the estimate, and what it takes
-    to start and to compile. Where the mesh is sought, all the time that it may take."""
+    to start and to compile. Where the mesh is sought, all the time that it may take.
+
+    time: the step of their plan, if there is one; to find it takes longer.
+    """
     if campaign.experiment.is_sought:
         minutes = campaign.experiment.accuracy.minutes
     else:
-        minutes = math.ceil(runs / LANES) * LANES * seconds_of_run(campaign) / 60.0
+        minutes = math.ceil(runs / LANES) * LANES * seconds_of_run(campaign, time) / 60.0
     return math.ceil(STARTING + 2.0 * minutes / campaign.jobs.processes)
 
 
@@ -40,10 +44,13 @@ def job_megabytes(campaign: Campaign) -> int:
     return math.ceil(PROGRAM + jobs.processes * (PROCESS + 2.0 * jobs.group * run / 1e6))
 
 
-def seconds_of_run(campaign: Campaign) -> float:
-    """Seconds of a core that a run takes among others side by side: the config's, or estimated."""
+def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
+    """Seconds of a core that a run takes among others side by side: the config's, or estimated.
+
+    time: as for `job_minutes`.
+    """
     from fpm.effort import machine
 
     experiment = campaign.experiment
     known = campaign.jobs.run_seconds
-    return known or machine() * run_seconds(experiment, choose_step(experiment))
+    return known or machine() * run_seconds(experiment, time or choose_step(experiment))

@@ -153,11 +153,9 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 def read_plan(path: str | Path) -> Plan:
     """The plan in `nodes.json`; raises `fpm.sealed.DamagedError` unless it is as it was written."""
-    content = Path(path).read_bytes()
-    check_content(path, content, "nodes.json")
-    data = json.loads(content)
+    data = _content(path)
     experiment, mechanics = from_data(Experiment, data["config"]), data["mechanics"]
-    time = TimeStep(**{name: data[name] for name in TimeStep.__dataclass_fields__})
+    time = _time(data)
     if "packed" in data:
         role, unit = _unpacked(data["packed"])
         name = namer(experiment, time.step, mechanics)
@@ -168,6 +166,21 @@ def read_plan(path: str | Path) -> Plan:
         ])  # fmt: skip
     adaptive = from_data(Rounds, data["adaptive"]) if "adaptive" in data else None
     return Plan(experiment, mechanics, time, runs, adaptive)
+
+
+def read_step(path: str | Path) -> TimeStep:
+    """The time step of the plan in `nodes.json`, in less time than all of it."""
+    return _time(_content(path))
+
+
+def _content(path: str | Path) -> dict:
+    content = Path(path).read_bytes()
+    check_content(path, content, "nodes.json")
+    return json.loads(content)
+
+
+def _time(data: Mapping) -> TimeStep:
+    return TimeStep(**{name: data[name] for name in TimeStep.__dataclass_fields__})
 
 
 def _packed(runs: Runs) -> dict:

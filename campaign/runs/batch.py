@@ -29,6 +29,7 @@ from campaign.runs.processes import spread
 from campaign.runs.progress import Progress, Tell, warm_up
 from campaign.runs.results import Result, groups_of
 from campaign.runs.store import open_store
+from campaign.stopping import import_ahead
 from fpm.asked import Column, words
 from fpm.sealed import sweep
 
@@ -47,10 +48,12 @@ def run_batch(
     tell: Tell,
     threads: int = 1,
     processes: int = 1,
+    ahead: Iterable[str] = (),
 ) -> None:
     """Simulate batch `batch` of `batches` into the store in `folder`, then write the manifest.
 
-    Groups are shared among `processes`, and each among `threads`, which changes no number.
+    Groups are shared among `processes`, and each among `threads`, which changes no number. The
+    modules `ahead` are imported while threads integrate, but not while they load what they need.
     Raises `CampaignError` that lists the runs that failed, after all others were written; then
     there is no manifest.
     """
@@ -67,6 +70,8 @@ def run_batch(
         check_structure(plan)
         scene = plan.experiment.build(plan.named(work[0][1][0]))
         warm_up(scene, tell, plan.experiment.asked)
+        for name in ahead:
+            import_ahead(name)
         total = sum(map(len, groups))
         progress = Progress(plan.experiment.name, total, store.counter(groups), tell, Path(folder))
         begun = clocks()

@@ -52,6 +52,20 @@ def test_ctrl_c_stays_ignored_where_it_is(interrupts):
     assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
 
 
+def test_a_process_that_leaves_has_told_and_cleared_everything():
+    code = """if True:
+        import atexit, sys
+        from campaign.stopping import leave
+        atexit.register(print, "cleared")
+        print("told"), print("warned", file=sys.stderr)
+        leave(3)
+    """
+    ended = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (3, "told\ncleared\n", "warned\n")
+
+
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_whoever_reads_the_words_may_stop_reading(unbuffered):
     command = [sys.executable, "-m", "campaign", "new", "--starts"]

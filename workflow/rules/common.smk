@@ -108,9 +108,11 @@ def batch_count(wildcards):
     return WORKFLOW.batch_count(plan)
 
 
-def job_minutes(wildcards):
+def job_minutes(wildcards, input):
     """Minutes to ask a queue for, for a batch of runs."""
-    return WORKFLOW.minutes(batch_count(wildcards))
+    plan = str(input[0])
+    there = Path(plan).exists() and plan not in STALE
+    return WORKFLOW.minutes(batch_count(wildcards), plan if there else None)
 
 
 def batch_files(name):

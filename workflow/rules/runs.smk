@@ -16,7 +16,8 @@ rule simulate:
         ENVIRONMENT
     threads: WORKFLOW.processes
     resources:
-        runtime=lambda wildcards, attempt: attempt * job_minutes(wildcards),
+        runtime=lambda wildcards, input, attempt: attempt
+        * job_minutes(wildcards, input),
         mem_mb=lambda wildcards, attempt: attempt * WORKFLOW.megabytes(),
     params:
         folder=folder_of,

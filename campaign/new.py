@@ -87,7 +87,8 @@ def campaign_of(path: Path, name: str) -> str:
     """A campaign to begin with, for the structure in the file at `path`, called `name` in it.
 
     Its first real parameter that has a value is known to 1 %; the speeds of all points and the
-    openings of all hinges are recorded for a second. Raises `CampaignError`.
+    openings of all hinges are recorded for a second, and of its latches it is asked when they
+    catch, and whether all do. Raises `CampaignError`.
     """
     import fpm
     from campaign.config.scenes import scene_type
@@ -101,10 +102,11 @@ def campaign_of(path: Path, name: str) -> str:
         raise CampaignError(f"{path} has no real parameter, so that nothing can be an interval")
     table = [_line(key, parameter) for key, parameter in found.parameters.items()]
     responses = [
-        f"  {point}_speed: {{velocity: {point}, component: norm}}" for point in found.points
+        f"  {_name(point)}_speed: {{velocity: {point}, component: norm}}" for point in found.points
     ]
-    responses += [f"  {hinge}_opening: {{opening: {hinge}}}" for hinge in found.hinges]
+    responses += [f"  {_name(hinge)}_opening: {{opening: {hinge}}}" for hinge in found.hinges]
     first = found.parameters[real[0]]
+    catches = {f"t_{_name(latch)}": latch for latch in _latches(found)}
     return "\n".join(
         [
             f"# {found.description or found.name}",
@@ -127,9 +129,38 @@ def campaign_of(path: Path, name: str) -> str:
             "",
             "responses:",
             *responses,
+            *_asked_of(catches),
             "",
         ]
     )
+
+
+def _name(thing: str) -> str:
+    """What a response or quantity can be called after something."""
+    return re.sub("[^A-Za-z0-9_]+", "_", thing)
+
+
+def _latches(found: Any) -> list[str]:
+    """The latches of a structure by their own names."""
+    from fpm.outcome import eventful
+
+    elements = eventful(found.sample)
+    return [e.name.removeprefix("latch ") for e in elements if "latches" in e.events]
+
+
+def _asked_of(catches: dict[str, str]) -> list[str]:
+    """Lines that ask when latches catch, by names of the times, and whether all do."""
+    if not catches:
+        return []
+    return [
+        "",
+        "quantities: # when each latch catches; the duration must be long enough for it",
+        *(f"  {time}: {{event: latches, of: {latch}}} # s" for time, latch in catches.items()),
+        "",
+        "requirements:",
+        "  latches:",
+        *(f"    {time}: {{happens: true}}" for time in catches),
+    ]
 
 
 def _line(name: str, parameter: Any) -> str:

@@ -66,6 +66,19 @@ def test_a_folder_starts_from_a_structure_of_ones_own(tmp_path):
     assert {"knee_speed", "tip_speed", "root_opening"} <= set(made.experiment.responses)
 
 
+def test_a_structure_with_latches_starts_with_the_question_whether_they_catch(tmp_path):
+    mine = tmp_path / "mine.yaml"
+    mine.write_bytes(shipped.structures()["boom"].read_bytes())
+    make_folder(tmp_path / "made", str(mine))
+    made = load_config([tmp_path / "made" / CAMPAIGN])
+    numbers = {quantity.name: quantity.places for quantity in made.experiment.numbers}
+    assert numbers == {
+        "t_root_latch": ("latch root_latch",),
+        "t_tube1_latch": ("latch tube1.latch",),
+    }
+    assert set(made.requirements["latches"]) == set(numbers)
+
+
 @pytest.mark.parametrize("start", ["nothing", "config/small.yaml", "no.yaml"])
 def test_what_is_no_start_is_refused(tmp_path, start):
     with pytest.raises(CampaignError, match=r"allowed: .*pendulum|scene|not allowed"):

@@ -2,6 +2,7 @@
 what `NOT_RUN` and `STUDIES_NOT_RUN` name, with the reason."""
 
 import json
+import math
 import re
 import shlex
 import shutil
@@ -17,6 +18,7 @@ from campaign.stages import STAGES
 from evidence.__main__ import main as study
 from evidence.registry import STUDIES
 from fpm import structures
+from fpm.kinds import RigidLatch
 from fpm.structures import report
 
 ROOT = Path(__file__).parents[2]
@@ -119,8 +121,9 @@ def folder(tmp_path_factory):
         (folder / name).symlink_to(ROOT / name)
     for name in PAGE_OF:
         for text in blocks(ROOT / "docs" / f"{PAGE_OF[name]}.md", "yaml"):
-            kind = "campaign" if text.startswith("campaign:") else "structure"
-            (folder / FILES[name, kind]).write_text(text, encoding="utf-8")
+            structure = yaml.safe_load(text).get("name")
+            file = f"{structure}.yaml" if structure else CAMPAIGN_OF[name]
+            (folder / file).write_text(text, encoding="utf-8")
     (folder / "my.yaml").symlink_to(ROOT / "config/small.yaml")
     (folder / "mast.yaml").symlink_to(ROOT / "config/structures/scissor.yaml")
     with pytest.MonkeyPatch.context() as inside:
@@ -132,11 +135,7 @@ def folder(tmp_path_factory):
 
 
 PAGE_OF = {"first": "first-campaign", "mine": "own-structure", "ladder": "step-ladder"}
-FILES = {
-    ("first", "campaign"): "first.yaml", ("mine", "structure"): "mine.yaml",
-    ("mine", "campaign"): "my-campaign.yaml", ("ladder", "structure"): "ladder.yaml",
-    ("ladder", "campaign"): "my-ladder.yaml",
-}  # fmt: skip
+CAMPAIGN_OF = {"first": "first.yaml", "mine": "my-campaign.yaml", "ladder": "my-ladder.yaml"}
 
 
 def _marks(line):
@@ -257,6 +256,39 @@ def test_the_structure_and_campaigns_of_the_pages_are_right(folder, monkeypatch)
     assert report.mobility(mine.build()).degrees == 2
     for name in ("first.yaml", "my-campaign.yaml", "my-ladder.yaml"):
         assert load_config([name]).name == yaml.safe_load(Path(name).read_text())["campaign"]
+
+
+def test_the_drawer_of_the_page_is_caught_when_it_says(folder):
+    """By the closed form for what is in the scene; that such latches catch then, tests/fpm show."""
+    scene = structures.load(folder / "drawer.yaml").build()
+    (spring,), (latch,) = scene.springs, RigidLatch.of(scene)
+    mass = scene.mass[~scene.fixed[:, :3].all(axis=1)].sum()
+    rate = math.sqrt(spring.stiffness / mass)
+    caught = math.acos(1 - latch.angle / spring.rest) / rate
+    assert scene.hinges[spring.hinge].slides and spring.hinge == latch.hinge
+    page = (ROOT / "docs/own-structure.md").read_text(encoding="utf-8")
+    assert f"arccos(0.1/0.4)/ω = {caught:.3f} s" in page
+
+
+def test_the_lines_that_answer_questions_are_right_together(tmp_path):
+    """For the boom, which has such things under other names."""
+    page = (ROOT / "docs/quantities.md").read_text(encoding="utf-8")
+    table = page.split("## From a question to its lines")[1].split("## ")[0]
+    config = {
+        "campaign": "asked",
+        "scene": {"file": str(ROOT / "config/structures/boom.yaml")},
+        "solver": {"duration": 2.0, "instants": 1001},
+        "intervals": {"mass": {"relative": 0.02}},
+    }
+    names = {"hinge": "root", "pin": "root_latch", "arm": "tube1.bar", "mast": "tube2.bar"}
+    for section, lines in re.findall(r"`(responses|quantities|requirements): ([^`]+)`", table):
+        for name, own in names.items():
+            lines = re.sub(rf"(?<=[\s\[]){name}(?=[\]}},])", own, lines)
+        config.setdefault(section, {}).update(yaml.safe_load(lines))
+    assert len(config["quantities"]) == 9 and len(config["requirements"]) == 2
+    path = tmp_path / "asked.yaml"
+    path.write_text(yaml.safe_dump(config), encoding="utf-8")
+    assert load_config([path]).name == "asked"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=[page.stem for page in PAGES])

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from campaign.pictures.colours import BARS, CABLE, rgb
+from campaign.pictures.order import paint_order
 from campaign.pictures.solid import FACES, Solid
 from campaign.pictures.view import View, nice_length
 
@@ -60,7 +61,7 @@ def visible_faces(
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
     seen = normal @ view.towards > 0
     corners, normal, element = corners[seen], normal[seen], element[seen]
-    order = np.argsort((corners @ view.towards).mean(axis=1), kind="stable")
+    order = paint_order(corners @ view.page.T, corners @ view.towards)
     bright = 0.6 + 0.4 * np.clip(normal @ _LIGHT, 0, 1)
     if colours is None:
         colours = np.array([rgb(BARS[bar % len(BARS)]) for bar in solid.bar]).reshape(-1, 3)

@@ -10,6 +10,8 @@ from evidence.benchmark.peers import compare, structures
 from evidence.results import Report
 from evidence.rows import Row, grouped
 
+_KEPT = ("trajectories", "responses", "extremes")
+
 # Group, and the rows of one part; quick runs are n = 10 times as short.
 _PARTS = {
     "cost": (kernel.GROUP, lambda n: kernel.cost(20_000 // n, 5)),
@@ -22,7 +24,8 @@ _PARTS = {
     "surrogate": (overheads.GROUP, lambda n: overheads.surrogate(3)),
     "writing": (overheads.GROUP, lambda n: overheads.writing(3)),
     "campaign": (campaigns.PAPER, lambda n: campaigns.paper()),
-    "scan": (campaigns.SCAN, lambda n: campaigns.many(1000 // n)),
+    "scan": (campaigns.SCAN, lambda n: campaigns.many(1000 // n, 20.0, *_KEPT)),
+    "large_scan": (campaigns.LARGE, lambda n: campaigns.many(10_000 // n, 10.0, *_KEPT[1:])),
     "exudyn": (compare.GROUP, lambda n: compare.exudyn(0.1, 3)),
     "structures": (structures.GROUP, lambda n: structures.exudyn(3 if n == 1 else 1)),
     "elastica": (compare.GROUP, lambda n: compare.elastica(0.02, 3)),

@@ -159,11 +159,11 @@ def _round(scene, places, conditions, elastic, impulses, scales, free, weight):
 
 def _masses(scene, places: Places):
     """Masses and inertias (6n, 6n) in global axes."""
-    from scipy.sparse import block_diag
+    from scipy.sparse import block_diag, coo_matrix
 
     blocks = []
     for mass, inertia, frame in zip(scene.mass, scene.inertia, places.frame, strict=True):
-        blocks += [mass * np.eye(3), frame * inertia @ frame.T]
+        blocks += [coo_matrix(mass * np.eye(3)), coo_matrix(frame * inertia @ frame.T)]
     return block_diag(blocks, format="csc")
 
 

@@ -56,7 +56,7 @@ NOT_RUN = {
 
 # Where each campaign of the pages is run. The other tests run it by `python -m campaign run`, and
 # tests/workflow shows that Snakemake leaves the same files.
-_TOLD, _GOLDEN = "tests/docs/test_told_answers.py", "tests/golden/values.json"
+_TOLD, _GOLDEN = "tests/docs/test_answers_of_pages.py", "tests/golden/values.json"
 _FLOW = "tests/workflow/test_campaign_runs.py"
 CAMPAIGNS = {
     "first": "here", "my": "here", "paper": _FLOW, "aim": _FLOW,

@@ -146,10 +146,11 @@ def cautions(data: PageData) -> list[str]:
     for v in (verdict(data, response) for response in data.responses):
         name = v.response.name
         if v.grade == "large":
-            why = f"; {v.response.foretold}" if v.response.foretold else ""
+            told = v.response.foretold
+            why = f" {told[0].upper()}{told[1:]}." if told else ""
             sentences.append(
                 f"Do not rely on the number for {name}: the estimated error of either bound is "
-                f"{v.error}, {percent(v.share or 0.0)} of the difference{why}. "
+                f"{v.error}, {percent(v.share or 0.0)} of the difference.{why} "
                 f"{remedy(data, v.response)}"
             )
         elif v.grade == "unknown":

@@ -45,8 +45,8 @@ def foretold_text(bounds: Any, i: int, at: int) -> str:
     if count:
         most = with_unit(missed, bounds["response_units"][i], 2)
         told = (
-            f"that is what the coefficients of its polynomial foretell; the {count} runs that it "
-            f"was not fitted to it misses by at most {most}, but they are too few to overrule that"
+            "that is what the coefficients of its polynomial foretell; the polynomial is off by at "
+            f"most {most} from the {count} runs that were not fitted, too few to overrule that"
         )
     return f"{told}: more of them (`held_out`) may"
 

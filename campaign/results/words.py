@@ -28,7 +28,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
 _RUNS = {
     "design": "of the design",
     "checks": "on other meshes and in checks",
-    "further": "further ones for quantities and requirements",
+    "further": "further ones for quantities",
     "choice": "for the best choice",
 }
 """What runs are made for."""

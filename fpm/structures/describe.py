@@ -48,8 +48,8 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
         "",
         f"mass          {report.mass(scene):.6g} kg",
         f"its centre    {_vector(report.centre(scene))}",
-        f"mobility      {_ways(mobility.degrees)} to move: {mobility.parts} moving parts, "
-        f"{mobility.conditions} conditions, {mobility.redundant} of them redundant",
+        f"mobility      {_several(mobility.degrees, 'way')} to move: "
+        f"{_several(mobility.parts, 'moving part')}, {mobility.conditions} conditions, {mobility.redundant} of them redundant",
         *([f"redundant     {', '.join(redundant)}"] if redundant else []),
         *([f"assembled     {_forced(scene)}"] if scene.assembly is not None else []),
         f"stable step   {_step(cost)}",
@@ -75,8 +75,8 @@ def _angle(opening: float, hinge: Hinge) -> str:
     return f"{opening:.4g} m" if hinge.slides else f"{np.degrees(opening):.4g} deg"
 
 
-def _ways(count: int) -> str:
-    return f"{count} way{'' if count == 1 else 's'}"
+def _several(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def _step(cost: report.Cost) -> str:

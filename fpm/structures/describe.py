@@ -49,7 +49,8 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
         f"mass          {report.mass(scene):.6g} kg",
         f"its centre    {_vector(report.centre(scene))}",
         f"mobility      {_several(mobility.degrees, 'way')} to move: "
-        f"{_several(mobility.parts, 'moving part')}, {mobility.conditions} conditions, {mobility.redundant} of them redundant",
+        f"{_several(mobility.parts, 'moving part')}, {mobility.conditions} conditions, "
+        f"{mobility.redundant} of them redundant",
         *([f"redundant     {', '.join(redundant)}"] if redundant else []),
         *([f"assembled     {_forced(scene)}"] if scene.assembly is not None else []),
         f"stable step   {_step(cost)}",

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from campaign.config.sections import Experiment
-from campaign.plan.decide import Cost, decide, growth
+from campaign.plan.decide import Cost, decide, growth, needed
 from campaign.plan.estimate import LANES, run_seconds
 from campaign.plan.make import choose_step, make_plan
 from campaign.plan.plan import Plan, Round, Rounds, TimeStep
@@ -44,9 +44,9 @@ def next_plan(
 
     asked, now, before = experiment.accuracy, plan.experiment, plan.adaptive
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
-        shares = _shares(plan, samples, bounds)
-        cost = _cost(plan, shares)
-        decision = decide(asked, shares, plan.adaptive, cost, now.solver.step == "auto")
+        shares, free = _shares(plan, samples, bounds), now.solver.step == "auto"
+        pursued, cost = _cost(plan, shares, free)
+        decision = decide(asked, shares, plan.adaptive, cost, free)
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
         safety = now.solver.safety if now.solver.step == "auto" else now.solver.step
         done = Round(
@@ -58,8 +58,7 @@ def next_plan(
             return replace(plan, adaptive=Rounds(rounds, before.points, decision.met, before.check))
         points = list(before.points)
         if decision.action == "runs":
-            unmet = [n for n, parts in shares.items() if sum(parts.values()) > asked.shares[n]]
-            points += _sought(now, samples, unmet, cost.more, len(rounds)).tolist()
+            points += _sought(now, samples, pursued, cost.more, len(rounds)).tolist()
     refined = now
     if decision.action == "mesh":
         parameters = {**now.scene.parameters, asked.mesh: 2 * cost.elements}
@@ -154,8 +153,9 @@ def _surrogate(experiment: Experiment, samples: Any, i: int) -> Any:
     return fit_scalar(samples["unit"].values, values, end, quantity.least)
 
 
-def _cost(plan: Plan, shares: Mapping) -> Cost:
-    """What the rounds up to this plan's took, and what the runs of the next one would."""
+def _cost(plan: Plan, shares: Mapping, step_is_free: bool = True) -> tuple[list[str], Cost]:
+    """Which responses and quantities runs would help, and what the rounds up to this plan's took
+    and the next one would."""
     asked, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
     before = rounds[-1] if rounds else Round((), (), 0, 0.0, "mesh", "")
@@ -170,9 +170,12 @@ def _cost(plan: Plan, shares: Mapping) -> Cost:
         seconds += _whole(checked) * factor[part] * each
     last = 2 * checked, 6 * checked * each  # the check of step and mesh at the end
     affordable = min(asked.runs - runs - last[0], (60 * asked.minutes - seconds - last[1]) / each)
-    more = added(nodes, growth(asked, shares, plan.adaptive, nodes), affordable)
     elements = int(plan.experiment.scene.parameters.get(asked.mesh, 0))
-    return Cost(runs, seconds, nodes, more, checked, each, elements)
+    cost = Cost(runs, seconds, nodes, 0, checked, each, elements)
+    needs = needed(asked, shares, plan.adaptive, cost, step_is_free)
+    pursued = [name for name, need in needs.items() if not need.why_not]
+    wanted = growth(asked, {name: shares[name] for name in pursued}, plan.adaptive, nodes)
+    return pursued, replace(cost, more=added(nodes, wanted, affordable))
 
 
 def added(nodes: int, growth: float, affordable: float) -> int:

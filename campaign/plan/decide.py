@@ -84,11 +84,13 @@ def decide(
 
     1. Where all errors are as small as asked for, stop if this round was checked for step and mesh,
        else check it.
-    2. Where step and mesh alone take too much of what is asked for, halve the larger of them.
-    3. Else add runs, as many as the errors are expected to need, and check them at once where
+    2. What step or mesh alone make too large, where these are kept or what would be needed is not
+       affordable, is set aside: no run helps it. Where nothing else is unmet, that ends the rounds.
+    3. Where step and mesh of the others take too much of what is asked for, halve the larger.
+    4. Else add runs, as many as the errors are expected to need, and check them at once where
        that is cheap.
-    4. What the budget does not allow, or the config keeps, ends the rounds; the reason names what
-       is not met, and what that would cost.
+    5. When the budget allows no more runs, end; the reason names what is not met, and what that
+       would cost.
     """
     unmet = {name: parts for name, parts in shares.items() if _whole(parts) > asked.shares[name]}
     if not unmet:
@@ -98,33 +100,74 @@ def decide(
             return Decision("stop", reason + told(asked, {near: shares[near]}), met=True)
         reason = "the surrogate's error is small enough; step and mesh are checked where it decides"
         return Decision("check", reason, ("step", "mesh"))
-    action, worst = _next(asked, unmet, state)
+    needs = needed(asked, shares, state, cost, step_is_free)
+    wanted = {name: need.action for name, need in needs.items() if not need.why_not}
+    if not wanted:
+        why = "; ".join(dict.fromkeys(need.why_not for need in needs.values()))
+        return _end(asked, shares, unmet, why, state, cost)
+    action, worst = _next(asked, {name: unmet[name] for name in wanted}, wanted)
+    if action == "runs" and (why := _too_dear(asked, action, cost)):
+        return _end(asked, shares, unmet, why, state, cost)
     reason = f"{told(asked, {worst: shares[worst]})}; "
-    kept = (action == "mesh" and not asked.mesh) or (action == "step" and not step_is_free)
-    if kept:
-        return _end(asked, unmet, f"the config keeps its {action}", state, cost)
-    runs, seconds = cost.of(action)
-    if cost.runs + runs > asked.runs:
-        spent = f"{cost.runs} are spent, {2 * cost.checked} kept for the last check"
-        budget = f"the budget of {asked.runs} runs does not allow more ({spent})"
-        return _end(asked, unmet, budget, state, cost)
-    if cost.seconds + seconds > 60 * asked.minutes:
-        spent = duration_text(max(1.0, cost.seconds))
-        budget = f"the budget of {asked.minutes:g} minutes does not allow more ({spent} are spent)"
-        return _end(asked, unmet, budget, state, cost)
-    if action == "mesh" and _is_hopeless(asked, worst, unmet[worst], state, cost):
-        why = "a finer mesh does not get there within the budget"
-        return _end(asked, unmet, why, state, cost)
     if action == "runs":
-        check = ("step", "mesh") if _is_last(asked, unmet, state, cost) else ()
+        last = _is_last(asked, {name: unmet[name] for name in wanted}, state, cost)
+        check = ("step", "mesh") if last else ()
         return Decision("runs", f"{reason}{cost.more} runs are added", check)
     check = ("mesh",) if action == "mesh" else ("step", "mesh")
     return Decision(action, f"{reason}the {action} is halved", check)
 
 
+@dataclass(frozen=True)
+class Need:
+    """The action that a response or quantity needs, and why it cannot be had, if so."""
+
+    action: str
+    why_not: str = ""
+
+
+def needed(
+    asked: Accuracy, shares: Shares, state: Rounds, cost: Cost, step_is_free: bool
+) -> dict[str, Need]:
+    """What each response and quantity needs that is not as accurate as asked for.
+
+    A mesh that is too coarse comes first: all runs are made again with a finer one. Where it cannot
+    be had, runs help what its error leaves room for.
+    """
+    first = all(done.action in ("mesh", "step") for done in state.rounds)
+    limit, found = _FIRST if first else _LATER, {}
+    for name, parts in shares.items():
+        aim, others = asked.shares[name], parts.get("mesh", 0.0) + parts.get("step", 0.0)
+        if _whole(parts) <= aim:
+            continue
+        need = Need("runs")
+        if others > limit * aim:
+            action = "mesh" if parts.get("mesh", 0.0) >= parts.get("step", 0.0) else "step"
+            why = _too_dear(asked, action, cost)
+            if (action == "mesh" and not asked.mesh) or (action == "step" and not step_is_free):
+                why = f"the config keeps its {action}"
+            elif not why and action == "mesh" and _is_hopeless(asked, name, parts, state, cost):
+                why = "a finer mesh does not get there within the budget"
+            if not why or others >= aim:
+                need = Need(action, why)
+        found[name] = need
+    return found
+
+
+def _too_dear(asked: Accuracy, action: str, cost: Cost) -> str:
+    """Why the budget does not allow an action; nothing where it does."""
+    runs, seconds = cost.of(action)
+    if cost.runs + runs > asked.runs:
+        spent = f"{cost.runs} are spent, {2 * cost.checked} kept for the last check"
+        return f"the budget of {asked.runs} runs does not allow more ({spent})"
+    if cost.seconds + seconds > 60 * asked.minutes:
+        spent = duration_text(max(1.0, cost.seconds))
+        return f"the budget of {asked.minutes:g} minutes does not allow more ({spent} are spent)"
+    return ""
+
+
 def growth(asked: Accuracy, shares: Shares, state: Rounds, nodes: int) -> float:
-    """The factor by which so many nodes have to become more for surrogates to be as accurate as
-    asked for, by how errors fell when runs were added last."""
+    """The factor by which so many nodes have to become more for surrogates of what is pursued to be
+    as accurate as asked for, by how errors fell when runs were added last."""
     wanted = _LEAST
     for name, parts in shares.items():
         if _whole(parts) > asked.shares[name]:
@@ -170,30 +213,28 @@ def told(asked: Accuracy, shares: Shares) -> str:
     return "; ".join(texts)
 
 
-def _next(asked: Accuracy, unmet: Shares, state: Rounds) -> tuple[str, str]:
-    """The action that the response or quantity farthest from its aim needs, and its name.
+def _next(asked: Accuracy, unmet: Shares, wanted: Mapping[str, str]) -> tuple[str, str]:
+    """The action that the response or quantity farthest from its aim needs, and its name; a finer
+    mesh or step comes before runs, which are all made again then."""
 
-    A mesh that is too coarse comes first: all runs are made again with a finer one.
-    """
-    first = all(done.action in ("mesh", "step") for done in state.rounds)
-    limit = _FIRST if first else _LATER
+    def excess(name: str, *parts: str) -> float:
+        return sum(unmet[name].get(part, 0.0) for part in parts) / asked.shares[name]
 
-    def discretised(name: str) -> float:
-        return (unmet[name].get("mesh", 0.0) + unmet[name].get("step", 0.0)) / asked.shares[name]
-
-    worst = max(unmet, key=discretised)
-    if discretised(worst) > limit:
-        parts = unmet[worst]
-        return ("mesh" if parts.get("mesh", 0.0) >= parts.get("step", 0.0) else "step"), worst
-    return "runs", max(unmet, key=lambda name: _whole(unmet[name]) / asked.shares[name])
+    if finer := [name for name, action in wanted.items() if action != "runs"]:
+        worst = max(finer, key=lambda name: excess(name, "mesh", "step"))
+        return wanted[worst], worst
+    return "runs", max(wanted, key=lambda name: excess(name, *unmet[name]))
 
 
-def _end(asked: Accuracy, unmet: Shares, why: str, state: Rounds, cost: Cost) -> Decision:
+def _end(
+    asked: Accuracy, shares: Shares, unmet: Shares, why: str, state: Rounds, cost: Cost
+) -> Decision:
     if "step" not in state.check:
         reason = f"{why}; step and mesh are checked where the bounds are decided"
         return Decision("check", reason, ("step", "mesh"))
     needs = "; ".join(_needs(asked.shares[name], name, unmet[name], state, cost) for name in unmet)
-    return Decision("stop", f"{why}: {told(asked, unmet)}. {needs}")
+    rest = "" if len(unmet) == len(shares) else ". All others are as accurate as asked for"
+    return Decision("stop", f"{why}: {told(asked, unmet)}. {needs}{rest}")
 
 
 def _needs(aim: float, name: str, parts: Mapping[str, float], state: Rounds, cost: Cost) -> str:

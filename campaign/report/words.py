@@ -183,7 +183,7 @@ def remedy(data: PageData, response: Response) -> str:
         more = (
             "let `accuracy` have more `runs` and `minutes`, and, where the summary says that a "
             "finer mesh hardly helps, give that response or quantity a larger share of its own "
-            "under `of`, or leave it out: it ends the rounds for all"
+            "under `of`, or leave it out"
         )
     elif data.bounds_kind.startswith("enclosed"):
         more = f"{_ACCURACY}; or try `bounds: {{model: spline}}`, a curve through the same runs"

@@ -6,7 +6,7 @@ the leverage (Allen 1974, the PRESS statistic); for a spline see `models.spline`
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,7 +19,19 @@ from ..models.spline.solve import distinct
 from ..surrogate import Surrogate
 
 _HIGHEST = 12  # degree of a polynomial
+_MISSED = 1e-3  # of the width, by which a polynomial may miss a run
 _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing tests it
+
+
+@dataclass(frozen=True)
+class Sum:
+    """Functions of unit coordinates, added."""
+
+    parts: tuple[Surrogate | Spline, ...]
+
+    def evaluate(self, unit: np.ndarray) -> np.ndarray:
+        """Values (P, 1) at unit coordinates (P, k)."""
+        return sum(part.evaluate(unit) for part in self.parts)
 
 
 @dataclass(frozen=True)
@@ -34,7 +46,7 @@ class Fit:
     values: np.ndarray
     left_out: np.ndarray
     kind: str
-    function: Surrogate | Spline
+    function: Surrogate | Spline | Sum
 
     @property
     def error(self) -> float:
@@ -46,6 +58,11 @@ class Fit:
         """Estimated error where runs were sought until they are next to what decides, as of a
         response's spline (see `estimates.usual`)."""
         return float(usual(self.left_out, int((np.ptp(self.points, axis=0) > 0).sum())))
+
+    @property
+    def trend(self) -> Fit:
+        """The fit without a spline through what a polynomial leaves."""
+        return replace(self, function=getattr(self.function, "parts", [self.function])[0])
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
         """Values (P) at unit coordinates (P, k)."""
@@ -64,8 +81,23 @@ def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
         raise IntervalError("values", "none or not finite", "a finite number for at least one run")
     kept = distinct(points)
     points, values = points[kept], values[kept]
-    tried = [fit for fit in (*_polynomials(points, values), _spline(points, values)) if fit]
-    return min(tried, key=lambda fit: float(np.sqrt(np.mean(fit.left_out**2))))
+    spline = _spline(points, values)
+    tried = [fit for fit in (*_polynomials(points, values), spline) if fit]
+    best = min(tried, key=lambda fit: float(np.sqrt(np.mean(fit.left_out**2))))
+    return best if best is spline else _through_runs(best)
+
+
+def _through_runs(fit: Fit) -> Fit:
+    """A polynomial with a spline through what it leaves of the runs, where that is worth telling:
+    what was simulated is not foretold otherwise."""
+    rest = fit.values - fit.evaluate(fit.points)
+    if np.abs(rest).max() <= _MISSED * np.ptp(fit.values):
+        return fit
+    spline = _spline(fit.points, rest)
+    if spline is None:
+        return fit
+    function = Sum((fit.function, spline.function))
+    return replace(fit, kind=f"{fit.kind} and a spline through the rest", function=function)
 
 
 def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,10 +25,13 @@ class Influence:
 
 
 def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
-    """Influence of the parameters on a number, by its surrogate; `nominal` (k) in unit coordinates.
+    """Influence of the parameters on a number, by the trend of its surrogate; `nominal` (k) in unit
+    coordinates.
 
     No run is needed beyond those that were fitted.
     """
+    if surrogate.fit is not None:
+        surrogate = replace(surrogate, fit=surrogate.fit.trend)
     nominal = np.asarray(nominal, dtype=float)
     k = len(nominal)
     ones = np.ones(k)

@@ -15,7 +15,7 @@ from campaign.config.sections import Accuracy
 from campaign.errors import ConfigError
 from campaign.folder import Folder
 from campaign.plan.accuracy import _sought, added
-from campaign.plan.decide import Cost, decide, growth
+from campaign.plan.decide import Cost, decide, growth, needed
 from campaign.plan.plan import Round, Rounds
 
 
@@ -158,6 +158,31 @@ def test_a_mesh_that_hardly_helps_is_refined_no_further():
     found = decided({**parts, "mesh": 0.29}, coarse, cost=finer, check=("step", "mesh"))
     assert found.action == "stop"
     assert "hardly falls with a finer one" in found.reason
+
+
+def test_what_no_mesh_settles_is_set_aside_and_the_rest_goes_on():
+    """The error of `y` hardly fell with a finer mesh; `x` needs runs, and gets them alone."""
+    aim = Accuracy({"x": 0.1, "y": 0.1}, 1000, 60.0, "n")
+    finer = Cost(**{**vars(COST), "elements": 12})
+    coarse = {"x": {"surrogate": 0.2, "mesh": 0.02}, "y": {"surrogate": 0.5, "mesh": 0.31}}
+    before = Round((), (), 16, 0.0, "mesh", "", coarse, 6)
+
+    def after(x, check=("mesh",)):
+        shares = {"x": {"surrogate": x, "mesh": 0.01}, "y": {"surrogate": 0.5, "mesh": 0.29}}
+        state = Rounds((before,), (), check=check)
+        needs = needed(aim, shares, state, finer, step_is_free=True)
+        return needs, decide(aim, shares, state, finer, step_is_free=True)
+
+    needs, found = after(0.2)
+    assert found.action == "runs"
+    assert found.reason.startswith("x 21 % of the width")
+    assert [name for name, need in needs.items() if not need.why_not] == ["x"]
+    assert after(0.05)[1].action == "check"
+    _, found = after(0.05, check=("step", "mesh"))
+    assert (found.action, found.met) == ("stop", False)
+    assert "y has an error of the mesh that hardly falls with a finer one" in found.reason
+    assert "x" not in found.reason.split(":")[1].split(". ")[0]
+    assert found.reason.endswith("All others are as accurate as asked for")
 
 
 @pytest.mark.parametrize("enough", [False, True])

@@ -41,7 +41,7 @@ def after(plan, action, nodes, **more):
 
 def test_the_first_round_costs_its_runs_and_its_check(experiment):
     plan = first_plan(experiment)
-    cost, nodes = _cost(plan, SHARES), len(plan.unique_runs())
+    (_, cost), nodes = _cost(plan, SHARES), len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
     checked = PLACES + 2  # of the quantity both ends
     assert (cost.nodes, cost.checked, cost.each) == (nodes, checked, each)
@@ -59,10 +59,10 @@ def test_costs_of_rounds_add_up(experiment, action, new):
     nodes = len(plan.unique_runs())
     assert nodes == 8
     before = nodes - new if action == "runs" else nodes
-    cost = _cost(after(plan, action, before, check=()), SHARES)
+    _, cost = _cost(after(plan, action, before, check=()), SHARES)
     assert cost.runs == 16 + new
     assert cost.seconds == pytest.approx(2.0 + whole(new) * cost.each)
-    both = _cost(after(plan, action, before, check=("step", "mesh")), SHARES)
+    _, both = _cost(after(plan, action, before, check=("step", "mesh")), SHARES)
     assert both.runs - cost.runs == 2 * cost.checked
     assert both.seconds - cost.seconds == pytest.approx((2 + 4) * whole(cost.checked) * cost.each)
 

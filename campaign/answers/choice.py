@@ -124,7 +124,7 @@ def _best(bench: Bench, experiment: Experiment, choose: Choose, asked: list[Aske
     """The best choice, and those that were tried (`intervals.scalars.Choice`)."""
     from intervals.scalars import Goal, Limit, best_choice
 
-    surrogates, box = bench.surrogates(), bench.experiment.box
+    surrogates, box = [s.trend for s in bench.surrogates()], bench.experiment.box
     names = list(bench.experiment.quantities)
     goals = [Goal(surrogates[names.index(q)], end, sign) for sign, end, q in goals_of(choose)]
     limits = [Limit(surrogates[one.quantity], one.kind, one.level) for one in asked]

@@ -20,18 +20,30 @@ from ..surrogate import Surrogate
 
 _HIGHEST = 12  # degree of a polynomial
 _MISSED = 1e-3  # of the width, by which a polynomial may miss a run
+_CORRECTED = 2000  # runs for which that is corrected
 _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing tests it
 
 
 @dataclass(frozen=True)
-class Sum:
-    """Functions of unit coordinates, added."""
+class Corrected:
+    """A polynomial, and what it leaves of runs at unit points (N, k), which fades with the distance
+    from them, within `length`: kriging of the rest with an exponential covariance, whose extreme
+    values are at runs, so that noise does not swing beyond them."""
 
-    parts: tuple[Surrogate | Spline, ...]
+    trend: Surrogate
+    points: np.ndarray
+    weights: np.ndarray
+    length: float
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
         """Values (P, 1) at unit coordinates (P, k)."""
-        return sum(part.evaluate(unit) for part in self.parts)
+        return self.trend.evaluate(unit) + _fading(unit, self.points, self.length) @ self.weights
+
+
+def _fading(unit: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
+    from scipy.spatial.distance import cdist
+
+    return np.exp(-cdist(unit, points) / length)
 
 
 @dataclass(frozen=True)
@@ -46,7 +58,7 @@ class Fit:
     values: np.ndarray
     left_out: np.ndarray
     kind: str
-    function: Surrogate | Spline | Sum
+    function: Surrogate | Spline | Corrected
 
     @property
     def error(self) -> float:
@@ -61,8 +73,8 @@ class Fit:
 
     @property
     def trend(self) -> Fit:
-        """The fit without a spline through what a polynomial leaves."""
-        return replace(self, function=getattr(self.function, "parts", [self.function])[0])
+        """The fit without what a polynomial leaves of the runs."""
+        return replace(self, function=getattr(self.function, "trend", self.function))
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
         """Values (P) at unit coordinates (P, k)."""
@@ -88,16 +100,16 @@ def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
 
 
 def _through_runs(fit: Fit) -> Fit:
-    """A polynomial with a spline through what it leaves of the runs, where that is worth telling:
-    what was simulated is not foretold otherwise."""
-    rest = fit.values - fit.evaluate(fit.points)
-    if np.abs(rest).max() <= _MISSED * np.ptp(fit.values):
+    """A polynomial with what it leaves of the runs, where that is worth telling: what was simulated
+    is not foretold otherwise."""
+    points, rest = fit.points, fit.values - fit.evaluate(fit.points)
+    few = len(points) <= _CORRECTED
+    if not few or np.abs(rest).max() <= _MISSED * np.ptp(fit.values):
         return fit
-    spline = _spline(fit.points, rest)
-    if spline is None:
-        return fit
-    function = Sum((fit.function, spline.function))
-    return replace(fit, kind=f"{fit.kind} and a spline through the rest", function=function)
+    directions = max(int((np.ptp(points, axis=0) > 0).sum()), 1)
+    length = 2.0 * len(points) ** (-1.0 / directions)  # about how far apart runs are
+    weights = np.linalg.solve(_fading(points, points, length), rest[:, None])
+    return replace(fit, function=Corrected(fit.function, points, weights, length))
 
 
 def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:

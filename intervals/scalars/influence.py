@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -30,8 +30,7 @@ def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
 
     No run is needed beyond those that were fitted.
     """
-    if surrogate.fit is not None:
-        surrogate = replace(surrogate, fit=surrogate.fit.trend)
+    surrogate = surrogate.trend
     nominal = np.asarray(nominal, dtype=float)
     k = len(nominal)
     ones = np.ones(k)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +32,12 @@ class ScalarSurrogate:
     def usual_error(self) -> float:
         """The same of runs that were sought; see `Fit.usual_error`."""
         return np.nan if self.fit is None else self.fit.usual_error
+
+    @property
+    def trend(self) -> ScalarSurrogate:
+        """The same without what the fit leaves of single runs, for what compares parts of the box
+        with each other."""
+        return self if self.fit is None else replace(self, fit=self.fit.trend)
 
     def foretold(self, unit: np.ndarray) -> np.ndarray:
         """What the fit tells (P) at unit coordinates (P, k), within what is possible, be there a

@@ -171,6 +171,21 @@ def landing(x: np.ndarray) -> np.ndarray:
     return np.where(x[:, 0] > -0.2, 2.0 - x[:, 0] + 0.1 * x[:, 1], np.nan)
 
 
+def test_what_was_simulated_is_foretold_as_it_was():
+    """By a polynomial that misses runs, and no more so between them."""
+    points = runs(2, order=3, held_out=4)
+    x, y = points.T
+    values = x + y**2 / 2 + 0.02 * np.sin(25 * x + 17 * y)
+    found = fit_scalar(points, values)
+    assert found.fit.kind.startswith("polynomial")
+    missed = np.abs(found.trend.evaluate(points) - values).max()
+    assert missed > 0.01 * np.ptp(values)
+    np.testing.assert_allclose(found.evaluate(points), values, atol=1e-9)
+    assert found.range().high == pytest.approx(values.max(), abs=1e-9)
+    places = np.random.default_rng(1).uniform(-1, 1, (1000, 2))
+    assert np.abs(found.evaluate(places) - found.trend.evaluate(places)).max() < missed
+
+
 def test_what_does_not_happen_everywhere_has_a_share():
     points = np.linspace(-1, 1, 41)[:, None]
     values = np.where(points[:, 0] > -0.2 + 1e-9, 2.0 - points[:, 0], np.nan)

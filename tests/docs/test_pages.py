@@ -3,9 +3,12 @@ what `NOT_RUN` and `STUDIES_NOT_RUN` name, with the reason."""
 
 import json
 import math
+import os
 import re
 import shlex
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -51,11 +54,13 @@ NOT_RUN = {
     "EXUDYN_PYTHON=": "with peers",
     "PEER_CHAOSPY=": "with a peer",
     "python -m fpm.structures.table": "tests/structures/test_structures_page.py makes the table",
+    "snakemake --profile profiles/slurm": "needs Slurm; tests/slurm run it where that is",
+    "snakemake -c2 --default-storage": "needs a plugin, as tests/workflow/test_storage.py does",
     "python -m campaign attack": "an hour; tests/attack does a minute of it",
 }
 
-# Where each campaign of the pages is run. The other tests run it by `python -m campaign run`, and
-# tests/workflow shows that Snakemake leaves the same files.
+# Where each campaign of the pages is run. The other tests run it by `python -m campaign run`;
+# tests/workflow shows that Snakemake leaves the same files, and runs `--report` and `--unlock`.
 _TOLD, _GOLDEN = "tests/docs/test_answers_of_pages.py", "tests/golden/values.json"
 _FLOW = "tests/workflow/test_campaign_runs.py"
 CAMPAIGNS = {
@@ -101,7 +106,7 @@ def commands(page):
     program alone is its name there."""
     text = page.read_text(encoding="utf-8")
     indented = re.findall(rf"^ {{4,}}({PROGRAM} .*)$", text, re.M)
-    listed = "\n".join([*blocks(page, "", "sh"), *indented]).replace("\\\n", " ")
+    listed = "\n".join([*blocks(page, "", "sh", "text"), *indented]).replace("\\\n", " ")
     lines = [re.split(" #", line)[0].strip() for line in listed.splitlines()]
     inline = re.findall(rf"`({PROGRAM} [^`]+)`", _BLOCK.sub("", text))
     lines += [" ".join(found.split()) for found in inline]
@@ -139,9 +144,10 @@ CAMPAIGN_OF = {"first": "first.yaml", "mine": "my-campaign.yaml", "ladder": "my-
 
 
 def _marks(line):
-    """Slow is what simulates a structure of its own, and studies."""
+    """Slow is what simulates a structure of its own, studies, and what asks Snakemake."""
     own = r"python -m campaign export (config/mast|config/structures|mine)"
-    return [pytest.mark.slow] * bool(re.match(f"{own}|python -m evidence [a-z]", line))
+    slow = re.match(f"{own}|python -m evidence [a-z]|snakemake .*nodes_per_job", line)
+    return [pytest.mark.slow] * bool(slow)
 
 
 @pytest.mark.parametrize(
@@ -165,17 +171,18 @@ def test_a_command_can_be_given(page, line, folder, monkeypatch, capsys):
 
 def _check_snakemake(words):
     options = {"--configfile", "--report", "--force", "--unlock", "--config", "--cores"}
-    options |= {"--profile", "--default-storage-provider", "--default-storage-prefix"}
     for word, value in zip(words, [*words[1:], ""], strict=True):
-        if word.startswith("--shared-fs-usage"):
-            return
         assert not word.startswith("--") or word in options, word
-        if word == "--configfile" and value != "campaign.yaml":  # which the reader has
+        if word == "--configfile":
             load_config([value])
     before = dict(zip(words[1:], words, strict=False))
     for target in words:
         if not target.startswith("-") and not before.get(target, "").startswith("--"):
             assert target in STUDIES, target
+    if "nodes_per_job" in " ".join(words):
+        command = [sys.executable, "-m", "snakemake", "-n", *words, "--directory", os.getcwd()]
+        told = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+        assert re.search(r"^simulate +8$", told, re.M), told
 
 
 def _check_study(words):

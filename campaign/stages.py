@@ -310,7 +310,7 @@ _RUNS = (
 )  # fmt: skip
 _ANSWERS = (
     "campaign/answers/*.py", "campaign/config/answers.py", "campaign/config/schema_checks.py",
-    "campaign/plan/make.py",
+    "campaign/plan/make.py", "campaign/results/margins.py",
     *_BOUNDS, *_RUNS,
 )  # fmt: skip
 _GATHERED = (
@@ -339,7 +339,13 @@ STAGES = {
         Stage(
             ranges,
             (),
-            ("campaign/results/ranges.py", *_WHICH, "intervals/**/*.py", *_PLOT),
+            (
+                "campaign/results/ranges.py",
+                "campaign/results/margins.py",
+                *_WHICH,
+                "intervals/**/*.py",
+                *_PLOT,
+            ),
             (_SAMPLES, "quantities.nc", "further.nc"),
         ),
         Stage(

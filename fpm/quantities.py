@@ -48,6 +48,22 @@ class Quantity:
             return 0.0
         return self.response.least
 
+    @property
+    def decider(self) -> "Quantity | None":
+        """The quantity whose `margin` tells whether there is this one; None where nothing does but
+        that there is."""
+        if isinstance(self.at, Quantity):
+            return self.at.decider
+        settles = self.kind == "settling" and self.about is not None
+        return self if self.kind == "crossing" or settles else None
+
+    def margin(self, values: np.ndarray) -> np.ndarray:
+        """By how much (...) a decider happens, in the unit of its response, whose values (..., t)
+        are given: not above 0 where it does not, and continuous."""
+        if self.kind == "settling":
+            return self.within - np.abs(values[..., -1] - self.about)
+        return crossing_margin(values - self.level, self.way, self.number)
+
     def evaluate(self, curves: "Curves") -> float:
         """The number of one run; NaN where what is asked for does not happen in it.
 
@@ -132,6 +148,25 @@ def crossing(
     if len(places) < number:
         return float("nan")
     return _root(time, values - level, int(places[number - 1]))
+
+
+def crossing_margin(values: np.ndarray, way: str = "either", number: int = 1) -> np.ndarray:
+    """How far from zero (...) values (..., t) get, at least, on each of the sides that they have to
+    be on in turn to cross it for the nth time.
+
+    Before a rising crossing they are below, then above, before the next one below again.
+    """
+
+    def turns(side: float, count: int) -> np.ndarray:
+        reached = np.inf
+        for _ in range(count):
+            reached = np.maximum.accumulate(np.minimum(reached, side * values), axis=-1)
+            side = -side
+        return reached[..., -1]
+
+    if way == "either":
+        return np.maximum(turns(-1.0, number + 1), turns(1.0, number + 1))
+    return turns(-1.0 if way == "rising" else 1.0, 2 * number)
 
 
 def settling(

@@ -16,6 +16,7 @@ from campaign.files import open_netcdf
 from campaign.folder import Folder
 from campaign.plan.plan import Plan, read_plan
 from campaign.plan.runs import Run, Runs, run_id
+from campaign.results.margins import margins_of, margins_of_samples
 from campaign.results.which import fitted_rows
 from campaign.runs.batch import Simulation, check_structure, tell_again
 from campaign.runs.progress import Tell, warm_up
@@ -28,7 +29,8 @@ NEAR, SAME = 1e-6, 2e-4
 
 class Bench:
     """Runs of a plan's experiment at unit points `unit` (R, k), with the numbers (R, q) of their
-    quantities; `further` are those that were asked for here, `simulated` of which were not there.
+    quantities and by how much they have these, the `margins` (R, q); `further` are those that were
+    asked for here, `simulated` of which were not there.
 
     Of a large scan it has some of the runs (`fitted_rows`): `others` (q) counts the rest of them
     that have each number, `left_out` the rest.
@@ -43,6 +45,7 @@ class Bench:
         self.store = folder.runs(self.keep)
         self.unit = np.zeros((0, len(plan.experiment.intervals)))
         self.numbers = np.zeros((0, len(plan.experiment.quantities)))
+        self.margins = self.numbers
         self.others, self.left_out = np.zeros(len(plan.experiment.quantities), int), 0
         self.further: list[Run] = []
         self.simulated = 0
@@ -58,7 +61,8 @@ class Bench:
             numbers = np.zeros((len(unit), 0))
             if bench.experiment.quantities:
                 numbers = samples["quantities"][:]
-        rows = fitted_rows(numbers)
+            rows = fitted_rows(numbers)
+            bench.margins = margins_of_samples(bench.experiment, samples, rows)
         bench.unit, bench.numbers = unit[rows], numbers[rows]
         bench.left_out = len(numbers) - len(rows)
         bench.others = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
@@ -67,6 +71,7 @@ class Bench:
                 if len(points := file["unit"][:]):
                     bench.unit = np.concatenate([bench.unit, points])
                     bench.numbers = np.concatenate([bench.numbers, file["quantities"][:]])
+                    bench.margins = np.concatenate([bench.margins, file["margin"][:]])
                     bench.further += runs_at(bench.plan, points)
         return bench
 
@@ -108,7 +113,10 @@ class Bench:
                 wanted.append(np.asarray(point, dtype=float))
         if wanted:
             runs = runs_at(self.plan, wanted)
-            self.numbers = np.concatenate([self.numbers, self.measure(self.plan, runs)])
+            found = self.records(self.plan, runs)
+            margins = margins_of(self.experiment, np.array([one.values for one in found]))
+            self.numbers = np.concatenate([self.numbers, [one.numbers for one in found]])
+            self.margins = np.concatenate([self.margins, margins])
             self.unit = np.concatenate([self.unit, wanted])
             self.further += runs
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
@@ -118,10 +126,10 @@ class Bench:
         from intervals.scalars import fit_scalar
 
         end = self.experiment.solver.duration
-        asked = zip(self.numbers.T, self.experiment.numbers, strict=True)
+        asked = zip(self.numbers.T, self.margins.T, self.experiment.numbers, strict=True)
         return [
-            fit_scalar(self.unit, column, end if q.is_time else None, q.least)
-            for column, q in asked
+            fit_scalar(self.unit, column, end if q.is_time else None, q.least, margin)
+            for column, margin, q in asked
         ]
 
     def measure(self, plan: Plan, runs: Sequence[Run]) -> np.ndarray:

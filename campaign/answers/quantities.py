@@ -157,7 +157,7 @@ def further_dataset(bench: Bench) -> Any:
     import xarray as xr
 
     runs, k = bench.further, bench.unit.shape[1]
-    numbers = bench.numbers[len(bench.numbers) - len(runs) :]
+    numbers, margins = (each[len(each) - len(runs) :] for each in (bench.numbers, bench.margins))
     along = ("run", "parameter")
     values = np.array([run.values for run in runs]).reshape(-1, k)
     unit = np.array([run.unit for run in runs]).reshape(-1, k)
@@ -167,6 +167,7 @@ def further_dataset(bench: Bench) -> Any:
         "unit": (along, unit, {"units": "1", "long_name": "coordinates in the box, -1 to 1"}),
         "value": (along, values, {"long_name": "parameter values in their units"}),
         "quantities": (("run", "quantity"), numbers, {"long_name": "value of the quantity"}),
+        "margin": (("run", "quantity"), margins, {"long_name": "by how much the run has it"}),
     }
     return xr.Dataset(variables, coordinates(bench), attributes_of(bench))
 

@@ -6,13 +6,15 @@ from __future__ import annotations
 import json
 import textwrap
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from campaign.config.sections import Experiment, from_data
 from campaign.files import open_netcdf
 from campaign.folder import Folder
 from campaign.results.figures import save
+from campaign.results.margins import margins_of_samples
 from campaign.results.units import pretty
 from campaign.results.which import fitted_rows
 
@@ -23,13 +25,12 @@ _BLUE, _RED, _GREY = "#0072B2", "#D55E00", "0.75"
 def draw_ranges(folder: Folder, place: str | Path) -> None:
     """Draw `ranges.png`, `.pdf` and `.svg` into `place`."""
     with open_netcdf(folder.quantities) as found:
-        figure = ranges(found, *runs_of(folder))
+        figure = ranges(found, runs_of(folder))
     save(figure, Path(place) / "ranges")
 
 
-def ranges(found: Any, unit: np.ndarray, numbers: np.ndarray, width: float = 7.0) -> Any:
-    """A figure of the open `quantities.nc`, with runs at unit points (R, k) that have the numbers
-    (R, q); width in inches."""
+def ranges(found: Any, seen: Seen, width: float = 7.0) -> Any:
+    """A figure of the open `quantities.nc`, with the runs; width in inches."""
     from matplotlib.figure import Figure
 
     free = np.flatnonzero(found["box_upper"][:] > found["box_lower"][:])
@@ -42,7 +43,7 @@ def ranges(found: Any, unit: np.ndarray, numbers: np.ndarray, width: float = 7.0
     draw = {0: _line, 1: _line, 2: _map}.get(len(free), _bars)
     for q, ax in enumerate(axes):
         if q < count:
-            draw(ax, found, q, unit, numbers[:, q], free)
+            draw(ax, found, q, seen, free)
             title = textwrap.fill(found["quantity_long_name"][q], 90 // columns)
             ax.set_title(title, fontsize=8)
             ax.tick_params(labelsize=7)
@@ -51,26 +52,36 @@ def ranges(found: Any, unit: np.ndarray, numbers: np.ndarray, width: float = 7.0
     return figure
 
 
-def runs_of(folder: Folder) -> tuple[np.ndarray, np.ndarray]:
-    """Unit points (R, k) and numbers (R, q) of the runs fitted to, the further ones too."""
-    parts = []
-    for path in (folder.samples, folder.further):
-        with open_netcdf(path) as file:
-            unit, numbers = file["unit"][:], file["quantities"][:]
+class Seen(NamedTuple):
+    """Unit points (R, k) of runs, their numbers (R, q) and by how much they have these (R, q)."""
+
+    unit: np.ndarray
+    numbers: np.ndarray
+    margins: np.ndarray
+
+    def surrogate(self, found: Any, q: int) -> Any:
+        """What `quantities.nc` was made with: the surrogate of the same runs, no lower than what is
+        possible."""
+        from intervals.scalars import fit_scalar
+
+        end = json.loads(found.config)["solver"]["duration"]
+        least = float(found["least"][q])
+        latest = end if found["is_time"][q] else None
+        least = least if np.isfinite(least) else None
+        return fit_scalar(self.unit, self.numbers[:, q], latest, least, self.margins[:, q])
+
+
+def runs_of(folder: Folder) -> Seen:
+    """The runs fitted to, the further ones too."""
+    with open_netcdf(folder.samples) as file:
+        numbers = file["quantities"][:]
         rows = fitted_rows(numbers)
-        parts.append((unit[rows], numbers[rows]))
-    return np.concatenate([p for p, _ in parts]), np.concatenate([n for _, n in parts])
-
-
-def _surrogate(found: Any, q: int, unit: np.ndarray, values: np.ndarray) -> Any:
-    """What `quantities.nc` was made with: the surrogate of the same runs, no lower than what is
-    possible."""
-    from intervals.scalars import fit_scalar
-
-    end = json.loads(found.config)["solver"]["duration"]
-    least = float(found["least"][q])
-    latest = end if found["is_time"][q] else None
-    return fit_scalar(unit, values, latest, least if np.isfinite(least) else None)
+        experiment = from_data(Experiment, json.loads(file.config))
+        margins = margins_of_samples(experiment, file, rows)
+        parts = [(file["unit"][:][rows], numbers[rows], margins)]
+    with open_netcdf(folder.further) as file:
+        parts.append(tuple(file[name][:] for name in ("unit", "quantities", "margin")))
+    return Seen(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def _label(found: Any, j: int) -> str:
@@ -83,12 +94,13 @@ def _values(found: Any, j: int, unit: np.ndarray) -> np.ndarray:
     return lower + (unit + 1) / 2 * (upper - lower)
 
 
-def _line(ax: Any, found: Any, q: int, unit: np.ndarray, values: np.ndarray, free: Any) -> None:
+def _line(ax: Any, found: Any, q: int, seen: Seen, free: Any) -> None:
     """The quantity against the one parameter; grey where it does not happen."""
     j = int(free[0]) if len(free) else 0
+    unit, values = seen.unit, seen.numbers[:, q]
     points = np.zeros((_LINE, unit.shape[1]))
     points[:, j] = np.linspace(-1, 1, _LINE)
-    curve = _surrogate(found, q, unit, values).evaluate(points)
+    curve = seen.surrogate(found, q).evaluate(points)
     x, there = _values(found, j, points[:, j]), np.isfinite(values)
     ax.plot(x, curve, color=_BLUE, lw=1.2)
     ax.plot(_values(found, j, unit[there, j]), values[there], "o", color="black", ms=3)
@@ -107,13 +119,14 @@ def _line(ax: Any, found: Any, q: int, unit: np.ndarray, values: np.ndarray, fre
     ax.set_ylabel(f"{found['quantity'][q]} ({pretty(found['quantity_units'][q])})", fontsize=8)
 
 
-def _map(ax: Any, found: Any, q: int, unit: np.ndarray, values: np.ndarray, free: Any) -> None:
+def _map(ax: Any, found: Any, q: int, seen: Seen, free: Any) -> None:
     """The quantity over both parameters; hatched where it does not happen."""
     i, j = map(int, free)
+    unit, values = seen.unit, seen.numbers[:, q]
     line = np.linspace(-1, 1, _GRID)
     points = np.zeros((_GRID**2, unit.shape[1]))
     points[:, i], points[:, j] = (grid.ravel() for grid in np.meshgrid(line, line))
-    field = _surrogate(found, q, unit, values).evaluate(points).reshape(_GRID, _GRID)
+    field = seen.surrogate(found, q).evaluate(points).reshape(_GRID, _GRID)
     x, y = _values(found, i, line), _values(found, j, line)
     if np.isfinite(field).any() and np.nanmax(field) > np.nanmin(field):
         drawn = ax.contourf(x, y, field, 12, cmap="cividis")
@@ -136,7 +149,7 @@ def _map(ax: Any, found: Any, q: int, unit: np.ndarray, values: np.ndarray, free
     ax.set_ylabel(_label(found, j), fontsize=8)
 
 
-def _bars(ax: Any, found: Any, q: int, unit: np.ndarray, values: np.ndarray, free: Any) -> None:
+def _bars(ax: Any, found: Any, q: int, seen: Seen, free: Any) -> None:
     """Width when one parameter varies alone; grey where that is not above the error."""
     names = [found["parameter"][j] for j in free]
     alone, share = found["alone"][q][free], found["share"][q][free]

@@ -93,14 +93,14 @@ class Occurrence:
         return chosen
 
     def _open_places(self) -> np.ndarray:
-        """Unit points (P, k) at which the certainty has one of a few sizes below 1, each between
-        two points of the box of which one is above and one below all of them."""
+        """Unit points (P, k) at which the certainty has one of a few sizes, each between two points
+        of the box of which one is above and one below all of them."""
         from scipy.spatial import cKDTree
 
         spread = spread_points(self._free, _CANDIDATES)
         spread[:, ~self._free] = self.points[0, ~self._free]
         spread = np.concatenate([spread, self.points])
-        certain = self.certainty(spread)
+        certain = self.certainty(spread) / self._scale
         above, below = spread[certain > max(_LEVELS)], spread[certain < min(_LEVELS)]
         if not len(above) or not len(below):
             return spread[:0]
@@ -109,10 +109,15 @@ class Occurrence:
             high, low = above, below
             for _ in range(20):
                 middle = (high + low) / 2
-                up = (self.certainty(middle) >= level)[:, None]
+                up = (self.certainty(middle) >= level * self._scale)[:, None]
                 high, low = np.where(up, middle, high), np.where(up, low, middle)
             found.append((high + low) / 2)
         return np.concatenate(found)
+
+    @property
+    def _scale(self) -> float:
+        """Size of the certainty next to the border."""
+        return 1.0
 
     @cached_property
     def _free(self) -> np.ndarray:
@@ -168,27 +173,29 @@ def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Until(Occurrence):
-    """It happens wherever a function foretells it by the time `latest`, when runs end.
+class Foretold(Occurrence):
+    """It happens where a function of unit coordinates (P, k) is not below 0, up to its `error`.
 
-    That agrees with all runs (`agrees`), and tells the border better than whether it happens does.
+    Such a function tells the border better than whether it happens does: by how much it does, or
+    how long before runs end.
     """
 
-    foretold: Callable[[np.ndarray], np.ndarray]
+    function: Callable[[np.ndarray], np.ndarray]
     error: float
-    latest: float
 
-    @property
-    def agrees(self) -> bool:
-        """Whether the function foretells of every run what happened in it."""
-        late = self.foretold(self.points) - self.latest
-        return bool((late[self.happens] <= self.error).all() and (late[~self.happens] > 0).all())
+    def agrees(self, slack: float = 0.0) -> bool:
+        """Whether the function tells of every run what happened in it, up to its error, and a slack
+        where it did not."""
+        found = self.function(self.points)
+        there = found[self.happens] >= -self.error
+        return bool(there.all() and (found[~self.happens] < slack).all())
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
-        return self.latest - self.foretold(np.asarray(unit, dtype=float))
+        return self.function(np.asarray(unit, dtype=float))
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
         return np.full(len(unit), self.error)
 
-    def between(self, count: int) -> np.ndarray:
-        return np.zeros((0, self.points.shape[1]))
+    @property
+    def _scale(self) -> float:
+        return self.error

@@ -8,7 +8,7 @@ import numpy as np
 
 from .extremes import Extremes, extreme, extremes
 from .fits import Fit, best_fit
-from .occurrence import Occurrence, Until
+from .occurrence import Foretold, Occurrence
 
 
 @dataclass(frozen=True)
@@ -97,23 +97,47 @@ class ScalarSurrogate:
 
 
 def fit_scalar(
-    points: np.ndarray, values: np.ndarray, latest: float | None = None, least: float | None = None
+    points: np.ndarray,
+    values: np.ndarray,
+    latest: float | None = None,
+    least: float | None = None,
+    margin: np.ndarray | None = None,
 ) -> ScalarSurrogate:
     """The surrogate of values (N) of runs at unit points (N, k), NaN where a run has none.
 
     latest: of a time, when runs end. Where that alone tells the runs without one from the others,
     what is fitted to those tells the border between them. least: what no value can be below.
+    margin: by how much there is a number, (N), not above 0 where there is none, NaN where that is
+    not known; where it is known of all runs, what is fitted to it may tell the border. What leaves
+    least open does.
     """
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     there = np.isfinite(values)
     fit = best_fit(points[there], values[there]) if there.any() else None
-    occurrence = Occurrence(points, there)
-    if latest is not None and occurrence.mixed and np.isfinite(fit.error):
-        until = Until(points, there, fit.evaluate, fit.error, latest)
-        occurrence = until if until.agrees else occurrence
     return ScalarSurrogate(
         fit,
-        occurrence,
+        _occurrence(points, there, fit, latest, margin),
         -np.inf if least is None else least,
         np.inf if latest is None else latest,
     )
+
+
+def _occurrence(
+    points: np.ndarray,
+    there: np.ndarray,
+    fit: Fit | None,
+    latest: float | None,
+    margin: np.ndarray | None,
+) -> Occurrence:
+    found = Occurrence(points, there)
+    if not found.mixed:
+        return found
+    told = []
+    if margin is not None and np.isfinite(margin).all():
+        by_how_much = best_fit(points, margin)
+        one = Foretold(points, there, by_how_much.evaluate, by_how_much.error)
+        told += [one] if np.isfinite(one.error) and one.agrees(one.error) else []
+    if latest is not None and np.isfinite(fit.error):
+        until = Foretold(points, there, lambda unit: latest - fit.evaluate(unit), fit.error)
+        told += [until] if until.agrees() else []
+    return min(told, key=lambda one: one.open, default=found)

@@ -7,6 +7,7 @@ import pytest
 
 from fpm import SceneError
 from fpm.kinds.kind import Eventful
+from fpm.quantities import crossing, crossing_margin
 from fpm.quantity_definitions import parse
 from fpm.responses import Response
 from fpm.trajectory import Curves, happened
@@ -112,6 +113,22 @@ def test_a_value_at_an_event_is_the_one_before_it():
 )
 def test_events_of_any_kind_are_counted_by_element(definition, time):
     assert read(definition, WAVE) == pytest.approx(time, nan_ok=True)
+
+
+@pytest.mark.parametrize("way", ["rising", "falling", "either"])
+@pytest.mark.parametrize("number", [1, 2, 3])
+def test_a_margin_tells_whether_a_level_is_crossed_and_by_how_much_it_might_be_missed(way, number):
+    """It is above zero just where there is such a crossing, and moving the level by less than the
+    margin changes nothing."""
+    rng = np.random.default_rng(number)
+    time = np.linspace(0.0, 1.0, 60)
+    curves = 0.3 * rng.normal(size=(100, 60)).cumsum(axis=1) + rng.normal(size=(100, 1))
+    margins = crossing_margin(curves, way, number)
+    assert 10 < (margins > 0).sum() < 100
+    for values, margin in zip(curves, margins, strict=True):
+        for level in (0.0, 0.99 * margin, -0.99 * margin):
+            found = crossing(time, values, level, way, number)
+            assert np.isfinite(found) == (margin > 0)
 
 
 def test_what_is_read_between_instants_is_not_below_what_can_be():

@@ -81,7 +81,7 @@ def answer(
 
 def doubted(best: Any, tried: Sequence[Any], choose: Choose) -> list[np.ndarray]:
     """Places (k) for which choices near the best one were turned down that would be better: where
-    something is taken not to happen, or to happen, because it does so in the nearest run."""
+    something is taken not to happen, or to happen."""
     sign = goals_of(choose)[0][0]
     better = [
         one for one in tried if not one.is_allowed and sign * (one.goals[0] - best.goals[0]) < 0

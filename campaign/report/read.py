@@ -64,7 +64,7 @@ def from_results(folder: str | Path) -> PageData:
         run_counts=summary.get("runs", {}),
         moving=moving,
         left=_left(shown, runs, moving),
-        work=_work(folder),
+        work=_work(folder, summary.get("runs", {})),
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
         answers={name: summary[name] for name in _ANSWERS if name in summary},
@@ -269,8 +269,9 @@ def _manifests(folder: Path) -> list[Path]:
     return sorted(path for pattern in patterns for path in folder.glob(pattern))
 
 
-def _work(folder: Path) -> tuple[Work, ...]:
-    """Time in the batches of runs, of all processes together."""
+def _work(folder: Path, counts: Mapping[str, int]) -> tuple[Work, ...]:
+    """Time in the batches of runs, of all processes together; counts: of runs (the summary's), of
+    which further ones and those of choices are in no batch."""
     for path in _manifests(folder):
         check(path)
     manifests = [json.loads(p.read_text("utf-8")) for p in _manifests(folder)]
@@ -279,8 +280,10 @@ def _work(folder: Path) -> tuple[Work, ...]:
     total = np.sum([m["seconds"] for m in manifests], axis=0)
     inside = np.sum([m["seconds_integrating"] for m in manifests], axis=0)
     runs = sum(m["simulated"] for m in manifests)
+    apart = counts.get("further", 0) + counts.get("choice", 0)
+    rest = f", {apart} for quantities and choice not counted" if apart else ""
     return (
-        Work(f"Integrating {runs} runs", *inside.tolist()),
+        Work(f"Integrating {runs} runs{rest}", *inside.tolist()),
         Work("Starting, compiling or loading the kernels, writing", *(total - inside).tolist()),
     )
 

@@ -36,6 +36,16 @@ def test_the_headline_is_the_answer(opened):
     assert re.search(r"6\d\.\d+ % of the box meets all requirements", text)
 
 
+def test_the_runs_that_are_told_add_up_to_those_that_were_made(folder, opened):
+    parts = r"(\d+) (?:runs|of the design|further ones|for the best choice)"
+    total, *parts = map(int, re.findall(parts, words.facts(opened)))
+    assert len(parts) == 3
+    assert total == sum(parts) == len(list((folder / "trajectories").glob("*.nc")))
+    assert opened.work[0].what == (
+        f"Integrating {parts[0]} runs, {parts[1] + parts[2]} for quantities and choice not counted"
+    )
+
+
 def test_the_headline_tells_how_many_quantities_it_leaves_out(opened):
     (asked,) = (row for row in opened.answers["quantities"] if row["name"] == "t_open")
     more = replace(opened, answers=opened.answers | {"quantities": [asked] * 4})

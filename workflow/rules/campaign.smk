@@ -3,7 +3,7 @@
 
 from snakemake.utils import min_version
 
-min_version("8.20")
+min_version("9.14")
 
 
 report: "../report/workflow.rst"

@@ -112,7 +112,10 @@ def _answered(answers: Mapping) -> str:
     """Of the first quantities their intervals, how many others there are, and whether the
     requirements are met."""
     rows = [row for row in answers["quantities"] if row["lower"] is not None]
-    parts = [f"{row['name']} is {interval(row)}" for row in rows[:_NAMED]]
+    parts = [
+        f"{row['name']} is {interval(row)}" + " (not verified)" * (not row["verified"])
+        for row in rows[:_NAMED]
+    ]
     if len(rows) > _NAMED:
         parts[-1] += f" ({_others(len(rows) - _NAMED, 'quantity', 'quantities')})"
     if "together" in answers:

@@ -65,6 +65,18 @@ def test_the_page_has_verdicts_intervals_and_tables(opened):
     assert "does not happen in any run" in page
 
 
+def test_an_end_that_no_run_reached_is_not_told_as_one_that_did(opened):
+    """Not in bold, and said in the headline: without rounds, say, it may be below all runs."""
+    (asked,) = (row for row in opened.answers["quantities"] if row["name"] == "t_open")
+    assert "unverified" not in render(opened).split("</style>")[1]
+    asked = asked | {"verified": False, "lower": asked["lower"] - 0.01}
+    data = replace(opened, answers=opened.answers | {"quantities": [asked]})
+    assert "t_open is 1.8582 to 1.9640 s (not verified)" in words.headline(data)
+    page = render(data).replace("\N{NO-BREAK SPACE}", " ")
+    assert 'class="big range unverified"' in page
+    assert "over the box; not verified: lower simulated only to 1.868" in page
+
+
 def test_the_part_of_the_box_that_fails_is_drawn(opened):
     """The panel is in time where its spring is stiff: k of 0.095 to 0.105 N m/rad."""
     limit, (panel,) = 1.9334, panels(opened)

@@ -132,7 +132,7 @@ def _occurrence(
     found = Occurrence(points, there)
     if not found.mixed:
         return found
-    told = []
+    told = [found]
     if margin is not None and np.isfinite(margin).all():
         by_how_much = best_fit(points, margin)
         one = Foretold(points, there, by_how_much.evaluate, by_how_much.error)
@@ -140,4 +140,4 @@ def _occurrence(
     if latest is not None and np.isfinite(fit.error):
         until = Foretold(points, there, lambda unit: latest - fit.evaluate(unit), fit.error)
         told += [until] if until.agrees() else []
-    return min(told, key=lambda one: one.open, default=found)
+    return min(reversed(told), key=lambda one: one.open)

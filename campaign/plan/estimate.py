@@ -21,6 +21,9 @@ LANES = 8
 STARTING = 4.0
 """Seconds to start, take bounds, draw and write the page."""
 
+ANSWERING, CHOOSING = 2.0, 6.0
+"""Seconds to find the intervals of quantities, and the best choice, by surrogate."""
+
 WRITING = 5e-3
 """Seconds for a run's scene and file."""
 
@@ -73,10 +76,12 @@ def estimate(campaign: Campaign) -> Estimate:
     # A batch is one core's; rounds wait for each other.
     waiting = batch * sum(math.ceil(number / cores()) * factor for number, factor in batches)
     writing = WRITING * sum(count for count, _ in rounds) / cores()
-    seconds = waiting + writing + STARTING
+    starting = STARTING + ANSWERING * bool(experiment.quantities)
+    starting += CHOOSING * bool(campaign.choose.parameters)
+    seconds = waiting + writing + starting
     if experiment.is_sought:  # meshes and steps become finer
         integrating = 60 * experiment.accuracy.minutes
-        seconds = integrating / cores() + STARTING
+        seconds = integrating / cores() + starting
     curves = _BOUNDS_CURVES * len(experiment.responses)
     if campaign.jobs.keep == "extremes":
         curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)

@@ -90,10 +90,8 @@ class ScalarSurrogate:
         if not self.occurrence.mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == wanted else None
         certainty, points = self.occurrence.certainty, self.occurrence.points
-        found = extremes(certainty, lower, upper, points, climbs=1)
-        if wanted:
-            return found.argmax if found.high >= 0 else None
-        return found.argmin if found.low < 0 else None
+        value, at = extreme(certainty, 1.0 if wanted else -1.0, lower, upper, points, climbs=1)
+        return at if (value >= 0) == wanted else None
 
 
 def fit_scalar(

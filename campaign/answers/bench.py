@@ -121,6 +121,11 @@ class Bench:
             self.further += runs
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
 
+    @property
+    def different(self) -> np.ndarray:
+        """Rows of runs, each once: the nominal run may be a node, too."""
+        return np.sort(np.unique(np.round(self.unit, 9) + 0.0, axis=0, return_index=True)[1])
+
     def surrogates(self) -> list[Any]:
         """A surrogate of each quantity (`intervals.scalars.ScalarSurrogate`), from all runs."""
         from intervals.scalars import fit_scalar

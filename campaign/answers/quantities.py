@@ -122,9 +122,9 @@ def _put_occurrence(variables: _Variables, bench: Bench, ends: list[Ends]) -> No
     """In how many runs, and in which share of the box, there is such a number."""
     from intervals.scalars import Limit, share_of_box
 
-    there = np.isfinite(bench.numbers).sum(axis=0) + bench.others
+    there = np.isfinite(bench.numbers[bench.different]).sum(axis=0) + bench.others
     variables.put("runs_with", _OF, there, "runs that have the number", "1")
-    without = len(bench.unit) + bench.left_out - there
+    without = len(bench.different) + bench.left_out - there
     variables.put("runs_without", _OF, without, "runs in which it does not happen", "1")
     free = bench.experiment.box.free
     shares = np.array([share_of_box([Limit(e.surrogate, "happens", 1.0)], free) for e in ends])
@@ -199,6 +199,6 @@ def attributes_of(bench: Bench) -> dict:
         "config_hash": bench.plan.config_hash,
         "config": json.dumps(plain_data(bench.experiment)),
         "mechanics": bench.plan.mechanics,
-        "runs": len(bench.unit) + bench.left_out,
+        "runs": len(bench.different) + bench.left_out,
         "further_runs": len(bench.further),
     }

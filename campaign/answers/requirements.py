@@ -36,7 +36,7 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, tell
     rows = {
         "requirements": [_requirement(bench, found, name) for name in requirements],
         "together": _together(bench, found),
-        "runs": len(bench.unit) + bench.left_out,
+        "runs": len(bench.different) + bench.left_out,
         "further_runs": len(bench.further),
     }
     write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")

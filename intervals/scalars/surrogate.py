@@ -112,6 +112,8 @@ def fit_scalar(
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     there = np.isfinite(values)
     fit = best_fit(points[there], values[there]) if there.any() else None
+    if there.sum() == 1 and np.ptp(points, axis=0).any():  # which no other run tests
+        fit = replace(fit, left_out=np.full(1, np.inf))
     return ScalarSurrogate(
         fit,
         _occurrence(points, there, fit, latest, margin),

@@ -113,6 +113,10 @@ def test_the_summary_tells_the_intervals(opened):
     text = (opened / "summary.md").read_text()
     assert "1.8682 to 1.9640 s" in text
     assert "t_late happens in " in text
+    # The nominal run is a node, too, and counts once.
+    made = len(list(opened.runs("trajectories").glob("*.nc")))
+    assert {row["runs_with"] + row["runs_without"] for row in rows.values()} == {made}
+    assert f" of {made} runs. The interval" in text
 
 
 @pytest.mark.parametrize(

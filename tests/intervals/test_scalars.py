@@ -186,6 +186,15 @@ def test_what_was_simulated_is_foretold_as_it_was():
     assert np.abs(found.evaluate(places) - found.trend.evaluate(places)).max() < missed
 
 
+def test_no_error_is_known_of_what_happens_in_one_run_of_several():
+    points = np.array([[-1.0], [0.0], [1.0]])
+    found = fit_scalar(points, np.array([1.0, np.nan, np.nan]), latest=2.0)
+    assert found.error == np.inf
+    share, open_ = share_of_box([Limit(found, "at_most", 0.9)], np.ones(1))
+    assert (share, open_) == (0.0, pytest.approx(0.5, abs=1e-3))
+    assert fit_scalar(points[:1], np.array([1.0])).error == 0.0  # of a box without width
+
+
 def test_what_does_not_happen_everywhere_has_a_share():
     points = np.linspace(-1, 1, 41)[:, None]
     values = np.where(points[:, 0] > -0.2 + 1e-9, 2.0 - points[:, 0], np.nan)

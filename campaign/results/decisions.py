@@ -38,12 +38,10 @@ def requirement_lines(
 
 def verdict(together: Mapping) -> str:
     """One sentence about all requirements."""
-    if together["met"] == "all":
-        return "All of the box meets all requirements."
-    if together["met"] == "none":
-        return "None of the box meets all requirements."
+    whole = {"all": "All", "none": "None"}.get(together["met"])
     share = share_text(together["share"], together["open"])
-    return f"{share} of the box meets all requirements."
+    told = share if whole is None else whole + share.partition(" %")[2]
+    return f"{told} of the box meets all requirements."
 
 
 def together_lines(together: Mapping, units: Mapping[str, str]) -> list[str]:
@@ -87,8 +85,8 @@ def share_text(share: float, open_: float = 0.0) -> str:
 
 def met(row: Mapping) -> str:
     """By how much of the box a requirement is met."""
-    known = {"all": "all", "none": "none"}
-    return known.get(row["met"]) or f"some: {share_text(row['share'], row['open'])}"
+    share = share_text(row["share"], row["open"])
+    return f"some: {share}" if row["met"] == "some" else row["met"] + share.partition(" %")[2]
 
 
 def limit_text(row: Mapping) -> str:

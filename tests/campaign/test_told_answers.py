@@ -11,7 +11,7 @@ from campaign.answers.choice import design_points
 from campaign.answers.ends import _ends
 from campaign.results.answers import digits_for, ends, interval
 from campaign.results.budget import quantity_errors
-from campaign.results.decisions import share_text
+from campaign.results.decisions import met, share_text, verdict
 from intervals import Box
 from intervals.scalars.extremes import Extremes
 
@@ -61,6 +61,21 @@ def test_ends_say_how_far_they_were_simulated():
 )
 def test_a_share_has_the_digits_that_what_is_open_leaves(share, open_, text):
     assert share_text(share, open_) == text
+
+
+@pytest.mark.parametrize(
+    ("kept", "share", "open_", "text"),
+    [
+        ("all", 1.0, 1e-4, "All"),
+        ("all", 1.0, 0.03, "All (open: 3 %)"),
+        ("none", 0.0, 0.28, "None (open: 28 %)"),
+        ("some", 0.5, 0.02, "50 % (open: 2 %)"),
+    ],
+)
+def test_a_verdict_tells_what_is_open(kept, share, open_, text):
+    told = {"met": kept, "share": share, "open": open_}
+    assert verdict(told) == f"{text} of the box meets all requirements."
+    assert met(told) == (f"some: {text}" if kept == "some" else text.lower())
 
 
 def test_the_error_of_a_quantity_is_the_sum_of_its_parts_as_a_share_of_its_width():

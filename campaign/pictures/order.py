@@ -19,7 +19,7 @@ def paint_order(flat: np.ndarray, depth: np.ndarray) -> list[int]:
     """Faces from far to near: corners on the page (f, 4, 2) of plane convex ones, in the order of a
     walk about them, and how near each is to the eye (f, 4)."""
     middle = depth.mean(axis=1)
-    if len(middle) > _MOST:
+    if not 0 < len(middle) <= _MOST:
         return np.argsort(middle, kind="stable").tolist()
     near, far = _before(flat, depth)
     after: list[list[int]] = [[] for _ in middle]

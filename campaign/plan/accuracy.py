@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from campaign.config.sections import Experiment
+from campaign.config.sections import Experiment, Solver
 from campaign.plan.decide import Cost, decide, growth, needed
 from campaign.plan.estimate import LANES, run_seconds
 from campaign.plan.make import choose_step, make_plan
@@ -64,7 +64,7 @@ def next_plan(
         parameters = {**now.scene.parameters, asked.mesh: 2 * cost.elements}
         refined = _stable(replace(now, scene=replace(now.scene, parameters=parameters)))
     elif decision.action == "step":
-        refined = replace(now, solver=replace(now.solver, safety=now.solver.safety / 2))
+        refined = replace(now, solver=replace(now.solver, safety=_halved(now.solver, plan.time)))
     check = tuple(part for part in decision.check if part != "mesh" or _has_mesh(now))
     return _plan(refined, points, rounds, check, plan.time if refined is now else None)
 
@@ -82,6 +82,13 @@ def _plan(
     design = replace(experiment.design, existing=points)
     plan = make_plan(replace(experiment, design=design), time=time)
     return replace(plan, adaptive=Rounds(rounds, points, check=check))
+
+
+def _halved(solver: Solver, time: TimeStep) -> float:
+    """A safety that takes half the step, which may be far below the stable one: there are no longer
+    ones between instants."""
+    half, taken = solver.safety / 2, time.step / time.step_limit
+    return half if half < taken else taken / 2
 
 
 def _stable(experiment: Experiment) -> Experiment:

@@ -137,7 +137,7 @@ def needed(
     limit, found = _FIRST if first else _LATER, {}
     for name, parts in shares.items():
         aim, others = asked.shares[name], parts.get("mesh", 0.0) + parts.get("step", 0.0)
-        if _whole(parts) <= aim:
+        if not _whole(parts) > aim:  # nor where it is no number
             continue
         need = Need("runs")
         if others > limit * aim:
@@ -246,8 +246,9 @@ def _needs(aim: float, name: str, parts: Mapping[str, float], state: Rounds, cos
         if fall < _HARDLY:
             return f"{name} has an error of the mesh that hardly falls with a finer one"
         halvings = _halvings(others, aim, fall)
-        seconds *= 4**halvings
-        texts.append(f"a mesh {2**halvings} times as fine")
+        part = "mesh" if parts.get("mesh", 0.0) >= parts.get("step", 0.0) else "step"
+        seconds *= {"mesh": 4, "step": 2}[part] ** halvings
+        texts.append(f"a {part} {2**halvings} times as fine")
     left = max(aim - min(others, aim / 2), 0.1 * aim)
     if parts["surrogate"] > left:
         nodes = math.ceil(nodes * min(parts["surrogate"] / left, 100.0))

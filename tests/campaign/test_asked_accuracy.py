@@ -160,6 +160,14 @@ def test_a_mesh_that_hardly_helps_is_refined_no_further():
     assert "hardly falls with a finer one" in found.reason
 
 
+def test_what_half_a_step_would_take_is_told_of_the_step_and_what_is_no_number_is_left():
+    aim = Accuracy({"x": 0.1, "y": 0.1}, 20, 60.0, "")
+    shares = {"x": {"surrogate": 0.01, "step": 0.3}, "y": {"surrogate": float("nan")}}
+    found = decide(aim, shares, Rounds((), (), check=("step",)), COST, step_is_free=True)
+    assert found.action == "stop"
+    assert "x would take a step 8 times as fine" in found.reason
+
+
 def test_what_no_mesh_settles_is_set_aside_and_the_rest_goes_on():
     """The error of `y` hardly fell with a finer mesh; `x` needs runs, and gets them alone."""
     aim = Accuracy({"x": 0.1, "y": 0.1}, 1000, 60.0, "n")

@@ -10,7 +10,7 @@ import xarray as xr
 
 from campaign.answers.finer import PLACES
 from campaign.config.check import check_config
-from campaign.plan.accuracy import _cost, first_plan, next_plan
+from campaign.plan.accuracy import _cost, _halved, first_plan, next_plan
 from campaign.plan.estimate import run_seconds
 from campaign.plan.plan import Round
 from fpm.sealed import whole_file
@@ -125,6 +125,14 @@ def test_half_a_step_has_the_same_mesh_and_runs(decided):
     assert after.experiment.solver.safety == plan.experiment.solver.safety / 2
     np.testing.assert_array_equal(after.runs.unit, plan.runs.unit)
     assert after.time.step <= 0.5 * plan.time.step * 1.1
+
+
+def test_a_step_that_instants_set_is_halved_too(experiment):
+    """Half of safety would leave it as it is."""
+    plan = first_plan(experiment)
+    limit = 100 * plan.time.step
+    safety = _halved(plan.experiment.solver, replace(plan.time, step_limit=limit))
+    assert safety * limit == pytest.approx(plan.time.step / 2)
 
 
 def test_what_is_accurate_enough_ends_once_it_is_checked(decided):

@@ -133,6 +133,10 @@ def test_of_tubes_within_tubes_the_nearest_face_is_seen_everywhere():
     assert several > 30
 
 
+def test_of_no_faces_none_is_painted():
+    assert paint_order(np.zeros((0, 4, 2)), np.zeros((0, 4))) == []
+
+
 def test_the_view_is_orthonormal_and_x_y_z_are_right_handed_on_the_page():
     view = View()
     axes = np.vstack([view.page, view.towards])

@@ -99,8 +99,9 @@ def accuracy_lines(found: Mapping) -> list[str]:
     mesh = "".join(f", with {name} = {number}" for name, number in found["mesh"].items())
     met = "is met" if found["met"] else "is not met"
     seconds = "less than 1 s" if found["seconds"] < 1 else f"{found['seconds']:.2g} s"
+    rounds = f"{found['rounds']} round{'s' * (found['rounds'] != 1)}"
     return ["", (
-        f"The accuracy that was asked for {met}, after {found['rounds']} rounds of {found['runs']} "
+        f"The accuracy that was asked for {met}, after {rounds} of {found['runs']} "
         f"runs in all ({seconds} of a core, by estimate){mesh}: {found['reason']}."
     )]  # fmt: skip
 

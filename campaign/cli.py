@@ -111,7 +111,7 @@ def _parser() -> argparse.ArgumentParser:
             words = "frames of the runs that move, evenly spread (%(default)s)"
             default = signature(stage.work).parameters["frames"].default
             one.add_argument("--frames", type=int, default=default, help=words)
-        elif "threads" in signature(stage.work).parameters:
+        elif stage.has_threads:
             one.add_argument("--threads", type=int, default=1, help="that share the runs")
         one.add_argument("--log", type=Path, help="file that messages go to as well")
     if _evidence_is_there():

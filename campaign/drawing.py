@@ -28,9 +28,8 @@ _READY = (
 # Ctrl-C goes to both processes; the one that asked tells. While Python starts it is ignored: it
 # would tell of itself.
 _CHILD = """
-import gc
 import signal
-gc.set_threshold(10_000)  # as in campaign/__main__.py
+import campaign.__main__  # its settings of Python
 signal.signal(signal.SIGINT, signal.SIG_DFL)
 from campaign.drawing import draw
 from campaign.stopping import leave

@@ -11,6 +11,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from inspect import signature
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -226,6 +227,11 @@ class Stage:
     def name(self) -> str:
         """Name of the stage and of its rule."""
         return self.work.__name__
+
+    @property
+    def has_threads(self) -> bool:
+        """Whether it makes runs that threads can share."""
+        return "threads" in signature(self.work).parameters
 
     def run(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
         """Do the work on a folder; its arguments are the sections, and those of the batch.

@@ -53,10 +53,9 @@ def run(
             if draughtsman and not waits_for_page(campaign):  # the one figure that needs no bounds
                 wanted.remove("moments")
                 draughtsman.ask("moments", campaign, folder)
-            _stage("bounds", campaign, folder, tell, threads=os.cpu_count() or 1)
+            _stage("bounds", campaign, folder, tell)
         for name in answers(campaign):
-            threads = {} if name == "requirements" else {"threads": os.cpu_count() or 1}
-            _stage(name, campaign, folder, tell, **threads)
+            _stage(name, campaign, folder, tell)
         for name in wanted:
             if name != "moments":
                 draughtsman.ask(name, campaign, folder)
@@ -91,6 +90,8 @@ def _damaged_in(campaign: Campaign, results: str | Path, figures: bool) -> list[
 
 def _stage(name: str, campaign: Campaign, folder: Folder, tell: Tell, **more: Any) -> None:
     stage = STAGES[name]
+    if stage.has_threads:
+        more["threads"] = os.cpu_count() or 1
     stage.run(folder, tell, **stage.sections_of(campaign), **more)
 
 
@@ -99,7 +100,7 @@ def _sample(campaign: Campaign, folder: Folder, tell: Tell) -> None:
     from campaign.plan.plan import read_plan
 
     batches = batch_count(campaign, len(read_plan(folder.plan).runs))
-    more = {"batches": batches, "threads": os.cpu_count() or 1, "ahead": _NEEDED_NEXT}
+    more = {"batches": batches, "ahead": _NEEDED_NEXT}
     for batch in range(batches):
         _stage("simulate", campaign, folder, tell, batch=batch, **more)
     _stage("gather", campaign, folder, tell)
@@ -116,7 +117,7 @@ def _run_rounds(campaign: Campaign, folder: Folder, tell: Tell) -> None:
         if read_plan(place.plan).is_finished:
             break
         _sample(campaign, place, tell)
-        _stage("bounds", campaign, place, tell, threads=os.cpu_count() or 1)
+        _stage("bounds", campaign, place, tell)
         number += 1
     last = [place.plan, *(place.previous() / name for name in ROUND_FILES[1:])]
     for path in last:

@@ -9,7 +9,6 @@ from itertools import combinations
 import numpy as np
 
 from campaign.report.data import PageData, Parameter
-from intervals.scalars import Limit
 
 MOST_PARAMETERS = 3
 """Parameters that are drawn against each other: those by which failing runs differ most."""
@@ -32,6 +31,8 @@ class Panel:
 def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) -> np.ndarray:
     """Which runs (R,) meet all limits of the summary's requirements, from their quantities (R, q)
     by name; not a number is what does not happen, and breaks any limit but `happens: false`."""
+    from intervals.scalars import Limit
+
     met = np.ones(len(numbers), dtype=bool)
     for limit in limits:
         value = numbers[:, list(names).index(limit["quantity"])]

@@ -269,9 +269,9 @@ def _manifests(folder: Path) -> list[Path]:
     return sorted(path for pattern in patterns for path in folder.glob(pattern))
 
 
-def _work(folder: Path, counts: Mapping[str, int]) -> tuple[Work, ...]:
-    """Time in the batches of runs, of all processes together; counts: of runs (the summary's), of
-    which further ones and those of choices are in no batch."""
+def _work(folder: Path, made: Mapping[str, int]) -> tuple[Work, ...]:
+    """Time in the batches of runs, of all processes together; made: how many runs for what (the
+    summary's), of which further ones and those of choices are in no batch."""
     for path in _manifests(folder):
         check(path)
     manifests = [json.loads(p.read_text("utf-8")) for p in _manifests(folder)]
@@ -280,7 +280,7 @@ def _work(folder: Path, counts: Mapping[str, int]) -> tuple[Work, ...]:
     total = np.sum([m["seconds"] for m in manifests], axis=0)
     inside = np.sum([m["seconds_integrating"] for m in manifests], axis=0)
     runs = sum(m["simulated"] for m in manifests)
-    apart = counts.get("further", 0) + counts.get("choice", 0)
+    apart = made.get("further", 0) + made.get("choice", 0)
     rest = f", {apart} for quantities and choice not counted" if apart else ""
     return (
         Work(f"Integrating {runs} runs{rest}", *inside.tolist()),

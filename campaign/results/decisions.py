@@ -38,10 +38,8 @@ def requirement_lines(
 
 def verdict(together: Mapping) -> str:
     """One sentence about all requirements."""
-    whole = {"all": "All", "none": "None"}.get(together["met"])
-    share = share_text(together["share"], together["open"])
-    told = share if whole is None else whole + share.partition(" %")[2]
-    return f"{told} of the box meets all requirements."
+    told = met(together).removeprefix("some: ")
+    return f"{told[0].upper()}{told[1:]} of the box meets all requirements."
 
 
 def together_lines(together: Mapping, units: Mapping[str, str]) -> list[str]:
@@ -70,23 +68,37 @@ def together_lines(together: Mapping, units: Mapping[str, str]) -> list[str]:
 def share_text(share: float, open_: float = 0.0) -> str:
     """A share in per cent, never rounded to all or nothing, with what is open of it, and as many
     digits as that leaves: `81 % (open: 2 %)`."""
-    percent, more = 100 * share, 100 * open_
-    if more < _TOLD:
-        digits, least, told = f"{percent:.4g}", 0.01, ""
+    percent, told = 100 * share, open_text(open_)
+    if told:
+        places = _places(open_)
+        digits, least = f"{percent:.{places}f}", 10.0**-places
     else:
-        places = max(0, -int(np.floor(np.log10(more))))
-        least = 10.0**-places
-        digits, more = f"{percent:.{places}f}", np.ceil(more / least - 1e-9) * least
-        told = f" (open: {more:.{places}f} %)"
+        digits, least = f"{percent:.4g}", 0.01
     if 0 < percent < least or 100 - least < percent < 100:
         return f"{f'Less than {least:g}' if percent < 50 else f'More than {100 - least:g}'} %{told}"
     return f"{digits} %{told}"
 
 
+def open_text(open_: float) -> str:
+    """What is open of a share, rounded up to one digit: ` (open: 2 %)`; nothing where next to none
+    is."""
+    if 100 * open_ < _TOLD:
+        return ""
+    places = _places(open_)
+    least = 10.0**-places
+    return f" (open: {np.ceil(100 * open_ / least - 1e-9) * least:.{places}f} %)"
+
+
+def _places(open_: float) -> int:
+    """Decimal places of per cent that are worth telling."""
+    return max(0, -int(np.floor(np.log10(100 * open_))))
+
+
 def met(row: Mapping) -> str:
     """By how much of the box a requirement is met."""
-    share = share_text(row["share"], row["open"])
-    return f"some: {share}" if row["met"] == "some" else row["met"] + share.partition(" %")[2]
+    if row["met"] == "some":
+        return f"some: {share_text(row['share'], row['open'])}"
+    return row["met"] + open_text(row["open"])
 
 
 def limit_text(row: Mapping) -> str:

@@ -63,7 +63,7 @@ class Occurrence:
 
         if not self.mixed:
             return np.zeros(len(unit))
-        certain = np.where(self.happens, 1.0, -1.0) * self._border(self.points)
+        certain = self._certain
         nearest = [
             certain[kind][cKDTree(self.points[kind]).query(unit)[1]]
             for kind in (self.happens, ~self.happens)
@@ -138,6 +138,11 @@ class Occurrence:
         bearing = weights > 0
         points, weights = points[bearing], (weights * signs)[bearing]
         return lambda unit: _matern(unit, points) @ weights
+
+    @cached_property
+    def _certain(self) -> np.ndarray:
+        """Size (N) of the border's function at the runs, below 0 on its wrong side."""
+        return np.where(self.happens, 1.0, -1.0) * self._border(self.points)
 
     def _deciding(self) -> tuple[np.ndarray, np.ndarray]:
         """Unit points (n, k) and signs (n) of the runs that a border is fitted to."""

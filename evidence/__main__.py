@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from campaign.files import write_text
+from deployable.campaign.files import write_text
 from evidence import results
 from evidence.registry import STUDIES, Study
 
@@ -64,7 +64,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def measure(parts: Mapping[str, Callable[[bool], Any]], quick: bool = False) -> dict[str, Any]:
     """What the parts measure, by name; prints how long each takes."""
-    import fpm
+    from deployable import fpm
     from evidence.linkage.runs import build
 
     fpm.warm_up(build())  # so that no part is charged for compiling

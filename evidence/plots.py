@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from campaign.files import whole_file
+from deployable.campaign.files import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from deployable.fpm.sources import syntax_digest
 from evidence.tradeoff.measure.asked_cases import ASKED
 from evidence.tradeoff.measure.cases import CASES
-from fpm.sources import syntax_digest
 
 ROOT = Path(__file__).parents[1]
 
@@ -42,7 +42,7 @@ class Study:
 
     def measuring_code(self) -> str:
         """Digest of the code that decides what is measured."""
-        return digest("fpm", "evidence/linkage", *self.uses)
+        return digest("deployable/fpm", "evidence/linkage", *self.uses)
 
     def code(self) -> list[str]:
         """Digests of the code that decides what the study leaves, beside its measured parts."""
@@ -80,7 +80,7 @@ STUDIES = {
         Study(
             "extremes",
             "Running the linkage at the ends of its parameters' ranges",
-            uses=("intervals", "evidence/extremes"),
+            uses=("deployable/intervals", "evidence/extremes"),
             plots=("stable-step", "errors"),
             parts=EXTREMES,
         ),
@@ -94,10 +94,10 @@ STUDIES = {
             "tradeoff",
             "Putting error against cost",
             uses=(
-                "intervals",
-                "campaign/config",
-                "campaign/plan",
-                "campaign/answers/finer.py",
+                "deployable/intervals",
+                "deployable/campaign/config",
+                "deployable/campaign/plan",
+                "deployable/campaign/answers/finer.py",
                 "evidence/tradeoff/measure",
             ),
             plots=tuple(f"pareto_{case.name}" for case in CASES),
@@ -118,7 +118,7 @@ STUDIES = {
         Study(
             "calibration",
             "Fitting K_F to the paper's two numbers",
-            uses=("intervals", "evidence/calibration"),
+            uses=("deployable/intervals", "evidence/calibration"),
             plots=("numbers", "misfit", "closures"),
             parts=("default", "meshes", "starts", "supports"),
         ),

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from campaign.files import write_text
+from deployable.campaign.files import write_text
 from evidence import plots
 from evidence.rows import Row
 

@@ -24,7 +24,7 @@ _seen: set[str] = set()
 
 def pytest_runtest_teardown(item: pytest.Item) -> None:
     """Fail a quick test that was the first to need another time loop."""
-    compiled = sys.modules.get("fpm.kernels.compiled")
+    compiled = sys.modules.get("deployable.fpm.kernels.compiled")
     ready = compiled.READY if compiled else ()
     needed = {"-".join(kind.__name__ for kind in kinds) for kinds, _ in ready} - _seen
     _seen.update(needed)

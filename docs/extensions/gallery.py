@@ -12,7 +12,7 @@ DURATION = 2.0  # s, of structures that no shipped campaign is about
 
 def structures() -> dict[str, str]:
     """The library: what a structure's command takes, by the structure's name."""
-    from campaign.config.scenes import scene_type
+    from deployable.campaign.config.scenes import scene_type
 
     found = {}
     for path in sorted((ROOT / "config/structures").glob("*.yaml")):
@@ -22,7 +22,7 @@ def structures() -> dict[str, str]:
 
 def campaigns() -> dict[str, str]:
     """The first shipped campaign of each structure, by the structure's file or name."""
-    from campaign.config.check import load_config
+    from deployable.campaign.config.check import load_config
 
     found: dict[str, str] = {}
     for path in sorted((ROOT / "config").glob("*.yaml"), key=lambda p: (p.stem != "paper", p.stem)):
@@ -41,9 +41,9 @@ def command(structure: str, campaign: str | None) -> list[str]:
 
 def picture(arguments: list[str], structure: str, name: str, folder: Path, moves: bool) -> str:
     """Make a picture unless it is there; its name."""
-    from campaign.config.scenes import scene_type
-    from campaign.export import choose, export
-    from campaign.pictures.still import write_structure
+    from deployable.campaign.config.scenes import scene_type
+    from deployable.campaign.export import choose, export
+    from deployable.campaign.pictures.still import write_structure
 
     found = scene_type(structure, str(ROOT / structure))
     path = folder / f"{name}-{found.digest[:8]}.{'gif' if moves else 'png'}"
@@ -59,7 +59,7 @@ def picture(arguments: list[str], structure: str, name: str, folder: Path, moves
 
 def page(folder: Path, moves: bool) -> str:
     """The gallery as Markdown."""
-    from campaign.config.scenes import scene_type
+    from deployable.campaign.config.scenes import scene_type
 
     known, lines = campaigns(), []
     for name, structure in structures().items():
@@ -71,7 +71,7 @@ def page(folder: Path, moves: bool) -> str:
             f"## {name}", "", f"{found.description}.", "",
             f"![{found.description}](made/{image})", "",
             f"File `{structure}`" + (f", campaign `{campaign}`." if campaign else "."), "",
-            "```", f"python -m campaign {' '.join(arguments)}", "```", "",
+            "```", f"python -m deployable {' '.join(arguments)}", "```", "",
             f"Parameters: {', '.join(f'`{p}`' for p in found.parameters)}.", "",
         ]  # fmt: skip
         stem, library = Path(structure).stem, ROOT / "docs/library"

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import fpm
+from deployable import fpm
+from deployable.fpm.kinds.lumping import end_weights
 from evidence.linkage.runs import build, curves
-from fpm.kinds.lumping import end_weights
 
 DURATION = 1.2
 INSTANTS = 2401

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 
-import fpm
+from deployable import fpm
 from evidence import plots
 from evidence.accuracy.choices import (
     CHOICES,

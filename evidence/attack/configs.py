@@ -9,12 +9,11 @@ from typing import Any
 
 import yaml
 
-import campaign
-import fpm
-from campaign.config.check import load_config
-from campaign.config.design import count_runs
-from campaign.config.sections import Campaign
-from campaign.errors import CampaignError, ConfigError
+from deployable import campaign, fpm
+from deployable.campaign.config.check import load_config
+from deployable.campaign.config.design import count_runs
+from deployable.campaign.config.sections import Campaign
+from deployable.campaign.errors import CampaignError, ConfigError
 from evidence.attack.ledger import Ledger
 from evidence.attack.victim import RAW, silent
 

@@ -7,11 +7,11 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-from campaign.config.check import check_config
-from campaign.errors import CampaignError
-from campaign.folder import Folder
-from campaign.stages import STAGES
-from campaign.workflow import Workflow
+from deployable.campaign.config.check import check_config
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.folder import Folder
+from deployable.campaign.stages import STAGES
+from deployable.campaign.workflow import Workflow
 from evidence.attack.ledger import Ledger
 from evidence.attack.victim import Victim, broken_in, read_bounds, results_in, silent
 

@@ -28,7 +28,7 @@ def command(victim: Victim, place: Path, figures: bool = False) -> list[str]:
     config = place / "victim.yaml"
     config.write_text(yaml.safe_dump(victim.raw), encoding="utf-8")
     quiet = [] if figures else ["--no-figures"]
-    return [sys.executable, "-m", "campaign", "run", str(config), "--results", str(place), *quiet]
+    return [sys.executable, "-m", "deployable", "run", str(config), "--results", str(place), *quiet]
 
 
 def start(words: list[str], limit: int | None = None) -> subprocess.Popen:

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-import campaign
-from fpm.sealed import DamagedError, check
+from deployable import campaign
+from deployable.fpm.sealed import DamagedError, check
 
 RAW = {
     "campaign": "victim",

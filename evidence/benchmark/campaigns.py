@@ -15,7 +15,7 @@ from pathlib import Path
 
 import yaml
 
-import fpm
+from deployable import fpm
 from evidence.benchmark.clock import best
 from evidence.benchmark.processes import ROOT, environment
 from evidence.benchmark.scenes import linkages, runner

@@ -16,11 +16,11 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     """
     import numba
 
-    from fpm.kernels import compiled, hooks, lanes, vectors
-    from fpm.kernels import run as loop
+    from deployable.fpm.kernels import compiled, hooks, lanes, vectors
+    from deployable.fpm.kernels import run as loop
 
     for path in (compiled.PACKAGE / "kinds").glob("*_kernels.py"):
-        import_module(f"fpm.kinds.{path.stem}")
+        import_module(f"deployable.fpm.kinds.{path.stem}")
     if not numba.config.DISABLE_JIT:
         raise RuntimeError("set NUMBA_DISABLE_JIT=1 before this module is used")
     for key, kernel in hooks.KERNELS.items():
@@ -31,7 +31,7 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     instead = {id(compiled.loop_for): lambda arguments: loop.run, **_overloaded()}
     for name, operation in operations.items():
         instead[id(getattr(vectors if name == "vector" else lanes, name))] = operation
-    for module in [m for name, m in sys.modules.items() if name.startswith("fpm.")]:
+    for module in [m for name, m in sys.modules.items() if name.startswith("deployable.fpm.")]:
         for name, value in list(vars(module).items()):
             if id(value) in instead:
                 setattr(module, name, instead[id(value)])
@@ -50,7 +50,7 @@ def _overloaded() -> dict[int, Callable]:
     found = {}
     for template in builtin_registry.functions:
         choose = getattr(template, "_overload_func", None)
-        if choose and str(getattr(template.key, "__module__", "")).startswith("fpm."):
+        if choose and str(getattr(template.key, "__module__", "")).startswith("deployable.fpm."):
             found[id(template.key)] = _chosen(choose)
     return found
 

@@ -11,7 +11,7 @@ def functions():
     """Compiled loops over n rounds of 12 independent, or of one dependent, multiply-add."""
     from numba import njit
 
-    from fpm.kernels.lanes import load, store
+    from deployable.fpm.kernels.lanes import load, store
 
     @njit(error_model="numpy", nogil=True)
     def independent(a, n):

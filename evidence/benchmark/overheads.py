@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 from evidence.benchmark.clock import best
 from evidence.benchmark.processes import python
 from evidence.benchmark.scenes import linkages
@@ -18,7 +18,7 @@ GROUP = "Around the arithmetic"
 START = """
 import json, time
 start = time.perf_counter()
-import fpm
+from deployable import fpm
 imported = time.perf_counter()
 import numba
 numba_there = time.perf_counter()
@@ -43,7 +43,7 @@ def starting(repeats: int) -> list[Row]:
 
 def surrogate(repeats: int, order: int = 9, instants: int = 2000, responses: int = 10) -> list[Row]:
     """Fit and range of many instants and responses, in one dimension."""
-    from intervals import fit, make_design, surrogate_range
+    from deployable.intervals import fit, make_design, surrogate_range
 
     design = make_design("tensor_roots", 1, order)
     time_axis, lines = np.linspace(0, 1, instants), np.arange(1, responses + 1)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 from evidence.linkage.runs import build
 
 

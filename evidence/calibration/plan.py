@@ -69,7 +69,7 @@ def start_of_half_angle(degrees: float) -> float:
     """
     from scipy.optimize import brentq
 
-    from fpm.scenes.bennett_geometry import bennett_geometry
+    from deployable.fpm.scenes.bennett_geometry import bennett_geometry
 
     geometry = bennett_geometry(
         default("L"), SIDE, default("lambda_deg"), default("mu_deg"), default("omega_deg")

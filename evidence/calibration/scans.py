@@ -14,9 +14,9 @@ from functools import cache
 
 import numpy as np
 
-import fpm
+from deployable import fpm
+from deployable.intervals import fit, make_design, surrogate_range
 from evidence.linkage import runs as linkage
-from intervals import fit, make_design, surrogate_range
 
 PAPER = {"BD": 0.063, "vBz": 4.38}
 """Largest differences of the bounds in m and m/s, section 4 of the paper."""

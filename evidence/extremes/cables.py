@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 from evidence.extremes.true_limit import disturb, true_limit
 from evidence.rows import Row, at_most, refused
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 from evidence.rows import Row, at_most, refused
 
 G = 9.81

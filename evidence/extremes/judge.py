@@ -8,7 +8,7 @@ one that no mesh or step helps against.
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 from evidence.linkage.rigid import RigidBennett
 from evidence.linkage.runs import (
     closing_time,

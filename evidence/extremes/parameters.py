@@ -1,6 +1,6 @@
 """Extremes of the linkage's parameters: materials, sections, lengths, stiffnesses."""
 
-import fpm
+from deployable import fpm
 from evidence.extremes.judge import BENT, RATTLING, WHIPPING, judge
 from evidence.linkage.runs import build
 from evidence.rows import Row, refused

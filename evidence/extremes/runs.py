@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 from evidence.extremes.judge import attempt, compare, judge, persist
 from evidence.linkage.runs import (
     BALANCE,
@@ -165,14 +165,14 @@ WIDE = {"K_F": (2.5, 7.5), "a": (0.0175, 0.0525), "E": (0.5e9, 1.5e9)}
 
 def box_of(**ends: tuple[float, float]):
     """The box of some parameters' intervals."""
-    from intervals import Box
+    from deployable.intervals import Box
 
     return Box(tuple(ends), *zip(*ends.values(), strict=True))
 
 
 def bounds_of_bd(box, order: int):
     """Bounds of BD (m) over a box by tensor Chebyshev roots of an order, and the number of runs."""
-    from intervals import fit, make_design, surrogate_range
+    from deployable.intervals import fit, make_design, surrogate_range
 
     design = make_design("tensor_roots", box, order)
     values = curves_of_bd(box.names, box.from_unit(design.points))

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 from evidence.extremes.true_limit import disturb, true_limit
 from evidence.linkage.runs import build as bennett
 from evidence.rows import Row

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 
 INSTANTS = 801
 BALANCE = 0.005

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 from evidence.benchmark.clock import best
 
 PAIRS = 50

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from campaign.config.presets import MODEL, PRESETS
+from deployable.campaign.config.presets import MODEL, PRESETS
 from evidence.rows import Row, at_most
 
 LIMITS = {"draft": 0.18, "standard": 0.12, "reference": 0.05}

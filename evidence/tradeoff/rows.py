@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from campaign.config.presets import MODEL
+from deployable.campaign.config.presets import MODEL
 from evidence.rows import Row, at_least, at_most
 from evidence.tradeoff.peer_rows import peer_rows
 from evidence.tradeoff.preset_rows import missing_rows, preset_rows

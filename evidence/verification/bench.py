@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 from evidence.plots import Chart
 from evidence.rows import Row, at_least, within
 

@@ -8,8 +8,8 @@ import numpy as np
 import xarray
 from scipy.integrate import quad
 
+from deployable.fpm import structures
 from evidence.verification.bench import Bench
-from fpm import structures
 
 CONFIG = Path(__file__).parents[2] / "config"
 START, END = np.radians([85, 30])
@@ -68,7 +68,7 @@ def scissor_mast(bench: Bench) -> None:
 
 def interval_of_a_latch(bench: Bench) -> None:
     """The shipped campaign of a panel with a latch: t = √(J/k) arccos((ψ - θ)/ψ) over the box."""
-    import campaign
+    from deployable import campaign
 
     with TemporaryDirectory() as folder, bench.timed():
         campaign.run(CONFIG / "latch.yaml", folder, figures=False, tell=lambda text: None)

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-import fpm
+from deployable import fpm
+from deployable.fpm.kinds import Friction
 from evidence.verification.bench import Bench
 from evidence.verification.joints import ABOUT_HINGE, ARM, MASS, swinging_body
 from evidence.verification.relax import settle
-from fpm.kinds import Friction
 
 AXES = "xyz"
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 
 
 def watch(scene: fpm.Scene, particles=None) -> None:

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-import fpm
+from deployable import fpm
+from deployable.fpm.timestep import scaled_modes
 from evidence.verification.bench import Bench
-from fpm.timestep import scaled_modes
 
 
 def frequencies(scene: fpm.Scene) -> np.ndarray:

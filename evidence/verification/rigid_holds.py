@@ -3,10 +3,10 @@
 import numpy as np
 from scipy.special import ellipk
 
-import fpm
+from deployable import fpm
+from deployable.fpm.kinds import RigidLatch, RigidRelease
+from deployable.fpm.kinds.beam import Material, Section
 from evidence.verification.bench import Bench, observed_orders
-from fpm.kinds import RigidLatch, RigidRelease
-from fpm.kinds.beam import Material, Section
 
 M, L, G = np.array([2.0, 1.0]), 1.0, 9.81  # kg, m, m/s²
 J = M * L**2 / 12  # slender rods

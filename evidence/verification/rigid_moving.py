@@ -2,9 +2,9 @@
 
 import numpy as np
 
-import fpm
+from deployable import fpm
+from deployable.fpm.kinds import RigidFriction, RigidMotor
 from evidence.verification.bench import Bench
-from fpm.kinds import RigidFriction, RigidMotor
 
 G, L, STEP = 9.81, 1.0, 2e-4
 J = L**2 / 3  # kg m² of 1 kg about the hinge

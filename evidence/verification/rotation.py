@@ -2,7 +2,7 @@
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.momentum import drift, momenta, motion, watch
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 
-import fpm
+from deployable import fpm
 from evidence import plots
 from evidence.results import Report
 from evidence.verification import (

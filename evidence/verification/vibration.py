@@ -2,7 +2,7 @@
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.relax import frequencies, mode_shape
 from evidence.verification.rotation import crossings

@@ -6,9 +6,9 @@ import copy
 
 import pytest
 
-import campaign
-from campaign.folder import Folder
-from campaign.plan.make import make_plan
+from deployable import campaign
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.make import make_plan
 from evidence.attack import victim
 from evidence.attack.victim import silent
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-import campaign
-from campaign.folder import Folder
+from deployable import campaign
+from deployable.campaign.folder import Folder
 
 ROOT = Path(__file__).parents[2]
 

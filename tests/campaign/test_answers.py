@@ -10,14 +10,14 @@ import pytest
 import xarray as xr
 from opening_panel import PANEL, exact_time, panel, run
 
-import campaign
-from campaign.answers import ends
-from campaign.errors import ConfigError
-from campaign.files import open_netcdf
-from campaign.folder import Folder
-from campaign.results.ranges import Seen, draw_ranges, ranges, runs_of
-from fpm.sealed import unsealed
-from intervals.scalars import fit_scalar
+from deployable import campaign
+from deployable.campaign.answers import ends
+from deployable.campaign.errors import ConfigError
+from deployable.campaign.files import open_netcdf
+from deployable.campaign.folder import Folder
+from deployable.campaign.results.ranges import Seen, draw_ranges, ranges, runs_of
+from deployable.fpm.sealed import unsealed
+from deployable.intervals.scalars import fit_scalar
 
 
 @pytest.fixture(scope="module")

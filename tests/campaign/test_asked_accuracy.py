@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import campaign
-from campaign.config.check import check_config
-from campaign.config.sections import Accuracy
-from campaign.errors import ConfigError
-from campaign.folder import Folder
-from campaign.plan.accuracy import _sought, added
-from campaign.plan.decide import Cost, decide, growth, needed
-from campaign.plan.plan import Round, Rounds
+from deployable import campaign
+from deployable.campaign.config.check import check_config
+from deployable.campaign.config.sections import Accuracy
+from deployable.campaign.errors import ConfigError
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.accuracy import _sought, added
+from deployable.campaign.plan.decide import Cost, decide, growth, needed
+from deployable.campaign.plan.plan import Round, Rounds
 
 
 @pytest.fixture

@@ -5,10 +5,10 @@ import copy
 import numpy as np
 import pytest
 
-import campaign
-from campaign.folder import Folder
-from campaign.plan.estimate import found
-from fpm.trajectory import read_curves
+from deployable import campaign
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.estimate import found
+from deployable.fpm.trajectory import read_curves
 
 pytestmark = pytest.mark.slow  # time loops of their own
 

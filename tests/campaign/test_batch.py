@@ -10,16 +10,16 @@ import pytest
 import xarray as xr
 from harm import harm_file
 
-import fpm
-from campaign.config.check import check_config
-from campaign.config.sections import Jobs
-from campaign.errors import CampaignError
-from campaign.plan.make import make_plan
-from campaign.results.samples import gather
-from campaign.results.summary import SOFT, _doubts
-from campaign.runs.batch import clocks, run_batch
-from campaign.runs.progress import duration_text
-from fpm.trajectory import read_curves
+from deployable import fpm
+from deployable.campaign.config.check import check_config
+from deployable.campaign.config.sections import Jobs
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.plan.make import make_plan
+from deployable.campaign.results.samples import gather
+from deployable.campaign.results.summary import SOFT, _doubts
+from deployable.campaign.runs.batch import clocks, run_batch
+from deployable.campaign.runs.progress import duration_text
+from deployable.fpm.trajectory import read_curves
 
 KEEP = ["trajectories", "responses"]
 

@@ -11,10 +11,10 @@ import pytest
 import xarray
 import yaml
 
-from campaign.cli import main
-from campaign.folder import Folder
-from campaign.stages import STAGES, Stage
-from fpm.sealed import unsealed
+from deployable.campaign.cli import main
+from deployable.campaign.folder import Folder
+from deployable.campaign.stages import STAGES, Stage
+from deployable.fpm.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
 
@@ -57,7 +57,7 @@ def test_the_attack_is_a_command_where_there_is_one(capsys, monkeypatch):
         main(["attack", "--help"])
     assert helped.value.code == 0
     assert "--minutes" in capsys.readouterr().out
-    monkeypatch.setattr("campaign.cli.find_spec", lambda name: None)
+    monkeypatch.setattr("deployable.campaign.cli.find_spec", lambda name: None)
     with pytest.raises(SystemExit):
         main(["--help"])
     assert "\n    attack" not in capsys.readouterr().out

@@ -9,10 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from campaign.config.check import SCHEMA_PATH, check_config, load_config, merge, schema
-from campaign.config.scene_checks import corners
-from campaign.config.sections import BoundsChoice, Campaign, Interval, as_json, digest, from_data
-from campaign.errors import ConfigError
+from deployable.campaign.config.check import SCHEMA_PATH, check_config, load_config, merge, schema
+from deployable.campaign.config.scene_checks import corners
+from deployable.campaign.config.sections import (
+    BoundsChoice,
+    Campaign,
+    Interval,
+    as_json,
+    digest,
+    from_data,
+)
+from deployable.campaign.errors import ConfigError
 
 ROOT = Path(__file__).parents[2]
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from campaign.config.check import schema
-from campaign.config.table import rows, table
+from deployable.campaign.config.check import schema
+from deployable.campaign.config.table import rows, table
 
 PAGE = Path(__file__).parents[2] / "docs" / "config.md"
 
 
 def test_the_page_is_what_the_schema_gives():
     assert PAGE.read_text(encoding="utf-8") == table(), (
-        "make it again: python -m campaign keys > docs/config.md"
+        "make it again: python -m deployable keys > docs/config.md"
     )
 
 

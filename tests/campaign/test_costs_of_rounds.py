@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from campaign.answers.finer import PLACES
-from campaign.config.check import check_config
-from campaign.plan.accuracy import _cost, _halved, first_plan, next_plan
-from campaign.plan.estimate import run_seconds
-from campaign.plan.plan import Round
-from fpm.sealed import whole_file
+from deployable.campaign.answers.finer import PLACES
+from deployable.campaign.config.check import check_config
+from deployable.campaign.plan.accuracy import _cost, _halved, first_plan, next_plan
+from deployable.campaign.plan.estimate import run_seconds
+from deployable.campaign.plan.plan import Round
+from deployable.fpm.sealed import whole_file
 
 
 @pytest.fixture

@@ -9,14 +9,14 @@ import pytest
 import yaml
 from opening_panel import PANEL, exact_time, panel, run
 
-import campaign
-from campaign.answers.choice import doubted
-from campaign.cli import UNMET, main
-from campaign.config.sections import Choose
-from campaign.errors import ConfigError
-from campaign.folder import Folder
-from campaign.results.decisions import together_lines
-from intervals.scalars import Choice
+from deployable import campaign
+from deployable.campaign.answers.choice import doubted
+from deployable.campaign.cli import UNMET, main
+from deployable.campaign.config.sections import Choose
+from deployable.campaign.errors import ConfigError
+from deployable.campaign.folder import Folder
+from deployable.campaign.results.decisions import together_lines
+from deployable.intervals.scalars import Choice
 
 LATEST = float(1.01 * exact_time(0.1))
 EARLIEST = 1.8
@@ -87,14 +87,14 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
     """Whatever the surrogates say: they keep all here, and a run half way to a side does not."""
     from types import SimpleNamespace
 
-    import intervals.scalars
-    from campaign.answers import limits
+    from deployable.campaign.answers import limits
+    from deployable.intervals import scalars
 
-    class Kept(intervals.scalars.Limit):
+    class Kept(scalars.Limit):
         def worst(self, lower, upper):
             return 1.0, np.zeros(2)
 
-    monkeypatch.setattr(intervals.scalars, "Limit", Kept)
+    monkeypatch.setattr(scalars, "Limit", Kept)
     bench = SimpleNamespace(
         unit=np.array([[0.0, 0.0], [0.25, -0.5], [-1.0, 1.0]]),
         numbers=np.array([[1.0], [np.nan], [2.0]]),

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-import fpm
-from campaign.config.check import load_config
-from campaign.plan.estimate import LANES, estimate, run_seconds
-from campaign.plan.make import choose_step
-from fpm.effort import machine
+from deployable import fpm
+from deployable.campaign.config.check import load_config
+from deployable.campaign.plan.estimate import LANES, estimate, run_seconds
+from deployable.campaign.plan.make import choose_step
+from deployable.fpm.effort import machine
 
 CONFIG = Path(__file__).parents[2] / "config"
 SHIPPED = sorted(path.stem for path in CONFIG.glob("*.yaml"))
@@ -65,7 +65,7 @@ def test_the_time_foretold_is_what_is_taken(name):
 
 
 def _of(experiment, steps: int, instants: int) -> float:
-    from fpm import effort
+    from deployable.fpm import effort
 
     nominal = dict(zip(experiment.box.names, experiment.nominal, strict=True))
     return effort.run_seconds(experiment.build(nominal), steps, instants)
@@ -86,7 +86,7 @@ def test_runs_that_answers_take_are_foretold():
 
 
 def test_a_finer_mesh_and_step_cost_more_than_the_runs(raw):
-    import campaign
+    from deployable import campaign
 
     usual = estimate(campaign.check_config(raw))
     raw["verify"] = {"finer": True}

@@ -10,12 +10,12 @@ from operator import mul
 
 import pytest
 
-from campaign.config.check import check_config
-from campaign.errors import CampaignError
-from campaign.plan.jobs import job_megabytes, job_minutes, runs_in_job
-from campaign.runs.bundle import pack, unpack
-from campaign.runs.processes import spread
-from campaign.stages import CORES, batch_count
+from deployable.campaign.config.check import check_config
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.plan.jobs import job_megabytes, job_minutes, runs_in_job
+from deployable.campaign.runs.bundle import pack, unpack
+from deployable.campaign.runs.processes import spread
+from deployable.campaign.stages import CORES, batch_count
 
 RAW = {
     "campaign": "sized",
@@ -42,7 +42,7 @@ def test_a_job_elsewhere_finds_as_many_batches(monkeypatch):
 
 
 def test_a_job_of_minutes_has_whole_groups_that_take_so_long(monkeypatch):
-    monkeypatch.setattr("fpm.effort.machine", lambda: 1.0)
+    monkeypatch.setattr("deployable.fpm.effort.machine", lambda: 1.0)
     asked = {"minutes": 30, "run_seconds": 2, "group": 8}
     assert runs_in_job(sized(**asked)) == 896  # 30 * 60 / 2 = 900, in groups of 8
     assert runs_in_job(sized(**asked, processes=4)) == 3600

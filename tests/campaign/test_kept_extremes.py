@@ -11,18 +11,18 @@ import pytest
 import xarray as xr
 from harm import harm_file
 
-import campaign
-from campaign.config import kept
-from campaign.config.sections import Jobs
-from campaign.errors import ConfigError
-from campaign.plan.make import make_plan
-from campaign.report.read import from_results
-from campaign.results import kept_extremes, samples
-from campaign.results.which import MOST_FITTED, fitted_rows
-from campaign.runs import batch, extremes
-from campaign.runs.batch import run_batch
-from campaign.runs.store import open_store
-from campaign.stages import batch_count
+from deployable import campaign
+from deployable.campaign.config import kept
+from deployable.campaign.config.sections import Jobs
+from deployable.campaign.errors import ConfigError
+from deployable.campaign.plan.make import make_plan
+from deployable.campaign.report.read import from_results
+from deployable.campaign.results import kept_extremes, samples
+from deployable.campaign.results.which import MOST_FITTED, fitted_rows
+from deployable.campaign.runs import batch, extremes
+from deployable.campaign.runs.batch import run_batch
+from deployable.campaign.runs.store import open_store
+from deployable.campaign.stages import batch_count
 
 SAMPLES = 22
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from campaign.config.check import SCHEMA_PATH, schema
-from campaign.config.loader import load, parse, retyped
-from campaign.errors import ConfigError
+from deployable.campaign.config.check import SCHEMA_PATH, schema
+from deployable.campaign.config.loader import load, parse, retyped
+from deployable.campaign.errors import ConfigError
 
 
 @pytest.mark.parametrize("text", ["1e9", "1.0e9", "1.e9", "1E9", "1e+9", "1000000000.0"])

@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import campaign
-import intervals
-from campaign.config.sections import plain_data
+from deployable import campaign, intervals
+from deployable.campaign.config.sections import plain_data
 
 INTERVALS = {"a": {"relative": 0.01}, "E": {"relative": 0.0}, "rho": {"relative": 0.02}}
 DESIGNS = {

@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import fpm
-from campaign.config.check import check_config
-from campaign.config.design import count_runs
-from campaign.plan.make import make_plan
-from campaign.plan.plan import read_plan, share, write_plan
-from campaign.runs.results import groups_of
-from campaign.runs.store import open_store
-from campaign.stages import STAGES
-from fpm.scenes import SceneType
+from deployable import fpm
+from deployable.campaign.config.check import check_config
+from deployable.campaign.config.design import count_runs
+from deployable.campaign.plan.make import make_plan
+from deployable.campaign.plan.plan import read_plan, share, write_plan
+from deployable.campaign.runs.results import groups_of
+from deployable.campaign.runs.store import open_store
+from deployable.campaign.stages import STAGES
+from deployable.fpm.scenes import SceneType
 
 
 def plan_of(raw):

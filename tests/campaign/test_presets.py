@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-import fpm
-from campaign.config.check import check_config, schema
-from campaign.config.design import count_runs
-from campaign.config.presets import PRESETS, mesh_of_preset
-from campaign.errors import ConfigError
-from campaign.plan.make import make_plan
+from deployable import fpm
+from deployable.campaign.config.check import check_config, schema
+from deployable.campaign.config.design import count_runs
+from deployable.campaign.config.presets import PRESETS, mesh_of_preset
+from deployable.campaign.errors import ConfigError
+from deployable.campaign.plan.make import make_plan
 
 ROOT = Path(__file__).parents[2]
 

@@ -7,9 +7,9 @@ import os
 
 import pytest
 
-import campaign
-from campaign.plan.estimate import _rounded, estimate, size_text
-from campaign.runs.progress import Progress, Teller, note_of
+from deployable import campaign
+from deployable.campaign.plan.estimate import _rounded, estimate, size_text
+from deployable.campaign.runs.progress import Progress, Teller, note_of
 
 
 class Terminal(io.StringIO):

@@ -8,8 +8,8 @@ import time
 
 import pytest
 
-from campaign.config.check import load_config
-from campaign.errors import ConfigError
+from deployable.campaign.config.check import load_config
+from deployable.campaign.errors import ConfigError
 
 GOOD = """\
 campaign: mine
@@ -138,7 +138,7 @@ responses: {psi: {opening: HINGE}}
 
 
 def test_responses_are_those_of_the_structure_as_it_is_built(tmp_path, request):
-    from fpm import structures
+    from deployable.fpm import structures
 
     file = request.config.rootpath / "config" / "structures" / "scissor.yaml"
     (tmp_path / "scissor.yaml").write_text(file.read_text(encoding="utf-8"), encoding="utf-8")

@@ -14,24 +14,24 @@ import pytest
 import xarray as xr
 from numpy.polynomial import chebyshev
 
-import campaign
-from campaign.config.sections import BoundsChoice
-from campaign.errors import CampaignError
-from campaign.files import open_netcdf
-from campaign.folder import Folder
-from campaign.report import make_motions
-from campaign.results.bounds import analyse
-from campaign.results.budget import foretold_text
-from campaign.results.figures import draw_envelopes, envelope
-from campaign.results.linkage import moments
-from campaign.results.moments import draw_nominal
-from campaign.results.summary import as_text, summarise
-from campaign.results.units import pretty
-from fpm.scenes import SceneType
-from fpm.sealed import unsealed
+from deployable import campaign
+from deployable.campaign.config.sections import BoundsChoice
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.files import open_netcdf
+from deployable.campaign.folder import Folder
+from deployable.campaign.report import make_motions
+from deployable.campaign.results.bounds import analyse
+from deployable.campaign.results.budget import foretold_text
+from deployable.campaign.results.figures import draw_envelopes, envelope
+from deployable.campaign.results.linkage import moments
+from deployable.campaign.results.moments import draw_nominal
+from deployable.campaign.results.summary import as_text, summarise
+from deployable.campaign.results.units import pretty
+from deployable.fpm.scenes import SceneType
+from deployable.fpm.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
-SUMMARY_SCHEMA = ROOT / "campaign/results/summary.schema.json"
+SUMMARY_SCHEMA = ROOT / "deployable/campaign/results/summary.schema.json"
 ESTIMATE = "an estimate of the simulated model's range"
 NETCDF = ("samples", "surrogate", "bounds", "sensitivities")
 

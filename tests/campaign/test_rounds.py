@@ -6,12 +6,12 @@ from itertools import pairwise
 
 import pytest
 
-import campaign
-from campaign.config.check import check_config
-from campaign.errors import ConfigError
-from campaign.folder import Folder
-from campaign.plan.plan import read_plan
-from campaign.plan.rounds import _named, first_plan
+from deployable import campaign
+from deployable.campaign.config.check import check_config
+from deployable.campaign.errors import ConfigError
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.plan.rounds import _named, first_plan
 
 
 def rounds_of(raw, folder, **design):

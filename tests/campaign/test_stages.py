@@ -10,15 +10,16 @@ from pathlib import Path
 
 import pytest
 
-import campaign
-from campaign.config.sections import as_json
-from campaign.stages import STAGES
+from deployable import campaign
+from deployable.campaign.config.sections import as_json
+from deployable.campaign.stages import STAGES
 
 ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "deployable"
 
 
 def files(pattern: str) -> set[Path]:
-    return set(ROOT.glob(pattern))
+    return set(PACKAGE.glob(pattern))
 
 
 @pytest.mark.parametrize("name", STAGES)
@@ -38,7 +39,9 @@ def test_no_file_that_makes_results_is_forgotten():
         )
     )
     made |= files("intervals/**/*.py") - files("intervals/**/__init__.py")
-    missing = {str(path.relative_to(ROOT)) for path in made - known if path.name != "__init__.py"}
+    missing = {
+        str(path.relative_to(PACKAGE)) for path in made - known if path.name != "__init__.py"
+    }
     assert not missing
 
 
@@ -47,7 +50,7 @@ def test_a_stage_depends_on_the_modules_that_it_calls(name):
     tree = ast.parse(inspect.getsource(STAGES[name].work))
     called = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     if not name.startswith("plan"):
-        called -= {"campaign.plan.plan"}  # the plan is a file that it is given
+        called -= {"deployable.campaign.plan.plan"}  # the plan is a file that it is given
     known = set(chain(*map(files, STAGES[name].code)))
     for module in called:
         place = ROOT.joinpath(*module.split("."))

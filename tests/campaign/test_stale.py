@@ -10,14 +10,15 @@ from pathlib import Path
 
 import pytest
 
-import campaign
-from campaign.folder import Folder
-from campaign.stages import STAGES, Stage, drawings
-from campaign.workflow import Workflow
+from deployable import campaign
+from deployable.campaign.folder import Folder
+from deployable.campaign.stages import STAGES, Stage, drawings
+from deployable.campaign.workflow import Workflow
+from deployable.fpm.scenes import SceneType
 from evidence.attack.victim import RAW, results_in
-from fpm.scenes import SceneType
 
 ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "deployable"
 ASKED = {
     "intervals": {"a": {"relative": 0.01}, "E": {"nominal": 1e10, "relative": 0.05}},
     "design": {"method": "tensor_lobatto", "order": 1},
@@ -119,16 +120,16 @@ def test_an_edited_structure_finds_the_plan(whole, monkeypatch):
 @pytest.mark.parametrize("name", STAGES)
 def test_a_stage_depends_on_all_that_it_imports(name):
     """Of campaign and intervals; the mechanics are part of the names of runs and of plans."""
-    known = {path for pattern in STAGES[name].code for path in ROOT.glob(pattern)}
+    known = {path for pattern in STAGES[name].code for path in PACKAGE.glob(pattern)}
     # Names, what is told, and imports ahead.
-    known |= {ROOT / f"campaign/{name}.py" for name in ("folder", "errors", "stopping")}
+    known |= {PACKAGE / f"campaign/{name}.py" for name in ("folder", "errors", "stopping")}
     reached, left = set(), imported(inspect.getsource(STAGES[name].work))
     while left:
         path = left.pop()
         if path not in reached and path.name not in ("stages.py", "__init__.py"):
             reached.add(path)
             left |= imported_by(path)
-    missing = {str(path.relative_to(ROOT)) for path in reached - known}
+    missing = {str(path.relative_to(PACKAGE)) for path in reached - known}
     assert not {path for path in missing if not path.startswith("fpm/")}
 
 

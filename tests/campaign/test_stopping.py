@@ -10,11 +10,11 @@ import threading
 
 import pytest
 
-from campaign.errors import CampaignError
-from campaign.folder import Folder
-from campaign.stages import STAGES
-from campaign.stopping import end_on_ctrl_c, import_ahead
-from fpm.sealed import _host
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.folder import Folder
+from deployable.campaign.stages import STAGES
+from deployable.campaign.stopping import end_on_ctrl_c, import_ahead
+from deployable.fpm.sealed import _host
 
 
 @pytest.fixture
@@ -42,7 +42,7 @@ def test_nothing_is_imported_beside_what_an_interrupt_can_hit(interrupts):
 
 
 def test_the_command_is_there_before_what_reads_the_number_of_threads():
-    code = "import sys, campaign.__main__; sys.exit('numpy' in sys.modules)"
+    code = "import sys, deployable.__main__; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
@@ -55,7 +55,7 @@ def test_ctrl_c_stays_ignored_where_it_is(interrupts):
 def test_a_process_that_leaves_has_told_and_cleared_everything():
     code = """if True:
         import atexit, sys
-        from campaign.stopping import leave
+        from deployable.campaign.stopping import leave
         atexit.register(print, "cleared")
         print("told"), print("warned", file=sys.stderr)
         leave(3)
@@ -68,7 +68,7 @@ def test_a_process_that_leaves_has_told_and_cleared_everything():
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_whoever_reads_the_words_may_stop_reading(unbuffered):
-    command = [sys.executable, "-m", "campaign", "new", "--starts"]
+    command = [sys.executable, "-m", "deployable", "new", "--starts"]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
     with subprocess.Popen(command, **pipes, env=environment) as process:

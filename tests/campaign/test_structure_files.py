@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 import yaml
 
-import campaign
-from campaign.cli import main
-from campaign.config.check import check_config, load_config
-from campaign.config.sections import Campaign, as_json, from_data, plain_data
-from campaign.errors import CampaignError, ConfigError
-from campaign.plan.make import make_plan
-from campaign.runs.batch import check_structure
-from campaign.workflow import Workflow
+from deployable import campaign
+from deployable.campaign.cli import main
+from deployable.campaign.config.check import check_config, load_config
+from deployable.campaign.config.sections import Campaign, as_json, from_data, plain_data
+from deployable.campaign.errors import CampaignError, ConfigError
+from deployable.campaign.plan.make import make_plan
+from deployable.campaign.runs.batch import check_structure
+from deployable.campaign.workflow import Workflow
 
 ROOT = Path(__file__).parents[2]
 

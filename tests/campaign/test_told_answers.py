@@ -5,15 +5,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from campaign.answers import finer
-from campaign.answers.bench import Bench
-from campaign.answers.choice import design_points
-from campaign.answers.ends import _ends
-from campaign.results.answers import digits_for, ends, interval
-from campaign.results.budget import quantity_errors
-from campaign.results.decisions import met, share_text, verdict
-from intervals import Box
-from intervals.scalars.extremes import Extremes
+from deployable.campaign.answers import finer
+from deployable.campaign.answers.bench import Bench
+from deployable.campaign.answers.choice import design_points
+from deployable.campaign.answers.ends import _ends
+from deployable.campaign.results.answers import digits_for, ends, interval
+from deployable.campaign.results.budget import quantity_errors
+from deployable.campaign.results.decisions import met, share_text, verdict
+from deployable.intervals import Box
+from deployable.intervals.scalars.extremes import Extremes
 
 
 @pytest.mark.parametrize(

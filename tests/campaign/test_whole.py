@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import campaign
-from campaign.drawing import Draughtsman
-from campaign.errors import CampaignError, ConfigError
-from campaign.files import open_netcdf
-from campaign.folder import Folder
-from campaign.report import from_results
-from campaign.report.words import verdict
-from campaign.results.figures import envelope
-from campaign.workflow import Workflow
+from deployable import campaign
+from deployable.campaign.drawing import Draughtsman
+from deployable.campaign.errors import CampaignError, ConfigError
+from deployable.campaign.files import open_netcdf
+from deployable.campaign.folder import Folder
+from deployable.campaign.report import from_results
+from deployable.campaign.report.words import verdict
+from deployable.campaign.results.figures import envelope
+from deployable.campaign.workflow import Workflow
 
 ROOT = Path(__file__).parents[2]
 
@@ -214,7 +214,8 @@ def test_a_drawing_process_that_died_is_told(raw, tmp_path):
 def test_importing_is_cheap():
     heavy = {"numba", "xarray", "matplotlib", "scipy", "jsonschema", "netCDF4"}
     code = (
-        f"import sys, campaign.workflow, campaign.cli; sys.exit(repr({heavy} & set(sys.modules)))"
+        "import sys; from deployable.campaign import cli, workflow; "
+        f"sys.exit(repr({heavy} & set(sys.modules)))"
     )
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False

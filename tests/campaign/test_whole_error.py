@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import campaign
-from campaign.answers import finer
-from campaign.folder import Folder
-from campaign.report.read import from_results
-from campaign.report.words import verdict
-from intervals import Box
+from deployable import campaign
+from deployable.campaign.answers import finer
+from deployable.campaign.folder import Folder
+from deployable.campaign.report.read import from_results
+from deployable.campaign.report.words import verdict
+from deployable.intervals import Box
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import pytest
 import xarray
 
-from campaign.cli import main
-from campaign.results.decisions import share_text
+from deployable.campaign.cli import main
+from deployable.campaign.results.decisions import share_text
 
 ROOT = Path(__file__).parents[2]
 _NONE = {"share": 0.0, "open": 0.0}

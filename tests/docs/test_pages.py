@@ -15,14 +15,14 @@ import pytest
 import xarray
 import yaml
 
-from campaign.cli import _parser, main
-from campaign.config.check import load_config
-from campaign.stages import STAGES
+from deployable.campaign.cli import _parser, main
+from deployable.campaign.config.check import load_config
+from deployable.campaign.stages import STAGES
+from deployable.fpm import structures
+from deployable.fpm.kinds import RigidLatch
+from deployable.fpm.structures import report
 from evidence.__main__ import main as study
 from evidence.registry import STUDIES
-from fpm import structures
-from fpm.kinds import RigidLatch
-from fpm.structures import report
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -53,13 +53,13 @@ NOT_RUN = {
     "peers/": "a peer",
     "EXUDYN_PYTHON=": "with peers",
     "PEER_CHAOSPY=": "with a peer",
-    "python -m fpm.structures.table": "tests/structures/test_structures_page.py makes the table",
+    "python -m deployable.fpm.structures.table": "by tests/structures/test_structures_page.py",
     "snakemake --profile profiles/slurm": "needs Slurm; tests/slurm run it where that is",
     "snakemake -c2 --default-storage": "needs a plugin, as tests/workflow/test_storage.py does",
-    "python -m campaign attack": "an hour; tests/attack does a minute of it",
+    "python -m deployable attack": "an hour; tests/attack does a minute of it",
 }
 
-# Where each campaign of the pages is run. The other tests run it by `python -m campaign run`;
+# Where each campaign of the pages is run. The other tests run it by `python -m deployable run`;
 # tests/workflow shows that Snakemake leaves the same files, and runs `--report` and `--unlock`.
 _TOLD, _GOLDEN = "tests/docs/test_answers_of_pages.py", "tests/golden/values.json"
 _FLOW = "tests/workflow/test_campaign_runs.py"
@@ -145,7 +145,7 @@ CAMPAIGN_OF = {"first": "first.yaml", "mine": "my-campaign.yaml", "ladder": "my-
 
 def _marks(line):
     """Slow is what simulates a structure of its own, studies, and what asks Snakemake."""
-    own = r"python -m campaign export (config/mast|config/structures|mine)"
+    own = r"python -m deployable export (config/mast|config/structures|mine)"
     slow = re.match(f"{own}|python -m evidence [a-z]|snakemake .*nodes_per_job", line)
     return [pytest.mark.slow] * bool(slow)
 
@@ -165,7 +165,7 @@ def test_a_command_can_be_given(page, line, folder, monkeypatch, capsys):
     elif words[:3] == ["python", "-m", "evidence"]:
         _check_study(words[3:])
     else:
-        assert words[:3] == ["python", "-m", "campaign"], line
+        assert words[:3] == ["python", "-m", "deployable"], line
         _check_campaign(words[3:])
 
 

@@ -6,7 +6,8 @@ import math
 import numpy as np
 import pytest
 
-import fpm
+from deployable import fpm
+from deployable.fpm.structures import load, report
 from evidence.benchmark import (
     campaigns,
     kernel,
@@ -22,7 +23,6 @@ from evidence.benchmark.peers.description import describe
 from evidence.benchmark.scenes import beam_count, linkages
 from evidence.results import write
 from evidence.rows import Row, at_most, skipped, told
-from fpm.structures import load, report
 
 
 def check(rows: list[Row]) -> None:

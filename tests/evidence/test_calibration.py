@@ -7,7 +7,7 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-import fpm
+from deployable import fpm
 from evidence.calibration import plan, scans, study
 from evidence.calibration.findings import near_to, spans
 from evidence.calibration.scans import PAPER, Numbers, Reading, Scan

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-import fpm
+from deployable import fpm
 from evidence.verification import study
 from evidence.verification.bench import Bench, observed_orders
 

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from campaign.config.check import check_config
-from campaign.config.presets import MODEL, PRESETS
-from campaign.plan.make import make_plan
+from deployable.campaign.config.check import check_config
+from deployable.campaign.config.presets import MODEL, PRESETS
+from deployable.campaign.plan.make import make_plan
 from evidence.results import write
 from evidence.tradeoff import preset_rows, rows, study
 from evidence.tradeoff.figures import pareto

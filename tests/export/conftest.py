@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from swing import CONFIG
 
-import campaign
+from deployable import campaign
 
 FRAMES = 7
 
@@ -15,9 +15,9 @@ FRAMES = 7
 @pytest.fixture(scope="session")
 def motion():
     """The Bennett linkage thrown into the air, every particle turning at a rate of its own."""
-    import fpm
-    from fpm.motion import element_strains, section_corners
-    from fpm.motion_dataset import Recorded, to_dataset
+    from deployable import fpm
+    from deployable.fpm.motion import element_strains, section_corners
+    from deployable.fpm.motion_dataset import Recorded, to_dataset
 
     scene = fpm.scenes.get("bennett").build(elements_per_link=3)
     scene.name = 'a "thrown" linkage & more'
@@ -72,8 +72,8 @@ def cable_places(strung):
 @pytest.fixture(scope="session")
 def hub():
     """A rigid body without any bar, thin as a rod, that turns."""
-    import fpm
-    from fpm.motion_dataset import Recorded, to_dataset
+    from deployable import fpm
+    from deployable.fpm.motion_dataset import Recorded, to_dataset
 
     scene = fpm.Scene("hub")
     scene.add_particles((0.5, 0, 0), 2.0, (1e-12, 2 / 12, 2 / 12))  # 1 m long

@@ -1,4 +1,4 @@
-"""`python -m campaign export`: which run it is, and what is written where."""
+"""`python -m deployable export`: which run it is, and what is written where."""
 
 import csv
 import shutil
@@ -9,9 +9,9 @@ import xarray
 import yaml
 from swing import CONFIG
 
-from campaign.cli import main
-from campaign.errors import CampaignError
-from campaign.export import KINDS, choose, export
+from deployable.campaign.cli import main
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.export import KINDS, choose, export
 
 
 def read(path):

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from campaign.cli import _parser
-from campaign.export import KINDS, choose
+from deployable.campaign.cli import _parser
+from deployable.campaign.export import KINDS, choose
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs/export.md").read_text(encoding="utf-8")
-COMMANDS = re.findall(r"^python -m campaign (export .*)$", PAGE, re.M)[1:]
+COMMANDS = re.findall(r"^python -m deployable (export .*)$", PAGE, re.M)[1:]
 PYTHON = re.findall(r"^```python\n(.*?)^```", PAGE, re.M | re.S)
 
 

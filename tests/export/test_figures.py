@@ -6,10 +6,10 @@ import zlib
 import numpy as np
 import pytest
 
-from campaign.export import choose, export
-from campaign.files import open_netcdf
-from campaign.pictures.moments import draw_moments, telling_moments
-from campaign.results.figures import envelope
+from deployable.campaign.export import choose, export
+from deployable.campaign.files import open_netcdf
+from deployable.campaign.pictures.moments import draw_moments, telling_moments
+from deployable.campaign.results.figures import envelope
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from campaign.export.glb import write_glb
-from campaign.pictures.solid import FACES, solid_of_motion
+from deployable.campaign.export.glb import write_glb
+from deployable.campaign.pictures.solid import FACES, solid_of_motion
 
 pygltflib = pytest.importorskip("pygltflib", reason="reads glTF; in the extra `test`")
 

@@ -9,15 +9,15 @@ import pytest
 from matplotlib import colormaps
 from PIL import Image
 
-from campaign.errors import CampaignError
-from campaign.export import export
-from campaign.pictures.moving import write_moving
-from campaign.pictures.order import paint_order
-from campaign.pictures.paint import limits_of, paint_cables, visible_faces
-from campaign.pictures.solid import Solid, solid_of_motion, solid_of_scene
-from campaign.pictures.still import draw_structure
-from campaign.pictures.stressed import stress_colours, words
-from campaign.pictures.view import View, nice_length
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.export import export
+from deployable.campaign.pictures.moving import write_moving
+from deployable.campaign.pictures.order import paint_order
+from deployable.campaign.pictures.paint import limits_of, paint_cables, visible_faces
+from deployable.campaign.pictures.solid import Solid, solid_of_motion, solid_of_scene
+from deployable.campaign.pictures.still import draw_structure
+from deployable.campaign.pictures.stressed import stress_colours, words
+from deployable.campaign.pictures.view import View, nice_length
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
 SQUARE = 0.5 * np.array([[0, -1, -1], [0, 1, -1], [0, 1, 1], [0, -1, 1]])
@@ -156,7 +156,7 @@ def test_limits_hold_all_places_with_a_margin():
 
 
 def test_a_solid_of_a_scene_is_that_of_its_motions_first_frame(motion):
-    import fpm
+    from deployable import fpm
 
     still = solid_of_scene(fpm.scenes.get("bennett").build(elements_per_link=3))
     moving = solid_of_motion(motion)
@@ -174,7 +174,7 @@ def test_scales_are_round_lengths(wanted, found):
 
 @pytest.mark.parametrize("name", ["bennett", "pendulum", "tensegrity.yaml", "scissor.yaml"])
 def test_a_still_shows_bars_cables_points_and_scale(name):
-    from campaign.config.scenes import scene_type
+    from deployable.campaign.config.scenes import scene_type
 
     file = str(STRUCTURES / name) if "." in name else ""
     scene = scene_type(name, file).build()
@@ -193,7 +193,7 @@ def test_a_still_shows_bars_cables_points_and_scale(name):
 
 
 def test_the_scale_is_as_long_as_it_says():
-    import fpm
+    from deployable import fpm
 
     (ax,) = draw_structure(fpm.scenes.get("pendulum").build()).axes
     said = next(t.get_text() for t in ax.texts if t.get_text().endswith(" m"))

@@ -5,8 +5,8 @@ import xml.etree.ElementTree as Xml
 import numpy as np
 import pytest
 
-from campaign.export.vtk import write_vtk
-from campaign.pictures.solid import solid_of_motion
+from deployable.campaign.export.vtk import write_vtk
+from deployable.campaign.pictures.solid import solid_of_motion
 
 
 @pytest.fixture(scope="module")

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-import fpm
-from fpm.scenes import SceneType
+from deployable import fpm
+from deployable.fpm.scenes import SceneType
 
 
 def curves(scene: fpm.Scene, definitions: dict[str, dict], **times):

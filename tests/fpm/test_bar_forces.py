@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from asking import curves, vector, vectors
 
-import fpm
+from deployable import fpm
 
 pytestmark = pytest.mark.slow  # a time loop of its own
 

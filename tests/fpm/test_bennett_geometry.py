@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from fpm.errors import SceneError
-from fpm.scenes.bennett_geometry import HINGES, LINKS, bennett_geometry
+from deployable.fpm.errors import SceneError
+from deployable.fpm.scenes.bennett_geometry import HINGES, LINKS, bennett_geometry
 
 L, SIDE = 0.45, 0.035
 # (lambda, mu) in degrees: the paper's, equal and unequal angles, flat and steep ones.

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import fpm
+from deployable import fpm
 from evidence.linkage.rigid import RigidBennett
 
 # (lambda, mu) in degrees and supports; each closes between 0.26 and 0.39 s.

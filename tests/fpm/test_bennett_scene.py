@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from fpm import scenes
-from fpm.errors import SceneError
-from fpm.scenes.bennett_geometry import HINGES, bennett_geometry
+from deployable.fpm import scenes
+from deployable.fpm.errors import SceneError
+from deployable.fpm.scenes.bennett_geometry import HINGES, bennett_geometry
 
 FRAMES = [(45.0, 45.0), (30.0, 60.0), (65.0, 35.0)]  # (lambda, mu) in degrees
 EACH_FRAME = pytest.mark.parametrize("angles", FRAMES, ids=lambda a: f"lambda{a[0]:g}-mu{a[1]:g}")

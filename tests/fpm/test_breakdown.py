@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import fpm
+from deployable import fpm
 from evidence.extremes.stable_step import bennett
 from evidence.extremes.true_limit import disturb, true_limit
 

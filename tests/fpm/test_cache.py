@@ -15,15 +15,15 @@ import numba
 import numpy as np
 import pytest
 
-from fpm.kernels import compiled
-from fpm.kernels.hooks import KERNELS
+from deployable.fpm.kernels import compiled
+from deployable.fpm.kernels.hooks import KERNELS
 
 PROGRAM = """
-import fpm
+from deployable import fpm
 scene = fpm.scenes.get("bennett").build(elements_per_link=2)
 outcome = fpm.simulate(scene, duration=0.5, instants=3, step=1e-4)[0]
 print(outcome.points["B"][0].tobytes().hex())
-from fpm.kernels.compiled import LOOPS
+from deployable.fpm.kernels.compiled import LOOPS
 print(sum(sum(run.stats.cache_hits.values()) for run in LOOPS.values()))
 """
 
@@ -61,7 +61,7 @@ from typing import NamedTuple
 
 import numpy as np
 import own_functions
-from fpm.kernels.hooks import hook
+from deployable.fpm.kernels.hooks import hook
 from own_numbers import RATE
 
 class Own(NamedTuple):
@@ -73,7 +73,7 @@ def forces(part, world, now):
 """,
     "own_numbers": "RATE = 1.0",
     "own_functions": """
-from fpm.kernels.vectors import kernel
+from deployable.fpm.kernels.vectors import kernel
 
 @kernel
 def twice(x):
@@ -148,7 +148,7 @@ def test_the_lock_is_where_the_cache_is(tmp_path):
     program = """
 import sys
 from pathlib import Path
-from fpm.kernels.compiled import _one_at_a_time
+from deployable.fpm.kernels.compiled import _one_at_a_time
 with _one_at_a_time(Path(sys.argv[1])) as is_locked:
     print(is_locked, flush=True)
     sys.stdin.read()

@@ -6,8 +6,8 @@ import time
 
 import pytest
 
-import fpm
-from fpm import sources
+from deployable import fpm
+from deployable.fpm import sources
 
 
 @pytest.fixture(scope="module")

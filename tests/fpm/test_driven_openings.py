@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-import fpm
-from fpm.kinds import Motor, Release, SyncLoop, TorqueMotor
+from deployable import fpm
+from deployable.fpm.kinds import Motor, Release, SyncLoop, TorqueMotor
 
 J, SMALL = 0.5, 0.25  # kg m²
 STEP, DURATION = 1e-3, 1.0

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import fpm
+from deployable import fpm
+from deployable.fpm import effort, structures
+from deployable.fpm.kinds import KINDS, Joint
+from deployable.fpm.kinds.joint_pattern import elimination, neighbours, pattern
 from evidence.extremes.joints import parallelogram
 from evidence.scaling.joints import chain, pairs
-from fpm import effort, structures
-from fpm.kinds import KINDS, Joint
-from fpm.kinds.joint_pattern import elimination, neighbours, pattern
 
 STRUCTURES = Path(__file__).parents[2] / "config" / "structures"
 

@@ -7,7 +7,7 @@ changed formula (lumping, element, integration, geometry).
 import numpy as np
 import pytest
 
-import fpm
+from deployable import fpm
 
 LINKAGE = {
     "B": [0.0, 0.315781350975, -3.750045663e-05],

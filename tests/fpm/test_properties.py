@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from transforms import continued, mirrored, moved, reordered
 
-import fpm
+from deployable import fpm
 
 INSTANTS = 11
 few = settings(

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fpm import SceneError
-from fpm.kinds.kind import Eventful
-from fpm.quantities import crossing, crossing_margin
-from fpm.quantity_definitions import parse
-from fpm.responses import Response
-from fpm.trajectory import Curves, happened
+from deployable.fpm import SceneError
+from deployable.fpm.kinds.kind import Eventful
+from deployable.fpm.quantities import crossing, crossing_margin
+from deployable.fpm.quantity_definitions import parse
+from deployable.fpm.responses import Response
+from deployable.fpm.trajectory import Curves, happened
 
 TIME = np.linspace(0.0, 2.0, 401)
 ELEMENTS = [

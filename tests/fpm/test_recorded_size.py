@@ -2,10 +2,10 @@
 
 import pytest
 
-import fpm
-from fpm.columns import SOURCES
-from fpm.pack import Batch
-from fpm.recording import labels, numbers, prepared
+from deployable import fpm
+from deployable.fpm.columns import SOURCES
+from deployable.fpm.pack import Batch
+from deployable.fpm.recording import labels, numbers, prepared
 
 
 def kept(scene: fpm.Scene) -> int:

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from deployable.fpm.scenes.bennett_geometry import bennett_geometry
 from evidence.linkage.rigid import RigidBennett
-from fpm.scenes.bennett_geometry import bennett_geometry
 
 # (lambda, mu) in degrees
 FRAMES = [(45.0, 45.0), (30.0, 30.0), (30.0, 60.0), (45.0, 22.5), (65.0, 35.0)]

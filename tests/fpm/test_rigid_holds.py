@@ -5,8 +5,8 @@ import pytest
 from rigid_holds import FAR, NONE, J, L, M, bars, caught, held, kinetic, motion
 from rigid_holds import free as chain
 
-import fpm
-from fpm.kinds import Hinge, Joint, Latch, Release, RigidLatch, RigidRelease, Turn
+from deployable import fpm
+from deployable.fpm.kinds import Hinge, Joint, Latch, Release, RigidLatch, RigidRelease, Turn
 
 G = 9.81
 NEVER = {"watch": 1, "level": -FAR}

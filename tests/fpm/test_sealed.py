@@ -7,7 +7,15 @@ import sys
 
 import pytest
 
-from fpm.sealed import DamagedError, check, check_content, seal, sweep, unsealed, whole_file
+from deployable.fpm.sealed import (
+    DamagedError,
+    check,
+    check_content,
+    seal,
+    sweep,
+    unsealed,
+    whole_file,
+)
 
 CONTENT = {
     ".nc": bytes(range(256)) * 20,
@@ -84,7 +92,7 @@ def test_a_file_that_breaks_off_leaves_nothing(tmp_path):
 
 KILLED = """
 import os, sys
-from fpm.sealed import whole_file
+from deployable.fpm.sealed import whole_file
 with whole_file(sys.argv[1]) as temporary:
     temporary.write_text("half")
     os.kill(os.getpid(), 9)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import fpm
+from deployable import fpm
 
 WOOD = fpm.Material(1e9, 0.3, 800.0)
 
@@ -102,7 +102,7 @@ def test_bad_arguments_are_refused(arguments, text):
 
 
 def test_a_whole_number_as_tolerance_compiles_nothing_new():
-    from fpm.kernels.compiled import LOOPS
+    from deployable.fpm.kernels.compiled import LOOPS
 
     scene = fpm.scenes.get("bennett").build(elements_per_link=2)
     fpm.simulate(scene, duration=1e-3, instants=2)
@@ -228,8 +228,8 @@ def test_an_opening_of_exactly_zero_hides_no_event():
     """A step that ends at the very level of an event, on the way down and on the way up."""
     from numba import njit
 
-    from fpm.kernels.events import note_crossing
-    from fpm.kernels.world import Log, Now
+    from deployable.fpm.kernels.events import note_crossing
+    from deployable.fpm.kernels.world import Log, Now
 
     note = njit(lambda *a: note_crossing(*a))
     track = [1.0, 0.0, -1.0, 0.0, 1.0, 1.0]

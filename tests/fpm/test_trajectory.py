@@ -6,10 +6,10 @@ import netCDF4
 import numpy as np
 import pytest
 
-import fpm
-from fpm.asked import VARIABLES
-from fpm.kinds.kind import Recorded
-from fpm.sealed import DamagedError, seal
+from deployable import fpm
+from deployable.fpm.asked import VARIABLES
+from deployable.fpm.kinds.kind import Recorded
+from deployable.fpm.sealed import DamagedError, seal
 
 BENNETT = fpm.scenes.get("bennett")
 DEFINITIONS = {

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-import fpm
-from fpm.kinds import Friction, Latch, Release, RigidFriction, RigidLatch, RigidRelease
-from fpm.kinds.hinge import Hinge
-from fpm.kinds.virtual_beam import VirtualBeam
+from deployable import fpm
+from deployable.fpm.kinds import Friction, Latch, Release, RigidFriction, RigidLatch, RigidRelease
+from deployable.fpm.kinds.hinge import Hinge
+from deployable.fpm.kinds.virtual_beam import VirtualBeam
 
 
 def moved(scene: fpm.Scene, rotation: np.ndarray, shift: np.ndarray) -> fpm.Scene:

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import xarray
 
-import campaign
-from campaign.cli import main
-from campaign.config.loader import load
+from deployable import campaign
+from deployable.campaign.cli import main
+from deployable.campaign.config.loader import load
 
 HERE = Path(__file__).parent
 GOLDEN = json.loads((HERE / "values.json").read_text(encoding="utf-8"))

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from ball import ball, bounces
 
-from intervals import Box, held_out_points
+from deployable.intervals import Box, held_out_points
 
 
 def samples_of(function, box, design, time, held_out=4, names=("response",)):

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from datasets_for_tests import ball_samples, samples_of
 
-from intervals import Box, bounds_dataset, make_design
-from intervals.designs.multi_indices import total_degree
-from intervals.models.aligned.composed import fit_event_model
-from intervals.models.aligned.estimate import aligned_error
-from intervals.models.aligned.search import event_range
+from deployable.intervals import Box, bounds_dataset, make_design
+from deployable.intervals.designs.multi_indices import total_degree
+from deployable.intervals.models.aligned.composed import fit_event_model
+from deployable.intervals.models.aligned.estimate import aligned_error
+from deployable.intervals.models.aligned.search import event_range
 
 TIME = np.linspace(0.0, 1.0, 101)
 PARTS = ("error", "error_held_out", "error_decay")

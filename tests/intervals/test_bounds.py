@@ -7,16 +7,16 @@ import pytest
 import xarray as xr
 from datasets_for_tests import samples_of
 
-from intervals import (
+from deployable.intervals import (
     Box,
     IntervalError,
     bounds_dataset,
     make_design,
     split_design,
 )
-from intervals.metrics import hausdorff
-from intervals.models import scan
-from intervals.samples import Samples
+from deployable.intervals.metrics import hausdorff
+from deployable.intervals.models import scan
+from deployable.intervals.samples import Samples
 
 TIME = np.linspace(0.0, 1.0, 201)
 

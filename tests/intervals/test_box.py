@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from intervals import Box, IntervalError
+from deployable.intervals import Box, IntervalError
 
 
 def test_corners_are_exact_and_round_trip():

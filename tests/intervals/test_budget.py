@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import intervals
+from deployable import intervals
 
 
 def test_places_follow_where_bounds_are_attained():

@@ -4,12 +4,21 @@ import numpy as np
 import pytest
 from datasets_for_tests import samples_of
 
-from intervals import METHODS, MODELS, Box, IntervalError, Model, bounds_dataset, fit, make_design
-from intervals.designs import Design
-from intervals.designs.design import Method
-from intervals.designs.multi_indices import total_degree
-from intervals.estimates import error_estimate
-from intervals.ranges import attained
+from deployable.intervals import (
+    METHODS,
+    MODELS,
+    Box,
+    IntervalError,
+    Model,
+    bounds_dataset,
+    fit,
+    make_design,
+)
+from deployable.intervals.designs import Design
+from deployable.intervals.designs.design import Method
+from deployable.intervals.designs.multi_indices import total_degree
+from deployable.intervals.estimates import error_estimate
+from deployable.intervals.ranges import attained
 
 TIME = np.linspace(0.0, 1.0, 21)
 BOX = Box(["a", "b", "c"], [0.9, 2.0, -0.1], [1.1, 2.0, 0.1])  # b has no width

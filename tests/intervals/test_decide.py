@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from intervals import IntervalError, Progress, Specification, decide, fit
-from intervals.designs import parts_of
-from intervals.estimates import direction_tails
+from deployable.intervals import IntervalError, Progress, Specification, decide, fit
+from deployable.intervals.designs import parts_of
+from deployable.intervals.estimates import direction_tails
 
 
 def progress(error, order=(3, 3), method="tensor_lobatto", budget=1000, **more):

@@ -5,10 +5,10 @@ from math import comb
 import numpy as np
 import pytest
 
-from intervals import Box, IntervalError, fit, held_out_points, make_design, split_design
-from intervals.chebyshev import lobatto, product_basis, roots
-from intervals.designs.multi_indices import total_degree
-from intervals.points import match_points, other_runs
+from deployable.intervals import Box, IntervalError, fit, held_out_points, make_design, split_design
+from deployable.intervals.chebyshev import lobatto, product_basis, roots
+from deployable.intervals.designs.multi_indices import total_degree
+from deployable.intervals.points import match_points, other_runs
 
 
 def keys(points):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from intervals import Surrogate, fit, hausdorff, make_design
-from intervals.estimates import (
+from deployable.intervals import Surrogate, fit, hausdorff, make_design
+from deployable.intervals.estimates import (
     decay_estimate,
     direction_tails,
     error_estimate,
@@ -12,8 +12,8 @@ from intervals.estimates import (
     overruled,
     widen,
 )
-from intervals.metrics import compare_bounds, compare_runs
-from intervals.points import held_out_points
+from deployable.intervals.metrics import compare_bounds, compare_runs
+from deployable.intervals.points import held_out_points
 
 
 def estimated(surrogate, time, unit, values, window=None):

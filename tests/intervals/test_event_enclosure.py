@@ -7,12 +7,12 @@ from datasets_for_tests import ball_samples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from intervals import bounds_dataset, make_design
-from intervals.designs.multi_indices import total_degree
-from intervals.models.aligned.composed import fit_event_model
-from intervals.models.aligned.enclosure import _expansions, _window, event_enclosure
-from intervals.models.aligned.impacts import add_anchors, anchor_delays
-from intervals.models.aligned.search import event_range
+from deployable.intervals import bounds_dataset, make_design
+from deployable.intervals.designs.multi_indices import total_degree
+from deployable.intervals.models.aligned.composed import fit_event_model
+from deployable.intervals.models.aligned.enclosure import _expansions, _window, event_enclosure
+from deployable.intervals.models.aligned.impacts import add_anchors, anchor_delays
+from deployable.intervals.models.aligned.search import event_range
 
 
 def random_model(k, order, jumps, seed, anchors=False):

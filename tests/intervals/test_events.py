@@ -5,19 +5,24 @@ import pytest
 from ball import ball, bounces
 from datasets_for_tests import ball_reference, ball_samples
 
-from intervals import (
+from deployable.intervals import (
     IntervalError,
     bounds_dataset,
     compare_bounds,
     make_design,
     split_design,
 )
-from intervals.models.aligned.composed import EventModel, fit_event_model
-from intervals.models.aligned.elements import Element, split_elements
-from intervals.models.aligned.impacts import add_anchors, anchor_delays, common_prefix, find_impacts
-from intervals.models.aligned.model import _fit_element, _with_runs
-from intervals.models.aligned.search import event_range
-from intervals.surrogate import Surrogate
+from deployable.intervals.models.aligned.composed import EventModel, fit_event_model
+from deployable.intervals.models.aligned.elements import Element, split_elements
+from deployable.intervals.models.aligned.impacts import (
+    add_anchors,
+    anchor_delays,
+    common_prefix,
+    find_impacts,
+)
+from deployable.intervals.models.aligned.model import _fit_element, _with_runs
+from deployable.intervals.models.aligned.search import event_range
+from deployable.intervals.surrogate import Surrogate
 
 
 @pytest.fixture(scope="module")

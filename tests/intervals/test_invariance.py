@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from datasets_for_tests import samples_of
 
-from intervals import (
+from deployable.intervals import (
     Box,
     Progress,
     Specification,
@@ -17,10 +17,10 @@ from intervals import (
     spline_range,
     split_design,
 )
-from intervals.chebyshev import product_basis
-from intervals.designs import multi_indices
-from intervals.ranges import surrogate_range
-from intervals.surrogate import Surrogate
+from deployable.intervals.chebyshev import product_basis
+from deployable.intervals.designs import multi_indices
+from deployable.intervals.ranges import surrogate_range
+from deployable.intervals.surrogate import Surrogate
 
 TIME = np.linspace(0.0, 1.0, 41)
 BOX = Box(["f", "g"], [0.9, 0.3], [1.1, 0.5])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from datasets_for_tests import samples_of
 
-from intervals import Box, bounds_dataset, compare_bounds, make_design
+from deployable.intervals import Box, bounds_dataset, compare_bounds, make_design
 
 INERTIA, REST = 1 / 3, np.pi  # kg m²; rad, where the spring is at rest
 TIME = np.linspace(0.0, 3.0, 1201)

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 from datasets_for_tests import samples_of
 
-from intervals import METHODS, MODELS, Box, bounds_dataset, make_design, sensitivity_dataset
+from deployable.intervals import (
+    METHODS,
+    MODELS,
+    Box,
+    bounds_dataset,
+    make_design,
+    sensitivity_dataset,
+)
 
 TIME = np.linspace(0.0, 1.0, 41)
 NAMES, LOWER, UPPER = ("f", "g", "h"), np.array([0.9, 0.3, 0.0]), np.array([1.1, 0.3, 0.2])

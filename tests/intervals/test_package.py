@@ -3,7 +3,7 @@
 import subprocess
 import sys
 
-import intervals
+from deployable import intervals
 
 
 def test_every_public_name_exists():
@@ -12,8 +12,9 @@ def test_every_public_name_exists():
 
 def test_import_is_light_and_knows_nothing_of_the_mechanics():
     code = (
-        "import sys, intervals\n"
-        "heavy = {'scipy', 'xarray', 'numba', 'matplotlib', 'fpm', 'campaign'}\n"
+        "import sys, deployable.intervals\n"
+        "heavy = {'scipy', 'xarray', 'numba', 'matplotlib',"
+        " 'deployable.fpm', 'deployable.campaign'}\n"
         "sys.exit(' '.join(heavy & set(sys.modules)) or 0)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)

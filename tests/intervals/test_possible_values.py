@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from datasets_for_tests import samples_of
 
-from intervals import Box, bounds_dataset, make_design
+from deployable.intervals import Box, bounds_dataset, make_design
 
 TIME = np.linspace(0.0, 1.0, 21)
 BOX = Box(["a"], [-1.0], [1.0])

@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import chebyshev
 
-from intervals import Surrogate, surrogate_range
-from intervals.designs.multi_indices import tensor, total_degree
-from intervals.ranges import line_range
-from intervals.ranges.ascent import inner_range
-from intervals.ranges.bernstein import tighten
-from intervals.ranges.enclosures import effects_enclosure, grid_enclosure
+from deployable.intervals import Surrogate, surrogate_range
+from deployable.intervals.designs.multi_indices import tensor, total_degree
+from deployable.intervals.ranges import line_range
+from deployable.intervals.ranges.ascent import inner_range
+from deployable.intervals.ranges.bernstein import tighten
+from deployable.intervals.ranges.enclosures import effects_enclosure, grid_enclosure
 
 
 def colleague_range(c):

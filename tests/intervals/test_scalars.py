@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from intervals import make_design
-from intervals.box import Box
-from intervals.designs.scan import scan_points
-from intervals.points import held_out_points
-from intervals.scalars import (
+from deployable.intervals import make_design
+from deployable.intervals.box import Box
+from deployable.intervals.designs.scan import scan_points
+from deployable.intervals.points import held_out_points
+from deployable.intervals.scalars import (
     Goal,
     Limit,
     Occurrence,

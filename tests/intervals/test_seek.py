@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from intervals import make_design, seek_points
-from intervals.metrics import hausdorff
+from deployable.intervals import make_design, seek_points
+from deployable.intervals.metrics import hausdorff
 
 TIME = np.linspace(0.0, 1.0, 60)
 

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from datasets_for_tests import samples_of
 
-from intervals import (
+from deployable.intervals import (
     Box,
     fit,
     held_out_points,

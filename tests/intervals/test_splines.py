@@ -6,7 +6,7 @@ from datasets_for_tests import ball_reference, ball_samples, samples_of
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from intervals import (
+from deployable.intervals import (
     Box,
     Design,
     IntervalError,
@@ -19,8 +19,8 @@ from intervals import (
     seek_points,
     spline_range,
 )
-from intervals.models.spline.search import spread_points
-from intervals.models.spline.spline import choose_scales
+from deployable.intervals.models.spline.search import spread_points
+from deployable.intervals.models.spline.spline import choose_scales
 
 
 def points_in(k, count, seed):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from intervals import IntervalError, Surrogate, fit, make_design
-from intervals.chebyshev import lobatto_transform, roots_transform
-from intervals.designs.multi_indices import total_degree
+from deployable.intervals import IntervalError, Surrogate, fit, make_design
+from deployable.intervals.chebyshev import lobatto_transform, roots_transform
+from deployable.intervals.designs.multi_indices import total_degree
 
 
 def test_transforms_agree_with_the_paper_and_with_a_dct():
@@ -36,7 +36,7 @@ def test_trailing_axes_are_kept_and_least_squares_smooths():
     surrogate = fit(design, values)
     assert surrogate.evaluate(np.zeros((5, 2))).shape == (5, 3, 4)
     rest = (values - surrogate.evaluate(design.points)).reshape(design.runs, -1)
-    from intervals.chebyshev import product_basis
+    from deployable.intervals.chebyshev import product_basis
 
     basis = product_basis(design.points, design.multi_indices)
     np.testing.assert_allclose(basis.T @ rest, 0, atol=1e-12)  # normal equations

@@ -9,11 +9,11 @@ import pytest
 import xarray
 from opening import CONFIG
 
-import campaign
-from campaign.report import from_results, make_motions, words
-from campaign.report.data import FURTHER
-from campaign.report.failing import meets, panels
-from campaign.report.page import render
+from deployable import campaign
+from deployable.campaign.report import from_results, make_motions, words
+from deployable.campaign.report.data import FURTHER
+from deployable.campaign.report.failing import meets, panels
+from deployable.campaign.report.page import render
 
 
 @pytest.fixture(scope="module")

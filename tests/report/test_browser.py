@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from browser import MISSING, Browser
 
-from campaign.report import write_page
+from deployable.campaign.report import write_page
 
 pytestmark = pytest.mark.skipif(
     bool(MISSING), reason=f"not installed: {', '.join(MISSING)} (apt-get install chromium-driver)"

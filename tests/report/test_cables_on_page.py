@@ -7,8 +7,8 @@ import pytest
 from browser import MISSING, Browser
 from test_page import embedded, unpacked
 
-import campaign
-from campaign.report import from_results, make_motions, write_page
+from deployable import campaign
+from deployable.campaign.report import from_results, make_motions, write_page
 
 pytestmark = pytest.mark.slow  # a time loop of its own
 

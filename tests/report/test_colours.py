@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-STYLE = Path(__file__).parents[2] / "campaign/report/style.css"
+STYLE = Path(__file__).parents[2] / "deployable/campaign/report/style.css"
 RUNS = ("ink", "low", "high", "third", "fourth", "fifth", "sixth")
 
 # What a light of linear sRGB becomes to those who lack one kind of cone: Machado, Oliveira and

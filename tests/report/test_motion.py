@@ -7,12 +7,12 @@ import pytest
 import xarray
 from scipy.spatial.transform import Rotation
 
-import fpm
-from fpm import motion as whole
-from fpm.errors import SceneError
-from fpm.motion_dataset import shapes_of
-from fpm.scenes.bennett_geometry import bennett_geometry
-from fpm.structures import load
+from deployable import fpm
+from deployable.fpm import motion as whole
+from deployable.fpm.errors import SceneError
+from deployable.fpm.motion_dataset import shapes_of
+from deployable.fpm.scenes.bennett_geometry import bennett_geometry
+from deployable.fpm.structures import load
 
 TIME = {"duration": 0.02, "instants": 41}
 

@@ -11,12 +11,12 @@ import pytest
 import xarray
 from scipy.spatial.transform import Rotation
 
-from campaign.report import from_results, write_page
-from campaign.report.data import MOST_LINES, Event, Parameter
-from campaign.report.motions import MOST_MOVING, how_many_move, shown_runs
-from campaign.report.pack import payload, thinned
-from campaign.report.trust import trust
-from campaign.report.words import (
+from deployable.campaign.report import from_results, write_page
+from deployable.campaign.report.data import MOST_LINES, Event, Parameter
+from deployable.campaign.report.motions import MOST_MOVING, how_many_move, shown_runs
+from deployable.campaign.report.pack import payload, thinned
+from deployable.campaign.report.trust import trust
+from deployable.campaign.report.words import (
     cautions,
     coded,
     headline,

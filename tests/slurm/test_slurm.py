@@ -15,8 +15,8 @@ import cluster
 import pytest
 import xarray as xr
 
-import campaign
-from fpm.sealed import unsealed
+from deployable import campaign
+from deployable.fpm.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
 PLUGIN = "snakemake_executor_plugin_slurm"

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from fpm.structures import StructureError, StructureType, load, loads
+from deployable.fpm.structures import StructureError, StructureType, load, loads
 
 FOLDER = Path(__file__).parents[2] / "config" / "structures"
 

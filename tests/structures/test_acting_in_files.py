@@ -4,9 +4,17 @@ import numpy as np
 import pytest
 from structures_for_tests import SMALL, problems_of, structure
 
-import fpm
-from fpm.kinds import Damper, Friction, Latch, RigidFriction, RigidLatch, Stop, TableSpring
-from fpm.structures import loads
+from deployable import fpm
+from deployable.fpm.kinds import (
+    Damper,
+    Friction,
+    Latch,
+    RigidFriction,
+    RigidLatch,
+    Stop,
+    TableSpring,
+)
+from deployable.fpm.structures import loads
 
 ACTIONS = """
   oil: {type: damper, joint: root, damping: 0.1 N m s/rad}

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from structures_for_tests import FOLDER, problems_of
 
-import fpm
-from fpm import structures
-from fpm.assembly import MisfitError, assemble
-from fpm.structures import StructureError, check, loads
-from fpm.structures.describe import describe
+from deployable import fpm
+from deployable.fpm import structures
+from deployable.fpm.assembly import MisfitError, assemble
+from deployable.fpm.structures import StructureError, check, loads
+from deployable.fpm.structures.describe import describe
 
 STEEL, ROD = fpm.Material(210e9, 0.3, 7850.0), fpm.Section.circle(0.02)
 EA, EI, GJ = STEEL.E * ROD.A, STEEL.E * ROD.Iy, STEEL.G * ROD.J

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from structures_for_tests import FOLDER, SMALL, structure
 
-import fpm
+from deployable import fpm
+from deployable.fpm import sources, structures
+from deployable.fpm.effort import machine, run_seconds
+from deployable.fpm.kinds.drive import Drive
+from deployable.fpm.structures import check, load, loads, report
 from evidence.verification.deployables import crossing, scissor
-from fpm import sources, structures
-from fpm.effort import machine, run_seconds
-from fpm.kinds.drive import Drive
-from fpm.structures import check, load, loads, report
 
 
 def run(scene, duration, instants):
@@ -288,7 +288,7 @@ def test_the_opening_may_follow_from_directions():
 
 
 def test_sections():
-    from fpm import Section
+    from deployable.fpm import Section
 
     text = SMALL.replace(
         "{type: tube, diameter: 35 mm, thickness: 2 mm}", "{type: circle, diameter: 35 mm}"

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from structures_for_tests import SMALL, problems_of
 
-from fpm.kinds import Motor, Release, RigidMotor, RigidRelease, SyncLoop, TorqueMotor
-from fpm.structures import loads
+from deployable.fpm.kinds import Motor, Release, RigidMotor, RigidRelease, SyncLoop, TorqueMotor
+from deployable.fpm.structures import loads
 
 ACTIONS = """
 curves:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from structures_for_tests import FOLDER, SMALL
 
-from fpm.structures import StructureError, loads
-from fpm.structures.model import KEYS
+from deployable.fpm.structures import StructureError, loads
+from deployable.fpm.structures.model import KEYS
 
 MUTANTS = 500
 NAMES = ("zfold.yaml", "panel.yaml", "pendulum.yaml", "tensegrity.yaml")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from structures_for_tests import structure
 
-import fpm
-from fpm.structures import report
+from deployable import fpm
+from deployable.fpm.structures import report
 
 
 def test_its_mobility_is_that_of_a_closed_chain_of_parallelograms():

@@ -3,12 +3,12 @@
 import pytest
 from structures_for_tests import SMALL, problems_of
 
-from fpm.kinds import Damper, Friction, Latch, Release, RigidLatch, Stop, TableSpring
-from fpm.kinds.motor import Motor, TorqueMotor
-from fpm.structures import loads
-from fpm.structures.describe import describe
-from fpm.structures.report import longer_steps
-from fpm.structures.structure_type import StructureType
+from deployable.fpm.kinds import Damper, Friction, Latch, Release, RigidLatch, Stop, TableSpring
+from deployable.fpm.kinds.motor import Motor, TorqueMotor
+from deployable.fpm.structures import loads
+from deployable.fpm.structures.describe import describe
+from deployable.fpm.structures.report import longer_steps
+from deployable.fpm.structures.structure_type import StructureType
 
 JOINTS = """
 curves:

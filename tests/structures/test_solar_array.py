@@ -7,9 +7,9 @@ import pytest
 from exact_motions import solar_array
 from structures_for_tests import structure
 
-import fpm
+from deployable import fpm
+from deployable.fpm.kinds import Damper, Latch, SyncLoop
 from evidence.verification.deployables import crossing
-from fpm.kinds import Damper, Latch, SyncLoop
 
 OPEN = np.pi / 2
 

@@ -8,8 +8,8 @@ import re
 import pytest
 import yaml
 
-import campaign
-from fpm.sealed import unsealed
+from deployable import campaign
+from deployable.fpm.sealed import unsealed
 
 CONFIG = """\
 campaign: opening

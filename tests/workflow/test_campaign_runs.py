@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-import campaign
-from fpm.sealed import unsealed
+from deployable import campaign
+from deployable.fpm.sealed import unsealed
 
 pytestmark = pytest.mark.slow
 
@@ -307,7 +307,7 @@ def test_an_accuracy_is_met_alike_in_the_workflow_and_in_one_call(workplace):
     assert done.returncode == 0, done.stdout
     results, again = workplace.folder / "results" / "aim", workplace.folder / "again" / "aim"
     assert json.loads((results / "summary.json").read_text())["accuracy"]["met"]
-    command = [sys.executable, "-m", "campaign", "run", path, "--no-figures"]
+    command = [sys.executable, "-m", "deployable", "run", path, "--no-figures"]
     command += ["--results", str(again.parent)]
     environment = {k: v for k, v in workplace.environment().items() if k != "OMP_NUM_THREADS"}
     subprocess.run(

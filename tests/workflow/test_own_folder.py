@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from campaign import shipped
-from campaign.config.check import load_config
-from campaign.errors import CampaignError
-from campaign.new import CAMPAIGN, make_folder, starts
+from deployable.campaign import shipped
+from deployable.campaign.config.check import load_config
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.new import CAMPAIGN, make_folder, starts
 
 ROOT = Path(__file__).parents[2]
 ODD = ("with space", "größe Ω", "b{race}s")

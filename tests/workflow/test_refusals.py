@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from campaign.config.beforehand import look
-from campaign.errors import ConfigError
-from campaign.workflow import Workflow
+from deployable.campaign.config.beforehand import look
+from deployable.campaign.errors import ConfigError
+from deployable.campaign.workflow import Workflow
 
 GOOD = """\
 campaign: mine

@@ -7,7 +7,7 @@ import importlib.util
 import pytest
 import xarray as xr
 
-import campaign
+from deployable import campaign
 
 PLUGIN = "snakemake_storage_plugin_fs"
 pytestmark = [

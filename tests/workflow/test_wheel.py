@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from fpm.kernels.compiled import cache_folder
+from deployable.fpm.kernels.compiled import cache_folder
 
 ROOT = Path(__file__).parents[2]
-SOURCES = ("fpm", "intervals", "campaign", "evidence", "workflow", "config")
+SOURCES = ("deployable", "evidence", "workflow", "config")
 FILES = ("pyproject.toml", "README.md", "LICENSE", "Snakefile")
 
 
@@ -64,11 +64,12 @@ def test_an_installed_wheel_goes_from_nothing_to_the_report(small, environment, 
     environment.call("pip", "wheel", checkout, "--no-deps", "-w", tmp_path)
     (wheel,) = tmp_path.glob("*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    assert "campaign/shipped/workflow/Snakefile" in names
-    assert "campaign/shipped/config/structures/scissor.yaml" in names
-    assert not any(name.startswith("evidence") or "studies" in name for name in names)
+    assert "deployable/campaign/shipped/workflow/Snakefile" in names
+    assert "deployable/campaign/shipped/config/structures/scissor.yaml" in names
+    assert {name.split("/")[0] for name in names if ".dist-info/" not in name} == {"deployable"}
+    assert not any("studies" in name for name in names)
     environment.call("pip", "install", "--no-deps", wheel)
-    where = environment.call("python", "-c", "import campaign; print(campaign.__file__)")
+    where = environment.call("python", "-c", "import deployable; print(deployable.__file__)")
     assert Path(where).is_relative_to(environment.bin.parent)
 
     mine = tmp_path / "my campaign"
@@ -78,7 +79,7 @@ def test_an_installed_wheel_goes_from_nothing_to_the_report(small, environment, 
     assert (mine / "results/small/report.html").stat().st_size > 50_000
     again = environment.call("python", "-m", "snakemake", "-c2", folder=mine)
     assert "Nothing to be done" in again
-    environment.call("python", "-m", "campaign", "run", "--results", "other", folder=mine)
+    environment.call("python", "-m", "deployable", "run", "--results", "other", folder=mine)
     expected = json.loads((small.folder / "results/small/summary.json").read_text())["responses"]
     for results in ("results", "other"):
         made = json.loads((mine / results / "small/summary.json").read_text())
@@ -88,7 +89,7 @@ def test_an_installed_wheel_goes_from_nothing_to_the_report(small, environment, 
 @pytest.mark.slow
 def test_an_editable_install_brings_the_workflow_too(environment, checkout, tmp_path):
     environment.call("pip", "install", "--no-deps", "-e", checkout)
-    where = environment.call("python", "-c", "import campaign; print(campaign.__file__)")
+    where = environment.call("python", "-c", "import deployable; print(deployable.__file__)")
     assert Path(where).is_relative_to(checkout)
     environment.call("deployable-intervals", "new", tmp_path / "mine", "--start", "mast")
     assert "results/mast" in environment.call(

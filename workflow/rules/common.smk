@@ -8,17 +8,17 @@ from shlex import quote
 # Jobs use the interpreter that runs Snakemake, and the packages of the checkout that this file is
 # of; without one, those that are installed.
 ROOT = Path(str(workflow.current_basedir)).resolve().parents[1]
-PACKAGES = [str(ROOT)] if (ROOT / "campaign").is_dir() else []
+PACKAGES = [str(ROOT)] if (ROOT / "deployable").is_dir() else []
 sys.path[:0] = PACKAGES
 os.environ.update(
     PATH=os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")]),
     PYTHONPATH=os.pathsep.join(filter(None, [*PACKAGES, os.environ.get("PYTHONPATH")])),
 )
 
-from campaign import stages
-from campaign.errors import CampaignError
-from campaign.folder import ROUND_FILES
-from campaign.workflow import Workflow
+from deployable.campaign import stages
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.folder import ROUND_FILES
+from deployable.campaign.workflow import Workflow
 
 # Snakemake formats the whole path of an environment, so that braces in it are to be doubled.
 ENVIRONMENT = "../envs/campaign.yaml"

@@ -16,9 +16,8 @@ from typing import Any
 
 import numpy as np
 
-import campaign
-import intervals
-from campaign.folder import Folder
+from deployable import campaign, intervals
+from deployable.campaign.folder import Folder
 from evidence.tradeoff.measure.asked_cases import Asked, scan
 
 MINUTES, RUNS = 0.2, 300
@@ -87,6 +86,6 @@ def _run(case: Asked, change: Mapping, folder: Path) -> tuple[Any, float, dict]:
 
 
 def _merged(config: Mapping, change: Mapping) -> dict:
-    from campaign.config.check import merge
+    from deployable.campaign.config.check import merge
 
     return merge(copy.deepcopy(dict(config)), change)

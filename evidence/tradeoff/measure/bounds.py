@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import intervals
+from deployable import intervals
 from evidence.tradeoff.measure.cases import Choice
 from evidence.tradeoff.measure.runs import Runs
 

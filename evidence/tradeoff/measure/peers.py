@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-import intervals
+from deployable import intervals
 from evidence.peers import interpreter
 from evidence.tradeoff.measure.cases import CASES, Case, Choice
 from evidence.tradeoff.measure.points import design_of, scan_of

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-import fpm
-import intervals
-from campaign.config.presets import METHOD, PRESETS
+from deployable import fpm, intervals
+from deployable.campaign.config.presets import METHOD, PRESETS
 from evidence.tradeoff.measure.cases import Case, Choice, Level
 
 MODELS = ("polynomial", "spline")

@@ -14,7 +14,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-import fpm
+from deployable import fpm
 from evidence.tradeoff.measure import bounds
 from evidence.tradeoff.measure.cases import Case, Choice, Level
 from evidence.tradeoff.measure.points import (

@@ -1,6 +1,6 @@
 """The reference of a level: a dense scan, and rounds of runs sought where its bounds still grow."""
 
-import intervals
+from deployable import intervals
 from evidence.tradeoff.measure.bounds import distance, hull
 from evidence.tradeoff.measure.cases import Case, Level
 from evidence.tradeoff.measure.points import scan_of

@@ -9,9 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-import fpm
-import intervals
-from campaign.runs.results import EVENT_VARIABLES
+from deployable import fpm, intervals
+from deployable.campaign.runs.results import EVENT_VARIABLES
 from evidence.tradeoff.measure.cases import Case
 from evidence.tradeoff.measure.points import box_of, unique_points
 
@@ -39,7 +38,7 @@ class Runs:
     @cached_property
     def closures(self) -> list[np.ndarray]:
         """Times of the impacts (closures after a time without contact) of each run."""
-        from intervals.models.aligned.impacts import GAP, find_impacts
+        from deployable.intervals.models.aligned.impacts import GAP, find_impacts
 
         gap = GAP * float(self.time[-1])
         return find_impacts(*_padded(self.events), gap=gap, end=float(self.time[-1]))

@@ -1,0 +1,34 @@
+"""`python -m deployable`: the commands of `deployable.campaign.cli`."""
+
+import gc
+import os
+import sys
+
+# As jobs of Snakemake have it: more threads of linear algebra would round otherwise. Their library
+# reads the number when it is loaded, which this package has not done yet.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+# After each 700 new objects Python looks for circles that nobody uses: a tenth of a short stage.
+gc.set_threshold(10_000)
+
+
+def program() -> int:
+    """The console script `deployable-intervals`."""
+    from deployable.campaign.stopping import end_on_ctrl_c, leave
+
+    end_on_ctrl_c()
+
+    from deployable.campaign.cli import main
+
+    try:
+        try:
+            status = main(sys.argv[1:])
+        finally:  # of help and versions, too, which end by an exception
+            sys.stdout.flush()
+        leave(status)
+    except BrokenPipeError:  # whoever reads it has seen enough, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(program())

@@ -1,0 +1,178 @@
+"""The runs of a campaign, and further ones wherever an answer asks for them.
+
+Further runs go through the campaign's store, so that they are found again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.config.sections import Experiment, Jobs
+from deployable.campaign.files import open_netcdf
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import Plan, read_plan
+from deployable.campaign.plan.runs import Run, Runs, run_id
+from deployable.campaign.results.margins import margins_of, margins_of_samples
+from deployable.campaign.results.which import fitted_rows
+from deployable.campaign.runs.batch import Simulation, check_structure, tell_again
+from deployable.campaign.runs.progress import Tell, warm_up
+from deployable.campaign.runs.results import Record
+from deployable.campaign.runs.store import open_store
+
+# In unit coordinates: places nearer than this have one run, or need none of their own.
+NEAR, SAME = 1e-6, 2e-4
+
+
+class Bench:
+    """Runs of a plan's experiment at unit points `unit` (R, k), with the numbers (R, q) of their
+    quantities and by how much they have these, the `margins` (R, q); `further` are those that were
+    asked for here, `simulated` of which were not there.
+
+    Of a large scan it has some of the runs (`fitted_rows`): `others` (q) counts the rest of them
+    that have each number, `left_out` the rest.
+    """
+
+    def __init__(
+        self, plan: Plan, jobs: Jobs, folder: Folder, tell: Tell, threads: int = 1
+    ) -> None:
+        self.plan, self.jobs, self.tell, self.threads = plan, jobs, tell, threads
+        # Of runs that are asked for one by one all responses are wanted.
+        self.keep = "responses" if jobs.keep == "extremes" else jobs.keep
+        self.store = folder.runs(self.keep)
+        self.unit = np.zeros((0, len(plan.experiment.intervals)))
+        self.numbers = np.zeros((0, len(plan.experiment.quantities)))
+        self.margins = self.numbers
+        self.others, self.left_out = np.zeros(len(plan.experiment.quantities), int), 0
+        self.further: list[Run] = []
+        self.simulated = 0
+
+    @classmethod
+    def of(
+        cls, folder: Folder, jobs: Jobs, tell: Tell, threads: int = 1, further: bool = False
+    ) -> Bench:
+        """The runs of a campaign that was sampled, perhaps with the further ones of quantities."""
+        bench = cls(read_plan(folder.plan), jobs, folder, tell, threads)
+        with open_netcdf(folder.samples) as samples:
+            unit = samples["unit"][:]
+            numbers = np.zeros((len(unit), 0))
+            if bench.experiment.quantities:
+                numbers = samples["quantities"][:]
+            rows = fitted_rows(numbers)
+            bench.margins = margins_of_samples(bench.experiment, samples, rows)
+        bench.unit, bench.numbers = unit[rows], numbers[rows]
+        bench.left_out = len(numbers) - len(rows)
+        bench.others = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
+        if further:
+            with open_netcdf(folder.further) as file:
+                if len(points := file["unit"][:]):
+                    bench.unit = np.concatenate([bench.unit, points])
+                    bench.numbers = np.concatenate([bench.numbers, file["quantities"][:]])
+                    bench.margins = np.concatenate([bench.margins, file["margin"][:]])
+                    bench.further += runs_at(bench.plan, points)
+        return bench
+
+    @property
+    def experiment(self) -> Experiment:
+        """What the runs are of."""
+        return self.plan.experiment
+
+    @cached_property
+    def nominal(self) -> np.ndarray:
+        """Unit coordinates (k) of the nominal run."""
+        return self.experiment.box.to_unit(self.experiment.nominal)
+
+    def nearest(self, point: np.ndarray) -> tuple[int, float]:
+        """The run nearest to a unit point (k), and how far it is (largest coordinate)."""
+        apart = np.abs(self.unit - point).max(axis=1)
+        at = int(apart.argmin())
+        return at, float(apart[at])
+
+    def place(self, at: np.ndarray, q: int) -> dict:
+        """A unit point (k) as parameter values `at`, whether there is a run there (`ran`), and what
+        was `simulated` of quantity number `q`: None where there is no run, or no number."""
+        box = self.experiment.box
+        values = dict(zip(box.names, map(float, box.from_unit(at)), strict=True))
+        run, apart = self.nearest(at)
+        ran = bool(apart <= SAME)
+        value = self.numbers[run, q] if ran else np.nan
+        return {"at": values, "ran": ran, "simulated": number(value)}
+
+    def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
+        """Indices of the runs at unit points (P, k), simulated unless they are there.
+
+        Raises `CampaignError` if one fails.
+        """
+        wanted: list[np.ndarray] = []
+        for point in points:
+            known = np.array([*self.unit, *wanted]).reshape(-1, self.unit.shape[1])
+            if not (np.abs(known - point).max(axis=1) <= NEAR).any():
+                wanted.append(np.asarray(point, dtype=float))
+        if wanted:
+            runs = runs_at(self.plan, wanted)
+            found = self.records(self.plan, runs)
+            margins = margins_of(self.experiment, np.array([one.values for one in found]))
+            self.numbers = np.concatenate([self.numbers, [one.numbers for one in found]])
+            self.margins = np.concatenate([self.margins, margins])
+            self.unit = np.concatenate([self.unit, wanted])
+            self.further += runs
+        return np.array([self.nearest(point)[0] for point in points], dtype=int)
+
+    @property
+    def different(self) -> np.ndarray:
+        """Rows of runs, each once: the nominal run may be a node, too."""
+        return np.sort(np.unique(np.round(self.unit, 9) + 0.0, axis=0, return_index=True)[1])
+
+    def surrogates(self) -> list[Any]:
+        """A surrogate of each quantity (`intervals.scalars.ScalarSurrogate`), from all runs."""
+        from deployable.intervals.scalars import fit_scalar
+
+        end = self.experiment.solver.duration
+        asked = zip(self.numbers.T, self.margins.T, self.experiment.numbers, strict=True)
+        return [
+            fit_scalar(self.unit, column, end if q.is_time else None, q.least, margin)
+            for column, margin, q in asked
+        ]
+
+    def measure(self, plan: Plan, runs: Sequence[Run]) -> np.ndarray:
+        """The quantities (r, q) of runs of a plan, simulated unless the store has them."""
+        return np.array([record.numbers for record in self.records(plan, runs)])
+
+    def records(self, plan: Plan, runs: Sequence[Run]) -> list[Record]:
+        """What there is of runs of a plan, simulated unless the store has them.
+
+        Raises `CampaignError` if one fails.
+        """
+        store = open_store(self.keep, self.store, plan.experiment)
+        found, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
+        for group in store.groups(Runs.of(runs).unique(), self.jobs.group):
+            missing = store.missing(group)
+            tell_again(store, self.tell)
+            if len(missing):
+                check_structure(plan)
+                scene = plan.experiment.build(plan.named(missing[0]))
+                warm_up(scene, self.tell, plan.experiment.asked)
+                store.write(group, simulation.results(missing, store.had(missing)))
+            found |= store.read(group)
+        self.simulated += simulation.count
+        simulation.check()
+        return [found[run.id] for run in runs]
+
+
+def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[Run]:
+    """The runs of a plan's experiment, with its step, at unit points (P, k)."""
+    experiment, runs = plan.experiment, []
+    for point in points:
+        values = tuple(map(float, experiment.box.from_unit(point)))
+        named = dict(zip(experiment.intervals, values, strict=True))
+        name = run_id(experiment, experiment.parameters(named), plan.time.step, plan.mechanics)
+        runs.append(Run(name, "further", tuple(map(float, point)), values))
+    return runs
+
+
+def number(value: float) -> float | None:
+    """A number for JSON; None for what is none."""
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,86 @@
+"""From the runs of a campaign to what of the box meets its requirements, `requirements.json`.
+
+    requirements   [{name, met, share, open, limits}], met is all, some or none of the box; open:
+                   by how much the share may be more or less, by all runs and estimated errors
+    limits         [{quantity, units, kind, level, margin, error, at, simulated}]: margin at the
+                   worst place, and the estimated error of the surrogate
+    together       {met, share, open, largest_share, fails}: of all; `fails` is the nearest place
+                   at which one fails: {requirement, quantity, kind, level, units, at, simulated}
+    runs, further_runs
+
+The runs that decide were made with those of the quantities' ends. Margins are below 0 where a limit
+is broken, null where something does not happen. A place is parameter values by name; `simulated` is
+the quantity of the run there.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+
+import numpy as np
+
+from deployable.campaign.answers.bench import Bench, number
+from deployable.campaign.answers.limits import Judged, judged, limits_of, told
+from deployable.campaign.config.sections import Jobs
+from deployable.campaign.files import write_result
+from deployable.campaign.folder import Folder
+from deployable.campaign.runs.progress import Tell
+
+
+def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, tell: Tell) -> None:
+    """Write requirements.json of a campaign whose quantities have their intervals."""
+    bench = Bench.of(folder, jobs, tell, further=True)
+    asked = limits_of(requirements, list(bench.experiment.quantities))
+    found = judged(bench, bench.surrogates(), asked)
+    rows = {
+        "requirements": [_requirement(bench, found, name) for name in requirements],
+        "together": _together(bench, found),
+        "runs": len(bench.different) + bench.left_out,
+        "further_runs": len(bench.further),
+    }
+    write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
+
+
+def _met(bench: Bench, found: Judged, chosen: list[int]) -> dict:
+    """Whether all, some or none of the box keeps chosen limits, which share, and what is open.
+
+    Runs decide where they differ from the surrogates: one that fails, or keeps them, is enough.
+    """
+    from deployable.intervals.scalars import share_of_box
+
+    share, open_ = share_of_box([found.limits[i] for i in chosen], bench.experiment.box.free)
+    kept = found.slack[chosen].min(axis=0) >= 0
+    if min(found.worst[i][0] for i in chosen) >= 0 and kept.all():
+        return {"met": "all", "share": 1.0, "open": open_}
+    met = "none" if share == 0 and not kept.any() else "some"
+    return {"met": met, "share": share, "open": open_}
+
+
+def _requirement(bench: Bench, found: Judged, name: str) -> dict:
+    chosen = [i for i, one in enumerate(found.asked) if one.requirement == name]
+    limits = [_limit(bench, found, i) for i in chosen]
+    return {"name": name, **_met(bench, found, chosen), "limits": limits}
+
+
+def _limit(bench: Bench, found: Judged, i: int) -> dict:
+    """The limit with its worst place: that of the surrogate, or a run that is worse."""
+    (slack, at), runs, asked = found.worst[i], found.slack[i], found.asked[i]
+    if runs.min() < slack:
+        slack, at = float(runs.min()), bench.unit[runs.argmin()]
+    error = number(found.limits[i].surrogate.error)
+    margin = {"margin": number(slack), "error": error, "kept": bool(slack >= 0)}
+    return {**told(bench, asked), **margin, **bench.place(at, asked.quantity)}
+
+
+def _together(bench: Bench, found: Judged) -> dict:
+    largest, which, _ = found.largest
+    all_ = {**_met(bench, found, list(range(len(found.asked)))), "largest_share": largest}
+    if which is None:
+        return {**all_, "fails": None}
+    asked = found.asked[which]
+    fails = {"requirement": asked.requirement, **told(bench, asked)}
+    fails |= bench.place(found.fails, asked.quantity)
+    simulated = np.nan if fails["simulated"] is None else fails["simulated"]
+    fails["kept"] = bool(fails["ran"] and found.limits[which].slack_of(simulated) >= 0)
+    return {**all_, "fails": fails}

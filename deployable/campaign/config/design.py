@@ -1,0 +1,68 @@
+"""The designs of experiments that configs ask for, and how many runs they have."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from deployable.campaign.config.accuracy import SOUGHT
+from deployable.campaign.config.sections import DesignChoice, Experiment, Solver
+
+MOST_SAMPLES = 10_000_000
+"""Runs of a scan."""
+
+
+def make_design(choice: DesignChoice, box: Any) -> Any:
+    """The `intervals.Design` of a choice in an `intervals.Box`, a `SplitDesign` if it has parts.
+
+    Raises `intervals.IntervalError`.
+    """
+    import numpy as np
+
+    from deployable import intervals
+
+    if choice.method == SOUGHT:
+        points = np.array(choice.existing, dtype=float).reshape(-1, box.dimension)
+        none = np.zeros((0, box.dimension), dtype=int)
+        return intervals.Design(points, none, SOUGHT, (0,) * box.dimension)
+    known = intervals.METHODS[choice.method].options
+    options = {name: getattr(choice, name) for name in known if hasattr(choice, name)}
+    most = MOST_SAMPLES if choice.method == "scan" else intervals.designs.MAX_RUNS
+    design = intervals.make_design(choice.method, box, choice.order, max_runs=most, **options)
+    return intervals.split_design(design, choice.parts) if choice.parts else design
+
+
+MOST_STEPS = 10**9
+"""Steps of a run: of the smallest scene, a day."""
+
+
+def steps_problems(solver: Solver, step: float) -> list[str]:
+    """Whether a run has more steps (of `step` s) than anybody waits for, as a sentence."""
+    if solver.duration / step <= MOST_STEPS:
+        return []
+    which = "duration" if solver.step == "auto" else "step"
+    return [
+        f"solver.{which}: {solver.duration / step:.3g} steps of {step:.3g} s; allowed: at most "
+        f"{MOST_STEPS:.0e} steps, a duration of {MOST_STEPS * step:.3g} s"
+    ]
+
+
+def start_of(experiment: Experiment) -> Experiment:
+    """The experiment of the first round of `order: auto`: a low order where there is a width."""
+    from deployable import intervals
+
+    order = intervals.METHODS[experiment.design.method].first
+    orders = tuple(order if i.upper > i.lower else 0 for i in experiment.intervals.values())
+    return replace(experiment, design=replace(experiment.design, order=orders))
+
+
+def count_runs(experiment: Experiment) -> int:
+    """Number of runs of the campaign, at most; those in two roles are counted twice."""
+    design = experiment.design
+    if experiment.is_sought:
+        return experiment.accuracy.runs
+    if design.method == "scan":  # its points take a while to make, and their number is known
+        return design.samples + 1
+    if design.order == "auto":
+        return design.budget + 1 + experiment.held_out
+    return make_design(design, experiment.box).runs + 1 + experiment.held_out

@@ -1,0 +1,274 @@
+"""The checks of a config that need the scene: names, ranges, consistency, responses, solver."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from deployable.campaign.config.accuracy import accuracy_data
+from deployable.campaign.config.answers import answer_problems, choose_data
+from deployable.campaign.config.design import make_design, start_of, steps_problems
+from deployable.campaign.config.kept import keep_problems
+from deployable.campaign.config.parameters import intervals_of, parameter_problems
+from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.schema_checks import show
+from deployable.campaign.config.sections import (
+    BoundsChoice,
+    Campaign,
+    DesignChoice,
+    Experiment,
+    Interval,
+    Solver,
+    from_data,
+    plain_data,
+)
+from deployable.fpm.errors import did_you_mean
+
+
+def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
+    """The campaign of a config that follows the schema and is filled in, and what is wrong with
+    it, one sentence each. No campaign without a scene."""
+    from deployable import fpm
+
+    scene, own = config["scene"], dict(config)
+    try:
+        found = scene_type(scene.get("name", ""), scene.get("file", ""))
+    except fpm.SceneError as error:
+        return None, _scene_problems(error, "scene.file")
+    intervals, trouble = intervals_of(config["intervals"], scene["parameters"], found)
+    problems = parameter_problems(scene["parameters"], found) + trouble
+    own["scene"] = {**scene, "name": found.name}
+    # In the scene's order: in which one a config has them must not matter, to no design.
+    ordered = [name for name in found.parameters if name in intervals]
+    own["intervals"] = {name: plain_data(intervals[name]) for name in ordered}
+    own["name"] = own.pop("campaign")
+    own.pop("preset", None)
+    own["accuracy"] = accuracy_data(config)
+    own["choose"] = choose_data(config["choose"], config["intervals"])
+    runs = {key: own.pop(key) for key in Experiment.__dataclass_fields__}
+    campaign = from_data(Campaign, {"experiment": runs, **own})
+    built = found
+    if not problems:
+        problems += _build_problems(campaign.experiment)
+        if not problems:
+            built = campaign.experiment.built
+            problems += _time_problems(campaign.experiment)
+    problems += _response_problems(campaign, built)
+    if not problems and campaign.experiment.asked:
+        from deployable.fpm.recording import numbers
+
+        kept = numbers(built.sample, campaign.experiment.asked)
+        problems += _memory_problems(campaign.experiment, built.sample, kept)
+    if not problems:
+        problems += _quantity_problems(campaign.experiment) + answer_problems(campaign)
+    if not trouble:
+        problems += _design_problems(campaign)
+    return campaign, problems
+
+
+def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[str, float]]:
+    """The nominal values, then corners of the box; beyond `most` only both ends of each axis."""
+    nominal = {name: interval.nominal for name, interval in intervals.items()}
+    yield nominal
+    if 2 ** len(intervals) <= most:
+        ends = [dict.fromkeys((i.lower, i.upper)) for i in intervals.values()]
+        for values in itertools.product(*ends):
+            yield dict(zip(intervals, values, strict=True))
+    else:
+        for name, interval in intervals.items():
+            yield {**nominal, name: interval.lower}
+            yield {**nominal, name: interval.upper}
+
+
+def _build_problems(experiment: Experiment) -> list[str]:
+    """What the scene finds inconsistent, at the nominal values or at the first bad corner."""
+    from deployable import fpm
+    from deployable.fpm.pack import topology
+
+    first = None
+    places = itertools.chain(["the nominal values"], itertools.repeat("a corner of the intervals"))
+    for place, values in zip(places, corners(experiment.intervals), strict=False):
+        at = ", ".join(f"{name} = {value:.9g}" for name, value in values.items())
+        try:
+            scene = experiment.nominal_scene if first is None else experiment.build(values)
+        except fpm.SceneError as error:
+            return _scene_problems(error, f"scene: at {place} ({at})", str(error))
+        found = topology(scene)
+        first = found if first is None else first
+        if found != first:
+            return [
+                f"intervals: at {place} ({at}) the structure has other parts than at the nominal "
+                "values; allowed: intervals over which it has the same particles, elements and "
+                "supports"
+            ]
+    return []
+
+
+MOST_NUMBERS = 2**27
+"""Numbers recorded of the runs that are integrated side by side: 1 GiB."""
+
+
+_LONG = 60.0  # s
+
+
+def _time_problems(experiment: Experiment) -> list[str]:
+    """Whether a run can be done with the step and the instants, judged at the nominal values.
+
+    The plan checks the number of steps again, at all corners; to find the stable step here takes
+    too long for every call, and is only done where there is doubt.
+    """
+    from deployable import fpm
+
+    solver, problems = experiment.solver, []
+    scene = experiment.nominal_scene
+    if solver.step != "auto" or solver.duration > _LONG:
+        limit = fpm.stable_step(scene).step
+        step = solver.safety * limit if solver.step == "auto" else solver.step
+        if solver.step != "auto" and solver.duration >= step > 2 * limit:
+            problems.append(
+                f"solver.step: {step:.6g} s is far above what is stable; allowed: auto, or below "
+                f"{limit:.4g}"
+            )
+        problems += steps_problems(solver, step)
+    return problems + _memory_problems(experiment, scene)
+
+
+def _memory_problems(experiment: Experiment, scene: Any, kept: int = 0) -> list[str]:
+    """Whether the runs that are integrated side by side find room in memory; kept: how many numbers
+    of a run are recorded at an instant because responses ask."""
+    solver, problems = experiment.solver, []
+    numbers = 8 * (6 * len(scene.points) + len(scene.hinges) + 10 + kept)
+    if solver.instants * numbers > MOST_NUMBERS:
+        problems.append(
+            f"solver.instants: {solver.instants} are more than memory should hold of this scene"
+            f"{' and what its responses ask for' if kept else ''}; allowed: at most "
+            f"{MOST_NUMBERS // numbers}"
+        )
+    return problems
+
+
+def _response_problems(campaign: Campaign, built: Any) -> list[str]:
+    from deployable import fpm
+
+    problems = []
+    known = campaign.experiment.responses
+    for name, definition in known.items():
+        try:
+            fpm.responses.parse(name, definition, built)
+        except fpm.SceneError as error:
+            problems.append(_sentence(error.key, error))
+    return problems + [
+        f"published.{name}: there is no such response{did_you_mean(name, known)}; "
+        f"allowed: {', '.join(known)}"
+        for name in campaign.published
+        if name not in known
+    ]
+
+
+def _quantity_problems(experiment: Experiment) -> list[str]:
+    """What of the quantities cannot be read off a run of the scene."""
+    from deployable.fpm.outcome import eventful
+    from deployable.fpm.quantity_definitions import parse
+
+    if not experiment.quantities:
+        return []
+    elements = eventful(experiment.nominal_scene)
+    _, errors = parse(experiment.quantities, experiment.curves, elements)
+    return [_sentence(error.key, error) for error in errors]
+
+
+def _design_problems(campaign: Campaign) -> list[str]:
+    from deployable.intervals import IntervalError
+
+    experiment, design = campaign.experiment, campaign.experiment.design
+    problems = []
+    if experiment.is_sought:
+        return _step_problems(experiment.solver)
+    if campaign.is_adaptive and design.method == "scan":
+        problems.append("design.order: 'auto' is not allowed with scan; allowed: a whole number")
+    elif campaign.is_adaptive:
+        experiment = start_of(experiment)
+    problems += _bounds_problems(campaign.bounds, design, experiment.solver.instants)
+    problems += keep_problems(campaign)
+    try:
+        is_plain = design.method == "scan" and design.order is None
+        if not problems and not (is_plain and campaign.bounds.model == "polynomial"):
+            made = make_design(experiment.design, experiment.box)
+            if campaign.bounds.model == "spline":
+                problems += _spline_problems(experiment, made)
+    except IntervalError as error:
+        problems.append(_sentence(f"design.{error.key}", error))
+    return problems + _step_problems(experiment.solver)
+
+
+def _step_problems(solver: Solver) -> list[str]:
+    """Whether a step that is given is longer than the run."""
+    if solver.step == "auto" or solver.step <= solver.duration:
+        return []
+    return [
+        f"solver.step: {solver.step:.6g} s is longer than the duration; "
+        f"allowed: auto, or at most {solver.duration:.6g}"
+    ]
+
+
+def _bounds_problems(bounds: BoundsChoice, design: DesignChoice, instants: int) -> list[str]:
+    """What of the section `bounds` does not go together, with itself and with the order."""
+    align, automatic, problems = bounds.align, design.order == "auto", []
+    if align != "none" and (automatic or design.order is None):
+        problems.append(
+            f"bounds.align: {show(align)} is not allowed with order auto or without order; "
+            "allowed: none"
+        )
+    if bounds.model == "spline" and align != "none":
+        problems.append(
+            f"bounds.model: 'spline' is not allowed with align {align}; "
+            "allowed: polynomial, or align none"
+        )
+    elif bounds.model == "spline" and automatic:
+        problems.append(
+            "bounds.model: 'spline' is not allowed with order auto, whose rounds need polynomials; "
+            "allowed: polynomial, or a whole number as order"
+        )
+    if align != "none" and instants < 8:
+        problems.append(
+            f"solver.instants: {instants} are too few for align {align}; allowed: at least 8"
+        )
+    if bounds.enclose and align == "none":
+        problems.append(
+            "bounds.enclose: true is not allowed with align none; "
+            "allowed: false, or align stretch or shift"
+        )
+    return problems
+
+
+def _spline_problems(experiment: Experiment, design: Any) -> list[str]:
+    """Whether the runs of a plan are enough, and not too many, for a spline."""
+    import numpy as np
+
+    from deployable.intervals import IntervalError, check_spline_runs, held_out_points
+
+    box = experiment.box
+    points = [box.to_unit(experiment.nominal)[None], design.points]
+    if experiment.design.method != "scan":
+        points.append(held_out_points(box.free, experiment.held_out, design.points))
+    try:
+        check_spline_runs(np.concatenate(points))
+    except IntervalError as error:
+        return [
+            f"bounds.model: 'spline' is not allowed with {error.value} runs; "
+            f"allowed: polynomial, or {error.allowed}"
+        ]
+    return []
+
+
+def _scene_problems(error: Any, key: str, text: str = "") -> list[str]:
+    """A scene's error as sentences: all that is wrong with a file, or the one of a known scene."""
+    if problems := getattr(error, "problems", None):
+        return [f"{key}: {error.source}, {problem}" for problem in problems]
+    return [f"{key}: {text}" if text else _sentence(error.key, error)]
+
+
+def _sentence(key: str, error: Any) -> str:
+    """An error of `fpm` or `intervals`, which know value and allowed, as a sentence."""
+    return f"{key}: {show(error.value)} is not allowed; allowed: {error.allowed}"

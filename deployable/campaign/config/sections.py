@@ -1,0 +1,309 @@
+"""A campaign as the program knows it: its config, checked and resolved, as frozen dataclasses.
+
+Whatever a config leaves open (defaults, a preset, an interval given as a percentage) is a number
+here. Sections become JSON, for files and commands, by `as_json` and come back by `from_data`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, is_dataclass, replace
+from functools import cache, cached_property
+from typing import Any, get_args, get_origin, get_type_hints
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An uncertain parameter: `lower` <= `nominal` <= `upper`, in the parameter's unit."""
+
+    lower: float
+    nominal: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class SceneChoice:
+    """The scene, and the parameters in which it differs from the scene's defaults.
+
+    file: the path of its text, "" for one that `fpm.scenes` knows.
+    """
+
+    name: str
+    parameters: dict[str, Any]
+    file: str = ""
+
+
+@dataclass(frozen=True)
+class Solver:
+    """How each run is integrated and recorded; `duration` and `step` in s, or step "auto"."""
+
+    duration: float
+    instants: int
+    step: float | str
+    safety: float
+    energy_tolerance: float
+
+
+@dataclass(frozen=True)
+class DesignChoice:
+    """Where the runs are and what is fitted to them, with the names of the config's keys.
+
+    What rounds settle comes on top: `order` (k,) for each direction, `parts` of the box (each a
+    lower and an upper corner in unit coordinates), and `existing` points (n, k) that are run.
+    """
+
+    method: str
+    order: int | tuple[int, ...] | str | None
+    tolerance: float
+    budget: int
+    oversampling: float
+    samples: int
+    sequence: str
+    seed: int
+    parts: tuple = ()
+    existing: tuple = ()
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """What the whole error may be, as shares of the widths of responses and quantities by name, and
+    what may be spent: runs, and minutes of one core. No shares: it is not asked for.
+
+    mesh: the parameter of the mesh that may be refined, "" for none.
+    """
+
+    shares: dict[str, float]
+    runs: int
+    minutes: float
+    mesh: str
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """All that decides which runs there are, and which of their curves are wanted."""
+
+    name: str
+    scene: SceneChoice
+    solver: Solver
+    intervals: dict[str, Interval]
+    design: DesignChoice
+    held_out: int
+    responses: dict[str, dict]
+    quantities: dict[str, dict] = field(default_factory=dict)
+    accuracy: Accuracy = field(default_factory=lambda: Accuracy({}, 0, 0.0, ""))
+
+    @property
+    def is_sought(self) -> bool:
+        """Whether an accuracy is asked for, towards which runs, mesh and step are chosen."""
+        return bool(self.accuracy.shares)
+
+    @cached_property
+    def scene_type(self) -> Any:
+        """The `fpm.scenes.SceneType`; raises `fpm.SceneError`."""
+        from deployable.campaign.config.scenes import scene_type
+
+        return scene_type(self.scene.name, self.scene.file)
+
+    @cached_property
+    def built(self) -> Any:
+        """The `SceneType` with the points and hinges that the nominal scene has.
+
+        How many there are may depend on parameters. Raises `fpm.SceneError`.
+        """
+        scene, values = self.nominal_scene, self.parameters(self._nominal_values)
+        hinges = tuple(hinge.name for hinge in scene.hinges)
+        points = tuple(scene.points)
+        return replace(self.scene_type, points=points, hinges=hinges, values=values)
+
+    @cached_property
+    def curves(self) -> list[Any]:
+        """The parsed responses, `fpm.responses.Response`; raises `fpm.SceneError`."""
+        from deployable import fpm
+
+        return [fpm.responses.parse(n, d, self.built) for n, d in self.responses.items()]
+
+    @cached_property
+    def asked(self) -> tuple[tuple[str, str], ...]:
+        """Columns that runs have to record for the responses (fpm.asked), in order."""
+        return tuple(sorted({need for curve in self.curves for need in curve.needs}))
+
+    @cached_property
+    def numbers(self) -> list[Any]:
+        """The parsed quantities, `fpm.quantities.Quantity`; raises `fpm.SceneError`."""
+        from deployable.fpm.outcome import eventful
+        from deployable.fpm.quantity_definitions import parse
+
+        if not self.quantities:
+            return []
+        found, problems = parse(self.quantities, self.curves, eventful(self.nominal_scene))
+        for problem in problems:
+            raise problem
+        return found
+
+    @cached_property
+    def box(self) -> Any:
+        """The `intervals.Box` of the interval parameters."""
+        from deployable.intervals import Box
+
+        rows = self.intervals.values()
+        return Box(list(self.intervals), [i.lower for i in rows], [i.upper for i in rows])
+
+    @cached_property
+    def nominal(self) -> list[float]:
+        """Nominal values of the interval parameters, in their units."""
+        return [interval.nominal for interval in self.intervals.values()]
+
+    @property
+    def _nominal_values(self) -> dict[str, float]:
+        return dict(zip(self.intervals, self.nominal, strict=True))
+
+    @cached_property
+    def nominal_scene(self) -> Any:
+        """The `fpm.Scene` at the nominal values (do not change it); raises `fpm.SceneError`."""
+        return self.build(self._nominal_values)
+
+    def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
+        """All of the scene's parameters in the run whose interval parameters have `values`."""
+        defaults = {name: p.default for name, p in self.scene_type.parameters.items()}
+        return {**defaults, **self.scene.parameters, **values}
+
+    def build(self, values: Mapping[str, float]) -> Any:
+        """The `fpm.Scene` of that run; raises `fpm.SceneError`."""
+        return self.scene_type.build(**self.parameters(values))
+
+
+@dataclass(frozen=True)
+class BoundsChoice:
+    """How bounds are taken from the runs."""
+
+    align: str
+    model: str
+    enclose: bool
+
+
+@dataclass(frozen=True)
+class Verify:
+    """How intervals of quantities are verified: at most so many rounds of runs at their ends, and
+    whether these are repeated with a finer step and mesh."""
+
+    rounds: int
+    finer: bool
+
+
+@dataclass(frozen=True)
+class Choose:
+    """Which nominal values are sought: `parameters` with the range (2,) of each, in its unit, and
+    the goals as text, such as `upper(t)`, that are to be small or large.
+
+    order: of the surrogate along the chosen parameters. relative: those whose intervals grow with
+    the nominal value; others keep their width, and a parameter without an interval has none.
+    """
+
+    parameters: dict[str, tuple[float, ...]]
+    minimise: tuple[str, ...]
+    maximise: tuple[str, ...]
+    order: int
+    relative: tuple[str, ...]
+
+    def interval(self, name: str, value: float, experiment: Experiment) -> tuple[float, float]:
+        """The ends of a parameter's interval about a chosen nominal value."""
+        known = experiment.intervals.get(name)
+        if known is None:
+            return value, value
+        if name in self.relative:
+            return value * known.lower / known.nominal, value * known.upper / known.nominal
+        return value + known.lower - known.nominal, value + known.upper - known.nominal
+
+    def ends(self, name: str, experiment: Experiment) -> tuple[float, float]:
+        """Least and largest value of a parameter over all choices and their intervals."""
+        found = [end for v in self.parameters[name] for end in self.interval(name, v, experiment)]
+        return min(found), max(found)
+
+
+@dataclass(frozen=True)
+class ErrorDisplay:
+    """Which instants figures shade: those with an error above a share of the largest width."""
+
+    shade_above: float
+
+
+@dataclass(frozen=True)
+class FigureChoice:
+    """What the figures show."""
+
+    moments: int
+
+
+@dataclass(frozen=True)
+class Jobs:
+    """How the runs are grouped: at most so many in a job, so many side by side, what is kept; with
+    `minutes` other than 0, a job's size is a time (min) instead, by `run_seconds` of a core for a
+    run, or by an estimate where that is 0; how many processes a job has."""
+
+    nodes_per_job: int | str
+    group: int
+    keep: str
+    minutes: float = 0.0
+    run_seconds: float = 0.0
+    processes: int = 1
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A whole campaign: its runs and what is made of them."""
+
+    experiment: Experiment
+    bounds: BoundsChoice
+    published: dict[str, float]
+    error: ErrorDisplay
+    figures: FigureChoice
+    verify: Verify
+    requirements: dict[str, dict]
+    choose: Choose
+    jobs: Jobs
+
+    @property
+    def name(self) -> str:
+        """Name of the campaign and of its folder of results."""
+        return self.experiment.name
+
+    @property
+    def is_adaptive(self) -> bool:
+        """Whether the order, or all that an accuracy takes, is found in rounds."""
+        return self.experiment.design.order == "auto" or self.experiment.is_sought
+
+
+def as_json(**sections: Any) -> str:
+    """Sections by name as JSON on one line, in their order."""
+    plain = {name: plain_data(section) for name, section in sections.items()}
+    return json.dumps(plain, separators=(",", ":"), allow_nan=False)
+
+
+def plain_data(section: Any) -> Any:
+    """A section as nested dicts and lists."""
+    return asdict(section) if is_dataclass(section) else section
+
+
+def from_data(kind: Any, data: Any) -> Any:
+    """A section of type `kind` from what `plain_data` gave, whole numbers for reals as floats."""
+    if is_dataclass(kind):
+        hints = _hints(kind)
+        return kind(**{name: from_data(hints[name], value) for name, value in data.items()})
+    if get_origin(kind) is dict:
+        return {key: from_data(get_args(kind)[1], value) for key, value in data.items()}
+    if isinstance(data, list):
+        item = next(iter(get_args(kind)), None)
+        return tuple(from_data(item, value) for value in data)
+    return float(data) if kind in (float, float | str) and type(data) is int else data
+
+
+_hints = cache(get_type_hints)
+
+
+def digest(data: Any) -> str:
+    """First 16 hex digits of the SHA-256 of `data`, or of a section, as JSON that is the same for
+    equal data (floats to their last bit)."""
+    text = json.dumps(plain_data(data), sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -1,0 +1,95 @@
+"""Runs for other programs: ParaView, viewers of glTF, moving pictures, figures, tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.export.chosen import Chosen, choose
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file: what writes it into a folder, and how many frames it has if nothing is said.
+
+    `write(chosen, folder, frames)` returns the files to tell of; moving pictures also take
+    `by_stress`.
+    """
+
+    write: Callable[..., list[Path]]
+    about: str
+    frames: int
+
+
+def _vtk(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+    from deployable.campaign.export.vtk import write_vtk
+
+    return [write_vtk(chosen.motion(frames), folder / f"{chosen.name}.pvd")]
+
+
+def _glb(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+    from deployable.campaign.export.glb import write_glb
+
+    return [write_glb(chosen.motion(frames), folder / f"{chosen.name}.glb")]
+
+
+def _picture(kind: str) -> Callable[..., list[Path]]:
+    def write(chosen: Chosen, folder: Path, frames: int, by_stress: bool = False) -> list[Path]:
+        from deployable.campaign.pictures.moving import write_moving
+
+        motion, path = chosen.motion(frames), folder / f"{chosen.name}.{kind}"
+        return [write_moving(motion, path, by_stress=by_stress)]
+
+    return write
+
+
+def _csv(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+    from deployable.campaign.export.tables import write_tables
+
+    return write_tables(chosen, folder)
+
+
+def _figures(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+    from deployable.campaign.export.figures import write_figures
+
+    return write_figures(chosen, folder, frames)
+
+
+KINDS = {
+    "vtk": Kind(_vtk, "a collection for ParaView: a .pvd, and two .vtu for every frame", 101),
+    "glb": Kind(_glb, "one glTF file that moves, for viewers and Blender", 101),
+    "gif": Kind(_picture("gif"), "a moving picture", 60),
+    "webp": Kind(_picture("webp"), "a moving picture, smaller and with more colours", 60),
+    "figures": Kind(_figures, "figures for a journal: PDF, SVG, PNG", 401),
+    "csv": Kind(_csv, "curves of the run; of a campaign also its bounds and runs", 0),
+}
+
+
+MOVING = ("gif", "webp")
+COLOURS = ("bars", "stress")
+"""By what moving pictures are coloured."""
+
+
+def export(
+    chosen: Chosen,
+    kind: str,
+    folder: str | Path,
+    frames: int | None = None,
+    colour: str = "bars",
+) -> list[Path]:
+    """Write a run as one of `KINDS` into a folder; returns the files to open.
+
+    frames: number of frames, evenly spread over the run; colour: one of `COLOURS`. Raises
+    `CampaignError` where a kind has no such colours.
+    """
+    how = KINDS[kind]
+    if colour == "bars":
+        return how.write(chosen, Path(folder), frames or how.frames)
+    if kind not in MOVING:
+        raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVING)}")
+    return how.write(chosen, Path(folder), frames or how.frames, by_stress=True)
+
+
+__all__ = ["COLOURS", "KINDS", "Chosen", "choose", "export"]

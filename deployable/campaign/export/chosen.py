@@ -1,0 +1,207 @@
+"""Which run is exported: one of a campaign, a config's nominal run, or a structure's."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from deployable.campaign.config.sections import Experiment, from_data
+from deployable.campaign.errors import CampaignError, ConfigError
+from deployable.campaign.folder import Folder
+from deployable.campaign.results.which import ids, nominal_row
+from deployable.campaign.runs.progress import warm_up
+
+if TYPE_CHECKING:
+    import xarray
+
+INSTANTS = 2001
+"""Recorded instants of a structure's run that no config is about."""
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A run that can be made, or made again: `name` for its files, and how it is integrated.
+
+    duration, step in s; responses: those of its campaign; folder: of the campaign's results.
+    """
+
+    name: str
+    scene: Any
+    duration: float
+    instants: int
+    step: float
+    energy_tolerance: float = 0.02
+    responses: tuple = ()
+    attributes: Mapping[str, str] = field(default_factory=dict)
+    folder: Folder | None = None
+
+    def motion(self, frames: int) -> xarray.Dataset:
+        """The whole motion at so many frames; raises `CampaignError` if the run fails."""
+        from deployable import fpm
+        from deployable.fpm.motion import whole_motion
+
+        self._compile()
+        try:
+            (motion,) = whole_motion(
+                [self.scene], frames=frames, attributes=[dict(self.attributes)], **self._times()
+            )
+        except fpm.InstabilityError as error:
+            raise CampaignError(f"the run fails: {error}") from None
+        return motion
+
+    def outcome(self) -> Any:
+        """The run's `fpm.Outcome`; raises `CampaignError` if it fails."""
+        from deployable import fpm
+
+        record = [need for response in self.responses for need in response.needs]
+        self._compile(record)
+        (outcome,) = fpm.simulate([self.scene], record=record, **self._times())
+        if outcome.failure is not None:
+            raise CampaignError(f"the run fails: {outcome.failure}")
+        return outcome
+
+    def _compile(self, record: Sequence = ()) -> None:
+        """Have the kernels compiled, and say so where that takes a while."""
+        warm_up(self.scene, lambda text: print(text, file=sys.stderr), record)
+
+    def _times(self) -> dict[str, Any]:
+        keys = ("duration", "instants", "step", "energy_tolerance")
+        return {key: getattr(self, key) for key in keys}
+
+
+def choose(
+    what: str,
+    run: str = "nominal",
+    settings: Mapping[str, str] | None = None,
+    duration: float | None = None,
+) -> Chosen:
+    """The run that `what` and `run` mean.
+
+    what: a campaign's folder of results (run: `nominal`, or a run's id or its beginning), a
+    campaign's config (its nominal run, which need not have been made), or a structure's file or
+    name (at its defaults). settings: parameters that differ, by name, as text, and duration (s),
+    for the last two. Raises `CampaignError`, `fpm.SceneError`.
+    """
+    path = Path(what)
+    if path.is_dir():
+        if settings or duration:
+            raise CampaignError(
+                f"{what}: the runs of a campaign are as they are; parameters and duration can be "
+                "set where its config stands in place of its folder"
+            )
+        return _of_results(Folder(path), run)
+    if run != "nominal":
+        raise CampaignError(
+            f"--run {run} needs the folder of a campaign's results, not {what!r}, which has one run"
+        )
+    if path.suffix in (".yaml", ".yml") and _is_campaign(path):
+        return _of_config(path, settings or {}, duration)
+    return _of_structure(what, settings or {}, duration or 1.0)
+
+
+def _of_results(folder: Folder, run: str) -> Chosen:
+    from deployable.campaign.files import open_netcdf
+
+    if not folder.samples.exists():
+        raise CampaignError(f"{folder.path} has no samples.nc: it holds no finished campaign")
+    with open_netcdf(folder.samples) as samples:
+        nominal, values = nominal_row(samples), samples["value"][:]
+        known, names = ids(samples, slice(None)), list(samples["parameter"][:])
+        config, mechanics = json.loads(samples.config), samples.mechanics
+        step = float(samples.time_step)
+    experiment = from_data(Experiment, config)
+    if experiment.scene_type.digest != mechanics:
+        raise CampaignError(
+            f"the structure or the mechanics have changed since {folder.path} was made, so that "
+            "its runs cannot be made again; run the campaign first"
+        )
+    row = _row(run, known, nominal, folder)
+    return _chosen(
+        experiment, dict(zip(names, values[row].tolist(), strict=True)), step, run,
+        {"run_id": known[row], "campaign": experiment.name}, folder,
+    )  # fmt: skip
+
+
+def _row(run: str, known: list[str], nominal: int | None, folder: Folder) -> int:
+    """Place of a run among the samples."""
+    if run == "nominal" and nominal is not None:
+        return nominal
+    found = {name for name in known if run and name.startswith(run)}
+    if len(found) != 1:
+        problem = "several runs begin with" if found else "there is no run"
+        raise CampaignError(
+            f"{folder.path}: {problem} {run!r}; allowed: nominal, or an id of {len(set(known))} "
+            f"runs, e.g. {', '.join(list(dict.fromkeys(known))[:3])}"
+        )
+    return known.index(found.pop())
+
+
+def _of_config(path: Path, settings: Mapping[str, str], duration: float | None) -> Chosen:
+    from deployable.campaign.config.check import load_config
+    from deployable.campaign.plan.make import choose_step
+
+    experiment = load_config([path]).experiment
+    if duration:
+        solver = experiment.solver
+        instants = round(duration / solver.duration * (solver.instants - 1)) + 1
+        solver = replace(solver, duration=duration, instants=max(2, instants))
+        experiment = replace(experiment, solver=solver)
+    nominal = dict(zip(experiment.box.names, experiment.nominal, strict=True))
+    values = nominal | parsed(settings)
+    # Stable with what is set too, as a finer mesh.
+    fixed = {name: value for name, value in values.items() if name not in nominal}
+    scene = replace(experiment.scene, parameters={**experiment.scene.parameters, **fixed})
+    step = choose_step(replace(experiment, scene=scene)).step
+    return _chosen(experiment, values, step, experiment.name, {"campaign": experiment.name})
+
+
+def _chosen(
+    experiment: Experiment, values: Mapping, step: float, name: str, attributes: Mapping,
+    folder: Folder | None = None,
+) -> Chosen:  # fmt: skip
+    solver = experiment.solver
+    return Chosen(
+        name=name,
+        scene=experiment.build(values),
+        duration=solver.duration,
+        instants=solver.instants,
+        step=step,
+        energy_tolerance=solver.energy_tolerance,
+        responses=tuple(experiment.curves),
+        attributes=attributes,
+        folder=folder,
+    )
+
+
+def _of_structure(what: str, settings: Mapping[str, str], duration: float) -> Chosen:
+    from deployable import fpm
+    from deployable.campaign.config.scenes import scene_type
+
+    found = scene_type(what, what if Path(what).suffix else "")
+    scene = found.build(**parsed(settings))
+    wanted = fpm.SAFETY * fpm.stable_step(scene).step
+    step = fpm.divide_time(duration, INSTANTS, wanted).step
+    return Chosen(found.name, scene, duration, INSTANTS, step)
+
+
+def parsed(settings: Mapping[str, str]) -> dict[str, Any]:
+    """Values of parameters from text, as a YAML file would have them."""
+    from deployable.campaign.config.loader import parse
+
+    return {
+        name: parse(f"value: {text}", f"--set {name}")["value"] for name, text in settings.items()
+    }
+
+
+def _is_campaign(path: Path) -> bool:
+    """Whether a YAML file is a campaign's, not a structure's, whose reader says what is wrong."""
+    from deployable.campaign.config.loader import load
+
+    try:
+        return "campaign" in load(path)
+    except ConfigError:
+        return False

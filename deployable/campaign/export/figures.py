@@ -1,0 +1,60 @@
+"""Figures for a journal: one column wide, with TrueType fonts, as PDF, SVG and PNG."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from deployable.campaign.files import open_netcdf, whole_file
+from deployable.campaign.results.figures import DATELESS, SAME, envelope, shares
+
+if TYPE_CHECKING:
+    from deployable.campaign.export.chosen import Chosen
+
+COLUMN, PAGE = 90 / 25.4, 190 / 25.4
+"""Widths of a column and of two, inches: what most journals set."""
+
+DPI = 600
+
+SHADE_ABOVE = 0.1
+"""The config's default of `error.shade_above`, which results do not tell."""
+
+_STYLE = {
+    **SAME,
+    "font.size": 8, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,
+    "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
+}  # fmt: skip
+
+
+def write_figures(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+    """Draw the structure at some moments of the run and, of a campaign's results, its responses
+    with their bounds and what each parameter contributes. Returns the PDF files."""
+    import matplotlib
+
+    paths = []
+    with matplotlib.rc_context(_STYLE):
+        for name, figure in _figures(chosen, frames):
+            for kind, metadata in DATELESS.items():
+                path = folder / f"{name}.{kind}"
+                with whole_file(path) as temporary:
+                    figure.savefig(temporary, dpi=DPI, metadata=metadata)
+                if kind == "pdf":
+                    paths.append(path)
+                if figure.get_layout_engine():
+                    figure.set_layout_engine("none")  # found by now, and the same for all kinds
+    return paths
+
+
+def _figures(chosen: Chosen, frames: int) -> Iterator[tuple[str, Any]]:
+    from deployable.campaign.pictures.moments import draw_moments
+
+    yield f"{chosen.name}-moments", draw_moments(chosen.motion(frames), width=PAGE)
+    if not chosen.folder:
+        return
+    with open_netcdf(chosen.folder.bounds) as bounds:
+        for name in bounds["response"][:]:
+            yield name, envelope(bounds, name, SHADE_ABOVE, width=COLUMN)
+    with open_netcdf(chosen.folder.sensitivities) as data:
+        if "width" in data.variables and len(data["parameter"]) > 1:
+            yield f"{chosen.name}-sensitivities", shares(data, PAGE)

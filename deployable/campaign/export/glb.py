@@ -1,0 +1,212 @@
+"""A whole motion as one glTF 2.0 file (.glb) that plays in viewers and in Blender.
+
+Particles are nodes that move and turn; bars and cables are one skinned mesh, whose every corner
+follows the particle at its end. glTF's axes are right-handed with y up: x, z and -y of ours.
+Metres, seconds. Format: Khronos, glTF 2.0 specification, https://registry.khronos.org/glTF/specs/2.0.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from deployable.campaign.files import whole_file
+from deployable.campaign.pictures.colours import BARS, CABLE, rgb
+from deployable.campaign.pictures.solid import FACES, Solid, solid_of_motion
+
+if TYPE_CHECKING:
+    import xarray
+
+UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+"""From our axes to glTF's."""
+
+_COMPONENTS = {"f4": 5126, "u4": 5125, "u2": 5123, "u1": 5121}  # glTF's numbers of the types
+_VERTEX, _INDEX = 34962, 34963  # and of what a view is for
+_LINES = 1  # and of a mode
+_SHAPES = {(): "SCALAR", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
+
+
+class _Buffer:
+    """The file's binary part, and the accessors into it."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.views: list[dict] = []
+        self.accessors: list[dict] = []
+
+    def add(self, values: np.ndarray, kind: str = "f4", target: int | None = None, **more) -> int:
+        """Store an array; returns its accessor. `more`: e.g. normalized=True."""
+        raw = np.ascontiguousarray(values, dtype=f"<{kind}")
+        view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": raw.nbytes}
+        self.views.append(view | ({"target": target} if target else {}))
+        self.data += raw.tobytes() + b"\0" * (-raw.nbytes % 4)
+        accessor = {
+            "bufferView": len(self.views) - 1, "componentType": _COMPONENTS[kind],
+            "count": len(raw), "type": _SHAPES[raw.shape[1:]],
+        }  # fmt: skip
+        if kind == "f4" and raw.ndim < 3:  # the format asks for them at some, and allows all
+            low, high = raw.min(axis=0), raw.max(axis=0)
+            accessor |= {"min": np.atleast_1d(low).tolist(), "max": np.atleast_1d(high).tolist()}
+        self.accessors.append(accessor | more)
+        return len(self.accessors) - 1
+
+
+def write_glb(motion: xarray.Dataset, path: Path) -> Path:
+    """Write `path` (.glb); returns it."""
+    buffer = _Buffer()
+    content = _content(motion, buffer)
+    text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text
+    chunks += struct.pack("<I4s", len(buffer.data), b"BIN\0") + bytes(buffer.data)
+    with whole_file(path) as temporary:
+        temporary.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
+    return path
+
+
+def _content(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
+    """The JSON part: the particles' node, the mesh, then a node for each particle and point."""
+    place = motion["position"].values @ UP.T
+    turn = UP @ motion["frame"].values @ UP.T
+    quaternion = _quaternions(turn)
+    particles = [
+        {"name": f"particle {p}", "translation": place[0, p].tolist(),
+         "rotation": quaternion[0, p].tolist()}
+        for p in range(place.shape[1])
+    ]  # fmt: skip
+    nodes: list[dict] = [{"name": f"particles of {motion.attrs['scene']}"}]
+    meshes = _mesh(motion, place[0], turn[0], buffer)
+    if meshes:
+        nodes.append({"name": "structure", "mesh": 0, "skin": 0})
+    first = len(nodes)
+    joints = [first + p for p in range(len(particles))]
+    nodes += particles
+    nodes[0]["children"] = joints
+    for name, on, arm in zip(
+        *(motion[f"point{key}"].values for key in ("", "_particle", "_arm")), strict=True
+    ):
+        nodes[first + on].setdefault("children", []).append(len(nodes))
+        nodes.append({"name": f"point {name}", "translation": (UP @ arm).tolist()})
+    content = {
+        "asset": {"version": "2.0", "generator": "deployable-intervals"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1] if meshes else [0]}],
+        "nodes": nodes,
+        "animations": [_animation(motion["time"].values, place, quaternion, joints, buffer)],
+        **meshes,
+    }
+    if meshes:
+        content["skins"] = [{"joints": joints, "skeleton": 0,
+                             "inverseBindMatrices": _bind(place[0], turn[0], buffer)}]  # fmt: skip
+    content |= {"accessors": buffer.accessors, "bufferViews": buffer.views}
+    return content | {"buffers": [{"byteLength": len(buffer.data)}]}
+
+
+def _mesh(
+    motion: xarray.Dataset, place: np.ndarray, turn: np.ndarray, buffer: _Buffer
+) -> dict[str, Any]:
+    """Bars and cables as they stand in the first frame, with the particles that they follow."""
+    solid = solid_of_motion(motion.isel(time=slice(0, 1)))
+    primitives = []
+    if len(solid.nodes):
+        primitives.append(_bars(solid, buffer))
+    if len(solid.cables.of):
+        primitives.append(_cables(solid, buffer))
+    if not primitives:
+        return {}
+    surface = {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0.0, "roughnessFactor": 0.7}
+    return {
+        "meshes": [{"name": "structure", "primitives": primitives}],
+        "materials": [{"name": "structure", "pbrMetallicRoughness": surface}],
+    }
+
+
+def _bars(solid: Solid, buffer: _Buffer) -> dict[str, Any]:
+    """The visible faces of the bars, two triangles each."""
+    element, face = np.nonzero(solid.visible)
+    corner = FACES[face]  # (f, 4)
+    points = (solid.corners[0] @ UP.T)[element[:, None], corner]
+    normal = np.cross(points[:, 2] - points[:, 0], points[:, 3] - points[:, 1])
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = np.where(length > 0, normal / np.maximum(length, 1e-300), [0.0, 1.0, 0.0])  # of a line
+    colours = _linear([rgb(BARS[bar % len(BARS)]) for bar in solid.bar])[element]
+    triangles = 4 * np.arange(len(face))[:, None, None] + [[0, 1, 2], [0, 2, 3]]
+    follows = solid.nodes[element[:, None], corner // 4].ravel()
+    attributes = _vertices(
+        points.reshape(-1, 3), np.repeat(colours, 4, axis=0), follows, buffer
+    ) | {"NORMAL": buffer.add(np.repeat(normal, 4, axis=0), target=_VERTEX)}
+    return {
+        "attributes": attributes, "material": 0,
+        "indices": buffer.add(triangles.ravel(), "u4", _INDEX),
+    }  # fmt: skip
+
+
+def _cables(solid: Solid, buffer: _Buffer) -> dict[str, Any]:
+    """The cables' straight stretches, as lines."""
+    points = solid.cable_points[0] @ UP.T
+    colours = np.tile(_linear([rgb(CABLE)]), (len(points), 1))
+    return {
+        "attributes": _vertices(points, colours, solid.cables.on, buffer), "material": 0,
+        "indices": buffer.add(solid.cables.stretches.ravel(), "u4", _INDEX), "mode": _LINES,
+    }  # fmt: skip
+
+
+def _vertices(
+    points: np.ndarray, colours: np.ndarray, follows: np.ndarray, buffer: _Buffer
+) -> dict[str, int]:
+    """Places, colours (v, 3), and the one particle that each vertex follows."""
+    joints = np.zeros((len(points), 4), int)
+    joints[:, 0] = follows
+    weights = np.tile([1.0, 0.0, 0.0, 0.0], (len(points), 1))
+    return {
+        "POSITION": buffer.add(points, target=_VERTEX),
+        "COLOR_0": buffer.add(colours, target=_VERTEX),
+        "JOINTS_0": buffer.add(joints, "u2", _VERTEX),
+        "WEIGHTS_0": buffer.add(weights, target=_VERTEX),
+    }
+
+
+def _linear(colours: Sequence) -> np.ndarray:
+    """Colours of screens (sRGB) as shares of light, which the format's colours are."""
+    shares = np.array(colours)
+    return np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+
+
+def _bind(place: np.ndarray, turn: np.ndarray, buffer: _Buffer) -> int:
+    """The inverse of each particle's transform in the first frame, column by column."""
+    matrices = np.zeros((len(place), 4, 4))
+    matrices[:, :3, :3] = turn.transpose(0, 2, 1)
+    matrices[:, :3, 3] = -np.einsum("nji,nj->ni", turn, place)
+    matrices[:, 3, 3] = 1.0
+    return buffer.add(matrices.transpose(0, 2, 1))
+
+
+def _animation(
+    time: np.ndarray, place: np.ndarray, quaternion: np.ndarray, joints: Sequence[int],
+    buffer: _Buffer,
+) -> dict[str, Any]:  # fmt: skip
+    """Places and turns of all particles in time."""
+    clock = buffer.add(time - time[0])
+    samplers, channels = [], []
+    for p, node in enumerate(joints):
+        for path, values in (("translation", place[:, p]), ("rotation", quaternion[:, p])):
+            channels.append({"sampler": len(samplers), "target": {"node": node, "path": path}})
+            samplers.append({"input": clock, "output": buffer.add(values)})
+    return {"name": "motion", "samplers": samplers, "channels": channels}
+
+
+def _quaternions(turn: np.ndarray) -> np.ndarray:
+    """Unit quaternions (t, n, 4), x y z w, of rotations (t, n, 3, 3), each on the side of the one
+    before, so that a player turns the short way."""
+    from scipy.spatial.transform import Rotation
+
+    found = Rotation.from_matrix(turn.reshape(-1, 3, 3)).as_quat().reshape(*turn.shape[:2], 4)
+    flips = np.sum(found[1:] * found[:-1], axis=2) < 0
+    signs = np.where(np.cumsum(flips, axis=0) % 2 == 1, -1.0, 1.0)
+    found[1:] *= signs[:, :, None]
+    return found

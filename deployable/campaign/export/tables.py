@@ -1,0 +1,115 @@
+"""Tables as CSV: curves of a run; bounds, runs, quantities of a campaign. Headings have units."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from deployable.campaign.files import open_netcdf, write_text
+from deployable.campaign.folder import Folder
+from deployable.campaign.results.which import ids, roles
+
+if TYPE_CHECKING:
+    from deployable.campaign.export.chosen import Chosen
+
+_INTERVAL = ("lower", "nominal", "upper", "error", "happens")
+_BOUNDS = ("lower", "upper", "nominal", "error")
+
+
+def write_tables(chosen: Chosen, folder: Path) -> list[Path]:
+    """Write the run's curves, and of a campaign with results its bounds, runs and quantities."""
+    tables = {f"{chosen.name}.csv": _columns(curves(chosen.outcome(), chosen.responses))}
+    if chosen.folder:
+        tables["bounds.csv"] = _columns(bounds(chosen.folder))
+        tables["runs.csv"] = runs(chosen.folder)
+        if chosen.folder.quantities.exists():
+            tables["quantities.csv"] = quantities(chosen.folder)
+    for name, rows in tables.items():
+        write_text(folder / name, _text(rows))
+    return [folder / name for name in tables]
+
+
+def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]:
+    """What a run (`fpm.Outcome`) has over time, by heading: responses, points, openings and
+    energies."""
+    found = {"time (s)": outcome.time}
+    found |= {f"{r.name} ({r.unit})": r.evaluate(outcome) for r in responses}
+    for name, tracks in outcome.points.items():
+        for what, unit, track in zip(("", "velocity "), ("m", "m s-1"), tracks, strict=True):
+            for axis, values in zip("xyz", track.T, strict=True):
+                found[f"{what}{axis} of {name} ({unit})"] = values
+    units = {hinge.name: "m" if hinge.slides else "rad" for hinge in outcome.scene.hinges}
+    found |= {f"opening of {n} ({units[n]})": values for n, values in outcome.openings.items()}
+    found |= {f"{name} energy (J)": values for name, values in outcome.energies.items()}
+    return found
+
+
+def bounds(folder: Folder) -> dict[str, np.ndarray]:
+    """The bounds of a campaign over time, by heading."""
+    with open_netcdf(folder.bounds) as file:
+        found = {"time (s)": file["time"][:]}
+        rows = zip(file["response"][:], file["response_units"][:], strict=True)
+        for i, (name, units) in enumerate(rows):
+            for key in _BOUNDS:
+                if key in file.variables:
+                    found[f"{name}_{key} ({units})"] = file[key][i]
+    return found
+
+
+def runs(folder: Folder) -> list[list]:
+    """The runs of a campaign with their parameters and quantities, a row each, headings first.
+
+    A quantity that a run has not is an empty cell. The further runs of quantities are in
+    further.nc.
+    """
+    with open_netcdf(folder.samples) as file:
+        rows = [["run", "role", *_headings(file, "parameter", "box_units")]]
+        values = file["value"][:]
+        numbers = np.zeros((len(values), 0))
+        if "quantities" in file.variables:
+            rows[0] += _headings(file, "quantity", "quantity_units")
+            numbers = file["quantities"][:]
+        known = ids(file, slice(None)), roles(file), values.tolist(), numbers
+        for name, role, place, own in zip(*known, strict=True):
+            rows.append([name, role, *place, *_cells(own)])
+    return rows
+
+
+def quantities(folder: Folder) -> list[list]:
+    """The intervals of a campaign's quantities and where their ends are, a row each."""
+    with open_netcdf(folder.quantities) as file:
+        named = _headings(file, "parameter", "box_units")
+        ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in named]
+        rows = [["quantity", "units", *_INTERVAL, *ends]]
+        for i, name in enumerate(file["quantity"][:]):
+            numbers = [file[key][i] for key in _INTERVAL]
+            places = [*file["argmin"][i], *file["argmax"][i]]
+            rows.append([name, file["quantity_units"][i], *_cells([*numbers, *places])])
+    return rows
+
+
+def _headings(file: Any, names: str, units: str) -> list[str]:
+    """`k (N m rad-1)` for each of the named."""
+    return [f"{name} ({unit})" for name, unit in zip(file[names][:], file[units][:], strict=True)]
+
+
+def _cells(numbers: Iterable[float]) -> list:
+    """Numbers with all their digits; an empty cell where there is none."""
+    return [float(number) if np.isfinite(number) else "" for number in numbers]
+
+
+def _columns(found: Mapping[str, np.ndarray]) -> list[list]:
+    columns = [np.asarray(values).tolist() for values in found.values()]
+    return [list(found), *map(list, zip(*columns, strict=True))]
+
+
+def _text(rows: Iterable[Sequence]) -> str:
+    """Rows as CSV; every number has all its digits."""
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerows(rows)
+    return out.getvalue()

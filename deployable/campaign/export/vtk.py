@@ -1,0 +1,150 @@
+"""A whole motion for ParaView: a collection (.pvd) of unstructured grids (.vtu).
+
+In every frame `axes` has all particles, and the elements as lines; `solid` the elements as
+hexahedra between their sections; `cables` the cables, where there are any. Numbers are in SI units,
+of 64 bits, as they are in the motion. Format: VTK's XML formats,
+https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from deployable.campaign.files import write_text
+from deployable.campaign.pictures.solid import Solid, solid_of_motion
+
+if TYPE_CHECKING:
+    import xarray
+
+_VERTEX, _LINE, _HEXAHEDRON = 1, 3, 12  # VTK's numbers of the types of cells
+_TYPES = {"f": "Float64", "i": "Int64", "u": "UInt8"}
+_OF_ELEMENTS = ("axial_strain", "bending_strain", "stress")
+
+
+def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
+    """Write `path` (.pvd) and its grids, in a folder of its name beside it; returns `path`."""
+    solid = solid_of_motion(motion)
+    places, entries = path.with_suffix(""), []
+    for frame, time in enumerate(motion["time"].values.tolist()):
+        grids = {"axes": _axes(motion, solid, frame), "solid": _solid(motion, solid, frame)}
+        if len(solid.cables.of):
+            grids["cables"] = _cables(solid, frame)
+        for part, (name, grid) in enumerate(grids.items()):
+            file = places / f"{name}-{frame:04d}.vtu"
+            write_text(file, grid_text(*grid, time))
+            named = quoteattr(f"{places.name}/{file.name}")
+            entries.append(
+                f'<DataSet timestep="{time!r}" part="{part}" name="{name}" file={named}/>'
+            )
+    collection = "\n".join(["<Collection>", *entries, "</Collection>"])
+    write_text(path, _file("Collection", collection))
+    return path
+
+
+def _axes(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
+    """Points, cells, data of points and of cells: particles, and elements as lines."""
+    position, axes = motion["position"].values[frame], motion["frame"].values[frame]
+    nodes, width = solid.nodes, motion["section_size"].values
+    radius = np.sqrt(width.prod(axis=1) / np.pi)  # of a circle of the same area
+    bars = nodes[:, 0] != nodes[:, 1]  # and no rigid bodies, whose lines have no length
+    nodes, width, radius = nodes[bars], width[bars], radius[bars]
+    alone = np.setdiff1d(np.arange(len(position)), nodes)
+    at_points = np.zeros(len(position))
+    np.maximum.at(at_points, nodes.ravel(), np.repeat(radius, 2))
+    points = {"velocity": motion["velocity"].values[frame], "radius": at_points}
+    points |= {f"axis_{name}": axes[:, :, k] for k, name in enumerate("xyz")}
+    y, z = _section_axes(solid.corners[frame][bars])
+    cells = {
+        **{name: motion[name].values[frame][bars] for name in _OF_ELEMENTS},
+        "bar": solid.bar[bars], "radius": radius, "section_size": width,
+        "section_y": y, "section_z": z,
+    }  # fmt: skip
+    padded = {  # cells that are no elements have no strain
+        name: np.concatenate([values, np.zeros((len(alone), *values.shape[1:]), values.dtype)])
+        for name, values in cells.items()
+    }
+    return position, [(_LINE, nodes), (_VERTEX, alone[:, None])], points, padded
+
+
+def _solid(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
+    """Points, cells, data of points and of cells: elements as hexahedra."""
+    corners = solid.corners[frame]
+    cells = np.arange(8 * len(corners)).reshape(-1, 8)
+    data = {name: motion[name].values[frame] for name in _OF_ELEMENTS}
+    return corners.reshape(-1, 3), [(_HEXAHEDRON, cells)], {}, {**data, "bar": solid.bar}
+
+
+def _cables(solid: Solid, frame: int) -> tuple:
+    """Points, cells, data of points and of cells: the cables' straight stretches as lines."""
+    cables = solid.cables
+    of = cables.of[cables.stretches[:, 0]]
+    data = {"tension": cables.tension[frame][of], "cable": of}
+    return solid.cable_points[frame], [(_LINE, cables.stretches)], {}, data
+
+
+def _section_axes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit vectors (m, 3) along width and height of elements with corners (m, 8, 3), normal to
+    their chords."""
+    ends = corners.reshape(-1, 2, 4, 3)
+    chord = ends[:, 1].mean(axis=1) - ends[:, 0].mean(axis=1)
+    chord /= np.linalg.norm(chord, axis=1, keepdims=True)
+    along = ends[:, :, 1] + ends[:, :, 2] - ends[:, :, 0] - ends[:, :, 3]
+    y = along.sum(axis=1)
+    y -= np.sum(y * chord, axis=1, keepdims=True) * chord
+    y /= np.linalg.norm(y, axis=1, keepdims=True)
+    return y, np.cross(chord, y)
+
+
+def grid_text(
+    points: np.ndarray, cells: list[tuple[int, np.ndarray]], of_points: Mapping, of_cells: Mapping,
+    time: float,
+) -> str:  # fmt: skip
+    """An unstructured grid as a .vtu file's text.
+
+    points (n, 3) m; cells: VTK's number of a type, and its cells (m, k) as indices of points;
+    arrays by name, one row for a point and for a cell; time in s.
+    """
+    connected = np.concatenate([which.ravel() for _, which in cells]).astype(np.int64)
+    sizes = np.concatenate([np.full(len(which), which.shape[1]) for _, which in cells])
+    kinds = np.concatenate([np.full(len(which), kind, np.uint8) for kind, which in cells])
+    shape = {"connectivity": connected, "offsets": sizes.cumsum(), "types": kinds}
+    body = [
+        "<FieldData>", _array("TimeValue", np.array([time]), ' NumberOfTuples="1"'), "</FieldData>",
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(kinds)}">',
+        *_section("Points", {"position": points}),
+        *_section("Cells", shape),
+        *_section("PointData", of_points),
+        *_section("CellData", of_cells),
+        "</Piece>",
+    ]  # fmt: skip
+    grid = "\n".join(["<UnstructuredGrid>", *body, "</UnstructuredGrid>"])
+    return _file("UnstructuredGrid", grid)
+
+
+def _section(name: str, arrays: Mapping[str, np.ndarray]) -> list[str]:
+    return [f"<{name}>", *(_array(key, values) for key, values in arrays.items()), f"</{name}>"]
+
+
+def _array(name: str, values: np.ndarray, more: str = "") -> str:
+    """An array in base64, behind the number of its bytes."""
+    kind = _TYPES[values.dtype.kind]
+    raw = np.ascontiguousarray(values, dtype=np.dtype(kind.lower()).newbyteorder("<")).tobytes()
+    text = base64.b64encode(len(raw).to_bytes(8, "little") + raw).decode()
+    if values.ndim > 1:
+        more += f' NumberOfComponents="{values.shape[1]}"'
+    return (
+        f'<DataArray type="{kind}" Name={quoteattr(name)}{more} format="binary">{text}</DataArray>'
+    )
+
+
+def _file(kind: str, content: str) -> str:
+    return (
+        f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" '
+        f'header_type="UInt64">\n{content}\n</VTKFile>\n'
+    )

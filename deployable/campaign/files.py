@@ -1,0 +1,68 @@
+"""A campaign's files: whole or absent, sealed (`fpm.sealed`), and told apart by what they are of.
+
+The seal of a result says, beside its name, of which `plan` it is (the digest of its runs), what
+its stage made it from (`basis`, the digest of code and config), and what computed it when.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+from typing import Any
+
+from deployable.campaign.provenance import dated
+from deployable.fpm.sealed import check, whole_file
+
+__all__ = ["open_dataset", "open_netcdf", "result_file", "whole_file", "write_result", "write_text"]
+
+_FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", default={})  # noqa: B039
+
+
+@contextmanager
+def results_of(facts: Mapping[str, str]) -> Iterator[None]:
+    """What results written inside this block tell of themselves beside their names."""
+    token = _FACTS.set(facts)
+    try:
+        yield
+    finally:
+        _FACTS.reset(token)
+
+
+def result_file(path: str | Path, **facts: str) -> AbstractContextManager[Path]:
+    """A temporary path of a result: sealed and renamed when the block ends without an error."""
+    return whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts})
+
+
+def open_netcdf(path: str | Path) -> Any:
+    """An open `netCDF4.Dataset` of a result with plain arrays; its import is faster than xarray's.
+
+    Raises `fpm.sealed.DamagedError`.
+    """
+    import netCDF4
+
+    check(path, Path(path).name)
+    file = netCDF4.Dataset(path)
+    file.set_auto_mask(False)
+    return file
+
+
+def open_dataset(path: str | Path) -> Any:
+    """An open `xarray.Dataset` of a result; raises `fpm.sealed.DamagedError`."""
+    import xarray
+
+    check(path, Path(path).name)
+    return xarray.open_dataset(path)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text file, whole or not at all."""
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def write_result(path: str | Path, text: str, **facts: str) -> None:
+    """Write a text file that is a result."""
+    with result_file(path, **facts) as temporary:
+        temporary.write_text(text, encoding="utf-8")

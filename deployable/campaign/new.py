@@ -1,0 +1,170 @@
+"""A folder of one's own: a Snakefile of a few lines, profiles, and a campaign to edit."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+from typing import Any
+
+from deployable.campaign import shipped
+from deployable.campaign.config.loader import load
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.files import write_text
+
+CAMPAIGN = "campaign.yaml"
+"""Name of the campaign in a folder of one's own."""
+
+SNAKEFILE = f'''\
+# The campaign of this folder: snakemake -c2
+# Another one:                 snakemake -c2 --configfile other.yaml
+
+from deployable.campaign.shipped import RULES
+
+CAMPAIGN = "{CAMPAIGN}"
+
+
+include: RULES
+
+
+rule all:
+    localrule: True
+    default_target: True
+    input:
+        campaign_results(),
+'''
+
+IGNORED = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
+
+
+def starts() -> list[str]:
+    """Names that a new folder can start from: campaigns, and structures that have none."""
+    known = shipped.campaigns()
+    asked = {load(path)["scene"].get("file", "") for path in known.values()}
+    without = [name for name in shipped.structures() if f"structures/{name}.yaml" not in asked]
+    return sorted([*known, *(name for name in without if name not in ("bennett", *known))])
+
+
+def make_folder(folder: str | Path, start: str) -> None:
+    """Make `folder` with what `snakemake` and `python -m deployable run` need.
+
+    start: one of `starts()`, or the file of a structure in text. Files that are there already are
+    refused with `CampaignError`, before anything is written.
+    """
+    folder = Path(folder)
+    campaign, structures = _started(start)
+    made = [folder / name for name in ("Snakefile", CAMPAIGN, "profiles", *structures)]
+    if there := [str(path) for path in made if path.exists()]:
+        raise CampaignError(f"{', '.join(there)}: there already; allowed: a folder without")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, path in structures.items():
+            (folder / name).parent.mkdir(exist_ok=True)
+            shutil.copyfile(path, folder / name)
+        shutil.copytree(shipped.WORKFLOW / "profiles", folder / "profiles")
+        write_text(folder / CAMPAIGN, campaign)
+        write_text(folder / "Snakefile", SNAKEFILE)
+        if not (folder / ".gitignore").exists():
+            write_text(folder / ".gitignore", IGNORED)
+    except OSError as error:
+        raise CampaignError(f"{error.filename or folder}: {error.strerror or error}") from None
+
+
+def _started(start: str) -> tuple[str, dict[str, Path]]:
+    """The text of the campaign, and the files of its structures by their names in the folder."""
+    if start in starts() and (path := shipped.campaigns().get(start)):
+        file = load(path)["scene"].get("file")
+        return path.read_text(encoding="utf-8"), {file: path.parent / file} if file else {}
+    path = shipped.structures().get(start) if start in starts() else Path(start)
+    if path is None or path.suffix != ".yaml" or not path.is_file():
+        allowed = f"{', '.join(starts())}, or the .yaml file of a structure"
+        raise CampaignError(f"--start {start} is not known; allowed: {allowed}")
+    name = f"structures/{path.name}"
+    return campaign_of(path, name), {name: path}
+
+
+def campaign_of(path: Path, name: str) -> str:
+    """A campaign to begin with, for the structure in the file at `path`, called `name` in it.
+
+    Its first real parameter that has a value is known to 1 %; the speeds of all points and the
+    openings of all hinges are recorded for a second, and of its latches it is asked when they
+    catch, and whether all do. Raises `CampaignError`.
+    """
+    from deployable import fpm
+    from deployable.campaign.config.scenes import scene_type
+
+    try:
+        found = scene_type("", str(path))
+    except fpm.SceneError as error:
+        raise CampaignError(str(error)) from None
+    real = [key for key, p in found.parameters.items() if p.kind == "real" and p.default]
+    if not real:
+        raise CampaignError(f"{path} has no real parameter, so that nothing can be an interval")
+    table = [_line(key, parameter) for key, parameter in found.parameters.items()]
+    responses = [
+        f"  {_name(point)}_speed: {{velocity: {point}, component: norm}}" for point in found.points
+    ]
+    responses += [f"  {_name(hinge)}_opening: {{opening: {hinge}}}" for hinge in found.hinges]
+    first = found.parameters[real[0]]
+    catches = {f"t_{_name(latch)}": latch for latch in _latches(found)}
+    return "\n".join(
+        [
+            f"# {found.description or found.name}",
+            f"campaign: {re.sub('[^A-Za-z0-9_-]+', '-', path.stem).strip('-_')}",
+            "",
+            "scene:",
+            f"  file: {name}",
+            "  parameters: {} # what differs from the structure's own values, which are",
+            *table,
+            "",
+            "solver:",
+            "  duration: 1.0 # s",
+            "  instants: 501",
+            "",
+            "# What is not known exactly; `absolute`, or `lower` and `upper`, are allowed too.",
+            "intervals:",
+            f"  {real[0]}: {{nominal: {first.default!r}, relative: 0.01}} # {first.unit}",
+            "",
+            "design: {method: smolyak, order: 2} # which runs are made",
+            "",
+            "responses:",
+            *responses,
+            *_asked_of(catches),
+            "",
+        ]
+    )
+
+
+def _name(thing: str) -> str:
+    """What a response or quantity can be called after something."""
+    return re.sub("[^A-Za-z0-9_]+", "_", thing)
+
+
+def _latches(found: Any) -> list[str]:
+    """The latches of a structure by their own names."""
+    from deployable.fpm.outcome import eventful
+
+    elements = eventful(found.sample)
+    return [e.name.removeprefix("latch ") for e in elements if "latches" in e.events]
+
+
+def _asked_of(catches: dict[str, str]) -> list[str]:
+    """Lines that ask when latches catch, by names of the times, and whether all do."""
+    if not catches:
+        return []
+    return [
+        "",
+        "quantities: # when each latch catches; the duration must be long enough for it",
+        *(f"  {time}: {{event: latches, of: {latch}}} # s" for time, latch in catches.items()),
+        "",
+        "requirements:",
+        "  latches:",
+        *(f"    {time}: {{happens: true}}" for time in catches),
+    ]
+
+
+def _line(name: str, parameter: Any) -> str:
+    """A parameter as a comment: name, value, unit, what it is."""
+    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    default = "" if parameter.default is None else f" {parameter.default!r}{unit}"
+    return f"  #   {name}:{default}, {parameter.description}".rstrip(", ")

@@ -1,0 +1,57 @@
+"""A structure at some moments of its motion, side by side."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from deployable.campaign.pictures.paint import frame_picture, limits_of, paint_cables, paint_solid
+from deployable.campaign.pictures.solid import solid_of_motion
+from deployable.campaign.pictures.view import View
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def telling_moments(motion: xarray.Dataset, count: int) -> np.ndarray:
+    """Indices of `count` frames, evenly spread in the way that the particles have gone.
+
+    From the start to the first closure of a contact, or to the end where nothing closes. The way is
+    the root of the mean square of all particles' steps.
+    """
+    time, position = motion["time"].values, motion["position"].values
+    closing = motion["contact_event_closing"].values == 1
+    closures = motion["contact_event_time"].values[closing]
+    last = int(np.abs(time - closures.min()).argmin()) if len(closures) else len(time) - 1
+    last = max(last, 1)
+    steps = np.sqrt(np.square(np.diff(position[: last + 1], axis=0)).sum(axis=2).mean(axis=1))
+    way = np.concatenate([[0.0], steps.cumsum()])
+    wanted = np.linspace(0.0, way[-1], count)
+    return np.array([int(np.abs(way - one).argmin()) for one in wanted])
+
+
+def draw_moments(
+    motion: xarray.Dataset, count: int = 5, width: float = 7.5, view: View | None = None
+) -> Any:
+    """A figure of a whole motion (`fpm.motion`) at `count` moments; width in inches."""
+    from matplotlib.figure import Figure
+
+    view = view or View()
+    shown = motion.isel(time=telling_moments(motion, count))
+    solid = solid_of_motion(shown)
+    limits = limits_of(solid.places, view, margin=0.02)
+    across, up = limits[1] - limits[0]
+    shape = min(2.6, (up + 0.2 * max(across, up)) / across)  # of a panel
+    figure = Figure(figsize=(width, width / count * shape + 0.2))
+    height = figure.get_figheight()
+    for moment, now in enumerate(shown["time"].values):
+        ax = figure.add_axes((moment / count, 0, 1 / count, 1 - 0.2 / height))
+        frame_picture(ax, limits, view, signs=moment == 0)
+        if len(solid.nodes):
+            paint_solid(ax, solid, moment, view)
+            paint_cables(ax, solid, moment, view)
+        else:
+            ax.plot(*(view.page @ solid.position[moment].T), "o", color="black", markersize=3)
+        ax.set_title(f"{now:.3g} s", fontsize=8, pad=2)
+    return figure

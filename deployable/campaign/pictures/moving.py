@@ -1,0 +1,114 @@
+"""A moving picture (GIF, WebP) of a motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from deployable.campaign.files import whole_file
+from deployable.campaign.pictures.paint import frame_picture, limits_of, paint_cables, paint_solid
+from deployable.campaign.pictures.solid import solid_of_motion
+from deployable.campaign.pictures.stressed import draw_scale, stress_colours
+from deployable.campaign.pictures.view import View
+
+if TYPE_CHECKING:
+    import xarray
+
+SECONDS = 5.0
+"""How long the picture plays, whatever the time that it shows."""
+
+HOLD = 0.8
+"""Seconds for which its last frame stays."""
+
+_DPI = 100
+
+
+def write_moving(
+    motion: xarray.Dataset,
+    path: Path,
+    view: View | None = None,
+    width: float = 4.8,
+    by_stress: bool = False,
+) -> Path:
+    """Write `path`, `.gif` or `.webp`, of all frames of a motion; returns it.
+
+    width: of the picture, in hundreds of pixels; by_stress: elements have the colours of their
+    stress, not of their bars.
+    """
+    from PIL import Image
+
+    drawn = frames(motion, view or View(), width, by_stress)
+    images = [Image.fromarray(frame) for frame in drawn]
+    each = round(1000 * SECONDS / len(images))
+    durations = [each] * (len(images) - 1) + [each + round(1000 * HOLD)]
+    if path.suffix == ".gif":  # one palette for all, so that nothing flickers
+        palette = _palette(images)
+        images = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
+        options: dict[str, Any] = {"optimize": False, "disposal": 1}
+    else:
+        options = {"quality": 80, "method": 4}
+    with whole_file(path) as temporary:
+        images[0].save(
+            temporary,
+            save_all=True,
+            append_images=images[1:],
+            duration=durations,
+            loop=0,
+            **options,
+        )
+    return path
+
+
+def frames(
+    motion: xarray.Dataset, view: View, width: float, by_stress: bool = False
+) -> Iterator[np.ndarray]:
+    """The frames of a motion as pictures (height, width, 3) of bytes."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    solid = solid_of_motion(motion)
+    limits = limits_of(solid.places, view)
+    across, up = limits[1] - limits[0]
+    height = width * (up + 0.2 * max(across, up)) / across
+    shrink = min(1.0, 1.25 * width / height)  # a mast stands in a picture that is not too tall
+    figure = Figure(figsize=(width, shrink * height), dpi=_DPI)
+    canvas = FigureCanvasAgg(figure)
+    ax = figure.add_axes((0, 0, 1, 1))
+    frame_picture(ax, limits, view)
+    clock = ax.text(0.02, 0.98, "", transform=ax.transAxes, fontsize=9, va="top")
+    colours = None
+    if by_stress:
+        colours, top = stress_colours(motion)
+        draw_scale(figure, top)
+    for moment, now in enumerate(motion["time"].values):
+        if len(solid.nodes):
+            own = None if colours is None else colours[moment]
+            drawn = [paint_solid(ax, solid, moment, view, own)]
+            drawn.append(paint_cables(ax, solid, moment, view))
+        else:
+            drawn = ax.plot(*(view.page @ solid.position[moment].T), "o", color="black")
+        clock.set_text(f"{now:.2f} s")
+        canvas.draw()
+        yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+        for artist in drawn:
+            artist.remove()
+
+
+def _palette(images: list) -> Any:
+    """A picture whose palette serves all frames: of some of them side by side."""
+    from PIL import Image
+
+    some = images[:: max(1, len(images) // 8)]
+    width, height = images[0].size
+    sheet = Image.new("RGB", (width, height * len(some)), "white")
+    for i, image in enumerate(some):
+        sheet.paste(image, (0, i * height))
+    few = sheet.quantize(128, dither=Image.Dither.NONE)
+    colours = np.array(few.getpalette()).reshape(-1, 3)
+    colours[(colours > 244).all(axis=1)] = 255  # paper stays white
+    found = Image.new("P", (1, 1))
+    found.putpalette(colours.ravel().tolist())
+    return found

@@ -1,0 +1,131 @@
+"""Paint a structure on axes of matplotlib: bodies from far to near, names, directions, scale."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.pictures.colours import BARS, CABLE, rgb
+from deployable.campaign.pictures.order import paint_order
+from deployable.campaign.pictures.solid import FACES, Solid
+from deployable.campaign.pictures.view import View, nice_length
+
+_LIGHT = np.array([0.4, -0.5, 0.77])  # towards it
+_AXIS = "0.35"
+_HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
+
+
+def paint_solid(
+    ax: Any, solid: Solid, moment: int, view: View, colours: np.ndarray | None = None
+) -> Any:
+    """Paint the visible faces of a structure at a moment; returns the collection of them.
+
+    colours (m, 3): of the elements, if not those of their bars.
+    """
+    from matplotlib.collections import PolyCollection
+
+    faces, shades = visible_faces(solid, moment, view, colours)
+    edges = 0.7 * shades
+    drawn = PolyCollection(faces, facecolors=shades, edgecolors=edges, linewidths=0.25)
+    ax.add_collection(drawn, autolim=False)
+    return drawn
+
+
+def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
+    """Paint the cables of a structure at a moment, dashed where they are slack."""
+    from matplotlib.collections import LineCollection
+
+    cables = solid.cables
+    lines = (solid.cable_points[moment] @ view.page.T)[cables.stretches]
+    styles: list[Any] = ["solid"] * len(lines)
+    if cables.tension is not None:
+        taut = cables.tension[moment][cables.of[cables.stretches[:, 0]]] > 0
+        styles = ["solid" if pulls else (0, (3, 2)) for pulls in taut]
+    drawn = LineCollection(lines, colors=CABLE, linewidths=0.9, linestyles=styles)
+    ax.add_collection(drawn, autolim=False)
+    return drawn
+
+
+def visible_faces(
+    solid: Solid, moment: int, view: View, colours: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Faces that look at the eye, from far to near: on the page (f, 4, 2), and colours (f, 3).
+
+    colours (m, 3): of the elements, if not those of their bars.
+    """
+    element, face = np.nonzero(solid.visible)
+    corners = solid.corners[moment][element[:, None], FACES[face]]
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    seen = normal @ view.towards > 0
+    corners, normal, element = corners[seen], normal[seen], element[seen]
+    order = paint_order(corners @ view.page.T, corners @ view.towards)
+    bright = 0.6 + 0.4 * np.clip(normal @ _LIGHT, 0, 1)
+    if colours is None:
+        colours = np.array([rgb(BARS[bar % len(BARS)]) for bar in solid.bar]).reshape(-1, 3)
+    return (corners @ view.page.T)[order], (bright[:, None] * colours[element])[order]
+
+
+def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: float) -> None:
+    """Mark points (3,) with their names, away from their middle; size (m) of the picture."""
+    flat = {name: view.page @ place for name, place in places.items()}
+    if not flat:
+        return
+    centre = np.mean(list(flat.values()), axis=0)
+    for name, at in flat.items():
+        away = at - centre
+        length = np.linalg.norm(away)
+        away = away / length if length > 1e-6 * size else np.array([0.0, 1.0])
+        ax.plot(*at, "o", color="black", markersize=2.5)
+        place = at + 0.045 * size * away
+        ax.text(*place, name, fontsize=7, ha="center", va="center", bbox=_HALO)
+
+
+def frame_picture(ax: Any, limits: np.ndarray, view: View, signs: bool = True) -> None:
+    """Fit axes to limits (2, 2) in metres on the page, lowest corner first, with room below them
+    for signs: directions and scale."""
+    low, high = limits
+    width, height = high - low
+    size = max(width, height)
+    arrow, strip = 0.09 * size, 0.2 * size
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1] - strip, high[1]), aspect="equal")
+    ax.axis("off")
+    if not signs:
+        return
+    origin = np.array([low[0] + 0.1 * size, low[1] - 0.6 * strip])
+    for name, end in zip("xyz", arrow * view.page.T, strict=True):
+        ax.annotate(
+            "", origin + end, origin,
+            arrowprops={"arrowstyle": "-|>", "color": _AXIS, "lw": 0.8, "mutation_scale": 6,
+                        "shrinkA": 0, "shrinkB": 0},
+        )  # fmt: skip
+        if np.linalg.norm(end) > 0.15 * arrow:
+            text = origin + end * (1 + 0.35 * arrow / np.linalg.norm(end))
+            ax.text(*text, name, fontsize=7, color=_AXIS, ha="center", va="center")
+    length = nice_length(0.3 * width)
+    right, level = high[0] - 0.03 * size, low[1] - 0.6 * strip
+    ax.plot((right - length, right), (level, level), color=_AXIS, lw=1.2, solid_capstyle="butt")
+    for end in (right - length, right):
+        ends = level - 0.012 * size, level + 0.012 * size
+        ax.plot((end, end), ends, color=_AXIS, lw=1.2)
+    ax.text(
+        right - 0.5 * length, level + 0.03 * size, length_text(length),
+        fontsize=7, color=_AXIS, ha="center", va="bottom",
+    )  # fmt: skip
+
+
+def length_text(length: float) -> str:
+    """A length (m) as people write it: `0.5 m`, `20 mm`."""
+    return f"{length:g} m" if length >= 0.1 else f"{1000 * length:g} mm"
+
+
+def limits_of(places: np.ndarray, view: View, margin: float = 0.08) -> np.ndarray:
+    """Lowest and highest corner (2, 2) on the page of places (..., 3), with a margin (a share)."""
+    flat = places.reshape(-1, 3) @ view.page.T
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    size = max((high - low).max(), 1e-9)
+    # A thin structure still gets a picture with some height.
+    lack = np.maximum(0.0, 0.35 * size - (high - low)) / 2
+    return np.stack([low - lack - margin * size, high + lack + margin * size])

@@ -1,0 +1,145 @@
+"""A structure as solid bodies in space: what pictures paint and what other programs are given."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from deployable.fpm.bars import bar_of
+
+if TYPE_CHECKING:
+    import xarray
+
+FACES = np.array([
+    (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7),  # along the element
+    (0, 3, 2, 1), (4, 5, 6, 7),  # at its two ends
+])  # fmt: skip
+"""Of an element: its faces as indices into its eight corners, outward by the right-hand rule."""
+
+
+@dataclass(frozen=True)
+class Cables:
+    """The p points of cables, one cable after the other.
+
+    of (p,): index of the point's cable; on (p,): its particle; arm (p, 3) m: from there, in the
+    particle's frame; tension (t, c) N of each cable, None where it is not known.
+    """
+
+    of: np.ndarray
+    on: np.ndarray
+    arm: np.ndarray
+    tension: np.ndarray | None = None
+
+    @cached_property
+    def stretches(self) -> np.ndarray:
+        """Indices (s, 2) of the points at the ends of each straight stretch."""
+        first = np.flatnonzero(self.of[1:] == self.of[:-1])
+        return np.stack([first, first + 1], axis=1)
+
+
+NO_CABLES = Cables(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3)))
+
+
+@dataclass(frozen=True)
+class Solid:
+    """The elements of a structure at t moments, each a hexahedron between two sections.
+
+    nodes (m, 2): particles at the elements' ends; sections (m, 2, 4, 3) m: corners of the sections
+    there, in the particles' frames; position (t, n, 3) m and frame (t, n, 3, 3) of the particles;
+    elements (m,): their names.
+    """
+
+    nodes: np.ndarray
+    sections: np.ndarray
+    position: np.ndarray
+    frame: np.ndarray
+    elements: tuple[str, ...]
+    cables: Cables = NO_CABLES
+
+    @cached_property
+    def cable_points(self) -> np.ndarray:
+        """Places (t, p, 3), m, of the cables' points."""
+        on, arm = self.cables.on, self.cables.arm
+        return self.position[:, on] + np.einsum("tpij,pj->tpi", self.frame[:, on], arm)
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """Places (t, k, 3), m, that a picture must hold."""
+        count = len(self.position)
+        found = [self.corners.reshape(count, -1, 3), self.cable_points]
+        return np.concatenate(found, axis=1) if len(self.nodes) else self.position
+
+    @cached_property
+    def corners(self) -> np.ndarray:
+        """Corners (t, m, 8, 3) of the elements, m: four at the first end, four at the second."""
+        turned = np.einsum("tmeij,mecj->tmeci", self.frame[:, self.nodes], self.sections)
+        placed = turned + self.position[:, self.nodes, None, :]
+        return placed.reshape(len(placed), len(self.nodes), 8, 3)
+
+    @cached_property
+    def bars(self) -> tuple[str, ...]:
+        """Names of the bars: `link AB[3]` is an element of `link AB`."""
+        return tuple(dict.fromkeys(map(bar_of, self.elements)))
+
+    @cached_property
+    def bar(self) -> np.ndarray:
+        """Index (m,) of each element's bar."""
+        return np.array([self.bars.index(bar_of(name)) for name in self.elements], dtype=int)
+
+    @cached_property
+    def visible(self) -> np.ndarray:
+        """Which of the six faces of each element (m, 6) are not hidden by its neighbour's."""
+        stretches = np.array([name.rsplit("[", 1)[0] for name in self.elements])
+        same = stretches[1:] == stretches[:-1]
+        same &= self.nodes[1:, 0] == self.nodes[:-1, 1]
+        shown = np.ones((len(self.nodes), len(FACES)), bool)
+        shown[1:, 4] = ~same
+        shown[:-1, 5] = ~same
+        return shown
+
+
+def solid_of_motion(motion: xarray.Dataset) -> Solid:
+    """The solid of a whole motion (`fpm.motion`), at all its frames."""
+    return Solid(
+        nodes=motion["element_particle"].values,
+        sections=motion["section_corner"].values,
+        position=motion["position"].values,
+        frame=motion["frame"].values,
+        elements=tuple(map(str, motion["element"].values)),
+        cables=_cables_of_motion(motion),
+    )
+
+
+def solid_of_scene(scene: Any) -> Solid:
+    """The solid of an `fpm.Scene` as it stands at the start: one moment."""
+    from deployable.fpm.motion import section_corners
+    from deployable.fpm.motion_dataset import shapes_of
+
+    shapes = shapes_of(scene, section_corners(scene))
+    return Solid(
+        nodes=shapes.nodes,
+        sections=shapes.corners,
+        position=scene.position[None],
+        frame=scene.frame[None],
+        elements=tuple(shapes.names),
+        cables=_cables_of_scene(scene),
+    )
+
+
+def _cables_of_motion(motion: xarray.Dataset) -> Cables:
+    if "cable_point_cable" not in motion:
+        return NO_CABLES
+    points = (motion[f"cable_point_{key}"].values for key in ("cable", "particle", "arm"))
+    return Cables(*points, motion["cable_tension"].values)
+
+
+def _cables_of_scene(scene: Any) -> Cables:
+    beams = [beam for cable in scene.cables for beam in cable.beams]
+    if not beams:
+        return NO_CABLES
+    count = [len(cable.beams) for cable in scene.cables]
+    of, on = np.repeat(np.arange(len(count)), count), np.array([b.particle for b in beams])
+    return Cables(of, on, np.array([beam.arm for beam in beams]))

@@ -1,0 +1,87 @@
+"""A structure as it stands, with its points, joints, cables and supports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.files import whole_file
+from deployable.campaign.pictures.paint import (
+    frame_picture,
+    limits_of,
+    paint_cables,
+    paint_points,
+    paint_solid,
+)
+from deployable.campaign.pictures.solid import solid_of_scene
+from deployable.campaign.pictures.view import View
+
+SUFFIXES = (".png", ".svg", ".pdf")
+_HINGE = {"color": "black", "linewidth": 0.9, "zorder": 4}
+_HELD = {"marker": "^", "color": "none", "markeredgecolor": "black", "markersize": 6, "zorder": 5}
+
+
+def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> Any:
+    """A figure of an `fpm.Scene` at its start; width in inches."""
+    from matplotlib.figure import Figure
+
+    view = view or View()
+    solid = solid_of_scene(scene)
+    points = {name: _place(scene, beam) for name, beam in scene.points.items()}
+    held = scene.position[scene.fixed[:, :3].all(axis=1)]
+    hinges = list(_hinge_lines(scene))
+    own = _own(scene)
+    places = [solid.corners, solid.cable_points, scene.position[own], *points.values()]
+    limits = limits_of(np.vstack([np.reshape(p, (-1, 3)) for p in places]), view)
+    across, up = limits[1] - limits[0]
+    size = max(across, up)
+    figure = Figure(figsize=(width, min(1.1 * width, width * (up + 0.2 * size) / across)))
+    ax = figure.add_axes((0, 0, 1, 1))
+    frame_picture(ax, limits, view)
+    if len(solid.nodes):
+        paint_solid(ax, solid, 0, view)
+    paint_cables(ax, solid, 0, view)
+    for place, axis in hinges:
+        ends = np.stack([place - 0.02 * size * axis, place + 0.02 * size * axis])
+        ax.plot(*(ends @ view.page.T).T, **_HINGE)
+    for place in held[_inside(held @ view.page.T, limits)]:
+        ax.plot(*(view.page @ place), **_HELD)
+    alone = np.setdiff1d(own, solid.nodes)
+    ax.plot(*(scene.position[alone] @ view.page.T).T, "o", color="black", markersize=4)
+    paint_points(ax, points, view, size)
+    return figure
+
+
+def write_structure(scene: Any, path: str | Path) -> Path:
+    """Draw an `fpm.Scene` at its start into `path`, one of `SUFFIXES`; returns it."""
+    path = Path(path)
+    with whole_file(path) as temporary:
+        draw_structure(scene).savefig(temporary, dpi=160)
+    return path
+
+
+def _place(scene: Any, beam: Any) -> np.ndarray:
+    """Where a virtual beam ends."""
+    return scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm
+
+
+def _hinge_lines(scene: Any) -> Iterable[tuple[np.ndarray, np.ndarray]]:
+    """Place and axis of each hinge."""
+    for hinge in scene.hinges:
+        first = hinge.beams[0]
+        yield _place(scene, first), scene.frame[first.particle] @ hinge.axes[0]
+
+
+def _own(scene: Any) -> np.ndarray:
+    """Particles of the structure: the ground's has no place of its own."""
+    on_beams = np.zeros(len(scene.position), bool)
+    for beams in scene.beams:
+        on_beams[beams.nodes.ravel()] = True
+    return np.flatnonzero(on_beams | ~scene.fixed.all(axis=1))
+
+
+def _inside(flat: np.ndarray, limits: np.ndarray) -> np.ndarray:
+    return ((flat >= limits[0]) & (flat <= limits[1])).all(axis=1)

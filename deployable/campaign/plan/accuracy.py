@@ -1,0 +1,226 @@
+"""`accuracy`: rounds of runs until the whole error is what was asked for, or the budget is spent.
+
+Each round has a plan (`rounds/<round>/nodes.json`) with a mesh, a step, and runs through which a
+spline goes; those of later rounds are sought where the bounds are decided. A round whose plan says
+so is checked: its bounds know what a finer mesh and half the step change. What comes next is
+decided by `decide`; here results become its arguments and its decision a plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.config.sections import Experiment, Solver
+from deployable.campaign.plan.decide import Cost, decide, growth, needed
+from deployable.campaign.plan.estimate import LANES, run_seconds
+from deployable.campaign.plan.make import choose_step, make_plan
+from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep
+
+_CANDIDATES = 4096  # points at which the spline is asked for more
+_CHECKED = 8  # places at which a check makes runs, of the responses
+
+
+def first_plan(experiment: Experiment) -> Plan:
+    """The plan of round 0: with the nominal run, eight for each direction that has a width."""
+    from deployable.intervals import make_design
+
+    box = experiment.box
+    count = max(LANES * int(box.free.sum()) - 1, 1)
+    points = make_design("scan", box, samples=count).points
+    return _plan(experiment, points.tolist(), (), ("mesh",) if _has_mesh(experiment) else ("step",))
+
+
+def next_plan(
+    experiment: Experiment, plan: Plan, samples_path: str | Path, bounds_path: str | Path
+) -> Plan:
+    """The plan after a finished round: more runs, a finer mesh or step, a check, or the same with
+    the reason to stop."""
+    from deployable.campaign.files import open_dataset
+
+    asked, now, before = experiment.accuracy, plan.experiment, plan.adaptive
+    with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
+        shares, free = _shares(plan, samples, bounds), now.solver.step == "auto"
+        pursued, cost = _cost(plan, shares, free)
+        decision = decide(asked, shares, plan.adaptive, cost, free)
+        whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
+        safety = now.solver.safety if now.solver.step == "auto" else now.solver.step
+        done = Round(
+            (), (), cost.runs, whole, decision.action, decision.reason,
+            shares, cost.elements, float(safety), cost.seconds, cost.nodes,
+        )  # fmt: skip
+        rounds = (*before.rounds, done)
+        if decision.action == "stop":
+            return replace(plan, adaptive=Rounds(rounds, before.points, decision.met, before.check))
+        points = list(before.points)
+        if decision.action == "runs":
+            points += _sought(now, samples, pursued, cost.more, len(rounds)).tolist()
+    refined = now
+    if decision.action == "mesh":
+        parameters = {**now.scene.parameters, asked.mesh: 2 * cost.elements}
+        refined = _stable(replace(now, scene=replace(now.scene, parameters=parameters)))
+    elif decision.action == "step":
+        refined = replace(now, solver=replace(now.solver, safety=_halved(now.solver, plan.time)))
+    check = tuple(part for part in decision.check if part != "mesh" or _has_mesh(now))
+    return _plan(refined, points, rounds, check, plan.time if refined is now else None)
+
+
+def _plan(
+    experiment: Experiment,
+    points: list,
+    rounds: tuple,
+    check: tuple[str, ...],
+    time: TimeStep | None = None,
+) -> Plan:
+    """The plan of runs at unit points (n, k), with the step of the last one where mesh and safety
+    are the same."""
+    points = tuple(tuple(map(float, point)) for point in points)
+    design = replace(experiment.design, existing=points)
+    plan = make_plan(replace(experiment, design=design), time=time)
+    return replace(plan, adaptive=Rounds(rounds, points, check=check))
+
+
+def _halved(solver: Solver, time: TimeStep) -> float:
+    """A safety that takes half the step, which may be far below the stable one: there are no longer
+    ones between instants."""
+    half, taken = solver.safety / 2, time.step / time.step_limit
+    return half if half < taken else taken / 2
+
+
+def _stable(experiment: Experiment) -> Experiment:
+    """The experiment, with a stable step if the one that it gives no longer is on a finer mesh."""
+    time = choose_step(experiment)
+    if time.step <= time.step_limit:
+        return experiment
+    return replace(experiment, solver=replace(experiment.solver, step="auto"))
+
+
+def _has_mesh(experiment: Experiment) -> bool:
+    """Whether a parameter sets the mesh, be it free or given."""
+    from deployable.campaign.config.scenes import mesh_of
+
+    scene = experiment.scene
+    return mesh_of({"file": scene.file} if scene.file else {"name": scene.name}) is not None
+
+
+def _shares(plan: Plan, samples: Any, bounds: Any) -> dict[str, dict[str, float]]:
+    """The errors of all responses and quantities by part, as shares of their widths.
+
+    Of step and mesh what the last check of the same mesh and step found; nothing where there was
+    none.
+    """
+    known: Mapping[str, Mapping] = {}
+    if plan.adaptive.rounds and plan.adaptive.rounds[-1].action in ("runs", "check"):
+        known = plan.adaptive.rounds[-1].shares
+    found = {}
+    for name in plan.experiment.responses:
+        row = bounds.sel(response=name)
+        surrogate = row["share_surrogate" if "share_surrogate" in row else "error_share_of_width"]
+        new = {"surrogate": float(surrogate)}
+        found[name] = _parts(known.get(name, {}), new, row, "share_{}", 1.0)
+    for i, name in enumerate(plan.experiment.quantities):
+        surrogate, width = _quantity(plan.experiment, samples, i)
+        row = bounds.isel(quantity=i) if "quantity" in bounds.dims else {}
+        new = {"surrogate": surrogate}
+        found[name] = _parts(known.get(name, {}), new, row, "quantity_error_{}", width)
+    return found
+
+
+def _parts(known: Mapping, new: dict, row: Any, name: str, width: float) -> dict[str, float]:
+    """The surrogate's share, and those of step and mesh, new ones or else those known before."""
+    for part in ("step", "mesh"):
+        if name.format(part) in row:
+            value = float(row[name.format(part)])
+            new[part] = value / width if width > 0 and np.isfinite(value) else 0.0
+        elif part in known:
+            new[part] = known[part]
+    return new
+
+
+def _quantity(experiment: Experiment, samples: Any, i: int) -> tuple[float, float]:
+    """The error of quantity `i` of the surrogate as a share of its width, and the width; 0 where no
+    run has the quantity, or all the same."""
+    surrogate = _surrogate(experiment, samples, i)
+    width = surrogate.range().width
+    if not np.isfinite(width) or width <= 0:
+        return 0.0, 0.0
+    return float(min(surrogate.usual_error / width, 1e6)), float(width)
+
+
+def _surrogate(experiment: Experiment, samples: Any, i: int) -> Any:
+    from deployable.intervals.scalars import fit_scalar
+
+    quantity = experiment.numbers[i]
+    end = experiment.solver.duration if quantity.is_time else None
+    values = samples["quantities"].values[:, i]
+    return fit_scalar(samples["unit"].values, values, end, quantity.least)
+
+
+def _cost(plan: Plan, shares: Mapping, step_is_free: bool = True) -> tuple[list[str], Cost]:
+    """Which responses and quantities runs would help, and what the rounds up to this plan's took
+    and the next one would."""
+    asked, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
+    each = run_seconds(plan.experiment, plan.time)
+    before = rounds[-1] if rounds else Round((), (), 0, 0.0, "mesh", "")
+    again = before.action in ("mesh", "step")
+    new = nodes if again else nodes - before.nodes
+    checked = _CHECKED + 2 * len(plan.experiment.quantities)
+    # A mesh twice as fine has twice the elements and half the step.
+    factor = {"mesh": 4.0, "step": 2.0}
+    runs, seconds = before.runs + new, before.seconds + _whole(new) * each
+    for part in plan.adaptive.check:
+        runs += checked
+        seconds += _whole(checked) * factor[part] * each
+    last = 2 * checked, 6 * checked * each  # the check of step and mesh at the end
+    affordable = min(asked.runs - runs - last[0], (60 * asked.minutes - seconds - last[1]) / each)
+    elements = int(plan.experiment.scene.parameters.get(asked.mesh, 0))
+    cost = Cost(runs, seconds, nodes, 0, checked, each, elements)
+    needs = needed(asked, shares, plan.adaptive, cost, step_is_free)
+    pursued = [name for name, need in needs.items() if not need.why_not]
+    wanted = growth(asked, {name: shares[name] for name in pursued}, plan.adaptive, nodes)
+    return pursued, replace(cost, more=added(nodes, wanted, affordable))
+
+
+def added(nodes: int, growth: float, affordable: float) -> int:
+    """Runs of a round after so many, in whole batches, which take no longer: what a factor asks
+    for, as far as that can be afforded, but at least a quarter."""
+    quarter, wanted = (LANES * max(1, round(nodes * share / LANES)) for share in (0.25, growth - 1))
+    return max(quarter, min(wanted, LANES * int(affordable // LANES)))
+
+
+def _whole(runs: int) -> int:
+    return -(-runs // LANES) * LANES
+
+
+def _sought(
+    experiment: Experiment, samples: Any, unmet: list[str], count: int, seed: int
+) -> np.ndarray:
+    """Unit points (n, k) of the next `count` runs: where unmet quantities have their ends and
+    where the spline promises wider bounds of unmet responses; the rest is spread."""
+    from deployable import intervals
+
+    unit, free = samples["unit"].values, experiment.box.free
+    points: list[np.ndarray] = []
+
+    def take(candidates: Any, least: float) -> None:
+        for point in candidates:
+            taken = np.array([*unit, *points])
+            if len(points) < count and np.linalg.norm(taken - point, axis=1).min() > least:
+                points.append(np.asarray(point, dtype=float))
+
+    for i, name in enumerate(experiment.quantities):
+        if name in unmet and np.isfinite((found := _surrogate(experiment, samples, i).range()).low):
+            take([found.argmin, found.argmax], 1e-2)
+    spacing = 2.0 * len(unit) ** (-1.0 / max(int(free.sum()), 1))
+    if rows := [i for i, name in enumerate(experiment.responses) if name in unmet]:
+        values = samples["values"].values[:, rows].astype(float)
+        asked, wanted = intervals.seek_points, count - len(points)
+        found, _ = asked(unit, values, wanted, candidates=_CANDIDATES, seed=seed)
+        take(found, 1e-3)
+    spread = intervals.make_design("scan", experiment.box, samples=4 * (len(unit) + count)).points
+    take(spread, 0.2 * spacing)
+    return np.array(points).reshape(-1, len(free))

@@ -1,0 +1,194 @@
+"""What a campaign will take, before it runs: runs, time, disk."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from typing import Any
+
+from deployable.campaign.config.design import count_runs
+from deployable.campaign.config.sections import Campaign, Experiment
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.make import choose_step
+from deployable.campaign.plan.plan import TimeStep
+from deployable.campaign.runs.extremes import LARGE, MOST
+from deployable.campaign.runs.progress import duration_text
+
+LANES = 8
+"""Runs that are integrated side by side; fewer take as long."""
+
+STARTING = 4.0
+"""Seconds to start, take bounds, draw and write the page."""
+
+ANSWERING, CHOOSING = 2.0, 6.0
+"""Seconds to find the intervals of quantities, and the best choice, by surrogate."""
+
+WRITING = 5e-3
+"""Seconds for a run's scene and file."""
+
+ROUNDS = 2
+"""Rounds of further runs that quantities take as a rule, where so many are allowed."""
+
+_OTHER_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
+_BOUNDS_CURVES = 12  # of a response in bounds, surrogate and sensitivities, compressed
+_SHARE_CURVES = 4  # of a response in the file of a share of a scan
+_EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """runs: at most, but for those that answers take; seconds on all cores of this machine,
+    compilation apart; integrating: seconds of a core of it that the runs take, those of answers
+    too; bytes on disk.
+
+    is_budget: they are what may be spent, mostly far more than what will be. answers: what takes
+    further runs, in words.
+    """
+
+    runs: int
+    seconds: float
+    integrating: float
+    bytes: float
+    is_budget: bool = False
+    answers: str = ""
+
+    def __str__(self) -> str:
+        about = "at most" if self.is_budget else "about"
+        further = f" and further ones for {self.answers}" if self.answers else ""
+        return (
+            f"at most {self.runs} runs{further}, {about} {duration_text(_rounded(self.seconds))} "
+            f"on {cores()} cores, {size_text(self.bytes)} on disk"
+        )
+
+
+def estimate(campaign: Campaign) -> Estimate:
+    """What a campaign takes; time is right to a factor of two or so (fpm/effort.py)."""
+    from deployable.fpm.effort import machine
+
+    experiment, solver = campaign.experiment, campaign.experiment.solver
+    runs = count_runs(experiment)
+    batch = LANES * machine() * run_seconds(experiment, choose_step(experiment))
+    further = {} if experiment.is_sought else _further(campaign)
+    rounds = [(runs, 1.0), *(one for some in further.values() for one in some)]
+    batches = [(math.ceil(count / LANES), factor) for count, factor in rounds if count]
+    integrating = batch * sum(number * factor for number, factor in batches)
+    # A batch is one core's; rounds wait for each other.
+    waiting = batch * sum(math.ceil(number / cores()) * factor for number, factor in batches)
+    writing = WRITING * sum(count for count, _ in rounds) / cores()
+    starting = STARTING + ANSWERING * bool(experiment.quantities)
+    starting += CHOOSING * bool(campaign.choose.parameters)
+    seconds = waiting + writing + starting
+    if experiment.is_sought:  # meshes and steps become finer
+        integrating = 60 * experiment.accuracy.minutes
+        seconds = integrating / cores() + starting
+    curves = _BOUNDS_CURVES * len(experiment.responses)
+    if campaign.jobs.keep == "extremes":
+        curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)
+    size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
+    answers = " and ".join(further)
+    return Estimate(runs, seconds, integrating, float(size), experiment.is_sought, answers)
+
+
+def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
+    """Further runs by what takes them, in words: for each round how many, and how many times as
+    long as a planned one each of them takes."""
+    experiment, verify = campaign.experiment, campaign.verify
+    ends = 2 * len(experiment.quantities)
+    rounds = min(ROUNDS, verify.rounds)
+    found: dict[str, list[tuple[int, float]]] = {}
+    if ends:
+        found["quantities"] = [(ends, 1.0)] * rounds
+    if campaign.choose.parameters:
+        from deployable.campaign.answers.choice import design_points, widened
+
+        points = design_points(widened(experiment, campaign.choose), campaign.choose)
+        found["the choice"] = [(len(points), 1.0), *[(LANES, 1.0)] * rounds]
+    if verify.finer:
+        from deployable.campaign.answers.finer import PLACES
+
+        # Half the step, and a mesh of twice as many elements with half the step.
+        again = [PLACES, *([ends] if ends else [])]
+        found["errors of step and mesh"] = [(count, f) for count in again for f in (2.0, 4.0)]
+    return found
+
+
+def bytes_of_run(campaign: Campaign) -> float:
+    """Bytes that a run takes on disk, about, in its own file and in samples.nc."""
+    experiment = campaign.experiment
+    instants, responses = experiment.solver.instants, len(experiment.responses)
+    if campaign.jobs.keep == "extremes":
+        numbers = 2 * len(experiment.quantities) + 2 * len(experiment.intervals)
+        return 8.0 * numbers + 2 * _EVENTS_BYTES
+    if campaign.jobs.keep == "responses":
+        return 8.0 * instants * responses
+    return 8.0 * instants * (recorded(experiment) + responses)
+
+
+def found(campaign: Campaign, folder: Folder) -> str:
+    """Which of a campaign's runs are there, and why others must be made again; nothing where none
+    is there, and for `order: auto`, whose runs are not known beforehand."""
+    from deployable.campaign.plan.make import make_plan
+    from deployable.campaign.runs.store import open_store
+    from deployable.fpm.asked import words
+
+    keep = campaign.jobs.keep
+    if campaign.is_adaptive or not folder.runs(keep).is_dir():
+        return ""
+    plan = make_plan(campaign.experiment)
+    store = open_store(keep, folder.runs(keep), campaign.experiment)
+    groups = store.groups(plan.unique_runs(), campaign.jobs.group)
+    missing = sum(len(store.missing(group)) for group in groups)
+    total, lacking = sum(map(len, groups)), len(store.lacking)
+    if missing - lacking == total:
+        return ""
+    text = f"{total - missing} of them are there"
+    if lacking:
+        what = words(sorted(set().union(*store.lacking.values())))
+        seconds = _rounded(estimate(campaign).seconds * missing / total)
+        text += (
+            f"; {lacking} more were recorded without {what} and are simulated again, all in all "
+            f"about {duration_text(seconds)}"
+        )
+    return text
+
+
+def run_seconds(experiment: Experiment, time: TimeStep) -> float:
+    """Seconds of a core for a run, one of eight side by side.
+
+    Of a core as fpm/effort.py has them, whichever this one is: what rounds may spend depends on it.
+    """
+    from deployable.fpm.effort import run_seconds as seconds
+
+    instants = experiment.solver.instants
+    return seconds(_nominal_scene(experiment), time.steps_per_instant * (instants - 1), instants)
+
+
+def recorded(experiment: Experiment) -> int:
+    """Curves of a trajectory, but for the responses."""
+    scene = _nominal_scene(experiment)
+    return 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + len(experiment.asked)
+
+
+def _nominal_scene(experiment: Experiment) -> Any:
+    return experiment.build(dict(zip(experiment.box.names, experiment.nominal, strict=True)))
+
+
+def cores() -> int:
+    """Cores of this machine."""
+    return os.cpu_count() or 1
+
+
+def size_text(size: float) -> str:
+    """A number of bytes as people write it: `5.5 MB`."""
+    for unit in ("kB", "MB"):
+        size /= 1000
+        if size < 1000:
+            return f"{size:.2g} {unit}" if size < 10 else f"{size:.0f} {unit}"
+    return f"{size / 1000:.3g} GB"
+
+
+def _rounded(seconds: float) -> float:
+    """To two digits."""
+    power = 10.0 ** (math.floor(math.log10(max(seconds, 1.0))) - 1)
+    return max(1.0, round(seconds / power) * power)

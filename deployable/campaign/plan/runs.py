@@ -1,0 +1,132 @@
+"""The runs of a plan as arrays: a million of them take some tens of megabytes, and no time."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.config.sections import Experiment, digest
+
+ROLES = ("nominal", "node", "held_out", "further")
+_REMEMBERED = 1 << 17  # names
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: unit coordinates (k) in the box, and values (k) of the interval parameters."""
+
+    id: str
+    role: str
+    unit: tuple[float, ...]
+    values: tuple[float, ...]
+
+
+class Runs(Sequence[Run]):
+    """N runs in order; a `Run`, with its name, is made when it is asked for.
+
+    role: indices (N) into `ROLES`; unit, values (N, k): coordinates in the box, and values of the
+    interval parameters; name: what a run with values (k) is called.
+    """
+
+    def __init__(
+        self,
+        role: np.ndarray,
+        unit: np.ndarray,
+        values: np.ndarray,
+        name: Callable[[tuple[float, ...]], str],
+    ):
+        self.role, self.unit, self.values, self.name = role, unit, values, name
+
+    @classmethod
+    def of(cls, runs: Sequence[Run]) -> Runs:
+        """The runs of a list, with the names that they have."""
+        role = np.array([ROLES.index(run.role) for run in runs], np.int8)
+        names = {run.values: run.id for run in runs}
+        arrays = (np.array([getattr(r, key) for r in runs], float) for key in ("unit", "values"))
+        return cls(role, *arrays, names.__getitem__)
+
+    def __len__(self) -> int:
+        return len(self.role)
+
+    def __getitem__(self, which: Any) -> Any:
+        """A `Run` for a number; for a slice, or a list of numbers, the `Runs` there."""
+        if isinstance(which, list):
+            which = np.array(which, int)
+        role, unit, values = self.role[which], self.unit[which], self.values[which]
+        if np.ndim(role):
+            return Runs(role, unit, values, self.name)
+        own = tuple(values.tolist())
+        return Run(self.name(own), ROLES[role], tuple(unit.tolist()), own)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Runs) and self.digest == other.digest
+
+    __hash__ = None
+
+    @property
+    def digest(self) -> str:
+        """Digest of roles, coordinates and values, to their last bit."""
+        found = hashlib.sha256(self.role.tobytes())
+        found.update(self.unit.tobytes())
+        found.update(self.values.tobytes())
+        return found.hexdigest()[:16]
+
+    def unique(self) -> Runs:
+        """The runs without those that have the values of an earlier one."""
+        if not self.values.shape[1]:
+            return self[:1]
+        words, key = np.ascontiguousarray(self.values).view(np.uint64), np.uint64(0)
+        for column in words.T:  # equal values have equal keys
+            key = (key ^ column) * np.uint64(0x9E3779B97F4A7C15)
+            key ^= key >> np.uint64(29)
+        key.sort()
+        if (key[1:] != key[:-1]).all():
+            return self
+        rows = words.view(np.dtype((np.void, words.shape[1] * 8)))[:, 0]
+        return self[np.sort(np.unique(rows, return_index=True)[1])]
+
+
+def values_of(experiment: Experiment, role: np.ndarray, unit: np.ndarray) -> np.ndarray:
+    """Values (N, k) of the interval parameters in runs of these roles (N) at unit points (N, k).
+
+    The nominal values are those of the config; a map to the box and back may round.
+    """
+    values = experiment.box.from_unit(unit)
+    values[role == ROLES.index("nominal")] = experiment.nominal
+    return values
+
+
+def namer(
+    experiment: Experiment, step: float, mechanics: str
+) -> Callable[[tuple[float, ...]], str]:
+    """Names of runs by the values (k) of the interval parameters."""
+
+    @lru_cache(_REMEMBERED)
+    def name(values: tuple[float, ...]) -> str:
+        named = dict(zip(experiment.intervals, values, strict=True))
+        return run_id(experiment, experiment.parameters(named), step, mechanics)
+
+    return name
+
+
+def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
+    """The name of a run: a digest of all that its motion depends on."""
+    return digest(
+        {
+            "scene": experiment.scene.name,
+            "parameters": {
+                name: float(value) if type(value) is int else value
+                for name, value in parameters.items()
+            },
+            "duration": experiment.solver.duration,
+            "instants": experiment.solver.instants,
+            "step": step,
+            "energy_tolerance": experiment.solver.energy_tolerance,
+            "mechanics": mechanics,
+        }
+    )

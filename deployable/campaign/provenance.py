@@ -1,0 +1,85 @@
+"""What computed a result: the program, its state, the machine and the packages.
+
+netCDF files have it as the attribute `provenance`; seals of all results have it with the moment, so
+that the same results are the same but for their seals.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import subprocess
+from contextlib import suppress
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+
+PACKAGES = ("numpy", "scipy", "numba", "xarray", "netCDF4")
+_ROOT = Path(__file__).parents[2]
+
+
+@cache
+def program() -> dict[str, str]:
+    """What computes, the same in one process for all: version, commit, processor, packages.
+
+    `commit` ends with `, changed` where files differ from it, and says `unknown` without git.
+    """
+    from importlib.metadata import PackageNotFoundError, version
+
+    found = {
+        "program": f"deployable-intervals {_version()}",
+        "commit": _commit(),
+        "processor": _processor(),
+        "Python": platform.python_version(),
+    }
+    for package in PACKAGES:
+        with suppress(PackageNotFoundError):
+            found[package] = version(package)
+    return found
+
+
+def as_attribute() -> str:
+    """That as JSON on one line, for the attribute `provenance` of a file."""
+    return json.dumps(program())
+
+
+def dated() -> dict[str, str]:
+    """For the seal of a result: version, commit, processor, and the moment in UTC."""
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    return {key: program()[key] for key in ("program", "commit", "processor")} | {"made": now}
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    with suppress(PackageNotFoundError):
+        return version("deployable-intervals")
+    with suppress(OSError, KeyError):  # a checkout that was not installed
+        import tomllib
+
+        text = (_ROOT / "pyproject.toml").read_text(encoding="utf-8")
+        return tomllib.loads(text)["project"]["version"]
+    return "unknown"
+
+
+def _commit() -> str:
+    if not (_ROOT / ".git").exists():
+        return "unknown"
+
+    def git(*arguments: str) -> str:
+        command = ["git", "-C", str(_ROOT), *arguments]
+        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
+        return done.stdout.strip()
+
+    with suppress(OSError, subprocess.SubprocessError):
+        changed = git("status", "--porcelain", "--untracked-files=no")
+        return git("rev-parse", "HEAD") + (", changed" if changed else "")
+    return "unknown"
+
+
+def _processor() -> str:
+    with suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    return platform.processor() or platform.machine()

@@ -1,0 +1,82 @@
+"""The part of the box that fails: which runs meet all requirements, seen along two parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from deployable.campaign.report.data import PageData, Parameter
+
+MOST_PARAMETERS = 3
+"""Parameters that are drawn against each other: those by which failing runs differ most."""
+
+MOST_MARKS = 400
+"""Runs that are drawn, evenly chosen where there are more."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """The box along two parameters, or one: marks (x, y, met) of runs and the part in which nothing
+    fails, from `kept[0]` to `kept[1]`; coordinates from 0 to 1."""
+
+    across: Parameter
+    up: Parameter | None
+    marks: list[tuple[float, float, bool]]
+    kept: tuple[tuple[float, float], tuple[float, float]] | None
+
+
+def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) -> np.ndarray:
+    """Which runs (R,) meet all limits of the summary's requirements, from their quantities (R, q)
+    by name; not a number is what does not happen, and breaks any limit but `happens: false`."""
+    from deployable.intervals.scalars import Limit
+
+    met = np.ones(len(numbers), dtype=bool)
+    for limit in limits:
+        value = numbers[:, list(names).index(limit["quantity"])]
+        met &= Limit(None, limit["kind"], limit["level"]).slack_of(value) >= 0
+    return met
+
+
+def panels(data: PageData) -> list[Panel]:
+    """The panels of a page; none where there is nothing that fails, or nothing that meets all."""
+    if data.judged is None or data.judged.met.all() or not data.judged.met.any():
+        return []
+    unit = [_unit(p, data.judged.values[:, k]) for k, p in enumerate(data.parameters)]
+    free = [k for k, p in enumerate(data.parameters) if p.upper > p.lower]
+    met = data.judged.met
+    free.sort(key=lambda k: -abs(unit[k][met].mean() - unit[k][~met].mean()))
+    chosen = sorted(free[:MOST_PARAMETERS])
+    pairs = list(combinations(chosen, 2)) or [(chosen[0], None)]
+    few = min(MOST_MARKS, len(met))
+    runs = np.linspace(0, len(met) - 1, few).round().astype(int)
+    runs = runs[np.argsort(~met[runs], kind="stable")]  # what fails lies above
+    return [_panel(data, unit, runs, *pair) for pair in pairs]
+
+
+def _panel(data: PageData, unit: list, runs: np.ndarray, i: int, j: int | None) -> Panel:
+    share = data.answers["together"]["largest_share"]
+
+    def kept(k: int) -> tuple[float, float]:
+        p = data.parameters[k]
+        middle = _unit(p, p.nominal)
+        return float(middle * (1 - share)), float(middle + share * (1 - middle))
+
+    level = np.full(len(data.judged.met), 0.5)
+    ends = (kept(i), (0.0, 1.0) if j is None else kept(j))
+    marks = zip(unit[i][runs], (level if j is None else unit[j])[runs], data.judged.met[runs],
+                strict=True)  # fmt: skip
+    return Panel(
+        data.parameters[i],
+        None if j is None else data.parameters[j],
+        [(round(float(x), 4), round(float(y), 4), bool(met)) for x, y, met in marks],
+        tuple(zip(*ends, strict=True)) if share > 0 else None,
+    )
+
+
+def _unit(parameter: Parameter, values):
+    """Values as shares of a parameter's interval."""
+    width = parameter.upper - parameter.lower
+    return (values - parameter.lower) / width if width > 0 else 0.0 * values

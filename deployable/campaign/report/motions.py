@@ -1,0 +1,233 @@
+"""The whole motion of the runs that the page shows: the nominal one, and those at which quantities
+and bounds are attained."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from deployable.campaign.folder import Folder
+from deployable.campaign.results.which import ids, keeps_extremes, nominal_row
+from deployable.fpm.sealed import DamagedError, check
+
+if TYPE_CHECKING:
+    import xarray
+
+MOST_MOVING = 24
+"""Runs that are shown, the nominal one among them; of more ends, those of quantities come first."""
+
+MOST_NUMBERS = 1_500_000
+"""Numbers of all the motion on a page, which leave it below 5 MB; frames are left out for it."""
+
+_FEW_RUNS, _FEW_FRAMES = 7, 100
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A run that is shown moving: its id, its parameter values (k,), and what it is.
+
+    row: its place among the samples; None for a further run, which was made for the end of a
+    quantity's interval.
+    """
+
+    id: str
+    values: np.ndarray
+    label: str
+    row: int | None
+
+
+def shown_runs(folder: str | Path) -> list[Shown]:
+    """The runs of a campaign's folder that are shown: the nominal run first.
+
+    Then the runs at the ends of the quantities' intervals, and those with the least and the largest
+    value of each response where its bounds differ most, at most `MOST_MOVING` in all. A scan
+    without a nominal run begins with its first run.
+    """
+    from deployable.campaign.files import open_dataset
+
+    folder = Path(folder)
+    with (
+        open_dataset(folder / "samples.nc") as samples,
+        open_dataset(folder / "bounds.nc") as bounds,
+    ):
+        values, names = samples["value"].values, list(bounds["response"].values)
+        numbers = samples["quantities"].values if "quantities" in samples else None
+        ends = [
+            (name, _extreme_runs(samples, i, _widest(bounds, i))) for i, name in enumerate(names)
+        ]
+        nominal = nominal_row(samples)
+        further, further_ids = values[:0], []
+        if numbers is not None and (folder / "further.nc").exists():
+            with open_dataset(folder / "further.nc") as more:
+                further, further_ids = more["value"].values, more["run_id"].values.tolist()
+                numbers = np.concatenate([numbers, more["quantities"].values])
+        if numbers is not None:
+            ends = [*_ends_of(samples["quantity"].values, numbers), *ends]
+        chosen = _labelled(ends, np.concatenate([values, further]), nominal)
+        known = ids(samples, rows := [run for run in chosen if run < len(values)])
+    of_sample = dict(zip(rows, known, strict=True))
+    return [
+        Shown(of_sample[run], values[run], label, run)
+        if run in of_sample
+        else Shown(further_ids[run - len(values)], further[run - len(values)], label, None)
+        for run, label in chosen.items()
+    ]
+
+
+def how_many_move(particles: int) -> int:
+    """How many runs of a structure of so many particles a page can show: those for which a hundred
+    frames find room, and seven at least."""
+    room = MOST_NUMBERS // (_FEW_FRAMES * 8 * particles)  # place, turn and stress
+    return int(np.clip(room, _FEW_RUNS, MOST_MOVING))
+
+
+def _widest(bounds: xarray.Dataset, response: int) -> int:
+    """The instant at which the bounds of a response differ most."""
+    return int((bounds["upper"].values[response] - bounds["lower"].values[response]).argmax())
+
+
+def _ends_of(names: Sequence[str], numbers: np.ndarray) -> list[tuple[str, tuple[int, int]]]:
+    """Of each quantity that happens its name, and the runs (R, q) of its least and largest value;
+    further runs come after all others."""
+    return [
+        (str(name), (int(np.nanargmin(column)), int(np.nanargmax(column))))
+        for name, column in zip(names, numbers.T, strict=True)
+        if np.isfinite(column).any()
+    ]
+
+
+def _labelled(
+    ends: Sequence[tuple[str, tuple[int, int]]], values: np.ndarray, nominal: int | None
+) -> dict[int, str]:
+    """Runs, by their places among values (R, k), with what they are; those with the same values are
+    the same."""
+    first = nominal or 0
+    found: dict[int, dict[str, list[str]]] = {}
+    for name, runs in ends:
+        for run, what in zip(runs, ("least", "largest"), strict=True):
+            same = next((r for r in found if (values[r] == values[run]).all()), run)
+            found.setdefault(same, {}).setdefault(what, []).append(name)
+    shown = {first: "first run" if nominal is None else "nominal run"}
+    for run, texts in found.items():
+        if (values[run] != values[first]).any() and len(shown) < MOST_MOVING:
+            parts = [f"{what} {', '.join(names)}" for what, names in texts.items()]
+            shown[run] = f"run of {' and '.join(parts)}"
+    return shown
+
+
+def _extreme_runs(samples: xarray.Dataset, response: int, instant: int) -> tuple[int, int]:
+    """The runs with the least and the largest value of a response at an instant."""
+    if keeps_extremes(samples):
+        low, high, low_run, high_run = (
+            samples[name][:, response, instant].values
+            for name in ("lower", "upper", "lower_run", "upper_run")
+        )
+        there = np.flatnonzero(low_run >= 0)
+        return int(low_run[there[low[there].argmin()]]), int(high_run[there[high[there].argmax()]])
+    values = samples["values"][:, response, instant].values
+    return int(values.argmin()), int(values.argmax())
+
+
+def motions_of(samples: xarray.Dataset, shown: Sequence[Shown], frames: int = 401) -> list:
+    """The whole motion of runs of a campaign, an xarray.Dataset each, made again side by side.
+
+    Of runs whose curves are not in `samples.nc` it has them: ``curves`` (response, instant), and
+    ``impact`` (event, 3): time, index into ``eventful``, 1 if it closes.
+    """
+    from deployable.campaign.config.sections import Experiment, from_data
+    from deployable.fpm.motion import whole_motion
+
+    experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
+    names = samples["parameter"].values.tolist()
+    scenes = [experiment.build(dict(zip(names, run.values.tolist(), strict=True))) for run in shown]
+    solver = experiment.solver
+    how = {
+        "duration": solver.duration,
+        "instants": solver.instants,
+        "step": float(samples.attrs["time_step"]),
+        "energy_tolerance": solver.energy_tolerance,
+    }
+    closures = samples["event_time"].values[shown[0].row]
+    motions = whole_motion(
+        scenes,
+        **how,
+        frames=frames,
+        times=closures[np.isfinite(closures)],
+        attributes=[{"run_id": run.id, "campaign": samples.attrs["campaign"]} for run in shown],
+    )
+    bare = [i for i, run in enumerate(shown) if run.row is None or keeps_extremes(samples)]
+    if bare:
+        own = _own_curves(experiment, [scenes[i] for i in bare], how)
+        for i, variables in zip(bare, own, strict=True):
+            motions[i] = motions[i].assign(variables)
+    return motions
+
+
+def _own_curves(experiment: Any, scenes: Sequence, how: Mapping[str, float]) -> list[dict]:
+    """Responses and events of runs, as variables of their motions."""
+    from deployable import fpm
+    from deployable.fpm.trajectory import impact_events
+
+    found = []
+    for outcome in fpm.simulate(scenes, **how, record=experiment.asked):
+        curves = np.array([response.evaluate(outcome) for response in experiment.curves])
+        impacts = impact_events(outcome.events, outcome.eventful)
+        found.append({
+            "curves": (("response", "instant"), curves, {"long_name": "value of the response"}),
+            "impact": (("impacts", "column"), impacts["events"], {
+                "long_name": "time (s), index into `eventful`, 1 if it closes"}),
+            "eventful": ("named", np.array(impacts["contacts"], dtype=object), {
+                "long_name": "contact, stop or latch"}),
+        })  # fmt: skip
+    return found
+
+
+def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
+    """The whole motion of the run at a place among the samples: the one that is there, or else made
+    again."""
+    from deployable.campaign.files import open_dataset
+
+    folder = Path(folder)
+    with open_dataset(folder / "samples.nc") as samples:
+        (name,) = ids(samples, [row])
+        with (
+            suppress(FileNotFoundError, DamagedError),
+            open_dataset(Folder(folder).motions / f"{name}.nc") as motion,
+        ):
+            return motion.load()
+        return motions_of(samples, [Shown(name, samples["value"].values[row], "", row)])[0]
+
+
+def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
+    """Write `motions/<run id>.nc` of the runs that the page of a campaign's folder shows, and
+    remove others that are damaged.
+
+    None if they could not be made again as they were, since the structure or the mechanics changed.
+    """
+    from deployable.campaign.config.sections import Experiment, from_data
+    from deployable.campaign.files import open_dataset
+    from deployable.campaign.results.bounds import write_dataset
+
+    folder = Path(folder)
+    with open_dataset(folder / "samples.nc") as samples:
+        experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
+        if experiment.scene_type.digest != samples.attrs["mechanics"]:
+            return []
+        shown = shown_runs(folder)
+        values = dict(zip(samples["parameter"].values.tolist(), shown[0].values, strict=True))
+        shown = shown[: how_many_move(len(experiment.build(values).position))]
+        paths = [Folder(folder).motions / f"{run.id}.nc" for run in shown]
+        for motion, path in zip(motions_of(samples, shown, frames), paths, strict=True):
+            write_dataset(motion, path, "Whole motion of a run")
+    for path in set(Folder(folder).motions.glob("*.nc")) - set(paths):
+        try:
+            check(path, path.name)
+        except DamagedError:  # which is no longer shown, and so never made again
+            path.unlink()
+    return paths

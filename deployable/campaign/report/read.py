@@ -1,0 +1,308 @@
+"""The page's data from the files that a campaign leaves: the one place that knows their formats."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from deployable.campaign.files import open_dataset, open_netcdf
+from deployable.campaign.folder import Folder
+from deployable.campaign.report.data import (
+    FURTHER,
+    Event,
+    Judged,
+    LeftOut,
+    MovingRun,
+    PageData,
+    Parameter,
+    Response,
+    Run,
+    Work,
+)  # fmt: skip
+from deployable.campaign.report.failing import meets
+from deployable.campaign.report.motions import Shown, shown_runs
+from deployable.campaign.results.which import counts, ids, keeps_extremes, roles
+from deployable.campaign.results.words import with_unit
+from deployable.fpm.sealed import DamagedError, check
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def from_results(folder: str | Path) -> PageData:
+    """The page's data from `samples.nc`, `bounds.nc` and what else there is in a folder of results.
+
+    sensitivities.nc, summary.json (published numbers), batches/*.json (work) and motions/*.nc (what
+    `make_motions` wrote) may be absent.
+    """
+    folder = Path(folder)
+    samples, bounds = _load(folder / "samples.nc", "values"), _load(folder / "bounds.nc")
+    sensitivities = folder / "sensitivities.nc"
+    shown, summary = shown_runs(folder), _summary(folder)
+    rows = _rows(samples, shown)
+    runs, moving = _moving(folder, _runs(samples, rows), rows, shown)
+    known = _scene_type(bounds)
+    data = PageData(
+        campaign=str(bounds.attrs["campaign"]),
+        scene=str(bounds.attrs["scene"]),
+        bounds_kind=str(bounds.attrs["bounds_kind"]),
+        time=bounds["time"].values,
+        about=known.description.strip().rstrip(".") if known else "",
+        fixed=_fixed(bounds, known.parameters if known else {}),
+        parameters=_parameters(bounds, known.parameters if known else {}),
+        responses=_responses(
+            bounds, _load(sensitivities) if sensitivities.exists() else None, summary
+        ),
+        runs=runs,
+        run_count=counts(samples).runs,
+        run_counts=summary.get("runs", {}),
+        moving=moving,
+        left=_left(shown, runs, moving),
+        work=_work(folder, summary.get("runs", {})),
+        provenance=_provenance(bounds, samples, folder),
+        config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
+        answers={name: summary[name] for name in _ANSWERS if name in summary},
+        judged=_judged(samples, folder, summary),
+        overlap=float(samples["overlap"].max()),
+        scan=summary.get("scan", {}),
+    )
+    own = {m.run: m.motion["curves"].values for m in data.moving if "curves" in m.motion}
+    runs = tuple(replace(run, curves=own.get(i)) for i, run in enumerate(runs))
+    if keeps_extremes(samples):
+        return replace(data, runs=runs)
+    drawn = {*data.lines, *(moving.run for moving in data.moving)} - own.keys()
+    return replace(data, runs=_with_curves(runs, rows, folder / "samples.nc", drawn))
+
+
+def _load(path: Path, but: str = "") -> xarray.Dataset:
+    """A dataset in memory, without one of its variables."""
+    with open_dataset(path) as dataset:
+        return dataset.drop_vars(but, errors="ignore").load()
+
+
+def _scene_type(bounds: xarray.Dataset) -> Any:
+    """The structure, unless it is no longer there."""
+    from deployable import fpm
+    from deployable.campaign.config.sections import Experiment, from_data
+
+    with suppress(fpm.SceneError):
+        return from_data(Experiment, json.loads(bounds.attrs["config"])).scene_type
+    return None
+
+
+def _fixed(bounds: xarray.Dataset, known: Mapping[str, Any]) -> str:
+    """The values of the structure's parameters that are not uncertain."""
+    given = json.loads(bounds.attrs["config"])["scene"]["parameters"]
+    uncertain = set(bounds["parameter"].values.tolist())
+    values = {name: given.get(name, one.default) for name, one in known.items()}
+    return ", ".join(
+        f"{name} = {value}" if isinstance(value, str | bool) or known[name].unit in ("", "1")
+        else f"{name} = {with_unit(value, known[name].unit, 6)}"
+        for name, value in values.items()
+        if name not in uncertain and value is not None
+    )  # fmt: skip
+
+
+def _parameters(bounds: xarray.Dataset, known: Mapping[str, Any]) -> tuple[Parameter, ...]:
+    keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
+    rows = zip(*(bounds[key].values.tolist() for key in keys), strict=True)
+    return tuple(
+        Parameter(*row, long_name=known[row[0]].description if row[0] in known else "")
+        for row in rows
+    )
+
+
+def _responses(
+    bounds: xarray.Dataset, sensitivities: xarray.Dataset | None, summary: dict
+) -> tuple[Response, ...]:
+    published, errors = _told_of(summary, "published"), _told_of(summary, "errors")
+    foretold = _told_of(summary, "foretold")
+
+    def values(name: str, i: int, dataset: xarray.Dataset | None = bounds) -> np.ndarray | None:
+        return None if dataset is None or name not in dataset else dataset[name].values[i]
+
+    responses = []
+    for i, name in enumerate(bounds["response"].values.tolist()):
+        outside, inside = values("worst_violation", i), values("coverage", i)
+        responses.append(
+            Response(
+                name=name,
+                long_name=str(bounds["response_long_name"].values[i]),
+                units=str(bounds["response_units"].values[i]),
+                lower=bounds["lower"].values[i],
+                upper=bounds["upper"].values[i],
+                nominal=values("nominal", i),
+                error=values("error", i),
+                published=published.get(name),
+                errors=errors.get(name, {}),
+                shares=values("width_overall", i, sensitivities),
+                widths=_told(values("width", i, sensitivities), values("error", i, sensitivities)),
+                outside=None if outside is None else float(outside),
+                share_outside=float(1.0 - (1.0 if inside is None else inside)),
+                impossible=float(values("largest_impossible", i) or 0.0),
+                foretold=foretold.get(name, ""),
+            )
+        )
+    return tuple(responses)
+
+
+def _told(widths: np.ndarray | None, error: np.ndarray | None) -> np.ndarray | None:
+    """Widths (k, t), not a number where they are not above the error of the fit (t)."""
+    return widths if widths is None or error is None else np.where(widths > error, widths, np.nan)
+
+
+def _summary(folder: Path) -> dict:
+    path = folder / "summary.json"
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+
+
+def _told_of(summary: dict, key: str) -> dict:
+    """What the summary tells of the responses under a key, by response, where it tells it."""
+    rows = summary.get("responses", [])
+    return {row["name"]: row[key] for row in rows if row.get(key) is not None}
+
+
+_ANSWERS = ("quantities", "requirements", "together", "choice")
+
+
+MOST_RUNS = 10_000
+"""Runs that a page has, with their parameters; of more, it has those that move."""
+
+
+def _rows(samples: xarray.Dataset, shown: Iterable[Shown]) -> np.ndarray:
+    """Places among the samples of the runs that the page has."""
+    if len(samples["value"]) <= MOST_RUNS and not keeps_extremes(samples):
+        return np.arange(len(samples["value"]))
+    return np.array(sorted(run.row for run in shown if run.row is not None))
+
+
+def _runs(samples: xarray.Dataset, rows: np.ndarray) -> tuple[Run, ...]:
+    contacts = samples["contact"].values.tolist() if "contact" in samples.coords else []
+    events = [samples[f"event_{key}"].values[rows] for key in ("time", "contact", "closing")]
+    names, values = ids(samples, rows), samples["value"].values[rows]
+    known = roles(samples)
+    return tuple(
+        Run(
+            id=names[i], role=known[rows[i]], values=values[i],
+            events=tuple(
+                Event(float(time), contacts[int(contact)], bool(closing))
+                for time, contact, closing in sorted(zip(*(e[i] for e in events), strict=True))
+                if np.isfinite(time)
+            ),
+        )
+        for i in range(len(rows))
+    )  # fmt: skip
+
+
+def _with_curves(
+    runs: tuple[Run, ...], rows: np.ndarray, path: Path, drawn: Iterable[int]
+) -> tuple[Run, ...]:
+    """The runs, those `drawn` with their curves: a scan may have more than fit into memory."""
+    made = list(runs)
+    with open_netcdf(path) as samples:
+        for run in sorted(drawn):
+            made[run] = replace(runs[run], curves=samples["values"][rows[run]])
+    return tuple(made)
+
+
+def _moving(
+    folder: Path, runs: tuple[Run, ...], rows: np.ndarray, shown: Iterable[Shown]
+) -> tuple[tuple[Run, ...], tuple[MovingRun, ...]]:
+    """The runs, further ones that move added, and the moving runs whose motion is there; none
+    without the first, with which all compare."""
+    found: list[MovingRun] = []
+    more = list(runs)
+    for one in shown:
+        try:
+            motion = _load(Folder(folder).motions / f"{one.id}.nc")
+        except (FileNotFoundError, DamagedError):  # of a structure that has changed since
+            if not found:
+                return runs, ()
+            continue
+        run = len(more) if one.row is None else int(np.searchsorted(rows, one.row))
+        if one.row is None:
+            more.append(Run(one.id, FURTHER, one.values, events=_impacts(motion)))
+        found.append(MovingRun(run, one.label, motion))
+    return tuple(more), tuple(found)
+
+
+def _judged(samples: xarray.Dataset, folder: Path, summary: Mapping) -> Judged | None:
+    """Which runs meet the requirements, further ones too."""
+    if "requirements" not in summary:
+        return None
+    found = [samples]
+    if (folder / "further.nc").exists():
+        found.append(_load(folder / "further.nc"))
+    values, numbers = (
+        np.concatenate([each[name].values for each in found]) for name in ("value", "quantities")
+    )
+    limits = [limit for row in summary["requirements"] for limit in row["limits"]]
+    return Judged(values, meets(limits, samples["quantity"].values.tolist(), numbers))
+
+
+def _left(
+    shown: Iterable[Shown], runs: tuple[Run, ...], moving: tuple[MovingRun, ...]
+) -> tuple[LeftOut, ...]:
+    """Runs that would be shown, beside those that move."""
+    there = {runs[one.run].id for one in moving}
+    return tuple(LeftOut(one.id, one.label) for one in shown if there and one.id not in there)
+
+
+def _impacts(motion: xarray.Dataset) -> tuple[Event, ...]:
+    """The events of a run that is not among the samples."""
+    names = motion["eventful"].values.tolist()
+    return tuple(
+        Event(time, names[int(which)], closing == 1)
+        for time, which, closing in sorted(motion["impact"].values.tolist())
+    )
+
+
+def _manifests(folder: Path) -> list[Path]:
+    """What the batches left, those of all rounds too."""
+    patterns = ("batches/*.json", "rounds/*/batches/*.json")
+    return sorted(path for pattern in patterns for path in folder.glob(pattern))
+
+
+def _work(folder: Path, made: Mapping[str, int]) -> tuple[Work, ...]:
+    """Time in the batches of runs, of all processes together; made: how many runs for what (the
+    summary's), of which further ones and those of choices are in no batch."""
+    for path in _manifests(folder):
+        check(path)
+    manifests = [json.loads(p.read_text("utf-8")) for p in _manifests(folder)]
+    if not manifests:
+        return ()
+    total = np.sum([m["seconds"] for m in manifests], axis=0)
+    inside = np.sum([m["seconds_integrating"] for m in manifests], axis=0)
+    runs = sum(m["simulated"] for m in manifests)
+    apart = made.get("further", 0) + made.get("choice", 0)
+    rest = f", {apart} for quantities and choice not counted" if apart else ""
+    return (
+        Work(f"Integrating {runs} runs{rest}", *inside.tolist()),
+        Work("Starting, compiling or loading the kernels, writing", *(total - inside).tolist()),
+    )
+
+
+def _provenance(bounds: xarray.Dataset, samples: xarray.Dataset, folder: Path) -> dict[str, str]:
+    attributes = bounds.attrs
+    found = counts(samples)
+    limit = f"{attributes['time_step_limit']:.4g} s, by {attributes['limiting_element']}"
+    facts = {
+        "Config digest": str(attributes["config_hash"]),
+        "Design": f"{attributes.get('design_method', '')}, {found.nodes} runs fitted, "
+        f"{found.held_out} held out",
+        "Time step": f"{attributes['time_step']:.6g} s",
+        "Largest stable step": limit,
+    }
+    if "mechanics" in attributes:
+        facts["Digest of the mechanics"] = str(attributes["mechanics"])
+    made = json.loads(attributes["provenance"])
+    facts["Program"] = f"{made.pop('program')}, commit {made.pop('commit')}"
+    facts["Made"] = f"{check(folder / 'bounds.nc')['made']}, on {made.pop('processor')}"
+    facts["Packages"] = ", ".join(f"{name} {version}" for name, version in made.items())
+    return facts

@@ -1,0 +1,83 @@
+"""From `samples.nc` to surrogate, bounds and sensitivities, by the `intervals` package.
+
+The files are described at `intervals.bounds_dataset`, `intervals.surrogate_dataset` and
+`intervals.sensitivity_dataset`; all have the coordinates `response`, `response_units`,
+`response_long_name`, and of the box `parameter`, `box_lower`, `box_upper`, `box_nominal`,
+`box_units`. Surrogate and sensitivities are the polynomial's, also where the bounds are a spline's.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.config.design import make_design
+from deployable.campaign.config.sections import BoundsChoice, Experiment, from_data
+from deployable.campaign.files import open_dataset, result_file
+from deployable.campaign.folder import Folder
+from deployable.campaign.provenance import as_attribute
+from deployable.campaign.results.which import keeps_extremes
+
+
+def analyse(folder: Folder, how: BoundsChoice, more: Callable[[Any], Any] | None = None) -> None:
+    """Fit the design that the samples were made for; write surrogate, bounds and sensitivities.
+
+    Samples of a scan are read in pieces, so that they may be larger than memory. more: makes of the
+    bounds' dataset one that tells more of their errors.
+    """
+    import xarray as xr
+
+    from deployable import intervals
+
+    with open_dataset(folder.samples) as samples:
+        experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
+        is_plain_scan = experiment.design.method == "scan" and experiment.design.order is None
+        design = (
+            _scanned(samples) if is_plain_scan else make_design(experiment.design, experiment.box)
+        )
+        options = {"model": how.model}
+        if how.align != "none":
+            options = {"model": "aligned", "alignment": how.align, "enclose": how.enclose}
+        bounds = intervals.bounds_dataset(samples, design, **options)
+        if more is not None:
+            bounds = more(bounds)
+        write_dataset(bounds, folder.bounds, "Bounds of the responses")
+        surrogate = intervals.surrogate_dataset(samples, design)
+        write_dataset(surrogate, folder.surrogate, "Surrogates of the responses")
+        if not surrogate.sizes["term"]:
+            sensitivities = xr.Dataset(attrs=samples.attrs)
+        else:
+            sensitivities = intervals.sensitivity_dataset(samples, design)
+        write_dataset(sensitivities, folder.sensitivities, "Influence of each parameter")
+
+
+def _scanned(samples: Any) -> Any:
+    """The design of a plain scan: to make it again would take longer than its bounds, since
+    sequences are slow to import."""
+    from deployable import intervals
+
+    nodes = slice(1, None) if keeps_extremes(samples) else samples["role"].values == "node"
+    points = samples["unit"].values[nodes]
+    none = (0,) * points.shape[1]
+    return intervals.Design(points, np.zeros((0, len(none)), dtype=int), "scan", none)
+
+
+def write_dataset(dataset: Any, path: str | Path, title: str) -> None:
+    """Write a dataset compressed, whole or not at all; `title` says what it holds."""
+    titled = f"{title}, campaign {dataset.attrs['campaign']}"
+    history = f"{dataset.attrs.get('history', '')}\n{title}".strip()
+    dataset = dataset.assign_attrs(title=titled, history=history, provenance=as_attribute())
+    encoding: dict[str, dict] = {}
+    for name, variable in dataset.variables.items():
+        if variable.dtype.kind == "f" and variable.ndim:
+            encoding[name] = {"zlib": True, "complevel": 1}
+            if variable.dims == (name,):  # no value of a coordinate is ever missing
+                encoding[name]["_FillValue"] = None
+        elif variable.dtype.kind == "i":  # 64 bits are not in the conventions
+            encoding[name] = {"dtype": "int32"}
+    with result_file(path) as temporary:
+        dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)

@@ -1,0 +1,186 @@
+"""Envelope figures in the manner of the paper's Figure 4, and sensitivities.
+
+Colours are those of Okabe and Ito, which colour-blind people can tell apart; bounds differ by dash
+as well, so that a grey print can be read.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from textwrap import wrap
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.files import open_netcdf, result_file
+from deployable.campaign.folder import PICTURES
+from deployable.campaign.results.scan_words import known_error
+from deployable.campaign.results.summary import bounds_text, outside_text
+from deployable.campaign.results.units import pretty
+
+LOWER = {"color": "#0072B2", "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
+UPPER = {
+    "color": "#D55E00",
+    "linestyle": (0, (5, 1, 1, 1)),
+    "linewidth": 1.1,
+    "label": "upper bound",
+}
+ERROR = {"color": "#CC79A7", "alpha": 0.35, "linewidth": 0, "label": "error estimate"}
+NOMINAL = {"color": "black", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
+DATELESS = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
+"""Metadata of figures that the same data make the same."""
+SAME = {"svg.hashsalt": "deployable-intervals", "pdf.fonttype": 42}
+"""Settings of matplotlib for files: the same names in all of them, and TrueType fonts, since many
+journals refuse type 3."""
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#7F7F7F")
+_DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
+
+
+def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Path) -> None:
+    """Draw `<response>.png`, `.pdf` and `.svg` of all responses into `folder`."""
+    with open_netcdf(bounds_path) as bounds:
+        for name in bounds["response"][:]:
+            save(envelope(bounds, name, shade_above), Path(folder) / name)
+
+
+def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> Any:
+    """A figure of one response: lower and upper bound, nominal run, and where the error is large.
+
+    `bounds` is the open `bounds.nc`. Instants are shaded at which the error estimate exceeds
+    `shade_above` times the largest width of the bounds. All words stand outside the axes, where
+    they hide no curve. width: in inches.
+    """
+    from matplotlib.figure import Figure
+
+    i = list(bounds["response"][:]).index(name)
+    time, lower, upper = bounds["time"][:], bounds["lower"][i], bounds["upper"][i]
+    units = pretty(bounds["response_units"][i])
+    narrow = width < 5.0
+    size = (width, 0.95 * width if narrow else 0.5625 * width)
+    figure = Figure(figsize=size, layout="constrained")
+    ax = figure.subplots()
+    ax.fill_between(time, lower, upper, color="0.85", linewidth=0, zorder=1)
+    ax.plot(time, lower, zorder=3, **LOWER)
+    ax.plot(time, upper, zorder=3, **UPPER)
+    if "nominal" in bounds.variables:
+        ax.plot(time, bounds["nominal"][i], zorder=4, **NOMINAL)
+    error, told = None, [f"bounds: {bounds_text(bounds)}", outside_text(bounds, i)]
+    if "error" in bounds.variables:
+        error = bounds["error"][i]
+        if known_error(bounds.bounds_kind, float(error.max())) is None:
+            told.append("how far they may be off is unknown")
+            error = None
+    if error is not None:
+        ax.fill_between(time, lower - error, lower, zorder=0.5, **ERROR)
+        ax.fill_between(time, upper, upper + error, zorder=0.5, **{**ERROR, "label": None})
+        doubtful = error > shade_above * (upper - lower).max()
+        _shade(ax, time, doubtful, f"error above {shade_above:.0%} of the largest")
+    _mark_largest(ax, time, lower, upper, units)
+    ax.set_xlabel("time (s)")
+    ax.set_ylabel(f"{bounds['response_long_name'][i]} ({units})")
+    ax.set_xlim(time[0], time[-1])
+    ax.margins(y=0.08)
+    ax.grid(color="0.9", linewidth=0.5)
+    ax.set_axisbelow(True)
+    figure.legend(
+        loc="outside upper center",
+        ncols=2 if narrow else 3,
+        columnspacing=1.2,
+        fontsize=7,
+        frameon=False,
+        title="\n".join(line for text in told for line in wrap(text, int(18 * width))),
+        title_fontsize=7,
+    )
+    return figure
+
+
+def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
+    """Draw `sensitivities`, which parameter widens bounds when, into `folder` in all forms."""
+    with open_netcdf(path) as data:
+        save(shares(data), Path(folder) / "sensitivities")
+
+
+def shares(data: Any, width: float = 7.0) -> Any:
+    """A figure of the open `sensitivities.nc`; width in inches.
+
+    A row for each response: the width of its range when one parameter varies alone, against time,
+    and each parameter's share of these widths over all time. Widths that are not above the error of
+    the fit are grey, and have no share.
+    """
+    from matplotlib.figure import Figure
+
+    names, parameters = list(data["response"][:]), list(data["parameter"][:])
+    keys = ("time", "width", "width_overall", "error")
+    time, widths, overall, errors = (data[key][:] for key in keys)
+    all_units = data["response_units"][:]
+    figure = Figure(figsize=(width, 2.2 * len(names) + 0.4), layout="constrained")
+    axes = figure.subplots(len(names), 2, width_ratios=(3, 1), squeeze=False)
+    rows = zip(axes, names, all_units, widths, overall, errors, strict=True)
+    for row, name, units, alone, share, error in rows:
+        row[0].fill_between(time, error, color="0.92", lw=0, label="error of the fit")
+        for i, (parameter, curve) in enumerate(zip(parameters, alone, strict=True)):
+            line, colour = _DASHES[i % len(_DASHES)], _COLOURS[i % len(_COLOURS)]
+            told = np.where(curve > error, curve, np.nan)
+            row[0].plot(time, curve, color="0.75", linestyle=line, lw=0.6, zorder=1)
+            row[0].plot(time, told, color=colour, linestyle=line, label=parameter, lw=1.0)
+            row[1].barh(parameter, 100 * share[i], color=colour, height=0.6)
+            row[1].text(100 * share[i], i, f" {100 * share[i]:.0f} %", va="center", fontsize=7)
+        row[0].set_ylabel(f"width of {name} ({pretty(units)})", fontsize=8)
+        row[0].set_xlim(time[0], time[-1])
+        row[0].set_ylim(0, 1.05 * max(float(alone.max()), 1e-300))
+        row[0].grid(color="0.9", linewidth=0.5)
+        row[1].set_xlim(0, 130)
+        row[1].invert_yaxis()
+        for ax in row:
+            ax.tick_params(labelsize=8)
+    axes[-1, 0].set_xlabel("time (s)", fontsize=8)
+    axes[-1, 1].set_xlabel("share (%)", fontsize=8)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=8, fontsize=8, frameon=False)
+    return figure
+
+
+def _shade(ax: Any, time: np.ndarray, where: np.ndarray, label: str) -> None:
+    """Hatch the spans of time in which `where` holds."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], where.astype(int), [0]])))
+    for count, (start, stop) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
+        ax.axvspan(
+            time[start],
+            time[min(stop, len(time) - 1)],
+            facecolor="#F0E442",
+            edgecolor="0.6",
+            hatch="///",
+            alpha=0.25,
+            linewidth=0,
+            zorder=0,
+            label=label if count == 0 else None,
+        )
+
+
+def _mark_largest(
+    ax: Any, time: np.ndarray, lower: np.ndarray, upper: np.ndarray, units: str
+) -> None:
+    """Mark the largest difference of the bounds with an arrow, and tell its size in the legend."""
+    at = int((upper - lower).argmax())
+    width = upper[at] - lower[at]
+    if width <= 0:
+        return
+    arrow = {"arrowstyle": "<->", "color": "black", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", (time[at], lower[at]), (time[at], upper[at]), arrowprops=arrow, zorder=5)
+    sign = {"marker": "|", "markersize": 9, "linestyle": "none", "color": "black"}
+    told = f"largest difference {width:.3g} {units}"
+    ax.plot([], [], label=told, **sign)
+
+
+def save(figure: Any, path: Path, **options: Any) -> None:
+    """Save as PNG, PDF and SVG, without dates, so that the same data give the same files.
+
+    `options` are those of matplotlib's `savefig`.
+    """
+    from matplotlib import rc_context
+
+    for kind in PICTURES:
+        with result_file(path.with_name(f"{path.name}.{kind}")) as temporary, rc_context(SAME):
+            fast = {"pil_kwargs": {"compress_level": 3}} if kind == "png" else {}
+            figure.savefig(temporary, dpi=200, metadata=DATELESS[kind], **fast, **options)
+        figure.set_layout_engine(None)  # found by now, and the same for the next kind

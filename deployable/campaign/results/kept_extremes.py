@@ -1,0 +1,136 @@
+"""Gather what `keep: extremes` left of all runs of a plan into one file, `samples.nc`.
+
+It has the variables of `campaign.results.samples`, but for those of every run's curves:
+
+    dims   run, response, time, parameter, event, quarter
+    lower, upper (quarter, response, time)          least and largest value in a quarter of the runs
+    lower_run, upper_run (quarter, response, time)  which run that is, the first of several; -1 in a
+                                                    quarter without runs
+    nominal(response, time)                         the nominal run, the first of the runs
+    unit, value (run, parameter), quantities (run, quantity), as there
+    event_time, event_contact, event_closing (run, event)   the times in single precision; padded
+                                                    with NaN, -1, -1
+    overlap                                         largest of all runs, rad
+
+There is no role and no name of a run: the first is the nominal one, the others are nodes, and the
+name follows from the values (`campaign.plan.runs.run_id`).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.config.sections import Jobs
+from deployable.campaign.files import result_file
+from deployable.campaign.plan.plan import Plan
+from deployable.campaign.plan.runs import Runs
+from deployable.campaign.results import samples
+from deployable.campaign.runs.batch import make_again
+from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.share import CURVES, EVENTS, Share
+from deployable.campaign.runs.store import open_store
+from deployable.intervals.running import Running
+from deployable.intervals.samples import quarter_ends
+
+_CHUNK_RUNS = 4096
+_LONG_NAMES = {
+    "lower": "least value in a quarter of the runs",
+    "upper": "largest value in a quarter of the runs",
+    "lower_run": "index of the run with the least value",
+    "upper_run": "index of the run with the largest value",
+}
+
+
+def gather(
+    plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
+) -> None:
+    """Write `samples.nc` at `path` from the shares in `folder`; memory is that of the plan.
+
+    Shares that were lost since they were simulated, or damaged, are made again. Raises
+    `CampaignError` when runs fail.
+    """
+    import netCDF4
+
+    store, runs = open_store("extremes", folder, plan.experiment), plan.unique_runs()
+    quarters: list[Running | None] = [None] * 4
+    ends, first = quarter_ends(len(runs)), 0
+    with (
+        result_file(path, plan=plan.digest) as temporary,
+        netCDF4.Dataset(temporary, "w", format="NETCDF4") as file,
+    ):
+        samples.write_box(file, plan)
+        file.createDimension("run", len(runs))
+        samples.write_places(file, runs, **_packing(len(runs), len(plan.experiment.intervals)))
+        for group in store.groups(runs, jobs.group):
+            share = _share(plan, store, group, jobs.group, tell)
+            if first == 0:
+                _define(file, share, store, len(runs))
+            _write(file, share, first, store)
+            quarter = next(i for i in range(4) if first < ends[i + 1])
+            found = share.running
+            moved = Running(found.low, found.high, found.low_run + first, found.high_run + first)
+            quarters[quarter] = moved.merged(quarters[quarter])
+            file["overlap"][:] = max(float(file["overlap"][:]), share.overlap)
+            first += len(group)
+        _write_quarters(file, quarters)
+
+
+def _share(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> Share:
+    share = store.load(group)
+    if share is None or not share.done.all():
+        make_again(plan, store, group, size, tell)
+        share = store.load(group)
+    return share
+
+
+def _packing(runs: int, columns: int) -> dict:
+    """How a table of the runs is packed."""
+    chunk = (min(_CHUNK_RUNS, runs), max(1, columns))
+    return {"zlib": True, "complevel": 1, "shuffle": True, "chunksizes": chunk}
+
+
+def _define(file: Any, share: Share, store: Any, runs: int) -> None:
+    """Define time, curves and tables of runs as the first share has them."""
+    samples.write_time(file, share.time, share.contacts)
+    samples.write_names(file, "response", store.responses)
+    file.createDimension("quarter", 4)
+    file.createDimension("event", None)
+    variable = file.createVariable("nominal", "f8", ("response", "time"))
+    variable.long_name = "nominal run"
+    variable[:] = share.first
+    file.createVariable("overlap", "f8", ())[:] = 0.0
+    file["overlap"].setncatts(samples.ATTRIBUTES["overlap"])
+    for name, (kind, fill) in EVENTS.items():
+        packing = _packing(runs, 8)
+        variable = file.createVariable(name, kind, ("run", "event"), fill_value=fill, **packing)
+        variable.setncatts(samples.ATTRIBUTES[name])
+    if store.quantities:
+        samples.write_names(file, "quantity", store.quantities)
+        packing = _packing(runs, len(store.quantities))
+        variable = file.createVariable("quantities", "f8", ("run", "quantity"), **packing)
+        variable.long_name = samples.ATTRIBUTES["quantities"]["long_name"]
+
+
+def _write(file: Any, share: Share, first: int, store: Any) -> None:
+    """Write the tables of the runs of a share, the first of which has the number `first`."""
+    rows = slice(first, first + len(share.done))
+    for name, values in share.events.items():
+        file[name][rows, : values.shape[1]] = values
+    if store.quantities:
+        file["quantities"][rows] = share.numbers
+
+
+def _write_quarters(file: Any, quarters: list[Running | None]) -> None:
+    for name, key in zip(CURVES, ("low", "high", "low_run", "high_run"), strict=True):
+        is_run = name.endswith("run")
+        kind, none = ("i4", -1) if is_run else ("f8", 0.0)
+        dims = ("quarter", "response", "time")
+        variable = file.createVariable(name, kind, dims, zlib=True, complevel=1)
+        for i, quarter in enumerate(quarters):
+            empty = np.full(variable.shape[1:], none)
+            variable[i] = empty if quarter is None else getattr(quarter, key)
+        variable.long_name = _LONG_NAMES[name]
+        variable.setncatts({"units": "1"} if is_run else {})

@@ -1,0 +1,218 @@
+"""Gather the responses of all runs of a plan into one file, `samples.nc`.
+
+    dims   run, response, time, parameter, event
+    values(run, response, time)   in the units response_units(response)
+    response, response_units, response_long_name (response)
+    response_least(response)      the least value that it can have, NaN where there is none
+    unit(run, parameter)          coordinates in the box, -1 to 1
+    value(run, parameter)         parameter values, in the units box_units(parameter)
+    parameter_<name>(run)         the same by name, with units
+    box_lower, box_upper, box_nominal (parameter)
+    role(run)                     node, nominal or held_out
+    run_id(run)
+    overlap(run)                  largest overlap of the faces of a contact, rad
+    event_time, event_contact, event_closing (run, event)   impacts, padded with NaN
+    quantities(run, quantity)     in the units quantity_units(quantity), NaN where what is asked for
+                                  does not happen; only in campaigns that have quantities
+    quantity, quantity_units, quantity_long_name (quantity)
+
+With `keep: extremes` (`campaign.results.kept_extremes`) there are no values, and the variables of
+runs are as small as can be.
+
+No variable is named after a response, so that a response may have any name. This file is all that
+the interval side needs.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.config.sections import Jobs, plain_data
+from deployable.campaign.files import result_file
+from deployable.campaign.plan.plan import Plan
+from deployable.campaign.plan.runs import Runs
+from deployable.campaign.provenance import as_attribute
+from deployable.campaign.runs.batch import make_again
+from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.results import EVENT_VARIABLES, Record, write_dimension
+from deployable.campaign.runs.store import open_store
+from deployable.fpm.trajectory import CONVENTIONS
+
+_CHUNK_RUNS = 64
+
+ATTRIBUTES = {
+    name: {"units": units, "long_name": long_name}
+    for name, units, long_name in (
+        ("overlap", "rad", "largest overlap of the faces of a contact, at the recorded instants"),
+        ("event_time", "s", "time at which a contact, stop or latch closes or opens"),
+        ("event_contact", "1", "index of the contact, stop or latch"),
+        ("event_closing", "1", "1 where it closes, 0 where it opens"),
+        ("quantities", "", "value of the quantity, none where what is asked for does not happen"),
+    )
+}
+"""Of variables of runs."""
+
+
+def gather(
+    plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
+) -> None:
+    """Write `samples.nc` at `path` from the runs in `folder`.
+
+    Memory stays bounded by one group of runs. Runs that were lost since they were simulated, or
+    whose files were damaged, are made again. Raises `CampaignError` when they fail.
+    """
+    import netCDF4
+
+    store = open_store(jobs.keep, folder, plan.experiment)
+    groups = store.groups(plan.unique_runs(), jobs.group)
+    rows: dict[str, list[int]] = {}
+    for row, run in enumerate(plan.runs):
+        rows.setdefault(run.id, []).append(row)
+    with (
+        result_file(path, plan=plan.digest) as temporary,
+        netCDF4.Dataset(temporary, "w", format="NETCDF4") as file,
+    ):
+        _write_runs(file, plan)
+        write_names(file, "response", store.responses)
+        if store.quantities:
+            write_names(file, "quantity", store.quantities)
+            none = np.full((len(plan.runs), len(store.quantities)), np.nan)
+            text = ATTRIBUTES["quantities"]["long_name"]
+            _numbers(file, "quantities", ("run", "quantity"), none, text)
+        for group in groups:
+            found = store.read(group)
+            if len(found) < len(group):
+                make_again(plan, store, group, jobs.group, tell)
+                found = store.read(group)
+            if "time" not in file.variables:
+                _define_curves(file, next(iter(found.values())), plan.experiment.intervals)
+            placed = sorted((row, id_) for id_ in found for row in rows[id_])
+            _write_rows(file, [row for row, _ in placed], [found[id_] for _, id_ in placed])
+
+
+def _write_runs(file: Any, plan: Plan) -> None:
+    """Define the dimensions and write what is known of the runs before they are simulated."""
+    runs, units = plan.runs, write_box(file, plan)
+    file.createDimension("run", len(runs))
+    file.createDimension("event", None)
+    _text(file, "role", "run", [run.role for run in runs], "what the run is for")
+    _text(file, "run_id", "run", [run.id for run in runs], "name of the trajectory")
+    write_places(file, runs)
+    for name, column, unit in zip(plan.experiment.intervals, runs.values.T, units, strict=True):
+        _numbers(file, f"parameter_{name}", ("run",), column, f"value of {name}", units=unit)
+
+
+def write_places(file: Any, runs: Runs, **packing: Any) -> None:
+    """Write where in the box the runs are."""
+    across = ("run", "parameter")
+    text = "coordinates in the box, -1 to 1"
+    _numbers(file, "unit", across, runs.unit, text, packing, units="1")
+    _numbers(file, "value", across, runs.values, "parameter values in their units", packing)
+
+
+def write_box(file: Any, plan: Plan) -> list[str]:
+    """Write the box, and as attributes what the samples are of; units of the parameters."""
+    experiment = plan.experiment
+    names, known = list(experiment.intervals), experiment.scene_type.parameters
+    units = [known[name].unit for name in names]
+    write_dimension(file, "parameter", names, "interval parameter")
+    _text(file, "box_units", "parameter", units, "units of the parameter")
+    for key in ("lower", "upper", "nominal"):
+        ends = [getattr(interval, key) for interval in experiment.intervals.values()]
+        _numbers(file, f"box_{key}", ("parameter",), ends, f"{key} value of the parameter")
+    file.setncatts(
+        {
+            "Conventions": CONVENTIONS,
+            "title": f"Responses of all runs of the campaign {experiment.name}",
+            "source": "finite particle method",
+            "history": f"campaign gather: {len(plan.unique_runs())} runs by fpm.simulate",
+            "campaign": experiment.name,
+            "scene": experiment.scene.name,
+            "config_hash": plan.config_hash,
+            "config": json.dumps(plain_data(experiment)),
+            "time_step": plan.time.step,
+            "time_step_limit": plan.time.step_limit,
+            "limiting_element": plan.time.limiting_element,
+            "assembly_energy": plan.time.assembly_energy,
+            "mechanics": plan.mechanics,
+            "provenance": as_attribute(),
+        }
+    )
+    return units
+
+
+def _define_curves(file: Any, record: Record, parameters: Iterable[str]) -> None:
+    """Define time, values and events as the first run has them."""
+    size = len(record.time)
+    write_time(file, record.time, record.contacts)
+    # Doubles hardly shrink; whoever keeps them has the trajectories beside, a hundred times larger.
+    compact = {}
+    kind = record.values.dtype.newbyteorder("=")
+    if kind.itemsize == 4:
+        chunk = (min(_CHUNK_RUNS, len(file.dimensions["run"])), 1, size)
+        compact = {"zlib": True, "complevel": 4, "shuffle": True, "chunksizes": chunk}
+    variable = file.createVariable("values", kind, ("run", "response", "time"), **compact)
+    named = [f"parameter_{name}" for name in parameters]
+    named += ["role", "run_id", "response_units", "response_long_name"]
+    variable.setncatts({"long_name": "value of the response", "coordinates": " ".join(named)})
+    variable = file.createVariable("overlap", "f8", ("run",))
+    variable.setncatts(ATTRIBUTES["overlap"])
+    for name in EVENT_VARIABLES:
+        variable = file.createVariable(name, "f8", ("run", "event"), fill_value=np.nan)
+        variable.setncatts(ATTRIBUTES[name])
+
+
+def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None:
+    """Write the instants, and what closes and opens."""
+    file.createDimension("time", len(instants))
+    time = file.createVariable("time", "f8", ("time",))
+    time[:] = instants
+    named = {"long_name": "time", "standard_name": "time", "axis": "T"}
+    time.setncatts({"units": "s", **named})
+    write_dimension(file, "contact", contacts, "name of the contact, stop or latch")
+
+
+def write_names(file: Any, what: str, named: Sequence[Any]) -> None:
+    """Write which responses, or quantities, there are."""
+    write_dimension(file, what, [one.name for one in named], f"name of the {what}")
+    for key, values in (
+        ("units", [one.unit for one in named]),
+        ("long_name", [one.long_name for one in named]),
+    ):
+        text = f"{key.replace('_', ' ')} of the {what}"
+        _text(file, f"{what}_{key}", what, values, text)
+    if what == "response":
+        least = [np.nan if one.least is None else one.least for one in named]
+        text = "least value that the response can have, in its units; missing where there is none"
+        _numbers(file, "response_least", ("response",), least, text)
+
+
+def _write_rows(file: Any, rows: list[int], records: Sequence[Record]) -> None:
+    """Write the responses and events of some runs."""
+    file["values"][rows] = np.stack([record.values for record in records])
+    for row, record in zip(rows, records, strict=True):
+        file["overlap"][row] = max(0.0, record.overlap)
+        for column, name in enumerate(EVENT_VARIABLES):
+            file[name][row, : len(record.events)] = record.events[:, column]
+        if len(record.numbers):
+            file["quantities"][row] = record.numbers
+
+
+def _text(file: Any, name: str, dimension: str, values: Sequence[str], long_name: str) -> None:
+    variable = file.createVariable(name, str, (dimension,))
+    variable[:] = np.array(values, dtype=object)
+    variable.long_name = long_name
+
+
+def _numbers(
+    file: Any, name: str, dimensions: tuple[str, ...], values: Any, long_name: str,
+    packing: Mapping | None = None, **more: str,
+) -> None:  # fmt: skip
+    variable = file.createVariable(name, "f8", dimensions, **(packing or {}))
+    variable[:] = values
+    variable.setncatts({"long_name": long_name, **more})

@@ -1,0 +1,91 @@
+"""Which runs an open `samples.nc` has (`netCDF4.Dataset` or `xarray.Dataset`), whatever was kept of
+them: their roles, their number, and their names."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.config.sections import Experiment, from_data
+from deployable.campaign.plan.runs import ROLES, namer
+
+
+@dataclass(frozen=True)
+class Counts:
+    """How many different runs there are, those in two roles counted once: in all, fitted (nodes)
+    and held out; and whether the nominal run is one of the latter two."""
+
+    runs: int
+    nodes: int
+    held_out: int
+    nominal_among_them: bool
+
+
+def keeps_extremes(samples: Any) -> bool:
+    """Whether there are extremes in the place of every run's curves."""
+    return "lower_run" in samples.variables
+
+
+def nominal_row(samples: Any) -> int | None:
+    """The place of the nominal run among the samples."""
+    if keeps_extremes(samples):
+        return 0
+    found = np.flatnonzero(np.asarray(samples.variables["role"][:]) == ROLES[0])
+    return int(found[0]) if len(found) else None
+
+
+MOST_FITTED = 10_000
+"""Runs up to which surrogates of quantities are fitted to all of them."""
+
+_FITTED = 4_000  # of more runs
+
+
+def fitted_rows(numbers: np.ndarray) -> np.ndarray:
+    """Places of the runs that surrogates of quantities are fitted to, by their numbers (R, q): all,
+    or of a large scan its beginning, which fills the box too, and whatever may decide: of each
+    quantity the ends, and the first run that has none."""
+    if len(numbers) <= MOST_FITTED:
+        return np.arange(len(numbers))
+    rows = set(range(_FITTED))
+    for column in numbers.T:
+        there = np.isfinite(column)
+        if there.any():
+            rows |= {int(np.nanargmin(column)), int(np.nanargmax(column))}
+        if not there.all():
+            rows.add(int(np.argmin(there)))
+    return np.array(sorted(rows))
+
+
+def roles(samples: Any) -> list[str]:
+    """What each run is for."""
+    if keeps_extremes(samples):
+        return ["nominal"] + ["node"] * (samples.variables["value"].shape[0] - 1)
+    return np.asarray(samples.variables["role"][:]).tolist()
+
+
+def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
+    """Names of the runs at some places."""
+    rows = rows if isinstance(rows, slice) else list(rows)
+    if "run_id" in samples.variables:
+        return np.asarray(samples.variables["run_id"][:])[rows].tolist()
+    experiment = from_data(Experiment, json.loads(samples.config))
+    name = namer(experiment, float(samples.time_step), samples.mechanics)
+    return [name(tuple(row)) for row in np.asarray(samples.variables["value"][:])[rows].tolist()]
+
+
+def counts(samples: Any) -> Counts:
+    """How many runs there are of each role."""
+    if keeps_extremes(samples):
+        runs = samples.variables["value"].shape[0]
+        return Counts(runs, runs - 1, 0, False)
+    of_role: dict[str, set] = {role: set() for role in ROLES}
+    for role, run in zip(roles(samples), ids(samples, slice(None)), strict=True):
+        of_role[role].add(run)
+    nominal, nodes, held_out, _ = of_role.values()
+    held_out = held_out - nodes
+    others = nodes | held_out
+    return Counts(len(others | nominal), len(nodes), len(held_out), bool(nominal & others))

@@ -2,7 +2,7 @@
 
     python -m deployable new FOLDER                     make a folder with a campaign to edit
     python -m deployable check config/paper.yaml        check a file without running anything
-    python -m deployable run config/paper.yaml          plan, simulate, bound and draw without Snakemake
+    python -m deployable run config/paper.yaml          plan, simulate, bound, draw; no Snakemake
     python -m deployable structure mast.yaml            check a structure, print what it is, draw it
     python -m deployable report results/paper           make the page again
     python -m deployable export results/paper --to glb  a run for ParaView, viewers, spreadsheets

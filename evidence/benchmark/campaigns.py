@@ -25,6 +25,11 @@ PAPER = "Wall time of a warm campaign on 2 cores: the paper's"
 SCAN = "Wall time of a warm campaign on 2 cores: a scan of 1,000 samples"
 LARGE = "Wall time of a warm campaign on 2 cores: a scan of 10,000 samples"
 COPIED = ("Snakefile", "workflow", "profiles", "config")
+IDLE = {
+    "plan": (), "batch": ("plan",), "other": ("plan",), "samples": ("batch", "other"),
+    "bounds": ("samples",), "figures": ("bounds",), "summary": ("bounds",), "page": ("summary",),
+}  # fmt: skip
+"""Jobs that do nothing, and those that each waits for: as many, and in the order, of a campaign."""
 
 
 def copy_workflow(folder: Path) -> None:
@@ -49,14 +54,27 @@ def scan(folder: Path, samples: int, keep: str) -> Path:
     return path
 
 
-def snakemake(folder: Path, config: Path, cores: int, *more: str) -> float:
+def snakemake(folder: Path, config: Path | None, cores: int, *more: str) -> float:
     """Wall seconds of one call."""
-    command = [sys.executable, "-m", "snakemake", f"-c{cores}", "--configfile", str(config), *more]
+    asked = ("--configfile", str(config)) if config else ()
+    command = [sys.executable, "-m", "snakemake", f"-c{cores}", *asked, *more]
     start = time.perf_counter()
     done = subprocess.run(command, cwd=folder, env=environment(), capture_output=True, text=True)
     if done.returncode:
         raise RuntimeError(f"snakemake failed:\n{done.stdout[-1000:]}\n{done.stderr[-3000:]}")
     return time.perf_counter() - start
+
+
+def alone(cores: int) -> Row:
+    """What Snakemake takes itself of a campaign's wall time."""
+    rules = [f"rule all:\n    input: {[*IDLE]}\n    localrule: True\n"]
+    for rule, needs in IDLE.items():
+        parts = (f"rule {rule}:", f"input: {[*needs]}", f"output: '{rule}'", "localrule: True")
+        rules.append("\n    ".join([*parts, "shell: 'touch {output}'\n"]))
+    with tempfile.TemporaryDirectory() as name:
+        Path(name, "Snakefile").write_text("\n".join(rules))
+        wall = min(snakemake(Path(name), None, cores, "--forceall") for _ in range(3))
+    return told("Snakemake alone", wall, "s", f"{len(IDLE)} jobs that do nothing, best of 3")
 
 
 def jobs(folder: Path) -> list[tuple[str, float, float]]:
@@ -99,6 +117,7 @@ def timed(
         cpu = cpu_of_children() - before
         done = jobs(folder)
         manifests = [json.loads(p.read_text()) for p in folder.glob("results/*/batches/*.json")]
+    own = alone(cores)
     first = done[0][1] - started if done else wall
     during = busy([(start, end) for _, start, end in done])
     runs = sum(manifest["runs"] for manifest in manifests)
@@ -112,6 +131,7 @@ def timed(
         told("all", wall, "s", f"{runs} runs in {len(manifests)} batches"),
         told("cpu time of all processes", cpu, "s", f"integrating: {arithmetic_cpu:.3g} s"),
         told("a dry run: interpreter, imports, plan of the jobs", dry, "s"),
+        own,
         told("until the first job starts", first, "s"),
         told("between jobs and at the end", wall - first - during, "s"),
         *rules(done),

@@ -274,8 +274,8 @@ def test_every_key_of_the_schema_says_what_it_is_and_what_is_allowed():
 
 def test_the_schema_is_part_of_the_package():
     packages = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
-    within = SCHEMA_PATH.relative_to(ROOT / "campaign")
-    assert any(within.match(pattern) for pattern in packages["package-data"]["campaign"])
+    within = SCHEMA_PATH.relative_to(ROOT / "deployable" / "campaign")
+    assert any(within.match(pattern) for pattern in packages["package-data"]["deployable.campaign"])
 
 
 @pytest.mark.parametrize(("count", "number"), [(1, 3), (4, 17), (5, 11), (8, 17)])

@@ -212,7 +212,7 @@ def _check_campaign(words):
 
 def _config_of(line):
     """Which campaign a command runs, by the name of its file; None if it runs none."""
-    found = re.search(r"(?:--configfile|campaign run) (?:config/)?(\w+)\.yaml", line)
+    found = re.search(r"(?:--configfile|deployable run) (?:config/)?(\w+)\.yaml", line)
     if found:
         return found[1]
     return "paper" if re.match(r"snakemake -c\d+( --config .*)?$", line) else None

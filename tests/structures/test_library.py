@@ -353,7 +353,7 @@ def test_the_digest_follows_the_code_that_makes_runs(copied, tmp_path, name, of_
 
 
 def test_a_python_file_is_a_structure_too(tmp_path):
-    source = (FOLDER.parents[1] / "fpm" / "scenes" / "pendulum.py").read_text()
+    source = (FOLDER.parents[1] / "deployable" / "fpm" / "scenes" / "pendulum.py").read_text()
     path = tmp_path / "mast.py"
     path.write_text(source.replace("SCENE = ", "MESH = 'elements'\nSCENE = "))
     found = load(path)
@@ -367,7 +367,7 @@ def test_a_python_file_is_a_structure_too(tmp_path):
 
 def test_the_digest_of_a_python_file_follows_what_it_imports_from_beside_it(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
-    source = (FOLDER.parents[1] / "fpm" / "scenes" / "pendulum.py").read_text()
+    source = (FOLDER.parents[1] / "deployable" / "fpm" / "scenes" / "pendulum.py").read_text()
     path, helper = tmp_path / "mast.py", tmp_path / "helper_of_mast.py"
     path.write_text(f"{source}\nimport helper_of_mast\n")
     helper.write_text("LENGTH = 1")
@@ -379,7 +379,7 @@ def test_the_digest_of_a_python_file_follows_what_it_imports_from_beside_it(tmp_
 
 
 def test_a_python_file_may_have_dataclasses_and_postponed_annotations(tmp_path):
-    source = (FOLDER.parents[1] / "fpm" / "scenes" / "pendulum.py").read_text()
+    source = (FOLDER.parents[1] / "deployable" / "fpm" / "scenes" / "pendulum.py").read_text()
     path = tmp_path / "mast.py"
     first, rest = source.split('"""\n', 1)
     path.write_text(f'''{first}"""

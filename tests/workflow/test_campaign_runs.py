@@ -157,21 +157,20 @@ def without_moment(content: bytes) -> bytes:
 
 def beside_code(small, workplace):
     """The small campaign's results beside a copy of the code that may be changed."""
-    for name in ("results", ".snakemake", "campaign", "intervals"):
-        source = ROOT if name in ("campaign", "intervals") else small.folder
-        shutil.copytree(source / name, workplace.folder / name)
+    for name in ("results", ".snakemake"):
+        shutil.copytree(small.folder / name, workplace.folder / name)
     nothing = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(ROOT / "fpm", workplace.folder / "fpm", ignore=nothing)
+    shutil.copytree(ROOT / "deployable", workplace.folder / "deployable", ignore=nothing)
     return workplace
 
 
 def test_changed_code_runs_only_what_it_makes_whatever_the_times_of_files(small, workplace):
     place = beside_code(small, workplace)
-    figures = place.folder / "campaign" / "results" / "figures.py"
+    figures = place.folder / "deployable" / "campaign" / "results" / "figures.py"
     text = figures.read_text()
     assert "dpi=200" in text
     figures.write_text("# Pictures.\n" + text.replace("figsize=(6.4, 3.6)", "figsize=(6.4,  3.6)"))
-    ranges = place.folder / "intervals" / "errors.py"
+    ranges = place.folder / "deployable" / "intervals" / "errors.py"
     ranges.write_text(ranges.read_text() + "\n# A last word.\n")
     same = place.snakemake(*SMALL, "--dry-run")
     assert "Nothing to be done" in same.stdout, same.stdout
@@ -191,7 +190,7 @@ def test_changed_code_runs_only_what_it_makes_whatever_the_times_of_files(small,
 
 def test_an_edited_kernel_makes_new_runs(small, workplace):
     place = beside_code(small, workplace)
-    kernel = place.folder / "fpm" / "kinds" / "beam_kernels.py"
+    kernel = place.folder / "deployable" / "fpm" / "kinds" / "beam_kernels.py"
     text = kernel.read_text()
     kernel.write_text(text + "\n# A last word.\n")
     assert "Nothing to be done" in place.snakemake(*SMALL, "--dry-run").stdout

@@ -22,7 +22,7 @@ STEP = 400.0
 INSTANT = 4000.0
 """Of an instant that is recorded, with the check of the balance."""
 
-PARTICLE, ELEMENT, DAMPED = 25.0, 105.0, 30.0
+PARTICLE, ELEMENT, DAMPED = 25.0, 105.0, 6.0
 """Of a particle, as a rigid body; of a beam element with one of its particles; of the damping of a
 particle in proportion to its mass."""
 

@@ -78,8 +78,9 @@ class Places:
 class Batch:
     """Scenes of one topology in the making: what kinds need to pack their arrays.
 
-    scenes, of which `one` stands for all where they agree; kinds in them; width: number of lanes;
-    instants that are recorded; room: for how many events of each scene.
+    scenes, of which `one` stands for all where they agree; kinds in them, particles that these
+    have `moved`, the others, `free`; width: number of lanes; instants that are recorded; room: for
+    how many events of each scene.
     """
 
     def __init__(
@@ -88,6 +89,8 @@ class Batch:
         self.scenes, self.width, self.dtype, self.instants = scenes, width, dtype, instants
         self.one = scenes[0]
         self.kinds = kinds_of(scenes)
+        self.moved = {p for kind in self.kinds for p in kind.moved(self.one)}
+        self.free = [p for p in range(len(self.one.position)) if p not in self.moved]
         self._parts: dict[type[Kind], NamedTuple] = {}
         self.accounts = self._accounts()
         self.watches = Places({kind: len(kind.watches) for kind in self.kinds})
@@ -189,7 +192,6 @@ class Batch:
     def world(self) -> World:
         """Particles at their start, curves, and what the kinds share."""
         one, n, points = self.one, len(self.one.position), self.one.points
-        moved = {p for kind in self.kinds for p in kind.moved(one)}
         lengths = [len(times) for times, _ in one.curves]
         watching = [(kind, watch) for kind in self.kinds for watch in kind.watches]
         rows = [self.rows.of[kind] for kind, _ in watching]
@@ -197,7 +199,7 @@ class Batch:
             state=self.stack(n, at.STATE, _state),
             kept=self.blank(n, at.STATE),
             particles=self.stack(n, at.PARTICLE, _particles),
-            free=self.integers(p for p in range(n) if p not in moved),
+            free=self.integers([] if any(kind.moves_free for kind in self.kinds) else self.free),
             curve_start=self.integers(np.cumsum([0, *lengths])),
             curve_time=np.concatenate([np.zeros(0), *(times for times, _ in one.curves)]),
             curve_value=np.concatenate([np.zeros(0), *(values for _, values in one.curves)]),

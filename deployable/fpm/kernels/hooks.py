@@ -141,7 +141,7 @@ def solve(parts, world, now):
 
 @_unrolled()
 def move(parts, world, now):
-    """Move these particles over now.step, once all others have moved."""
+    """Move these particles over now.step; those that no kind moves have moved."""
 
 
 @_unrolled()

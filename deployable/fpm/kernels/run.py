@@ -24,16 +24,28 @@ DECISIONS = 4
 
 @kernel
 def kick_and_move(state, particles, i, now):
-    """Kick particle (or pair) i, move it by a step, clear its forces."""
+    """Kick particle (or pair) i, and move it by a step."""
     v = now.kick * load(particles, i, IM) * get3(state, i, F) + get3(state, i, V)
-    put3(state, i, V, v)
-    put3(state, i, X, now.step * v + get3(state, i, X))
     p = now.kick * get3(state, i, M) + get3(state, i, P)
+    move_on(state, particles, i, v, p, now.step)
+
+
+@kernel
+def move_on(state, particles, i, v, p, step):
+    """Move particle (or pair) i by a step with velocity v and angular momentum p, clear its forces.
+
+    Returns the angular momentum and half the turn, along the particle's axes.
+    """
+    put3(state, i, V, v)
+    put3(state, i, X, step * v + get3(state, i, X))
     put3(state, i, P, p)
     axes = frame(state, i)
-    put_turned(state, i, axes, half_turn(to_local(axes, p), get3(particles, i, IJ), now.step))
+    body = to_local(axes, p)
+    half = half_turn(body, get3(particles, i, IJ), step)
+    put_turned(state, i, axes, half)
     for k in range(6):
         store(state, i, F + k, 0.0)
+    return body, half
 
 
 @kernel

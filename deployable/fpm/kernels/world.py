@@ -26,7 +26,7 @@ class World(NamedTuple):
     state: np.ndarray  # (n, STATE, lanes)
     kept: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded
     particles: np.ndarray  # (n, PARTICLE, lanes)
-    free: np.ndarray  # particles that no kind moves
+    free: np.ndarray  # (f,) particles that no kind moves
     curve_start: np.ndarray  # (curves + 1,) first point of each curve
     curve_time: np.ndarray  # (points,) s
     curve_value: np.ndarray  # (points,)

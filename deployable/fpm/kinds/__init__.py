@@ -58,8 +58,8 @@ KINDS: tuple[type[Kind], ...] = (
     Probe,
 )
 """The registry. The order is that of sums, hence of the last digits: add new kinds at the end,
-before Drive if they act with forces (drives feel them, supports take them out, damping scales all,
-joints and the probe come last).
+before Drive if they act with forces (drives feel them, supports take them out, damping scales
+them, joints and the probe come last).
 """
 
 

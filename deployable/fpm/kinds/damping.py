@@ -10,11 +10,12 @@ from deployable.fpm.kinds.kind import Energy, Kind
 
 @dataclass(frozen=True)
 class Damping(Kind):
-    """rate (1/s); several add up."""
+    """rate (1/s); several add up. What is held or driven entirely is not damped."""
 
     rate: float
 
     takes = Energy("damping_work", "damping_work", "energy taken out by damping")
+    moves_free = True
 
     def check(self, scene):
         """The rate must be finite and not negative."""
@@ -33,6 +34,12 @@ class Damping(Kind):
 
     @classmethod
     def pack(cls, batch):
-        from deployable.fpm.kinds.damping_kernels import Rate
+        from deployable.fpm.kinds.damping_kernels import Damped
 
-        return Rate(batch.stack(1, 1, lambda s: [[s.damping]]), batch.taken_by(cls))
+        held = set(np.flatnonzero(batch.one.fixed.all(axis=1)))
+        return Damped(
+            batch.stack(1, 1, lambda s: [[s.damping]]),
+            batch.integers(batch.free),
+            batch.integers(sorted(batch.moved - held)),
+            batch.taken_by(cls),
+        )

@@ -1,4 +1,9 @@
-"""Damping forces as a central difference, and the energy that they take out."""
+"""Damping forces as a central difference, and the energy that they take out.
+
+(1 + c) v+ = (1 - c) v- + kick F/m with c = rate * kick / 2, and so momenta. Free particles are
+damped as they are kicked; of those that another kind kicks, momenta and forces are scaled before.
+The work over a step is the rate times the sum of every momentum times the way that it takes.
+"""
 
 from typing import NamedTuple
 
@@ -6,44 +11,78 @@ import numpy as np
 
 from deployable.fpm.kernels.hooks import hook
 from deployable.fpm.kernels.lanes import load, store
-from deployable.fpm.kernels.layout import IJ, MASS, F, M, P, V
+from deployable.fpm.kernels.layout import IJ, IM, MASS, F, M, P, V
 from deployable.fpm.kernels.rotation import frame
-from deployable.fpm.kernels.vectors import dot, get3, put3, times, to_local
+from deployable.fpm.kernels.run import move_on
+from deployable.fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
 
 
-class Rate(NamedTuple):
-    """rate (1, 1, lanes) 1/s; account: the number of that of the energy it takes."""
+class Damped(NamedTuple):
+    """rate (1, 1, lanes) 1/s; free (f,): particles that no other kind moves; joined (j,): those
+    that another one does; account: the number of that of the energy it takes.
+    """
 
     rate: np.ndarray
+    free: np.ndarray
+    joined: np.ndarray
     account: int
 
 
-@hook(Rate)
-def restrain(part, world, now):
-    """Central difference of the damping force: (1 + c) v+ = (1 - c) v- + kick F/m.
+@kernel
+def factors(part, kick):
+    """Factors of the momenta before a kick, and of the kick."""
+    c = 0.5 * kick * load(part.rate, 0, 0)
+    return (1.0 - c) / (1.0 + c), 1.0 / (1.0 + c)
 
-    c = rate * kick / 2. Scales momenta and forces; the plain kick that follows does the rest.
-    """
+
+@kernel
+def take(part, world, way):
+    """Count the work over momenta times their ways (J s)."""
+    taken = load(world.accounts, 0, part.account) + load(part.rate, 0, 0) * way
+    store(world.accounts, 0, part.account, taken)
+
+
+@hook(Damped)
+def restrain(part, world, now):
+    """Scale momenta and forces of the joined particles, whose plain kick does the rest."""
     state = world.state
-    c = 0.5 * now.kick * load(part.rate, 0, 0)
-    before, force = (1.0 - c) / (1.0 + c), 1.0 / (1.0 + c)
-    for i in range(state.shape[0]):
+    before, force = factors(part, now.kick)
+    for n in range(part.joined.shape[0]):
+        i = part.joined[n]
         for k in (V, P):
             put3(state, i, k, before * get3(state, i, k))
         for k in (F, M):
             put3(state, i, k, force * get3(state, i, k))
 
 
-@hook(Rate)
-def work_after(part, world, now):
-    """Energy that damping takes out over the step."""
+@hook(Damped)
+def move(part, world, now):
+    """Kick, damp and move the free particles."""
     state, particles = world.state, world.particles
-    rate = load(part.rate, 0, 0)
-    total = 0.0 * rate
-    for i in range(state.shape[0]):
+    before, force = factors(part, now.kick)
+    kick = now.kick * force
+    linear = 0.0 * kick
+    angular = vector(linear, linear, linear)
+    for n in range(part.free.shape[0]):
+        i = part.free[n]
+        # The kick first: of two products it is the one that is fused, as without damping.
+        v = kick * load(particles, i, IM) * get3(state, i, F) + before * get3(state, i, V)
+        p = kick * get3(state, i, M) + before * get3(state, i, P)
+        linear = linear + load(particles, i, MASS) * dot(v, v)
+        body, half = move_on(state, particles, i, v, p, now.step)
+        angular = angular + times(body, half)
+    take(part, world, now.step * linear + 2.0 * (angular.x + angular.y + angular.z))
+
+
+@hook(Damped)
+def work_after(part, world, now):
+    """Work on the joined particles, once their joints have corrected the momenta."""
+    state, particles = world.state, world.particles
+    total = 0.0 * load(part.rate, 0, 0)
+    for n in range(part.joined.shape[0]):
+        i = part.joined[n]
         v = get3(state, i, V)
         total = total + load(particles, i, MASS) * dot(v, v)
         local = to_local(frame(state, i), get3(state, i, P))
         total = total + dot(local, times(get3(particles, i, IJ), local))
-    taken = load(world.accounts, 0, part.account) + now.step * rate * total
-    store(world.accounts, 0, part.account, taken)
+    take(part, world, now.step * total)

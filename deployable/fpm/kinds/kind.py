@@ -88,6 +88,7 @@ class Kind:
     acts_as: ClassVar[str] = ""  # which part of the moment on openings is its own (opening.py)
     joins: ClassVar[bool] = False  # whether its elements hold their `particles` together
     holds: ClassVar[bool] = False  # whether they hold the opening of their `hinge` (turn.py)
+    moves_free: ClassVar[bool] = False  # whether it moves all particles that no other kind does
     always_acts: ClassVar[bool] = True  # False: only in the position that `shut` describes
 
     # -- of one element -----------------------------------------------------------------------

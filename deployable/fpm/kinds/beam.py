@@ -188,19 +188,18 @@ class Beams(Kind):
         from deployable.fpm.kinds.beam_kernels import (
             AXES,
             BEAM,
-            CHORD,
+            SHARES,
             FramedElements,
             StraightElements,
         )
 
         def stiffness(scene):
-            return np.concatenate([b.stiffness() for b in cls.of(scene)])
+            return np.concatenate([b.stiffness() for b in cls.of(scene)]) * SHARES
 
         nodes = np.concatenate([b.nodes for b in cls.of(batch.one)])
         arrays = (
             batch.integers(nodes, 2),
             batch.stack(len(nodes), BEAM, stiffness),
-            batch.blank(len(nodes), CHORD),
             batch.watched_by(cls),
             batch.rows_of(cls),
         )

@@ -65,6 +65,7 @@ class Opening(Kind):
         openings = at.Openings(
             ends=batch.integers(p for hinge in hinges for p in hinge.particles),
             sides=batch.stack(2 * len(hinges), at.SIDE, _sides),
+            axes=batch.blank(len(hinges), 3),
             angles=batch.table(cls, 2, lambda hinge: [hinge.opening] * 2),
             followed=batch.is_read(cls),
             track=batch.blank(rows * len(hinges), 1),
@@ -162,8 +163,11 @@ def unit_of(scene, hinge: int, unit: str) -> str:
 
 
 def _sides(scene) -> np.ndarray:
-    """Axis and reference (2h, 6) of either side of every hinge."""
-    sides = [np.hstack([hinge.axes, hinge.ends]) for hinge in scene.hinges]
+    """Axis, reference and their product (2h, 9) of either side of every hinge."""
+    sides = [
+        np.hstack([hinge.axes, hinge.ends, np.cross(hinge.axes, hinge.ends)])
+        for hinge in scene.hinges
+    ]
     return np.concatenate(sides)
 
 

@@ -11,12 +11,13 @@ from deployable.fpm.kernels.hooks import hook
 from deployable.fpm.kernels.lanes import floor, load, store
 from deployable.fpm.kernels.layout import F, M, P, X
 from deployable.fpm.kernels.rotation import frame
-from deployable.fpm.kernels.vectors import INLINED, add3, cross, dot, get3, kernel, put3, to_global
+from deployable.fpm.kernels.vectors import INLINED, add3, cross, dot, get3, kernel, put3, to_global, to_local
 
 TURN = 2 * math.pi
 
 AXIS, REFERENCE = 0, 3  # of either side, in its particle's frame (3 each); of slides a point
-SIDE = 6
+NORMAL = 6  # to both: axis x reference (3)
+SIDE = 9
 
 NOW, BEFORE = 0, 1  # fields of the angles
 
@@ -30,6 +31,7 @@ class Openings(NamedTuple):
 
     ends: np.ndarray  # (2h,) particles of the sides
     sides: np.ndarray  # (2h, SIDE, lanes)
+    axes: np.ndarray  # (h, 3, lanes) axis now, in global components
     angles: np.ndarray  # (h, 2, lanes) now and one step ago (rad)
     followed: bool  # whether they are needed in every step
     track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded
@@ -84,14 +86,18 @@ def update(part, state):
         one, two = part.ends[2 * h], part.ends[2 * h + 1]
         axes = frame(state, one)
         axis = to_global(axes, get3(sides, 2 * h, AXIS))
-        first = to_global(axes, get3(sides, 2 * h, REFERENCE))
+        put3(part.axes, h, 0, axis)
+        first = get3(sides, 2 * h, REFERENCE)
         second = to_global(frame(state, two), get3(sides, 2 * h + 1, REFERENCE))
         if is_slide(part, h):
-            between = (get3(state, two, X) + second) - (get3(state, one, X) + first)
+            between = (get3(state, two, X) + second) - (
+                get3(state, one, X) + to_global(axes, first)
+            )
             store(angles, h, BEFORE, load(angles, h, NOW))
             store(angles, h, NOW, dot(axis, between))
             continue
-        angle = arctan2(dot(axis, cross(first, second)), dot(first, second))
+        second = to_local(axes, second)  # where what it is compared with is constant
+        angle = arctan2(dot(get3(sides, 2 * h, NORMAL), second), dot(first, second))
         last = load(angles, h, NOW)
         store(angles, h, BEFORE, last)
         turns = floor((last - angle) * (1.0 / TURN) + 0.5)
@@ -104,7 +110,7 @@ def turn(openings, state, h, moment):
     a force along that of a slide, both at the second's point, so that they are in balance.
     """
     one, two = openings.ends[2 * h], openings.ends[2 * h + 1]
-    axis = to_global(frame(state, one), get3(openings.sides, 2 * h, AXIS))
+    axis = get3(openings.axes, h, 0)
     if is_slide(openings, h):
         arm = to_global(frame(state, two), get3(openings.sides, 2 * h + 1, REFERENCE))
         force = moment * axis
@@ -114,8 +120,9 @@ def turn(openings, state, h, moment):
         add3(state, one, F, -1.0 * force)
         add3(state, one, M, -1.0 * cross(lever, force))
     else:
-        put3(state, two, M, moment * axis + get3(state, two, M))
-        put3(state, one, M, (-1.0 * moment) * axis + get3(state, one, M))
+        couple = moment * axis
+        put3(state, two, M, get3(state, two, M) + couple)
+        put3(state, one, M, get3(state, one, M) - couple)
     tell(openings, h, moment)
 
 
@@ -123,9 +130,9 @@ def turn(openings, state, h, moment):
 def push(openings, state, h, impulse):
     """The same by an impulse (N m s), after the kick; not for slides."""
     one, two = openings.ends[2 * h], openings.ends[2 * h + 1]
-    axis = to_global(frame(state, one), get3(openings.sides, 2 * h, AXIS))
-    put3(state, two, P, impulse * axis + get3(state, two, P))
-    put3(state, one, P, (-1.0 * impulse) * axis + get3(state, one, P))
+    turned = impulse * get3(openings.axes, h, 0)
+    put3(state, two, P, get3(state, two, P) + turned)
+    put3(state, one, P, get3(state, one, P) - turned)
 
 
 def tell(openings, h, moment):

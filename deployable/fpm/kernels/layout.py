@@ -18,7 +18,9 @@ KEPT = 15  # fields that recording needs from the start of a step: X, D2, D3, V,
 IM = 0  # inverse mass
 IJ = 1  # inverse principal inertias (3)
 MASS = 4  # mass, for gravity and damping
-PARTICLE = 5
+KICK = 5  # velocity that a force gives in this step's kick: time of the kick by inverse mass
+HALF = 6  # half the turn that an angular momentum gives in a step: 0.5 step J^-1 (3)
+PARTICLE = 9
 
 # A recorded point at an instant.
 POSITION, VELOCITY = 0, 3  # (3 each)

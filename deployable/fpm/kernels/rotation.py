@@ -12,7 +12,7 @@ Geometric Numerical Integration, VII.5.
 """
 
 from deployable.fpm.kernels.layout import D2, D3
-from deployable.fpm.kernels.vectors import cross, dot, get3, kernel, put3, times
+from deployable.fpm.kernels.vectors import cross, dot, get3, kernel, put3, vector
 
 
 @kernel
@@ -23,14 +23,17 @@ def frame(state, i):
 
 
 @kernel
-def half_turn(body, inverse_inertia, step):
+def half_turn(body, rate):
     """Half the rotation vector of a step, in body axes: 0.5 step J^-1 p at the midpoint.
 
-    body: angular momentum in the axes of the start of the step.
+    body: angular momentum p in the axes of the start of the step; rate: 0.5 step J^-1 about each.
+    At the midpoint p is body + body x (rate body), of which the product is written out.
     """
-    rate = (0.5 * step) * inverse_inertia
-    turn = times(rate, body)
-    return times(rate, body + cross(body, turn))
+    x, y, z = body.x, body.y, body.z
+    a, b, c = rate.x, rate.y, rate.z
+    return vector(
+        a * (x + (c - b) * (y * z)), b * (y + (a - c) * (z * x)), c * (z + (b - a) * (x * y))
+    )
 
 
 @kernel
@@ -40,8 +43,8 @@ def put_turned(state, i, axes, half):
     xx, yy, zz = x * x, y * y, z * z
     t = (xx + yy) + zz
     # With a the length of half: sin(2a)/a and (1 - cos(2a))/a², to t³.
-    sine = 2.0 + t * ((-4.0 / 3.0 + t * (4.0 / 15.0)) - (t * t) * (8.0 / 315.0))
-    cosine = 2.0 + t * ((-2.0 / 3.0 + t * (4.0 / 45.0)) - (t * t) * (2.0 / 315.0))
+    sine = 2.0 - t * (4.0 / 3.0 - t * (4.0 / 15.0 - t * (8.0 / 315.0)))
+    cosine = 2.0 - t * (2.0 / 3.0 - t * (4.0 / 45.0 - t * (2.0 / 315.0)))
     xy, xz, yz = cosine * (x * y), cosine * (x * z), cosine * (y * z)
     sx, sy, sz = sine * x, sine * y, sine * z
     a, b, c = axes

@@ -7,7 +7,7 @@ kick is half a step long, so that the given velocities are those at t = 0.
 from deployable.fpm.kernels import hooks
 from deployable.fpm.kernels.failures import find_failures
 from deployable.fpm.kernels.lanes import load, store
-from deployable.fpm.kernels.layout import IJ, IM, F, M, P, V, X
+from deployable.fpm.kernels.layout import HALF, IJ, IM, KICK, F, M, P, V, X
 from deployable.fpm.kernels.record import keep, record_after, record_before, reflect
 from deployable.fpm.kernels.rotation import frame, half_turn, normalise, put_turned
 from deployable.fpm.kernels.vectors import get3, kernel, put3, to_local
@@ -23,9 +23,17 @@ DECISIONS = 4
 
 
 @kernel
+def time_particles(particles, now):
+    """What a kick and a step make of the particles' constants, once for all steps alike."""
+    for i in range(particles.shape[0]):
+        store(particles, i, KICK, now.kick * load(particles, i, IM))
+        put3(particles, i, HALF, (0.5 * now.step) * get3(particles, i, IJ))
+
+
+@kernel
 def kick_and_move(state, particles, i, now):
     """Kick particle (or pair) i, and move it by a step."""
-    v = now.kick * load(particles, i, IM) * get3(state, i, F) + get3(state, i, V)
+    v = load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V)
     p = now.kick * get3(state, i, M) + get3(state, i, P)
     move_on(state, particles, i, v, p, now.step)
 
@@ -41,7 +49,7 @@ def move_on(state, particles, i, v, p, step):
     put3(state, i, P, p)
     axes = frame(state, i)
     body = to_local(axes, p)
-    half = half_turn(body, get3(particles, i, IJ), step)
+    half = half_turn(body, get3(particles, i, HALF))
     put_turned(state, i, axes, half)
     for k in range(6):
         store(state, i, F + k, 0.0)
@@ -72,6 +80,8 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
             keep(world)
             record_before(parts, world, record, row)
         # Momenta to half a step later, positions to a step later; the forces are used up.
+        if n < 2:  # the first kick is shorter than the others
+            time_particles(world.particles, now)
         hooks.restrain(parts, world, now)
         hooks.prepare(parts, world, now)
         for k in range(DECISIONS):

@@ -151,6 +151,12 @@ def add_where(a, i, k, v, where):
 
 
 @kernel
+def opposite(v):
+    """The vector -v."""
+    return vector(-v.x, -v.y, -v.z)
+
+
+@kernel
 def dot(a, b):
     """Scalar product."""
     return a.x * b.x + a.y * b.y + a.z * b.z

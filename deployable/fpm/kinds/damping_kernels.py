@@ -11,7 +11,7 @@ import numpy as np
 
 from deployable.fpm.kernels.hooks import hook
 from deployable.fpm.kernels.lanes import load, store
-from deployable.fpm.kernels.layout import IJ, IM, MASS, F, M, P, V
+from deployable.fpm.kernels.layout import IJ, KICK, MASS, F, M, P, V
 from deployable.fpm.kernels.rotation import frame
 from deployable.fpm.kernels.run import move_on
 from deployable.fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
@@ -66,7 +66,7 @@ def move(part, world, now):
     for n in range(part.free.shape[0]):
         i = part.free[n]
         # The kick first: of two products it is the one that is fused, as without damping.
-        v = kick * load(particles, i, IM) * get3(state, i, F) + before * get3(state, i, V)
+        v = force * load(particles, i, KICK) * get3(state, i, F) + before * get3(state, i, V)
         p = kick * get3(state, i, M) + before * get3(state, i, P)
         linear = linear + load(particles, i, MASS) * dot(v, v)
         body, half = move_on(state, particles, i, v, p, now.step)

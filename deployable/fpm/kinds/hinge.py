@@ -205,8 +205,8 @@ def _bodies(scene) -> np.ndarray:
             row[at.ARM : at.ARM + 3] = beam.arm
             row[at.AXIS : at.AXIS + 3] = hinge.axes[k]
             row[at.REF : at.REF + 3] = hinge.references[k]
+            row[at.NORMAL : at.NORMAL + 3] = np.cross(hinge.axes[k], hinge.references[k])
             row[at.HIM : at.HIM + 3] = free[:3] / scene.mass[p]
-            row[at.HIJ : at.HIJ + 3] = free[3:].all() / scene.inertia[p]  # all or none
     return out
 
 

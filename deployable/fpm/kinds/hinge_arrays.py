@@ -11,8 +11,8 @@ from deployable.fpm.kernels.vectors import kernel, put3, vector
 ARM = 0  # virtual beam (3)
 AXIS = 3  # axis (3)
 REF = 6  # reference direction (3)
-HIM = 9  # inverse masses along the global axes (3)
-HIJ = 12  # inverse principal inertias (3)
+NORMAL = 9  # axis x reference (3)
+HIM = 12  # inverse masses along the global axes (3)
 BODY = 15
 
 # Constants of a hinge.
@@ -26,21 +26,24 @@ OLD_D2, OLD_D3 = 3, 6  # directors (3 each)
 GLOBAL_ARM = 9  # arm in global components (3)
 INVERSE = 12  # inverse inertia in global components (6)
 RESPONSE = 18  # velocity of the hinge point per unit impulse there (6)
-DV, DP = 24, 27  # change of velocity (3) and of angular momentum (3) by the hinge's impulses
-BODY_SCRATCH = 30
+SPINS = 24  # spins by unit impulses there along the three global axes (3 each)
+DV, DP = 33, 36  # change of velocity (3) and of angular momentum (3) by the hinge's impulses
+BODY_SCRATCH = 39
 
 # Scratch of a hinge (rows, HINGE_SCRATCH, lanes).
 PA, QA = 0, 3  # the two directions normal to the axis
 C = 6  # inverse of the 2 by 2 rotation block (pp, qq, pq)
 E = 9  # that inverse times the coupling: rows p (3) and q (3)
 S = 15  # inverse of the Schur complement of the translation block (6)
-B1 = 21  # coupling of a force on body 1 to the rotation rows p (3) and q (3)
+TILTS = 21  # rates of the tilts p and q by unit supports x, y, z: each 2
 Y = 27  # A^-1 times the columns of the supports x, y, z: each 3 + 2
 G = 42  # inverse of the supports' Schur complement (6)
-MISSED = 48  # rates that `aim` has to add for what it missed before, like OFF
-OFF = 56  # what is to be closed: gap (3), tilts about p and q, distance from where it is held (3)
-ONE, TWO, MP = 64, 67, 70  # impulses: force on body 1, against body 2 (3 each), moments p, q on 2
-HINGE_SCRATCH = 72
+HOLD = 48  # impulses of the supports (3); zero along axes that are free
+MISSED = 51  # what `aim` asks for besides, as it missed it before, like ASKED
+# Rates to be had by impulses: of the gap (3), of the tilts about p and q, of the held point (3).
+ASKED = 59
+ONE, TWO, MP = 67, 70, 73  # impulses: force on body 1, against body 2 (3 each), moments p, q on 2
+HINGE_SCRATCH = 75
 
 GAP, TILT = 0, 1  # watched, and recorded
 

@@ -17,7 +17,7 @@ not depend on theirs.
 
 from deployable.fpm.kernels.hooks import hook
 from deployable.fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
-from deployable.fpm.kernels.layout import D2, D3, P, V, X
+from deployable.fpm.kernels.layout import D2, D3, HALF, P, V, X
 from deployable.fpm.kernels.rotation import frame, half_turn, put_turned
 from deployable.fpm.kernels.vectors import (
     add3,
@@ -34,16 +34,16 @@ from deployable.fpm.kernels.vectors import (
 )
 from deployable.fpm.kinds.hinge_arrays import (
     ARM,
+    ASKED,
     AXIS,
     DP,
     DV,
     GAP,
     GLOBAL_ARM,
     HELD,
-    HIJ,
     INVERSE,
     MISSED,
-    OFF,
+    NORMAL,
     OLD_D2,
     OLD_D3,
     OLD_X,
@@ -61,7 +61,6 @@ from deployable.fpm.kinds.hinge_limits import COARSE_GAP, COARSE_TILT, MOST_GAP,
 from deployable.fpm.kinds.hinge_matrix import (
     find_impulses,
     prepare_bodies,
-    prepare_directions,
     prepare_matrices,
 )
 from deployable.fpm.kinds.hinge_supports import prepare_supports
@@ -71,8 +70,7 @@ from deployable.fpm.kinds.impulse_sums import ALL, clear, count
 @hook(Hinges)
 def prepare(part, world, now):
     """Kick the particles of all hinges, and aim the impulses; all forces must be summed."""
-    prepare_directions(world.state, part)
-    prepare_bodies(world.state, part, now.kick)
+    prepare_bodies(world, part, now.kick)
     prepare_matrices(part)
     if part.supported:
         prepare_supports(part)
@@ -91,12 +89,12 @@ def aim(part, state):
         spin2 = symmetric(get6(b, two, INVERSE), get3(state, k, P))
         point = get3(state, i, V) + cross(spin1, get3(b, one, GLOBAL_ARM))
         other = get3(state, k, V) + cross(spin2, get3(b, two, GLOBAL_ARM))
-        turn = spin2 - spin1
-        put3(w, h, OFF, (point - other) + get3(w, h, MISSED))
-        store(w, h, OFF + 3, dot(turn, get3(w, h, PA)) + load(w, h, MISSED + 3))
-        store(w, h, OFF + 4, dot(turn, get3(w, h, QA)) + load(w, h, MISSED + 4))
-        put3(w, h, OFF + 5, point + get3(w, h, MISSED + 5))
-    find_impulses(part, -1.0)
+        turn = spin1 - spin2
+        put3(w, h, ASKED, (other - point) + get3(w, h, MISSED))
+        store(w, h, ASKED + 3, dot(turn, get3(w, h, PA)) + load(w, h, MISSED + 3))
+        store(w, h, ASKED + 4, dot(turn, get3(w, h, QA)) + load(w, h, MISSED + 4))
+        put3(w, h, ASKED + 5, get3(w, h, MISSED + 5) - point)
+    find_impulses(part)
     for h in range(w.shape[0]):
         push(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b)
         count(part, h, ALL)
@@ -127,10 +125,10 @@ def gaps(part, state, h):
     first, second = frame(state, i), frame(state, k)
     point = get3(state, i, X) + to_global(first, get3(bodies, one, ARM))
     other = get3(state, k, X) + to_global(second, get3(bodies, two, ARM))
-    p = to_global(first, get3(bodies, one, REF))
-    q = cross(to_global(first, get3(bodies, one, AXIS)), p)
-    axis = to_global(second, get3(bodies, two, AXIS))
-    return point, point - other, -dot(q, axis), dot(p, axis)
+    # The second's axis in the first's frame, where what it is compared with is constant.
+    axis = to_local(first, to_global(second, get3(bodies, two, AXIS)))
+    ep, eq = -dot(get3(bodies, one, NORMAL), axis), dot(get3(bodies, one, REF), axis)
+    return point, point - other, ep, eq
 
 
 @kernel
@@ -142,11 +140,11 @@ def restore(state, on, rows, b):
 
 
 @kernel
-def move_bodies(state, on, rows, bodies, step):
-    """Move the particles `on` of the bodies `rows` (pairs) by a step, with their momenta."""
+def move_bodies(state, particles, on, step):
+    """Move the particles `on` (a pair) by a step, with their momenta."""
     put3(state, on, X, step * get3(state, on, V) + get3(state, on, X))
     axes = frame(state, on)
-    half = half_turn(to_local(axes, get3(state, on, P)), get3(bodies, rows, HIJ), step)
+    half = half_turn(to_local(axes, get3(state, on, P)), get3(particles, on, HALF))
     put_turned(state, on, axes, half)
 
 
@@ -163,15 +161,17 @@ def nudge(state, i, r, b, step):
 
 
 @kernel
-def find_off(part, state, h):
-    """Store the gaps of hinge h in OFF: of the point, the tilts, and from where it is held."""
+def ask(part, state, h, rate):
+    """Ask for what closes the gaps of hinge h within 1 / rate: of the point, the tilts, and from
+    where it is held.
+    """
     w = part.hinge_scratch
     point, gap, ep, eq = gaps(part, state, h)
-    put3(w, h, OFF, gap)
-    store(w, h, OFF + 3, ep)
-    store(w, h, OFF + 4, eq)
+    put3(w, h, ASKED, -rate * gap)
+    store(w, h, ASKED + 3, -rate * ep)
+    store(w, h, ASKED + 4, -rate * eq)
     off = point - get3(part.hinges, h, PLACE)
-    put3(w, h, OFF + 5, times(get3(part.hinges, h, HELD), off))
+    put3(w, h, ASKED + 5, -rate * times(get3(part.hinges, h, HELD), off))
 
 
 @hook(Hinges)
@@ -187,22 +187,21 @@ def move(part, world, now):
     for n in range(ROUNDS):
         for h in range(w.shape[0]):
             if open_[h]:
-                on, rows = (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1)
+                on = ends[2 * h], ends[2 * h + 1]
                 if n > 0:
-                    restore(state, on, rows, b)
-                move_bodies(state, on, rows, part.bodies, now.step)
+                    restore(state, on, (2 * h, 2 * h + 1), b)
+                move_bodies(state, world.particles, on, now.step)
         for h in range(w.shape[0]):
             if open_[h]:
-                find_off(part, state, h)
+                ask(part, state, h, rate)
                 if n == 0:
                     for k in range(8):
-                        missed = rate * load(w, h, OFF + k) + load(w, h, MISSED + k)
-                        store(w, h, MISSED + k, missed)
-        find_impulses(part, -rate)
+                        store(w, h, MISSED + k, load(w, h, MISSED + k) + load(w, h, ASKED + k))
+        find_impulses(part)
         left = False
         for h in range(w.shape[0]):
             if open_[h]:
-                far = distance(w, h)
+                far = distance(w, h, now.step)
                 open_[h] = any_negative(far)
                 if open_[h] and n + 1 == ROUNDS:
                     open_[h] = False
@@ -232,12 +231,12 @@ def opened(part, state, h):
 
 
 @kernel
-def distance(w, h):
-    """Negative where what is in OFF of hinge h is too much for `nudge`."""
-    gap, off = get3(w, h, OFF), get3(w, h, OFF + 5)
-    ep, eq = load(w, h, OFF + 3), load(w, h, OFF + 4)
-    far = 1.0 - (dot(gap, gap) + dot(off, off)) * (1.0 / COARSE_GAP**2)
-    tilt = 1.0 - (ep * ep + eq * eq) * (1.0 / COARSE_TILT**2)
+def distance(w, h, step):
+    """Negative where what is ASKED of hinge h is too much for `nudge`."""
+    gap, off = get3(w, h, ASKED), get3(w, h, ASKED + 5)
+    ep, eq = load(w, h, ASKED + 3), load(w, h, ASKED + 4)
+    far = 1.0 - (dot(gap, gap) + dot(off, off)) * (step / COARSE_GAP) ** 2
+    tilt = 1.0 - (ep * ep + eq * eq) * (step / COARSE_TILT) ** 2
     return where_negative(tilt, tilt, far)
 
 

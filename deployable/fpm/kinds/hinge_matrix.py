@@ -10,7 +10,7 @@ named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it.
 """
 
 from deployable.fpm.kernels.lanes import load, store
-from deployable.fpm.kernels.layout import F, M, P, V, X
+from deployable.fpm.kernels.layout import IJ, F, M, P, V, X
 from deployable.fpm.kernels.rotation import frame
 from deployable.fpm.kernels.vectors import (
     cross,
@@ -18,24 +18,24 @@ from deployable.fpm.kernels.vectors import (
     get3,
     invert,
     kernel,
+    opposite,
     put3,
     symmetric,
     times,
     to_global,
+    to_local,
     vector,
 )
 from deployable.fpm.kinds.hinge_arrays import (
     ARM,
-    AXIS,
-    B1,
+    ASKED,
     DP,
     DV,
     GLOBAL_ARM,
-    HIJ,
     HIM,
     INVERSE,
     MP,
-    OFF,
+    NORMAL,
     OLD_D2,
     OLD_D3,
     OLD_X,
@@ -44,6 +44,7 @@ from deployable.fpm.kinds.hinge_arrays import (
     QA,
     REF,
     RESPONSE,
+    SPINS,
     TWO,
     C,
     E,
@@ -51,7 +52,7 @@ from deployable.fpm.kinds.hinge_arrays import (
     get6,
     put6,
 )
-from deployable.fpm.kinds.hinge_supports import hold_point, solve
+from deployable.fpm.kinds.hinge_supports import hold_point, is_held, solve
 
 
 @kernel
@@ -71,13 +72,20 @@ def world_inverse(axes, j):
 
 
 @kernel
-def point_response(inverse_mass, j, r):
-    """Velocity of a point at arm r per unit impulse there: M^-1 - [r] J^-1 [r] (6)."""
+def spins(j, r):
+    """Spins by unit impulses along the global axes e at arm r: J^-1 (r x e)."""
     xx, yy, zz, xy, xz, yz = j
-    # Columns of J^-1 [r]^T, i.e. J^-1 (r x e).
-    ux = vector(xy * r.z - xz * r.y, yy * r.z - yz * r.y, yz * r.z - zz * r.y)
-    uy = vector(xz * r.x - xx * r.z, yz * r.x - xy * r.z, zz * r.x - xz * r.z)
-    uz = vector(xx * r.y - xy * r.x, xy * r.y - yy * r.x, xz * r.y - yz * r.x)
+    return (
+        vector(xy * r.z - xz * r.y, yy * r.z - yz * r.y, yz * r.z - zz * r.y),
+        vector(xz * r.x - xx * r.z, yz * r.x - xy * r.z, zz * r.x - xz * r.z),
+        vector(xx * r.y - xy * r.x, xy * r.y - yy * r.x, xz * r.y - yz * r.x),
+    )
+
+
+@kernel
+def point_response(inverse_mass, turned, r):
+    """Velocity of a point at arm r per unit impulse there, of which the spins are known (6)."""
+    ux, uy, uz = turned
     return (
         inverse_mass.x + (r.z * ux.y - r.y * ux.z),
         inverse_mass.y + (r.x * uy.z - r.z * uy.x),
@@ -89,20 +97,11 @@ def point_response(inverse_mass, j, r):
 
 
 @kernel
-def prepare_directions(state, part):
-    """The two directions normal to every hinge's axis."""
-    bodies, w = part.bodies, part.hinge_scratch
-    for h in range(w.shape[0]):
-        axes = frame(state, part.ends[2 * h])
-        p = to_global(axes, get3(bodies, 2 * h, REF))
-        put3(w, h, PA, p)
-        put3(w, h, QA, cross(to_global(axes, get3(bodies, 2 * h, AXIS)), p))
-
-
-@kernel
-def prepare_bodies(state, part, kick):
-    """Keep each body's state, kick it, and find its response."""
-    bodies, w = part.bodies, part.body_scratch
+def prepare_bodies(world, part, kick):
+    """Keep each body's state, kick it, and find its response; of the first of a hinge also the two
+    directions normal to the axis.
+    """
+    state, bodies, w = world.state, part.bodies, part.body_scratch
     for r in range(part.ends.shape[0]):
         i = part.ends[r]
         x = get3(state, i, X)
@@ -112,19 +111,40 @@ def prepare_bodies(state, part, kick):
         put3(w, r, OLD_D3, axes[2])
         arm = to_global(axes, get3(bodies, r, ARM))
         inverse_mass = get3(bodies, r, HIM)
-        j = world_inverse(axes, get3(bodies, r, HIJ))
+        j = world_inverse(axes, get3(world.particles, i, IJ))
         lever = arm
-        if r % 2 == 1:
+        if r % 2 == 0:
+            put3(part.hinge_scratch, r // 2, PA, to_global(axes, get3(bodies, r, REF)))
+            put3(part.hinge_scratch, r // 2, QA, to_global(axes, get3(bodies, r, NORMAL)))
+        else:
             # Both impulses act at the first body's point: they make no moment if the hinge gapes.
             lever = get3(w, r - 1, OLD_X) + get3(w, r - 1, GLOBAL_ARM) - x
         put3(w, r, GLOBAL_ARM, lever)
         put6(w, r, INVERSE, j)
-        put6(w, r, RESPONSE, point_response(inverse_mass, j, arm))
+        turned = spins(j, arm)
+        put3(w, r, SPINS, turned[0])
+        put3(w, r, SPINS + 3, turned[1])
+        put3(w, r, SPINS + 6, turned[2])
+        put6(w, r, RESPONSE, point_response(inverse_mass, turned, arm))
         v = get3(state, i, V) + kick * times(inverse_mass, get3(state, i, F))
         put3(state, i, V, v)
         put3(state, i, P, kick * get3(state, i, M) + get3(state, i, P))
         for k in range(6):
             store(state, i, F + k, 0.0)
+
+
+@kernel
+def both(b, h, field):
+    """Sum of a symmetric matrix of the two bodies of hinge h."""
+    one, two = get6(b, 2 * h, field), get6(b, 2 * h + 1, field)
+    return (
+        one[0] + two[0],
+        one[1] + two[1],
+        one[2] + two[2],
+        one[3] + two[3],
+        one[4] + two[4],
+        one[5] + two[5],
+    )
 
 
 @kernel
@@ -134,52 +154,52 @@ def prepare_matrices(part):
     for h in range(w.shape[0]):
         one, two = 2 * h, 2 * h + 1
         p, q = get3(w, h, PA), get3(w, h, QA)
-        j1, j2 = get6(b, one, INVERSE), get6(b, two, INVERSE)
-        r1, r2 = get3(b, one, GLOBAL_ARM), get3(b, two, GLOBAL_ARM)
-        p1, q1, p2, q2 = symmetric(j1, p), symmetric(j1, q), symmetric(j2, p), symmetric(j2, q)
-        pp, qq, pq = dot(p, p1 + p2), dot(q, q1 + q2), dot(p, q1 + q2)
+        j = both(b, h, INVERSE)
+        jp, jq = symmetric(j, p), symmetric(j, q)
+        pp, qq, pq = dot(p, jp), dot(q, jq), dot(p, jq)
         det = 1.0 / (pp * qq - pq * pq)
         cpp, cqq, cpq = det * qq, det * pp, -det * pq
-        b1p, b1q = cross(r1, p1), cross(r1, q1)
-        bp, bq = b1p + cross(r2, p2), b1q + cross(r2, q2)
+        # Tilts by unit forces between the bodies: these turn them against each other.
+        ux = get3(b, one, SPINS) + get3(b, two, SPINS)
+        uy = get3(b, one, SPINS + 3) + get3(b, two, SPINS + 3)
+        uz = get3(b, one, SPINS + 6) + get3(b, two, SPINS + 6)
+        bp = opposite(to_local((ux, uy, uz), p))
+        bq = opposite(to_local((ux, uy, uz), q))
         ep = cpp * bp + cpq * bq
         eq = cpq * bp + cqq * bq
         put3(w, h, C, vector(cpp, cqq, cpq))
         put3(w, h, E, ep)
         put3(w, h, E + 3, eq)
-        put3(w, h, B1, b1p)
-        put3(w, h, B1 + 3, b1q)
-        k1, k2 = get6(b, one, RESPONSE), get6(b, two, RESPONSE)
+        k = both(b, h, RESPONSE)
         schur = (
-            (k1[0] + k2[0]) - (bp.x * ep.x + bq.x * eq.x),
-            (k1[1] + k2[1]) - (bp.y * ep.y + bq.y * eq.y),
-            (k1[2] + k2[2]) - (bp.z * ep.z + bq.z * eq.z),
-            (k1[3] + k2[3]) - (bp.x * ep.y + bq.x * eq.y),
-            (k1[4] + k2[4]) - (bp.x * ep.z + bq.x * eq.z),
-            (k1[5] + k2[5]) - (bp.y * ep.z + bq.y * eq.z),
+            k[0] - (bp.x * ep.x + bq.x * eq.x),
+            k[1] - (bp.y * ep.y + bq.y * eq.y),
+            k[2] - (bp.z * ep.z + bq.z * eq.z),
+            k[3] - (bp.x * ep.y + bq.x * eq.y),
+            k[4] - (bp.x * ep.z + bq.x * eq.z),
+            k[5] - (bp.y * ep.z + bq.y * eq.z),
         )
         put6(w, h, S, invert(schur))
 
 
 @kernel
-def find_impulses(part, factor):
-    """Impulses that change what is in OFF of every open hinge, or rates of it, by `factor` times
-    what it is. They go into ONE, TWO and MP, what they do to the bodies into DV and DP.
+def find_impulses(part):
+    """Impulses that change rates of every open hinge by what is ASKED. They go into ONE, TWO and
+    MP, what they do to the bodies into DV and DP.
     """
     bodies, b, w, open_ = part.bodies, part.body_scratch, part.hinge_scratch, part.open
     for h in range(w.shape[0]):
         if open_[h]:
-            ep, eq = factor * load(w, h, OFF + 3), factor * load(w, h, OFF + 4)
-            force, mp, mq = solve(w, h, factor * get3(w, h, OFF), ep, eq)
+            ep, eq = load(w, h, ASKED + 3), load(w, h, ASKED + 4)
+            force, mp, mq = solve(w, h, get3(w, h, ASKED), ep, eq)
             put3(w, h, ONE, force)
             put3(w, h, TWO, force)
             store(w, h, MP, mp)
             store(w, h, MP + 1, mq)
     if part.supported:
-        held = part.held
         for h in range(w.shape[0]):
-            if open_[h] and held[h, 0] + held[h, 1] + held[h, 2] > 0:
-                hold_point(part, h, factor)
+            if open_[h] and is_held(part, h):
+                hold_point(part, h)
     for h in range(w.shape[0]):
         if open_[h]:
             one, two = 2 * h, 2 * h + 1
@@ -188,5 +208,5 @@ def find_impulses(part, factor):
             moment = mp * get3(w, h, PA) + mq * get3(w, h, QA)
             put3(b, one, DV, times(get3(bodies, one, HIM), on_one))
             put3(b, one, DP, cross(get3(b, one, GLOBAL_ARM), on_one) - moment)
-            put3(b, two, DV, -1.0 * times(get3(bodies, two, HIM), against_two))
+            put3(b, two, DV, times(get3(bodies, two, HIM), opposite(against_two)))
             put3(b, two, DP, moment - cross(get3(b, two, GLOBAL_ARM), against_two))

@@ -1,14 +1,17 @@
 """Impulses that hold a hinge point along global axes, beside those that close the hinge."""
 
 from deployable.fpm.kernels.lanes import load, store
-from deployable.fpm.kernels.vectors import dot, get3, invert, kernel, put3, symmetric, times, vector
+from deployable.fpm.kernels.vectors import dot, get3, invert, kernel, put3, symmetric, vector
 from deployable.fpm.kinds.hinge_arrays import (
-    B1,
-    HELD,
+    ASKED,
+    HOLD,
     MP,
-    OFF,
     ONE,
+    PA,
+    QA,
     RESPONSE,
+    SPINS,
+    TILTS,
     TWO,
     C,
     E,
@@ -32,16 +35,34 @@ def solve(w, h, g, ep, eq):
 
 
 @kernel
-def column(k1, b1, axis):
-    """Effect of a unit impulse along a global axis on body 1's hinge point: point (3), p, q."""
-    xx, yy, zz, xy, xz, yz = k1
-    if axis == 0:
-        point = vector(xx, xy, xz)
-    elif axis == 1:
-        point = vector(xy, yy, yz)
-    else:
-        point = vector(xz, yz, zz)
-    return point, b1[axis], b1[axis + 3]
+def is_held(part, h):
+    """Whether the point of hinge h is held along any axis."""
+    held = part.held
+    return held[h, 0] + held[h, 1] + held[h, 2] > 0
+
+
+@kernel
+def entry(i, k):
+    """Where element i, k of a symmetric matrix (xx, yy, zz, xy, xz, yz) stands."""
+    return i if i == k else 2 + i + k
+
+
+@kernel
+def response(b, h, axis):
+    """Velocity of the point of hinge h on body 1 by a unit impulse there along a global axis."""
+    x, y, z = entry(axis, 0), entry(axis, 1), entry(axis, 2)
+    one, k = 2 * h, RESPONSE
+    return vector(load(b, one, k + x), load(b, one, k + y), load(b, one, k + z))
+
+
+@kernel
+def moved(part, h, axis, force, mp, mq):
+    """Velocity along an axis of the held point of hinge h by impulses at the hinge: those of a
+    force on body 1, and by symmetry what a support along that axis does to the tilts.
+    """
+    w = part.hinge_scratch
+    p, q = load(w, h, TILTS + 2 * axis), load(w, h, TILTS + 2 * axis + 1)
+    return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)
 
 
 @kernel
@@ -49,60 +70,45 @@ def prepare_supports(part):
     """Schur complement of the support impulses."""
     held, b, w = part.held, part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
-        if held[h, 0] + held[h, 1] + held[h, 2] == 0:
+        if not is_held(part, h):
             continue
-        k1, b1 = get6(b, 2 * h, RESPONSE), get6(w, h, B1)
+        for k in range(6):  # axes that are free have a unit diagonal and no coupling
+            store(w, h, G + k, 1.0 if k < 3 else 0.0)
         for axis in range(3):
             if held[h, axis]:
-                point, p, q = column(k1, b1, axis)
-                force, mp, mq = solve(w, h, point, p, q)
+                spin = get3(b, 2 * h, SPINS + 3 * axis)
+                p, q = -dot(get3(w, h, PA), spin), -dot(get3(w, h, QA), spin)
+                store(w, h, TILTS + 2 * axis, p)
+                store(w, h, TILTS + 2 * axis + 1, q)
+                force, mp, mq = solve(w, h, response(b, h, axis), p, q)
                 put3(w, h, Y + 5 * axis, force)
                 store(w, h, Y + 5 * axis + 3, mp)
                 store(w, h, Y + 5 * axis + 4, mq)
-        # Directions that are free get a unit diagonal and no coupling (their Y is zero).
-        free = get3(part.hinges, h, HELD)
-        x, y, z = free.x, free.y, free.z
-        c0, p0, q0 = column(k1, b1, 0)
-        c1, p1, q1 = column(k1, b1, 1)
-        c2, p2, q2 = column(k1, b1, 2)
-        y0, y1, y2 = get3(w, h, Y), get3(w, h, Y + 5), get3(w, h, Y + 10)
-        m0, n0 = load(w, h, Y + 3), load(w, h, Y + 4)
-        m1, n1 = load(w, h, Y + 8), load(w, h, Y + 9)
-        m2, n2 = load(w, h, Y + 13), load(w, h, Y + 14)
-        s00 = c0.x - dot(c0, y0) - (p0 * m0 + q0 * n0)
-        s11 = c1.y - dot(c1, y1) - (p1 * m1 + q1 * n1)
-        s22 = c2.z - dot(c2, y2) - (p2 * m2 + q2 * n2)
-        s01 = c0.y - dot(c0, y1) - (p0 * m1 + q0 * n1)
-        s02 = c0.z - dot(c0, y2) - (p0 * m2 + q0 * n2)
-        s12 = c1.z - dot(c1, y2) - (p1 * m2 + q1 * n2)
-        inverse = invert(
-            (
-                x * s00 + (1.0 - x),
-                y * s11 + (1.0 - y),
-                z * s22 + (1.0 - z),
-                x * y * s01,
-                x * z * s02,
-                y * z * s12,
-            )
-        )
-        put6(w, h, G, inverse)
+                for other in range(axis + 1):
+                    if held[h, other]:
+                        k = entry(axis, other)
+                        less = moved(part, h, other, force, mp, mq)
+                        store(w, h, G + k, load(b, 2 * h, RESPONSE + k) - less)
+        put6(w, h, G, invert(get6(w, h, G)))
 
 
 @kernel
-def hold_point(part, h, factor):
+def hold_point(part, h):
     """Add the support impulses of hinge h to the impulses that close it."""
-    b, w = part.body_scratch, part.hinge_scratch
+    held, w = part.held, part.hinge_scratch
     force, mp, mq = get3(w, h, ONE), load(w, h, MP), load(w, h, MP + 1)
-    reached = symmetric(get6(b, 2 * h, RESPONSE), force)
-    turning = mp * get3(w, h, B1) + mq * get3(w, h, B1 + 3)
-    free = get3(part.hinges, h, HELD)
-    missing = times(free, factor * get3(w, h, OFF + 5) - (reached + turning))
-    held = times(free, symmetric(get6(w, h, G), missing))
-    x, y, z = held.x, held.y, held.z
-    less = x * get3(w, h, Y) + (y * get3(w, h, Y + 5) + z * get3(w, h, Y + 10))
-    force = force - less
+    for axis in range(3):
+        if held[h, axis]:
+            reached = moved(part, h, axis, force, mp, mq)
+            store(w, h, HOLD + axis, load(w, h, ASKED + 5 + axis) - reached)
+    put3(w, h, HOLD, symmetric(get6(w, h, G), get3(w, h, HOLD)))
+    for axis in range(3):
+        if held[h, axis]:
+            impulse = load(w, h, HOLD + axis)
+            force = force - impulse * get3(w, h, Y + 5 * axis)
+            mp = mp - impulse * load(w, h, Y + 5 * axis + 3)
+            mq = mq - impulse * load(w, h, Y + 5 * axis + 4)
     put3(w, h, TWO, force)
-    put3(w, h, ONE, force + held)
-    store(w, h, MP, mp - (x * load(w, h, Y + 3) + y * load(w, h, Y + 8) + z * load(w, h, Y + 13)))
-    less = x * load(w, h, Y + 4) + y * load(w, h, Y + 9) + z * load(w, h, Y + 14)
-    store(w, h, MP + 1, mq - less)
+    put3(w, h, ONE, force + get3(w, h, HOLD))
+    store(w, h, MP, mp)
+    store(w, h, MP + 1, mq)

@@ -195,7 +195,8 @@ def move_bodies(part, state, again, step):
                 put3(state, i, D3, get3(b, s, OLD_D3))
             put3(state, i, X, step * get3(state, i, V) + get3(state, i, X))
             axes = frame(state, i)
-            half = half_turn(to_local(axes, get3(state, i, P)), get3(part.bodies, s, HIJ), step)
+            rate = (0.5 * step) * get3(part.bodies, s, HIJ)
+            half = half_turn(to_local(axes, get3(state, i, P)), rate)
             put_turned(state, i, axes, half)
 
 

@@ -11,7 +11,17 @@ from deployable.fpm.kernels.hooks import hook
 from deployable.fpm.kernels.lanes import floor, load, store
 from deployable.fpm.kernels.layout import F, M, P, X
 from deployable.fpm.kernels.rotation import frame
-from deployable.fpm.kernels.vectors import INLINED, add3, cross, dot, get3, kernel, put3, to_global, to_local
+from deployable.fpm.kernels.vectors import (
+    INLINED,
+    add3,
+    cross,
+    dot,
+    get3,
+    kernel,
+    put3,
+    to_global,
+    to_local,
+)
 
 TURN = 2 * math.pi
 

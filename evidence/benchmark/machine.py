@@ -3,17 +3,28 @@
 import json
 import os
 import platform
+from functools import partial
 
 import numpy as np
 
 from evidence.benchmark.clock import best
 from evidence.benchmark.kernel import stable
-from evidence.benchmark.multiply_adds import unit_times
+from evidence.benchmark.multiply_adds import IN_A_ROUND, functions, operands
 from evidence.benchmark.processes import python
 from evidence.benchmark.scenes import beam_count, linkages, runner
-from evidence.rows import Row, told
+from evidence.rows import Row, at_most, told
 
 GROUP = "How close to the machine's peak"
+
+MULTIPLICATIONS = 220
+"""At most, an element and step of the linkage at 12 elements a link."""
+
+LATENCY = 4
+"""Cycles of a multiply-add, on all processors with registers of 512 bits so far."""
+
+AGAINST_FLOOR = {1: 1.25, 2: 1.6}
+"""What a step may take of the time of its multiplications alone, by how many the processor does a
+cycle: twice as fast ones leave half the time for all else."""
 
 
 def describe() -> dict:
@@ -42,18 +53,35 @@ def counts(elements: int = 12, steps: int = 50) -> dict:
     )
 
 
+def times(steps: int, repeats: int, elements: int, rounds: int = 100_000) -> tuple[float, ...]:
+    """Nanoseconds of a multiply-add among independent ones and after another (throughput, latency),
+    and of a step of eight linkages, without setting up; in turns.
+    """
+    scenes = linkages(8, elements)
+    step, fewer = stable(scenes), steps // 10
+    independent, dependent = functions()
+    runs = {
+        "independent": partial(independent, operands(), rounds),
+        "dependent": partial(dependent, operands(), rounds),
+        "run": runner(scenes, steps, step),
+        "fewer": runner(scenes, fewer, step),
+    }
+    best(runs, 1)
+    ns = {name: 1e9 * seconds for name, seconds in best(runs, repeats).items()}
+    each = (ns["run"] - ns["fewer"]) / (steps - fewer)
+    return ns["independent"] / rounds / IN_A_ROUND, ns["dependent"] / rounds, each
+
+
 def peak(steps: int, repeats: int, elements: int = 12) -> list[Row]:
     """Peak rate, operations of a step, and the share of the peak that the loop reaches."""
-    scenes = linkages(8, elements)
-    throughput, latency = unit_times()
-    seconds = best({"run": runner(scenes, steps, stable(scenes))}, repeats)["run"]
-    step = 1e9 * seconds / steps
+    throughput, latency, step = times(steps, repeats, elements)
     counted = counts(elements)
     ops = counted["operations"]
     multiplies = ops["fma"] + ops["multiply"]
     flops = 8 * (2 * ops["fma"] + ops["multiply"] + ops["add"] + ops["divide"] + ops["root"])
     floor = multiplies * throughput
-    per = beam_count(scenes[0])
+    per = beam_count(linkages(1, elements)[0])
+    a_cycle = min(AGAINST_FLOOR, key=lambda n: abs(n - latency / throughput / LATENCY))
     shares = counted["multiplications"].items()
     parts = ", ".join(
         f"{name} {100 * n / multiplies:.0f} %" for name, n in shares if n > 0.005 * multiplies
@@ -69,7 +97,10 @@ def peak(steps: int, repeats: int, elements: int = 12) -> list[Row]:
              f"{100 * flops / step / (16 / throughput):.0f} % of the peak"),
         told("multiplications alone at the peak rate", floor, "ns per step",
              f"{floor / per / 8:.3g} ns per element, step and sample: no arrangement is faster"),
-        told("where the multiplications are", multiplies, "per step", parts),
+        at_most("multiplications", multiplies / per, MULTIPLICATIONS, unit="an element and step",
+                note=f"{multiplies:.0f} a step: {parts}"),
         told("what a step takes", step, "ns per step",
              f"{100 * floor / step:.0f} % of the time the multipliers must be busy"),
+        at_most("a step against its multiplications alone", step / floor, AGAINST_FLOOR[a_cycle],
+                unit="x", note=f"this processor does {a_cycle} a cycle"),
     ]  # fmt: skip

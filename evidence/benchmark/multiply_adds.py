@@ -1,10 +1,9 @@
 """Vector multiply-adds and nothing else: the machine's peak, in the width that the kernels use."""
 
-from functools import partial
-
 import numpy as np
 
-from evidence.benchmark.clock import best
+IN_A_ROUND = 12
+"""Independent multiply-adds in a round; two a cycle of four cycles each keep eight under way."""
 
 
 def functions():
@@ -38,15 +37,3 @@ def functions():
 def operands() -> np.ndarray:
     """An array for these loops."""
     return np.full((7, 2, 8), 0.5)
-
-
-def unit_times(rounds: int = 100_000, repeats: int = 20) -> tuple[float, float]:
-    """Nanoseconds per vector multiply-add: independent ones (throughput), dependent (latency)."""
-    independent, dependent = functions()
-    runs = {
-        "independent": partial(independent, operands(), rounds),
-        "dependent": partial(dependent, operands(), rounds),
-    }
-    best(runs, 1)
-    seconds = best(runs, repeats)
-    return seconds["independent"] / rounds / 12 * 1e9, seconds["dependent"] / rounds * 1e9

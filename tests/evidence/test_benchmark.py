@@ -91,11 +91,12 @@ def test_counting_numbers_count_as_the_compiler_fuses():
 
 @pytest.mark.slow
 def test_operations_of_the_loop_grow_with_the_elements():
-    one, two = (machine.counts(n, steps=5)["operations"] for n in (2, 3))
-    # 4 elements and 4 particles more: at least the square root and the division of each element.
-    assert two["root"] - one["root"] == pytest.approx(4, abs=0.5)
-    assert two["divide"] - one["divide"] == pytest.approx(4, abs=0.5)
-    assert two["fma"] > one["fma"] > 100
+    one, two = (machine.counts(n, steps=16)["operations"] for n in (2, 12))
+    # 40 elements and 40 particles more: at least the square root and the division of each element.
+    assert two["root"] - one["root"] == pytest.approx(40, abs=0.5)
+    assert two["divide"] - one["divide"] == pytest.approx(40, abs=0.5)
+    assert (two["fma"] + two["multiply"]) / 48 <= machine.MULTIPLICATIONS
+    check(machine.peak(20, 1, elements=2))
 
 
 def test_peers_that_are_not_installed_are_skipped_with_the_command(monkeypatch):

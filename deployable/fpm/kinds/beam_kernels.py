@@ -110,10 +110,8 @@ def _end_axes(part, state, e):
 def chord_of(part, state, e):
     """Direction of the chord of element e, its inverse length and the axial force."""
     chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
-    square = dot(chord, chord)
-    # The root and the quotient run side by side.
-    length = sqrt(square)
-    inverse = length * (1.0 / square)
+    length = sqrt(dot(chord, chord))
+    inverse = 1.0 / length
     stretch = length - load(part.beams, e, LENGTH)
     return inverse * chord, inverse, load(part.beams, e, AXIAL) * stretch
 

@@ -10,7 +10,7 @@ named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it.
 """
 
 from deployable.fpm.kernels.lanes import load, store
-from deployable.fpm.kernels.layout import IJ, F, M, P, V, X
+from deployable.fpm.kernels.layout import IJ, KICK, F, M, P, V, X
 from deployable.fpm.kernels.rotation import frame
 from deployable.fpm.kernels.vectors import (
     cross,
@@ -126,7 +126,7 @@ def prepare_bodies(world, part, kick):
         put3(w, r, SPINS + 3, turned[1])
         put3(w, r, SPINS + 6, turned[2])
         put6(w, r, RESPONSE, point_response(inverse_mass, turned, arm))
-        v = get3(state, i, V) + kick * times(inverse_mass, get3(state, i, F))
+        v = load(world.particles, i, KICK) * get3(state, i, F) + get3(state, i, V)
         put3(state, i, V, v)
         put3(state, i, P, kick * get3(state, i, M) + get3(state, i, P))
         for k in range(6):

@@ -409,8 +409,10 @@ def batch_count(campaign: Campaign, runs: int) -> int:
         return -(-runs // runs_in_job(campaign))
     if campaign.jobs.nodes_per_job != "auto":
         return -(-runs // campaign.jobs.nodes_per_job)
-    several = max(8, int(os.environ.get(CORES, 0)) or os.cpu_count() or 1)
-    return min(-(-runs // 512), max(several, min(-(-runs // 4096), 64)))
+    cores = int(os.environ.get(CORES, 0)) or os.cpu_count() or 1
+    count = min(-(-runs // 512), max(8, cores, min(-(-runs // 4096), 64)))
+    # As many for each core, so that none waits for the last job of another.
+    return count if count < cores else -(-count // cores) * cores
 
 
 def answers(campaign: Campaign) -> list[str]:

@@ -215,7 +215,7 @@ def test_surrogates_of_large_scans_see_the_runs_that_decide():
     assert len(fitted_rows(numbers[:MOST_FITTED])) == MOST_FITTED
 
 
-@pytest.mark.parametrize(("runs", "jobs"), [(7, 1), (1001, 2), (10**5, 25), (10**6, 64)])
+@pytest.mark.parametrize(("runs", "jobs"), [(7, 1), (1001, 2), (1100, 4), (10**5, 26), (10**6, 64)])
 def test_large_scans_have_tens_of_jobs(monkeypatch, runs, jobs):
     monkeypatch.setattr("os.cpu_count", lambda: 2)
     campaign = SimpleNamespace(jobs=Jobs("auto", 32, "extremes"))

@@ -30,9 +30,9 @@ class Damped(NamedTuple):
 
 @kernel
 def factors(part, kick):
-    """Factors of the momenta before a kick, and of the kick."""
-    c = 0.5 * kick * load(part.rate, 0, 0)
-    return (1.0 - c) / (1.0 + c), 1.0 / (1.0 + c)
+    """Factors of the momenta before a kick, (1 - c)/(1 + c), and of the kick, 1/(1 + c)."""
+    force = 1.0 / (1.0 + 0.5 * kick * load(part.rate, 0, 0))
+    return 2.0 * force - 1.0, force
 
 
 @kernel

@@ -16,6 +16,9 @@ def program() -> int:
     from deployable.campaign.stopping import end_on_ctrl_c, leave
 
     end_on_ctrl_c()
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed by who started this
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
 
     from deployable.campaign.cli import main
 
@@ -25,8 +28,11 @@ def program() -> int:
         finally:  # of help and versions, too, which end by an exception
             sys.stdout.flush()
         leave(status)
-    except BrokenPipeError:  # whoever reads it has seen enough, as `head` does
+    except OSError as error:
+        # What is left to be told can not be told either.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):  # whose reader has seen enough, as `head` has
+            print(f"error: {error}", file=sys.stderr)
         return 1
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -75,6 +76,16 @@ def test_whoever_reads_the_words_may_stop_reading(unbuffered):
         process.stdout.close()  # as `head` does
         assert process.stderr.read() == b""
     assert process.returncode == 1
+
+
+@pytest.mark.parametrize(
+    ("output", "status", "told"), [(">/dev/full", 1, "error: [Errno 28]"), (">&-", 0, "")]
+)
+def test_an_output_that_takes_no_words_is_told_in_one_line(output, status, told):
+    command = f"{shlex.quote(sys.executable)} -m deployable new --starts {output}"
+    ended = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
+    assert ended.returncode == status and ended.stderr.startswith(told)
+    assert ended.stderr.count("\n") == bool(told)
 
 
 def test_every_stage_sweeps_what_dead_processes_left_in_any_folder(tmp_path):

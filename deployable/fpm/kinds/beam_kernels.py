@@ -131,6 +131,8 @@ def forces(part, world, now):
         following = chord_of(part, state, min(e + 1, last))
         a, b = part.nodes[e, 0], part.nodes[e, 1]
         a2, a3, b2, b3 = end_axes(part, state, e)
+        twist = load(beams, e, TWIST) * twist_of(a2, a3, b2, b3)
+        moment = twist * (cross(a3, b2) - cross(a2, b3))
         sa2, sa3, sb2, sb3 = dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)
         ta2, da2 = angle(sa2)
         ta3, da3 = angle(sa3)
@@ -145,8 +147,6 @@ def forces(part, world, now):
         gb = cb2 * b2 + cb3 * b3
         across = inverse * (ga + gb)
         force = across + (axial - dot(n, across)) * n
-        twist = load(beams, e, TWIST) * twist_of(a2, a3, b2, b3)
-        moment = twist * (cross(a3, b2) - cross(a2, b3))
         add3(state, a, F, force)
         put3(state, b, F, get3(state, b, F) - force)
         add3(state, a, M, cross(n, ga) - moment)

@@ -47,12 +47,12 @@ def move_on(state, particles, i, v, p, step):
     put3(state, i, V, v)
     put3(state, i, X, step * v + get3(state, i, X))
     put3(state, i, P, p)
+    for k in range(6):
+        store(state, i, F + k, 0.0)
     axes = frame(state, i)
     body = to_local(axes, p)
     half = half_turn(body, get3(particles, i, HALF))
     put_turned(state, i, axes, half)
-    for k in range(6):
-        store(state, i, F + k, 0.0)
     return body, half
 
 

@@ -109,6 +109,11 @@ def prepare_bodies(world, part, kick):
         axes = frame(state, i)
         put3(w, r, OLD_D2, axes[1])
         put3(w, r, OLD_D3, axes[2])
+        v = load(world.particles, i, KICK) * get3(state, i, F) + get3(state, i, V)
+        put3(state, i, V, v)
+        put3(state, i, P, kick * get3(state, i, M) + get3(state, i, P))
+        for k in range(6):
+            store(state, i, F + k, 0.0)
         arm = to_global(axes, get3(bodies, r, ARM))
         inverse_mass = get3(bodies, r, HIM)
         j = world_inverse(axes, get3(world.particles, i, IJ))
@@ -126,11 +131,6 @@ def prepare_bodies(world, part, kick):
         put3(w, r, SPINS + 3, turned[1])
         put3(w, r, SPINS + 6, turned[2])
         put6(w, r, RESPONSE, point_response(inverse_mass, turned, arm))
-        v = load(world.particles, i, KICK) * get3(state, i, F) + get3(state, i, V)
-        put3(state, i, V, v)
-        put3(state, i, P, kick * get3(state, i, M) + get3(state, i, P))
-        for k in range(6):
-            store(state, i, F + k, 0.0)
 
 
 @kernel

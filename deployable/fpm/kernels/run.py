@@ -33,19 +33,23 @@ def time_particles(particles, now):
 @kernel
 def kick_and_move(state, particles, i, now):
     """Kick particle (or pair) i, and move it by a step."""
-    v = load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V)
-    p = now.kick * get3(state, i, M) + get3(state, i, P)
-    move_on(state, particles, i, v, p, now.step)
+    carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), now.step)
+    turn(state, particles, i, now.kick * get3(state, i, M) + get3(state, i, P))
 
 
 @kernel
-def move_on(state, particles, i, v, p, step):
-    """Move particle (or pair) i by a step with velocity v and angular momentum p, clear its forces.
+def carry(state, i, v, step):
+    """Move particle (or pair) i by a step (s) with velocity v."""
+    put3(state, i, V, v)
+    put3(state, i, X, step * v + get3(state, i, X))
+
+
+@kernel
+def turn(state, particles, i, p):
+    """Turn particle (or pair) i by a step with angular momentum p; its forces are used up.
 
     Returns the angular momentum and half the turn, along the particle's axes.
     """
-    put3(state, i, V, v)
-    put3(state, i, X, step * v + get3(state, i, X))
     put3(state, i, P, p)
     for k in range(6):
         store(state, i, F + k, 0.0)

@@ -13,7 +13,7 @@ from deployable.fpm.kernels.hooks import hook
 from deployable.fpm.kernels.lanes import load, store
 from deployable.fpm.kernels.layout import IJ, KICK, MASS, F, M, P, V
 from deployable.fpm.kernels.rotation import frame
-from deployable.fpm.kernels.run import move_on
+from deployable.fpm.kernels.run import carry, turn
 from deployable.fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
 
 
@@ -67,9 +67,10 @@ def move(part, world, now):
         i = part.free[n]
         # The kick first: of two products it is the one that is fused, as without damping.
         v = force * load(particles, i, KICK) * get3(state, i, F) + before * get3(state, i, V)
-        p = kick * get3(state, i, M) + before * get3(state, i, P)
+        carry(state, i, v, now.step)
         linear = linear + load(particles, i, MASS) * dot(v, v)
-        body, half = move_on(state, particles, i, v, p, now.step)
+        p = kick * get3(state, i, M) + before * get3(state, i, P)
+        body, half = turn(state, particles, i, p)
         angular = angular + times(body, half)
     take(part, world, now.step * linear + 2.0 * (angular.x + angular.y + angular.z))
 

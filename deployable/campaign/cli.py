@@ -6,7 +6,7 @@
     python -m deployable structure mast.yaml            check a structure, print what it is, draw it
     python -m deployable report results/paper           make the page again
     python -m deployable export results/paper --to glb  a run for ParaView, viewers, spreadsheets
-    python -m deployable attack --minutes 60            try to make it publish something wrong
+    python -m deployable attack --minutes 60            in a checkout: attack it
 
 `deployable-intervals` is the same command, where the package is installed.
 
@@ -30,20 +30,19 @@ from pathlib import Path
 from deployable.campaign.errors import CampaignError, ConfigError, of_files
 
 PROGRAM = "deployable-intervals"
+OWN = "campaign.yaml"  # of a folder that `new` has made
 UNMET = 3
 """Exit status of `run --require` where not all of the box meets all requirements."""
 
 
 def main(arguments: list[str]) -> int:
     """Do what the arguments ask for; the exit status, 0 when all went well."""
-    from deployable.campaign.stages import STAGES
 
     if arguments[:1] == ["attack"] and _evidence_is_there():
         return _attack(arguments[1:])
-    known = {"new", "check", "run", "keys", "structure", "export", *STAGES}
-    if not arguments or not (arguments[0] in known or arguments[0].startswith("-")):
+    if arguments and arguments[0].endswith((".yaml", ".yml")):
         arguments = ["check", *arguments]
-    options = _parser().parse_args(arguments)
+    options = _parser().parse_args(arguments or ["--help"])
     return options.act(options)
 
 
@@ -72,10 +71,10 @@ def _parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     new.add_argument("--starts", action=_Starts, nargs=0, help="print the names and end")
     check = command("check", _check)
-    check.add_argument("files", nargs="+", metavar="FILE", help="YAML file")
+    check.add_argument("files", metavar="FILE", nargs="*", default=[OWN], help=f"YAML file ({OWN})")
     whole = command("run", _run)
     whole.add_argument(
-        "file", metavar="FILE", nargs="?", default="campaign.yaml", help="YAML file (%(default)s)"
+        "file", metavar="FILE", nargs="?", default=OWN, help="YAML file (%(default)s)"
     )
     whole.add_argument("--results", default="results", help="folder of all results (%(default)s)")
     whole.add_argument("--no-figures", action="store_true", help="draw nothing")
@@ -121,7 +120,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _evidence_is_there() -> bool:
     """Whether there is what judges the program, on which nothing else depends."""
-    return find_spec("evidence") is not None
+    return all(find_spec(name) is not None for name in ("evidence", "evidence.attack"))
 
 
 def _attack(arguments: list[str]) -> int:

@@ -78,7 +78,7 @@ def element_strains(
     """Axial strain (t, m) and the largest bending strain at the surface (t, m) of all elements.
 
     position (t, n, 3) m and frame (t, n, 3, 3) of the particles. The moments at an element's ends
-    are the gradient of its energy (elements/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image;
+    are the gradient of its energy (kinds/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image;
     the larger end counts, at the corner of a rectangle with the section's area and second moments.
     """
     if not scene.beams:

@@ -126,7 +126,7 @@ def to_dataset(found: Recorded, corners: np.ndarray, attributes: dict) -> "xarra
             "Conventions": CONVENTIONS,
             "title": f"whole motion of scene {scene.name}",
             "source": "finite particle method",
-            "history": f"fpm.motion.whole_motion: steps of {outcome.step:.9g} s",
+            "history": f"deployable.fpm.motion.whole_motion: steps of {outcome.step:.9g} s",
             "scene": scene.name,
             "time_step": outcome.step,
             **attributes,

@@ -139,7 +139,7 @@ def _tree_digest(content: bytes, path: str) -> str:
 
 def user_cache() -> Path:
     """The folder of the user's in which may be kept what can be made again."""
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "fpm"
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "deployable-intervals"
 
 
 def _tree(content: bytes, path: str) -> str:

@@ -92,7 +92,7 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
         "Conventions": CONVENTIONS,
         "title": f"trajectory of scene {outcome.scene.name}",
         "source": "finite particle method",
-        "history": f"fpm.simulate: {outcome.steps} steps of {outcome.step:.9g} s",
+        "history": f"deployable.fpm.simulate: {outcome.steps} steps of {outcome.step:.9g} s",
         "scene": outcome.scene.name,
         "responses": " ".join(response.name for response in responses),
         "time_step": outcome.step,

@@ -35,7 +35,7 @@ def starting(repeats: int) -> list[Row]:
         times.append(json.loads(python("-c", START)))
     own, numba, kernels = np.min(times, axis=0)
     return [
-        at_most("import fpm", own, 0.5, unit="s"),
+        at_most("import deployable.fpm", own, 0.5, unit="s"),
         told("import numba, when first simulating", float(numba), "s"),
         told("loading the compiled kernels from the cache", float(kernels), "s"),
     ]

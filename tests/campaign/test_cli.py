@@ -40,12 +40,25 @@ def test_files_are_checked_without_running_anything(file, tmp_path, capsys, comm
     assert "this is not YAML" in told.err
 
 
-def test_nothing_to_check_is_refused_and_help_names_all_commands(capsys):
+def test_an_unknown_command_is_refused_with_those_there_are(capsys):
     with pytest.raises(SystemExit) as refused:
-        main([])
+        main(["reprot", "results/paper"])
     assert refused.value.code == 2
+    told = capsys.readouterr().err
+    assert "'reprot'" in told and "report" in told
+
+
+def test_the_campaign_of_a_folder_is_checked_without_its_name(file, capsys, monkeypatch):
+    Path(file).rename(Path(file).with_name("campaign.yaml"))
+    monkeypatch.chdir(Path(file).parent)
+    assert main(["check"]) == 0
+    assert capsys.readouterr().out.startswith("campaign.yaml: test, ")
+
+
+@pytest.mark.parametrize("arguments", [[], ["--help"]])
+def test_help_names_all_commands(capsys, arguments):
     with pytest.raises(SystemExit) as helped:
-        main(["--help"])
+        main(arguments)
     assert helped.value.code == 0
     told = capsys.readouterr().out
     for name in ("check", "run", "keys", "structure", "export", "attack", *STAGES):

@@ -10,9 +10,9 @@ from deployable.campaign.config.check import schema
 _HEAD = """\
 # Keys of a config
 
-A campaign is one YAML file, checked before any job starts; `python -m deployable FILE` checks it
-without running anything. `<name>` stands for a name of your own or of the scene. Numbers are in SI
-units unless a unit is given. This page is made from
+A campaign is one YAML file, checked before any job starts; `python -m deployable check FILE`
+does it without running anything. `<name>` stands for a name of your own or of the scene. Numbers
+are in SI units unless a unit is given. This page is made from
 `deployable/campaign/config/schema.yaml` by `python -m deployable keys`.
 
 | key | what it is | allowed | default |

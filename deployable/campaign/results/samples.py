@@ -130,7 +130,7 @@ def write_box(file: Any, plan: Plan) -> list[str]:
             "Conventions": CONVENTIONS,
             "title": f"Responses of all runs of the campaign {experiment.name}",
             "source": "finite particle method",
-            "history": f"campaign gather: {len(plan.unique_runs())} runs by fpm.simulate",
+            "history": f"deployable gather: {len(plan.unique_runs())} runs of deployable.fpm",
             "campaign": experiment.name,
             "scene": experiment.scene.name,
             "config_hash": plan.config_hash,

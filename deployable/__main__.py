@@ -29,7 +29,8 @@ def program() -> int:
             sys.stdout.flush()
         leave(status)
     except OSError as error:
-        # What is left to be told can not be told either.
+        if error.filename is not None:  # not of standard output
+            raise
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):  # whose reader has seen enough, as `head` has
             print(f"error: {error}", file=sys.stderr)

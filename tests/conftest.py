@@ -11,7 +11,7 @@ import pytest
 # for each other: eigenvalues of 72 degrees of freedom take 0.1 s then, and 0.3 ms with one.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-# By the named tuples of their kinds (fpm/kernels/compiled.py).
+# By the named tuples of their kinds (`fpm.kernels.compiled`).
 SHARED = {
     "StraightElements-Openings-Hinges-Springs-Contacts",  # the Bennett linkage
     "StraightElements-Openings-Hinges-Springs",  # a panel on a spring

@@ -37,7 +37,6 @@ UNMET = 3
 
 def main(arguments: list[str]) -> int:
     """Do what the arguments ask for; the exit status, 0 when all went well."""
-
     if arguments[:1] == ["attack"] and _evidence_is_there():
         return _attack(arguments[1:])
     if arguments and arguments[0].endswith((".yaml", ".yml")):

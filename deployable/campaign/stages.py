@@ -412,7 +412,7 @@ def batch_count(campaign: Campaign, runs: int) -> int:
     cores = int(os.environ.get(CORES, 0)) or os.cpu_count() or 1
     count = min(-(-runs // 512), max(8, cores, min(-(-runs // 4096), 64)))
     # As many for each core, so that none waits for the last job of another.
-    return count if count < cores else -(-count // cores) * cores
+    return count - count % cores if count > cores else count
 
 
 def answers(campaign: Campaign) -> list[str]:

@@ -1,7 +1,7 @@
 """Columns that are recorded only when asked: where each comes from.
 
 For each variable of `fpm.asked` there is a `Source`: which labels a scene has, what a probe must
-keep for one (fpm/kinds/probe.py), and how its values follow from what was kept.
+keep for one (kinds/probe.py), and how its values follow from what was kept.
 """
 
 from collections.abc import Callable, Iterable

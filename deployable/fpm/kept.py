@@ -1,4 +1,4 @@
-"""What a probe has kept of one sample (fpm/kinds/probe.py), by particle, hinge and joint."""
+"""What a probe has kept of one sample (kinds/probe.py), by particle, hinge and joint."""
 
 from functools import cached_property
 from typing import NamedTuple

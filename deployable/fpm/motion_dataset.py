@@ -1,4 +1,4 @@
-"""The whole motion of a run as a dataset: CF-like names and units (fpm/motion.py makes it).
+"""The whole motion of a run as a dataset: CF-like names and units (motion.py makes it).
 
 Its elements are those of bars and, each with one particle at both ends and no strain, rigid bodies.
 """

@@ -59,7 +59,7 @@ class Scene:
 
     name: for messages; gravity (3,) m/s²; damping: mass-proportional rate (1/s), the force on a
     particle is -damping * mass * velocity (and its like for rotation). `kinds` has the list of
-    elements for every kind that was added (fpm/kinds/).
+    elements for every kind that was added (kinds/).
     """
 
     def __init__(self, name: str = "scene", gravity=(0.0, 0.0, 0.0), damping: float = 0.0):
@@ -68,7 +68,7 @@ class Scene:
         self.frame = np.zeros((0, 3, 3))
         self.unstrained: np.ndarray | None = None  # frames (n, 3, 3) without strain; None: `frame`
         self.unstrained_position: np.ndarray | None = None  # and positions (n, 3); None: `position`
-        self.assembly: Assembly | None = None  # what forced it together (fpm/assembly)
+        self.assembly: Assembly | None = None  # what forced it together (assembly)
         self.velocity = np.zeros((0, 3))
         self.spin = np.zeros((0, 3))
         self.mass = np.zeros(0)

@@ -11,6 +11,7 @@ import sys
 import tempfile
 import time
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import yaml
@@ -29,7 +30,7 @@ IDLE = {
     "plan": (), "batch": ("plan",), "other": ("plan",), "samples": ("batch", "other"),
     "bounds": ("samples",), "figures": ("bounds",), "summary": ("bounds",), "page": ("summary",),
 }  # fmt: skip
-"""Jobs that do nothing, and those that each waits for: as many, and in the order, of a campaign."""
+"""Jobs that do nothing, and those that each waits for: as many as a small campaign has."""
 
 
 def copy_workflow(folder: Path) -> None:
@@ -65,6 +66,7 @@ def snakemake(folder: Path, config: Path | None, cores: int, *more: str) -> floa
     return time.perf_counter() - start
 
 
+@cache
 def alone(cores: int) -> Row:
     """What Snakemake takes itself of a campaign's wall time."""
     rules = [f"rule all:\n    input: {[*IDLE]}\n    localrule: True\n"]

@@ -20,7 +20,7 @@ MULTIPLICATIONS = 220
 """At most, an element and step of the linkage at 12 elements a link."""
 
 LATENCY = 4
-"""Cycles of a multiply-add, on all processors with registers of 512 bits so far."""
+"""Cycles of a multiply-add, on the processors of today with registers of 512 bits."""
 
 AGAINST_FLOOR = {1: 1.25, 2: 1.6}
 """What a step may take of the time of its multiplications alone, by how many the processor does a

@@ -215,8 +215,12 @@ def test_surrogates_of_large_scans_see_the_runs_that_decide():
     assert len(fitted_rows(numbers[:MOST_FITTED])) == MOST_FITTED
 
 
-@pytest.mark.parametrize(("runs", "jobs"), [(7, 1), (1001, 2), (1100, 4), (10**5, 26), (10**6, 64)])
-def test_large_scans_have_tens_of_jobs(monkeypatch, runs, jobs):
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
+@pytest.mark.parametrize(
+    ("cores", "runs", "jobs"),
+    [(2, 7, 1), (2, 1001, 2), (2, 1100, 2), (2, 10**5, 24), (2, 10**6, 64), (6, 4096, 6),
+     (6, 10**6, 60), (48, 10**6, 48), (96, 10**6, 96)],
+)  # fmt: skip
+def test_large_scans_have_tens_of_jobs_as_many_for_each_core(monkeypatch, cores, runs, jobs):
+    monkeypatch.setattr("os.cpu_count", lambda: cores)
     campaign = SimpleNamespace(jobs=Jobs("auto", 32, "extremes"))
     assert batch_count(campaign, runs) == jobs

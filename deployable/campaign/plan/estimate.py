@@ -63,7 +63,7 @@ class Estimate:
 
 
 def estimate(campaign: Campaign) -> Estimate:
-    """What a campaign takes; time is right to a factor of two or so (fpm/effort.py)."""
+    """What a campaign takes; time is right to a factor of two or so (`fpm.effort`)."""
     from deployable.fpm.effort import machine
 
     experiment, solver = campaign.experiment, campaign.experiment.solver
@@ -156,7 +156,7 @@ def found(campaign: Campaign, folder: Folder) -> str:
 def run_seconds(experiment: Experiment, time: TimeStep) -> float:
     """Seconds of a core for a run, one of eight side by side.
 
-    Of a core as fpm/effort.py has them, whichever this one is: what rounds may spend depends on it.
+    Of a core as `fpm.effort` has them, whichever this one is: what rounds may spend depends on it.
     """
     from deployable.fpm.effort import run_seconds as seconds
 

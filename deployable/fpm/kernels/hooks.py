@@ -141,7 +141,7 @@ def solve(parts, world, now):
 
 @_unrolled()
 def move(parts, world, now):
-    """Move these particles over now.step; those that no kind moves have moved."""
+    """Move these particles over now.step, whether or not others have moved."""
 
 
 @_unrolled()

@@ -51,7 +51,7 @@ class Material:
 class Section:
     """Cross-section: `A` (m2), `Iy` = ∫z² dA and `Iz` = ∫y² dA (m4), torsion constant `J` (m4).
 
-    outline: what is known of its contour, for stresses (fpm/stress.py): "rectangle", "round" or ""
+    outline: what is known of its contour, for stresses (stress.py): "rectangle", "round" or ""
     with its `width` and `height` (m) along the local y and z axes.
     """
 

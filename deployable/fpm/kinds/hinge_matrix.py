@@ -126,7 +126,7 @@ def prepare_bodies(world, part, kick):
             lever = get3(w, r - 1, OLD_X) + get3(w, r - 1, GLOBAL_ARM) - x
         put3(w, r, GLOBAL_ARM, lever)
         put6(w, r, INVERSE, j)
-        turned = spins(j, arm)
+        turned = spins(j, arm)  # the lever differs by the gap, which the rounds close
         put3(w, r, SPINS, turned[0])
         put3(w, r, SPINS + 3, turned[1])
         put3(w, r, SPINS + 6, turned[2])

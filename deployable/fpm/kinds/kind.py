@@ -1,7 +1,7 @@
 """What every kind of element has in common: the contract that the rest of the mechanics relies on.
 
 A kind is a frozen dataclass by which a scene states its elements, one object each (for beams, one
-for a group of elements), and a kernel file (fpm/kernels/hooks.py). What it does not override, it
+for a group of elements), and a kernel file (kernels/hooks.py). What it does not override, it
 does not have. `docs/mechanics.md` shows how to add one.
 """
 

@@ -194,7 +194,8 @@ def test_an_edited_kernel_makes_new_runs(small, workplace):
     text = kernel.read_text()
     kernel.write_text(text + "\n# A last word.\n")
     assert "Nothing to be done" in place.snakemake(*SMALL, "--dry-run").stdout
-    kernel.write_text(text.replace("2.0 * ta2 + tb2", "2.1 * ta2 + tb2"))
+    assert "slope = s * s + 2.0" in text
+    kernel.write_text(text.replace("slope = s * s + 2.0", "slope = s * s + 2.1"))
     os.utime(kernel, (0, 0))
     assert planned(place.snakemake(*SMALL, "--dry-run").stdout) == ALL_RULES
 

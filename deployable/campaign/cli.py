@@ -28,9 +28,9 @@ from inspect import signature
 from pathlib import Path
 
 from deployable.campaign.errors import CampaignError, ConfigError, of_files
+from deployable.campaign.folder import CAMPAIGN, Folder
 
 PROGRAM = "deployable-intervals"
-OWN = "campaign.yaml"  # of a folder that `new` has made
 UNMET = 3
 """Exit status of `run --require` where not all of the box meets all requirements."""
 
@@ -70,10 +70,12 @@ def _parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     new.add_argument("--starts", action=_Starts, nargs=0, help="print the names and end")
     check = command("check", _check)
-    check.add_argument("files", metavar="FILE", nargs="*", default=[OWN], help=f"YAML file ({OWN})")
+    check.add_argument(
+        "files", metavar="FILE", nargs="*", default=[CAMPAIGN], help=f"YAML file ({CAMPAIGN})"
+    )
     whole = command("run", _run)
     whole.add_argument(
-        "file", metavar="FILE", nargs="?", default=OWN, help="YAML file (%(default)s)"
+        "file", metavar="FILE", nargs="?", default=CAMPAIGN, help="YAML file (%(default)s)"
     )
     whole.add_argument("--results", default="results", help="folder of all results (%(default)s)")
     whole.add_argument("--no-figures", action="store_true", help="draw nothing")
@@ -173,7 +175,7 @@ class _Starts(argparse.Action):
 
 def _new(options: argparse.Namespace) -> int:
     """Make a folder with a Snakefile, profiles and a campaign to edit."""
-    from deployable.campaign.new import CAMPAIGN, make_folder
+    from deployable.campaign.new import make_folder
 
     try:
         make_folder(options.folder, options.start)
@@ -189,7 +191,6 @@ def _check(options: argparse.Namespace) -> int:
     from deployable.campaign.config.check import load_config
     from deployable.campaign.config.loader import load
     from deployable.campaign.config.presets import mesh_of_preset
-    from deployable.campaign.folder import Folder
     from deployable.campaign.plan.estimate import estimate, found
 
     status = 0
@@ -229,7 +230,6 @@ def _run(options: argparse.Namespace) -> int:
 
 def _are_met(path: Path) -> bool:
     """Whether all of the box meets all requirements."""
-    from deployable.campaign.folder import Folder
     from deployable.campaign.results.answers import read_json
 
     return read_json(Folder(path).requirements)["together"]["met"] == "all"
@@ -298,7 +298,6 @@ def _export(options: argparse.Namespace) -> int:
 
 def _run_stage(options: argparse.Namespace) -> int:
     """Run one stage; messages go to the log file too, and errors come without a traceback."""
-    from deployable.campaign.folder import Folder
     from deployable.campaign.runs.progress import Teller
 
     log = None

@@ -6,6 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+CAMPAIGN = "campaign.yaml"
+"""Name of the campaign in a folder of one's own."""
+
 # What a round leaves; in an adaptive campaign the last round's become the campaign's.
 ROUND_FILES = ("nodes.json", "samples.nc", "surrogate.nc", "bounds.nc", "sensitivities.nc")
 PICTURES = ("png", "pdf", "svg")

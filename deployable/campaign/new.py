@@ -11,9 +11,7 @@ from deployable.campaign import shipped
 from deployable.campaign.config.loader import load
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_text
-
-CAMPAIGN = "campaign.yaml"
-"""Name of the campaign in a folder of one's own."""
+from deployable.campaign.folder import CAMPAIGN
 
 SNAKEFILE = f'''\
 # The campaign of this folder: snakemake -c2

@@ -79,7 +79,7 @@ def cores(steps: int, repeats: int, samples: int = 16) -> list[Row]:
         return [skipped(name, "needs a machine with two cores", unit)]
     scenes = linkages(samples)
     batch = runner(scenes, steps, stable(scenes))
-    independent, _ = functions()
+    independent, *_ = functions()
     bare = [partial(independent, operands(), 3000 * steps) for _ in range(2)]
     bare[0]()
     with ThreadPoolExecutor(2) as pool:

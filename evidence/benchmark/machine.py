@@ -9,7 +9,7 @@ import numpy as np
 
 from evidence.benchmark.clock import best
 from evidence.benchmark.kernel import stable
-from evidence.benchmark.multiply_adds import IN_A_ROUND, functions, operands
+from evidence.benchmark.multiply_adds import IN_A_ROUND, MIXTURE, functions, operands
 from evidence.benchmark.processes import python
 from evidence.benchmark.scenes import beam_count, linkages, runner
 from evidence.rows import Row, at_most, told
@@ -55,31 +55,36 @@ def counts(elements: int = 12, steps: int = 50) -> dict:
 
 def times(steps: int, repeats: int, elements: int, rounds: int = 100_000) -> tuple[float, ...]:
     """Nanoseconds of a multiply-add among independent ones and after another (throughput, latency),
-    and of a step of eight linkages, without setting up; in turns.
+    of a round of the mixture, and of a step of eight linkages, without setting up; in turns.
     """
     scenes = linkages(8, elements)
     step, fewer = stable(scenes), steps // 10
-    independent, dependent = functions()
+    independent, dependent, mixture = functions()
+    few = max(1, rounds // 50)
     runs = {
         "independent": partial(independent, operands(), rounds),
         "dependent": partial(dependent, operands(), rounds),
+        "mixture": partial(mixture, operands(), few),
         "run": runner(scenes, steps, step),
         "fewer": runner(scenes, fewer, step),
     }
     best(runs, 1)
     ns = {name: 1e9 * seconds for name, seconds in best(runs, repeats).items()}
     each = (ns["run"] - ns["fewer"]) / (steps - fewer)
-    return ns["independent"] / rounds / IN_A_ROUND, ns["dependent"] / rounds, each
+    throughput = ns["independent"] / rounds / IN_A_ROUND
+    return throughput, ns["dependent"] / rounds, ns["mixture"] / few, each
 
 
 def peak(steps: int, repeats: int, elements: int = 12) -> list[Row]:
     """Peak rate, operations of a step, and the share of the peak that the loop reaches."""
-    throughput, latency, step = times(steps, repeats, elements)
+    throughput, latency, mixture, step = times(steps, repeats, elements)
     counted = counts(elements)
     ops = counted["operations"]
     multiplies = ops["fma"] + ops["multiply"]
     flops = 8 * (2 * ops["fma"] + ops["multiply"] + ops["add"] + ops["divide"] + ops["root"])
     floor = multiplies * throughput
+    # As many rounds of the mixture as do what a step does.
+    every = sum(ops[name] for name in MIXTURE) / sum(MIXTURE.values()) * mixture
     per = beam_count(linkages(1, elements)[0])
     a_cycle = min(AGAINST_FLOOR, key=lambda n: abs(n - latency / throughput / LATENCY))
     shares = counted["multiplications"].items()
@@ -103,4 +108,7 @@ def peak(steps: int, repeats: int, elements: int = 12) -> list[Row]:
              f"{100 * floor / step:.0f} % of the time the multipliers must be busy"),
         at_most("a step against its multiplications alone", step / floor, AGAINST_FLOOR[a_cycle],
                 unit="x", note=f"this processor does {a_cycle} a cycle"),
+        told("its arithmetic alone, also additions, quotients and roots", every, "ns per step",
+             f"{every / floor:.2f} of its multiplications alone"),
+        told("a step against its arithmetic alone", step / every, "x"),
     ]  # fmt: skip

@@ -49,7 +49,7 @@ class Draughtsman:
         root = str(Path(__file__).parents[2])
         paths = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
         self.process = subprocess.Popen(
-            [sys.executable, "-c", _CHILD],
+            [sys.executable, "-P", "-c", _CHILD],  # no module from the campaign's folder
             stdin=subprocess.PIPE,
             env={**os.environ, "PYTHONPATH": paths},
             preexec_fn=_ignore_ctrl_c,

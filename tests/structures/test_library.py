@@ -2,6 +2,7 @@
 
 import pickle
 import shutil
+import sys
 
 import numpy as np
 import pytest
@@ -366,7 +367,7 @@ def test_a_python_file_is_a_structure_too(tmp_path):
 
 
 def test_the_digest_of_a_python_file_follows_what_it_imports_from_beside_it(tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr("sys.path", list(sys.path))
     source = (FOLDER.parents[1] / "deployable" / "fpm" / "scenes" / "pendulum.py").read_text()
     path, helper = tmp_path / "mast.py", tmp_path / "helper_of_mast.py"
     path.write_text(f"{source}\nimport helper_of_mast\n")

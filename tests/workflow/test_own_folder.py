@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -100,6 +101,18 @@ def test_a_folder_of_ones_own_is_planned_whatever_its_name(tmp_path, place_in, n
     assert done.returncode == 0, done.stdout
     assert "results/mast/nodes.json" in done.stdout
     assert '"file":"structures/scissor.yaml"' in done.stdout
+
+
+@pytest.mark.slow
+def test_files_that_are_named_as_modules_stand_for_none_of_them(tmp_path, place_in):
+    make_folder(tmp_path, "pendulum")
+    for name in ("random", "numpy", "deployable"):
+        (tmp_path / f"{name}.py").write_text("raise RuntimeError('not asked for')")
+    place = place_in(tmp_path)
+    command = place.command("results/pendulum/nodes.json")
+    command.insert(1, "-P")  # as the command `snakemake` does, which has no module's folder
+    done = subprocess.run(command, cwd=tmp_path, env=place.environment(), capture_output=True)
+    assert done.returncode == 0, done.stderr
 
 
 def test_a_checkout_in_a_folder_with_braces_serves_one_elsewhere(tmp_path, workplace_in):

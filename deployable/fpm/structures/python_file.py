@@ -51,7 +51,9 @@ def load_python(path: Path) -> SceneType:
 
 
 def _run(path: Path):
-    """The module of a file."""
+    """The module of a file, which may import others from beside it, now or when it builds."""
+    if (beside := str(path.resolve().parent)) not in sys.path:
+        sys.path.append(beside)  # last: none of them stands for a module that is installed
     spec = importlib.util.spec_from_file_location(f"structure_{path.stem}", path)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # where dataclasses look up annotations

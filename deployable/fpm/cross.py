@@ -1,9 +1,35 @@
-"""The vector product of one pair of vectors, of which building a scene takes some."""
+"""Products of vectors as building a scene takes them, by the hundred: to the last bit those of
+numpy, several times as fast for few vectors."""
+
+import math
 
 import numpy as np
 
 
 def cross(a, b) -> np.ndarray:
-    """Vector product (3,) of vectors (3,): `numpy.cross` to the last bit, ten times as fast."""
-    (a1, a2, a3), (b1, b2, b3) = np.asarray(a, float).tolist(), np.asarray(b, float).tolist()
-    return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
+    """Vector products (..., 3) of vectors (..., 3), of one shape: `numpy.cross`."""
+    a, b = np.asarray(a, float), np.asarray(b, float)
+    if a.ndim == 1:
+        (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()
+        return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
+    out = np.empty(a.shape)
+    for i in range(3):
+        j, k = i - 2, i - 1
+        np.multiply(a[..., j], b[..., k], out=out[..., i])
+        out[..., i] -= a[..., k] * b[..., j]
+    return out
+
+
+def length(vector: np.ndarray) -> float:
+    """The length of a vector (3,): `numpy.linalg.norm`."""
+    vector = np.ascontiguousarray(vector)  # the sum of products may round otherwise
+    return math.sqrt(vector.dot(vector))
+
+
+def columns(*parts) -> np.ndarray:
+    """Numbers or arrays (...) side by side, (..., k): `numpy.stack(parts, axis=-1)`; the first has
+    the shape of all."""
+    out = np.empty((*np.shape(parts[0]), len(parts)))
+    for k, part in enumerate(parts):
+        out[..., k] = part
+    return out

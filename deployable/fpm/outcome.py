@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from deployable.fpm.asked import VARIABLES, Column
+from deployable.fpm.cross import columns, cross
 from deployable.fpm.errors import InstabilityError
-from deployable.fpm.kinds import energies_of, kinds_of
+from deployable.fpm.kinds import kinds_of
 from deployable.fpm.kinds.kind import Energy, Eventful, Kind, Recorded
 from deployable.fpm.scene import Scene
 from deployable.fpm.timestep import StableStep, stable_step
@@ -143,7 +144,7 @@ def outcome_of(
     steps = division.per_instant * (instants - 1)
     tracks = record.points[:, :, lane].reshape(instants + 1, len(scene.points), 6)[:instants]
     points = {name: (tracks[:, n, :3], tracks[:, n, 3:]) for n, name in enumerate(scene.points)}
-    kinds = (KINETIC, *energies_of(batch.kinds), BALANCE)
+    kinds = (KINETIC, *batch.energies, BALANCE)
     recorded = {}
     for kind, part in zip(batch.kinds, parts, strict=True):
         for name, found in kind.recorded(part, scene, lane).items():
@@ -187,7 +188,7 @@ def _energies(batch, record, lane: int, instants: int) -> dict[str, np.ndarray]:
     from deployable.fpm.kernels import layout as at
 
     table = record.energies[:instants, :, lane]
-    found = {energy.name: np.zeros(instants, table.dtype) for energy in energies_of(batch.kinds)}
+    found = {energy.name: np.zeros(instants, table.dtype) for energy in batch.energies}
     for k, energy in enumerate(batch.accounts):
         values = table[:, at.ACCOUNTS + k]
         # The work of the weight starts at the height of the scene.
@@ -232,7 +233,7 @@ def _final(scene: Scene, kinds, world, lane: int, time: float) -> Motion:
 
     state, kept = world.state[:, :, lane], world.kept[:, :, lane]
     second, third = kept[:, D2 : D2 + 3], kept[:, D3 : D3 + 3]
-    frame = np.stack([np.cross(second, third), second, third], axis=-1)
+    frame = columns(cross(second, third), second, third)
     momentum = 0.5 * (kept[:, P : P + 3] + state[:, P : P + 3])
     local = np.einsum("nji,nj->ni", frame, momentum) / scene.inertia
     velocity = 0.5 * (kept[:, V : V + 3] + state[:, V : V + 3])

@@ -14,7 +14,7 @@ import numpy as np
 from deployable.fpm.errors import SceneError
 from deployable.fpm.kernels import layout as at
 from deployable.fpm.kernels.world import Log, Record, World
-from deployable.fpm.kinds import kinds_of
+from deployable.fpm.kinds import energies_of, kinds_of
 from deployable.fpm.kinds.kind import Kind
 from deployable.fpm.scene import Scene
 
@@ -78,9 +78,9 @@ class Places:
 class Batch:
     """Scenes of one topology in the making: what kinds need to pack their arrays.
 
-    scenes, of which `one` stands for all where they agree; kinds in them, particles that these
-    have `moved`, the others, `free`; width: number of lanes; instants that are recorded; room: for
-    how many events of each scene.
+    scenes, of which `one` stands for all where they agree; kinds in them, the energies of these,
+    particles that these have `moved`, the others, `free`; width: number of lanes; instants that are
+    recorded; room: for how many events of each scene.
     """
 
     def __init__(
@@ -89,6 +89,7 @@ class Batch:
         self.scenes, self.width, self.dtype, self.instants = scenes, width, dtype, instants
         self.one = scenes[0]
         self.kinds = kinds_of(scenes)
+        self.energies = energies_of(self.kinds)
         self.moved = {p for kind in self.kinds for p in kind.moved(self.one)}
         self.free = [p for p in range(len(self.one.position)) if p not in self.moved]
         self._parts: dict[type[Kind], NamedTuple] = {}

@@ -4,12 +4,14 @@ A scene describes one sample. Scenes that differ only in numbers can run side by
 Everything is in SI units; positions, directions and loads are given in global axes at the start.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from deployable.fpm.cross import length as size
 from deployable.fpm.errors import SceneError
 from deployable.fpm.kinds import (
     Beams,
@@ -40,6 +42,16 @@ class Link:
 
     particles: np.ndarray
     triad: np.ndarray
+
+
+_EYE = np.eye(3)
+
+
+def _rows(values, *shape: int) -> np.ndarray:
+    """Numbers of an array of this shape, those of one row for all or each row's own."""
+    out = np.empty(shape)
+    out[...] = values
+    return out
 
 
 def _elements(kind: type[Kind]) -> property:
@@ -132,26 +144,22 @@ class Scene:
         spin (n, 3) rad/s in global axes. A particle without mass cannot be integrated: SceneError.
         """
         position = np.atleast_2d(np.asarray(position, float))
-        n = len(position)
-        mass = np.broadcast_to(np.asarray(mass, float), n)
-        inertia = np.broadcast_to(np.asarray(inertia, float), (n, 3))
-        frame = np.asarray(np.eye(3) if frame is None else frame, float)
-        if not (np.all(mass > 0) and np.all(inertia > 0)):
+        first, n = len(self.position), len(position)
+        mass, inertia = _rows(mass, n), _rows(inertia, n, 3)
+        if not (mass.min(initial=1.0) > 0 and inertia.min(initial=1.0) > 0):
             raise SceneError(
                 "mass, inertia", (mass.min(), inertia.min()), "positive values for every particle"
             )
-        identity = np.swapaxes(frame, -1, -2) @ frame
-        if np.abs(identity - np.eye(3)).max() > 1e-9 or np.any(np.linalg.det(frame) < 0):
+        frame = np.asarray(_EYE if frame is None else frame, float)
+        off = np.swapaxes(frame, -1, -2) @ frame - _EYE
+        if abs(off).max() > 1e-9 or np.any(np.linalg.det(frame) < 0):
             raise SceneError("frame", "(not a rotation)", "right-handed orthonormal axes")
-        frame = np.broadcast_to(frame, (n, 3, 3))
-        first = len(self.position)
         self.position = np.concatenate([self.position, position])
         self.mass = np.concatenate([self.mass, mass])
         self.inertia = np.concatenate([self.inertia, inertia])
-        self.frame = np.concatenate([self.frame, frame])
-        rows = np.zeros((n, 3))
-        self.velocity = np.concatenate([self.velocity, rows + np.asarray(velocity, float)])
-        self.spin = np.concatenate([self.spin, rows + np.asarray(spin, float)])
+        self.frame = np.concatenate([self.frame, np.broadcast_to(frame, (n, 3, 3))])
+        self.velocity = np.concatenate([self.velocity, _rows(velocity, n, 3)])
+        self.spin = np.concatenate([self.spin, _rows(spin, n, 3)])
         self.fixed = np.concatenate([self.fixed, np.zeros((n, 6), bool)])
         return np.arange(first, first + n)
 
@@ -180,16 +188,17 @@ class Scene:
         The particles' axes are the bar's.
         """
         start, end = np.asarray(start, float), np.asarray(end, float)
-        length = float(np.linalg.norm(end - start))
-        if not (np.isfinite(length) and length > 0):
+        way = end - start
+        length = size(way)
+        if not (math.isfinite(length) and length > 0):
             raise SceneError(f"length of {name}", length, "a positive, finite length (m)")
         mass, inertia = lump(length, elements, section, material, inertia_scale)
-        axes = triad(end - start, normal)
+        axes = triad(way, normal)
         steps = np.linspace(0.0, 1.0, elements + 1)[:, None]
-        particles = self.add_particles(start + steps * (end - start), mass, inertia, axes)
+        particles = self.add_particles(start + steps * way, mass, inertia, axes)
         nodes = np.column_stack([particles[:-1], particles[1:]])
         m = len(nodes)
-        lengths, triads = np.full(m, length / elements), np.tile(axes, (m, 1, 1))
+        lengths, triads = _rows(length / elements, m), _rows(axes, m, 3, 3)
         self.add(Beams(nodes, lengths, triads, section, material, name))
         return Link(particles, axes)
 

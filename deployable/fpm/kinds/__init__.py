@@ -65,9 +65,9 @@ them, joints and the probe come last).
 
 def kinds_of(scenes) -> list[type[Kind]]:
     """The kinds that some of the scenes have, in the order of the registry; others follow."""
-    present = {kind for scene in scenes for kind in (*KINDS, *scene.kinds) if kind.of(scene)}
-    own = sorted(present.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
-    return [kind for kind in KINDS if kind in present] + own
+    stated = {kind for scene in scenes for kind in scene.kinds}
+    own = sorted(stated.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
+    return [kind for kind in (*KINDS, *own) if any(kind.of(scene) for scene in scenes)]
 
 
 def energies_of(kinds) -> list:

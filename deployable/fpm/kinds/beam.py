@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from deployable.fpm.cross import cross
+from deployable.fpm.cross import columns, cross, length
 from deployable.fpm.errors import SceneError
 from deployable.fpm.kinds.beam_limits import BEND, STRAIN
 from deployable.fpm.kinds.kind import Deformations, Energy, Kind
@@ -131,9 +131,9 @@ class Beams(Kind):
     def stiffness(self) -> np.ndarray:
         """Rows (m, 5): l0 (m), EA/l0 (N/m), 2 EIz/l0, 2 EIy/l0 and GJ/l0 (N m)."""
         s, m, n = self.section, self.material, len(self.length)
-        rows = [1.0, m.E * s.A, 2 * m.E * s.Iz, 2 * m.E * s.Iy, m.G * s.J]
-        table = np.tile(rows, (n, 1))
+        table = np.empty((n, 5))
         table[:, 0] = self.length
+        table[:, 1:] = [m.E * s.A, 2 * m.E * s.Iz, 2 * m.E * s.Iy, m.G * s.J]
         table[:, 1:] /= self.length[:, None]
         return table
 
@@ -231,23 +231,19 @@ def framed(scene) -> bool:
 def end_axes(scene) -> np.ndarray:
     """Axes 2 and 3 of every element in the frames of its ends (m, 12)."""
     frame = scene.frame if scene.unstrained is None else scene.unstrained
-    rows = []
-    for beams in Beams.of(scene):
-        ends = [
-            np.einsum("mji,mjk->mik", frame[nodes], beams.triad[:, :, 1:])
-            for nodes in beams.nodes.T
-        ]
-        rows.append(np.hstack([end.transpose(0, 2, 1).reshape(-1, 6) for end in ends]))
-    return np.concatenate(rows)
+    nodes = np.concatenate([beams.nodes for beams in Beams.of(scene)])
+    axes = np.concatenate([beams.triad[:, :, 1:] for beams in Beams.of(scene)])
+    ends = [np.einsum("mji,mjk->mki", frame[end], axes) for end in nodes.T]
+    return np.hstack([end.reshape(-1, 6) for end in ends])
 
 
 def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
     """Right-handed axes (3, 3) as columns: x along `direction`, z in the plane with `normal`."""
     x = np.asarray(direction, float)
-    x = x / np.linalg.norm(x)
+    x = x / length(x)
     y = cross(normal, x)
-    size = np.linalg.norm(y)
+    size = length(y)
     if size < 1e-9:
         raise SceneError("normal", tuple(normal), f"a vector not parallel to the beam, {tuple(x)}")
     y = y / size
-    return np.column_stack([x, y, cross(x, y)])
+    return columns(x, y, cross(x, y))

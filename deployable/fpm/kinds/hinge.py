@@ -15,12 +15,15 @@ to a reference of the second. The rate of each is the relative spin about its ax
 since the two axes stay normal to each other.
 """
 
+import math
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from deployable.fpm.cross import cross, length
 from deployable.fpm.errors import SceneError
 from deployable.fpm.kinds.hinge_limits import MOST_GAP, MOST_TILT
 from deployable.fpm.kinds.kind import AXES, Kind, Recorded, Watch
@@ -74,7 +77,7 @@ class Hinge(Kind):
             raise SceneError(f"particles of hinge {name}", particles, "two different particles")
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
-        axes = [unit(a, f"axis of hinge {name}") for a in np.broadcast_to(axis, (2, 3))]
+        axes = [unit(a, f"axis of hinge {name}") for a in of_both(axis)]
         axis = axes[0]
         if references is None:
             normal = unit(np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), "reference")
@@ -151,13 +154,17 @@ class Hinge(Kind):
             Hinges,
         )
 
-        hinges = cls.of(batch.one)
+        hinges, which = cls.of(batch.one), np.flatnonzero(alone(batch.one))
         h, rows = len(hinges), batch.instants + 1
+
+        def each(rows_of):  # which are alone is the same in all scenes of a batch
+            return lambda scene: rows_of(scene, [scene.hinges[i] for i in which])
+
         held = [[axis in hinge.support for axis in AXES] for hinge in hinges]
         found = Hinges(
             ends=batch.integers(cls.moved(batch.one)),
-            bodies=batch.stack(2 * h, BODY, _bodies),
-            hinges=batch.stack(h, HINGE, _places),
+            bodies=batch.stack(2 * h, BODY, each(_bodies)),
+            hinges=batch.stack(h, HINGE, each(_places)),
             held=batch.integers(held, 3),
             supported=bool(np.any(held)),
             body_scratch=batch.blank(2 * h, BODY_SCRATCH),
@@ -193,28 +200,27 @@ def names_taken(scene) -> set[str]:
     return names | {name_of(hinge) for hinge in scene.hinges}
 
 
-def _bodies(scene) -> np.ndarray:
+def _bodies(scene, hinges: Sequence[Hinge]) -> np.ndarray:
     from deployable.fpm.kinds import hinge_arrays as at
 
-    hinges = Hinge.of(scene)
-    out = np.zeros((2 * len(hinges), at.BODY))
-    for h, hinge in enumerate(hinges):
-        for k, beam in enumerate(hinge.beams):
-            row, p = out[2 * h + k], beam.particle
-            free = ~scene.fixed[p]
-            row[at.ARM : at.ARM + 3] = beam.arm
-            row[at.AXIS : at.AXIS + 3] = hinge.axes[k]
-            row[at.REF : at.REF + 3] = hinge.references[k]
-            row[at.NORMAL : at.NORMAL + 3] = np.cross(hinge.axes[k], hinge.references[k])
-            row[at.HIM : at.HIM + 3] = free[:3] / scene.mass[p]
+    beams = [beam for hinge in hinges for beam in hinge.beams]
+    axes = np.concatenate([hinge.axes for hinge in hinges])
+    references = np.concatenate([hinge.references for hinge in hinges])
+    p = [beam.particle for beam in beams]
+    out = np.zeros((len(beams), at.BODY))
+    out[:, at.ARM : at.ARM + 3] = [beam.arm for beam in beams]
+    out[:, at.AXIS : at.AXIS + 3] = axes
+    out[:, at.REF : at.REF + 3] = references
+    out[:, at.NORMAL : at.NORMAL + 3] = cross(axes, references)
+    out[:, at.HIM : at.HIM + 3] = ~scene.fixed[p, :3] / scene.mass[p, None]
     return out
 
 
-def _places(scene) -> np.ndarray:
+def _places(scene, hinges: Sequence[Hinge]) -> np.ndarray:
     from deployable.fpm.kinds import hinge_arrays as at
 
-    out = np.zeros((len(Hinge.of(scene)), at.HINGE))
-    for row, hinge in zip(out, Hinge.of(scene), strict=True):
+    out = np.zeros((len(hinges), at.HINGE))
+    for row, hinge in zip(out, hinges, strict=True):
         row[at.HELD : at.HELD + 3] = [axis in hinge.support for axis in AXES]
         first = hinge.beams[0]
         place = scene.position[first.particle] + scene.frame[first.particle] @ first.arm
@@ -232,8 +238,7 @@ def alone(scene) -> list[bool]:
     """
     joining = [e for kind, found in scene.kinds.items() if kind.joins for e in found]
     uses = Counter(p for element in joining for p in element.particles)
-    held = scene.fixed.all(axis=1)
-    shared = {p for p, count in uses.items() if count > 1 and not held[p]}
+    shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
     shared.update(drive.particle for drive in scene.drives)
     turning = {e.hinge for kind, found in scene.kinds.items() if kind.holds for e in found}
     return [
@@ -247,8 +252,13 @@ def alone(scene) -> list[bool]:
 
 def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
     """Virtual beams from two particles to a point (3,), or each to its own (2, 3)."""
-    points = np.broadcast_to(point, (2, 3))
-    return tuple(scene.arm_to(p, q) for p, q in zip(particles, points, strict=True))
+    return tuple(scene.arm_to(p, q) for p, q in zip(particles, of_both(point), strict=True))
+
+
+def of_both(vector) -> Sequence[np.ndarray]:
+    """A vector (3,) for both particles, or one for each (2, 3)."""
+    vector = np.asarray(vector, float)
+    return (vector, vector) if vector.ndim == 1 else vector
 
 
 def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
@@ -269,7 +279,7 @@ def _is_regular(support: str, one: bytes, two: bytes) -> bool:
 def unit(vector, what: str) -> np.ndarray:
     """The vector (3,) at length one; SceneError if it has none."""
     vector = np.asarray(vector, float)
-    size = np.linalg.norm(vector)
-    if not size > 0 or not np.isfinite(size):
+    size = length(vector)
+    if not size > 0 or not math.isfinite(size):
         raise SceneError(what, vector.tolist(), "a finite vector that is not zero")
     return vector / size

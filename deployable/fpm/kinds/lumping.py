@@ -16,6 +16,7 @@ step; the excess (f - 1) rho I L of the link's inertia is taken back by moving a
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -33,6 +34,11 @@ def end_weights(elements: int, order: int | None = None) -> np.ndarray:
 
     order: of the last differences in the end corrections; None: the best for so many elements.
     """
+    return np.array(_end_weights(elements, order))
+
+
+@lru_cache(64)
+def _end_weights(elements: int, order: int | None) -> tuple[float, ...]:
     weights = np.ones(elements + 1)
     weights[[0, -1]] = 0.5
     if order is None:
@@ -43,7 +49,7 @@ def end_weights(elements: int, order: int | None = None) -> np.ndarray:
             share = -GREGORY[k - 1] * (-1) ** j * math.comb(k, j)
             weights[j] += share
             weights[-1 - j] += share
-    return weights
+    return tuple(weights.tolist())
 
 
 def lump(length: float, elements: int, section, material, scale: float = 1.0):

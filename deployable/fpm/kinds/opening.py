@@ -164,11 +164,9 @@ def unit_of(scene, hinge: int, unit: str) -> str:
 
 def _sides(scene) -> np.ndarray:
     """Axis, reference and their product (2h, 9) of either side of every hinge."""
-    sides = [
-        np.hstack([hinge.axes, hinge.ends, np.cross(hinge.axes, hinge.ends)])
-        for hinge in scene.hinges
-    ]
-    return np.concatenate(sides)
+    axes = np.concatenate([hinge.axes for hinge in scene.hinges])
+    ends = np.concatenate([hinge.ends for hinge in scene.hinges])
+    return np.hstack([axes, ends, cross(axes, ends)])
 
 
 def relative_turn(scene, on, stiffness) -> Deformations:

@@ -37,7 +37,7 @@ from functools import cached_property
 
 import numpy as np
 
-from deployable.fpm.cross import cross
+from deployable.fpm.cross import columns, cross
 from deployable.fpm.errors import SceneError
 
 LINKS = ("AB", "BC", "CD", "DA")
@@ -46,14 +46,12 @@ HINGES = ("A", "B", "C", "D")
 # Table 1 of the paper prints one decimal; values that agree to that digit are the same.
 OMEGA_TOLERANCE_DEG = 0.05
 
-# Images of link AB: world reflection or half turn, and whether the section's axes change names.
-_IMAGES = {
-    "AB": (np.diag([1.0, 1.0, 1.0]), False),
-    "BC": (np.diag([-1.0, 1.0, 1.0]), True),
-    "CD": (np.diag([-1.0, -1.0, 1.0]), False),
-    "DA": (np.diag([1.0, -1.0, 1.0]), True),
-}
+# The links as images of AB, in the order of LINKS: by reflections and the half turn of the world,
+# of which the reflections exchange the names of the section's axes.
+_HALF_TURN = np.diag([-1.0, -1.0, 1.0])
+_IMAGES = np.array([np.eye(3), np.diag([-1.0, 1.0, 1.0]), _HALF_TURN, np.diag([1.0, -1.0, 1.0])])
 _EXCHANGE_YZ = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+_EXCHANGES = np.array([np.eye(3), _EXCHANGE_YZ, np.eye(3), _EXCHANGE_YZ])
 
 # Bodies of each hinge, in the order for which a positive turn of body 2 about the axis opens it.
 _HINGE_BODIES = {"A": ("AB", "DA"), "B": ("AB", "BC"), "C": ("CD", "BC"), "D": ("CD", "DA")}
@@ -233,35 +231,29 @@ class BennettGeometry:
         beta, _ = self.axis_angles(psi)
         zero = np.zeros_like(psi)
         # AB turns by -psi/2 about hB away from the mirror plane, its mirror image BC by +psi/2.
-        hinge = np.stack([zero, np.cos(beta), np.sin(beta)], axis=-1)
-        normal = np.stack([1.0 + zero, zero, zero], axis=-1)
+        hinge = columns(zero, np.cos(beta), np.sin(beta))
+        normal = columns(1.0 + zero, zero, zero)
         cosine, sine = np.cos(0.5 * psi)[..., None], np.sin(0.5 * psi)[..., None]
-        turned = cosine * normal - sine * np.cross(hinge, normal)
-        world = np.stack([hinge, turned, np.cross(hinge, turned)], axis=-1)
+        turned = cosine * normal - sine * cross(hinge, normal)
+        world = columns(hinge, turned, cross(hinge, turned))
         local_hinge, local_normal = self.axis_b, self.face_normal_b
-        local = np.stack([local_hinge, local_normal, cross(local_hinge, local_normal)], axis=-1)
+        local = columns(local_hinge, local_normal, cross(local_hinge, local_normal))
         rotation = world @ local.T
 
         end_b = np.array([self.length, 0.0, 0.0])
         span = rotation @ (end_b + self.arm_b - self.arm_a)
-        point_a = np.stack([-span[..., 0], zero, zero], axis=-1)
-        point_b = np.stack([zero, span[..., 1], span[..., 2]], axis=-1)
+        point_a = columns(-span[..., 0], zero, zero)
+        point_b = columns(zero, span[..., 1], span[..., 2])
         origin = point_a - rotation @ self.arm_a
         axis_a = rotation @ self.axis_a
 
-        half_turn = _IMAGES["CD"][0]
-        origins, rotations = [], []
-        for link in LINKS:
-            image, exchanged = _IMAGES[link]
-            origins.append(origin @ image)  # images are diagonal, hence symmetric
-            rotations.append(image @ rotation @ (_EXCHANGE_YZ if exchanged else np.eye(3)))
         opening_a = self.opening_a(psi)
         return Pose(
-            origin=np.stack(origins, axis=-2),
-            rotation=np.stack(rotations, axis=-3),
-            point=np.stack([point_a, point_b, point_a @ half_turn, point_b @ half_turn], axis=-2),
-            axis=np.stack([axis_a, hinge, axis_a @ half_turn, hinge @ half_turn], axis=-2),
-            opening=np.stack([opening_a, psi, opening_a, psi], axis=-1),
+            origin=(origin[..., None, None, :] @ _IMAGES)[..., 0, :],  # each equals its transpose
+            rotation=_IMAGES @ rotation[..., None, :, :] @ _EXCHANGES,
+            point=_with_half_turn(point_a, point_b),
+            axis=_with_half_turn(axis_a, hinge),
+            opening=columns(opening_a, psi, opening_a, psi),
         )
 
     # --- what a model of the linkage is made of --------------------------------------------------
@@ -304,6 +296,14 @@ class BennettGeometry:
                 )
             )
         return tuple(hinges)
+
+
+def _with_half_turn(of_a: np.ndarray, of_b: np.ndarray) -> np.ndarray:
+    """Vectors (..., 4, 3) at A, B, C and D from those (..., 3) at A and B."""
+    out = np.empty((*of_a.shape[:-1], 4, 3))
+    out[..., 0, :], out[..., 1, :] = of_a, of_b
+    out[..., 2:, :] = out[..., :2, :] @ _HALF_TURN
+    return out
 
 
 def _into_face(axis: np.ndarray, arm: np.ndarray) -> np.ndarray:

@@ -16,6 +16,7 @@ import numpy as np
 
 from deployable.fpm import classic, sealed
 from deployable.fpm.asked import VARIABLES, Column
+from deployable.fpm.cross import columns
 from deployable.fpm.kinds.kind import Eventful
 from deployable.fpm.kinds.latch import RECORDED
 
@@ -260,20 +261,22 @@ def impact_events(events: np.ndarray, eventful: Iterable[Eventful]) -> dict[str,
     others than contacts go by their whole names. A latch closes and opens at once: it does not
     stand in the way of the impacts that follow.
     """
-    found, names = [np.zeros((0, 3))], []
-    for i, (name, own, _) in enumerate(eventful):
-        begins = next((event for event in own if event in IMPACTS), None)
-        if begins is None:
-            continue
-        rows = events[events[:, 1] == i]
-        for event, closing in ((begins, 1.0), (IMPACTS[begins], 0.0)):
-            times = rows[rows[:, 2] == own.index(event), 0]
-            index = np.full_like(times, len(names))
-            found.append(np.stack([times, index, np.full_like(times, closing)], axis=1))
-        names.append(name.removeprefix("contact "))
+    names, index, begins, ends = [], [], [], []  # of each element, -1 where it has no impacts
+    for name, own, _ in eventful:
+        impact = next((event for event in own if event in IMPACTS), None)
+        index.append(-1 if impact is None else len(names))
+        begins.append(-1 if impact is None else own.index(impact))
+        ends.append(-1 if impact is None else own.index(IMPACTS[impact]))
+        if impact is not None:
+            names.append(name.removeprefix("contact "))
+    time, number, element = events[:, 0], events[:, 2], events[:, 1].astype(int)
+    found = []
+    for numbers, closing in ((begins, 1.0), (ends, 0.0)):
+        its = np.flatnonzero(number == np.array(numbers, int)[element])
+        found.append(columns(time[its], np.array(index, int)[element[its]], closing))
     rows = np.concatenate(found)
     # In order of time; what closes and opens at once closes first.
-    return {"events": rows[np.lexsort((-rows[:, 2], rows[:, 0]))], "contacts": names}
+    return {"events": rows[np.lexsort((rows[:, 1], -rows[:, 2], rows[:, 0]))], "contacts": names}
 
 
 def happened(events: np.ndarray, eventful: Iterable[Eventful]) -> dict[tuple[str, str], np.ndarray]:

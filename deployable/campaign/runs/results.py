@@ -80,6 +80,14 @@ def group_digest(asked: list, experiment: Experiment, group: Runs) -> str:
     return digest([asked, list(experiment.intervals), group[0].id, values])
 
 
+def padded(events: Sequence[np.ndarray]) -> np.ndarray:
+    """Tables (e, 3) of events of several runs as one (r, most, 3), filled with NaN."""
+    out = np.full((len(events), max(map(len, events)), len(EVENT_VARIABLES)), np.nan)
+    for row, table in zip(out, events, strict=True):
+        row[: len(table)] = table
+    return out
+
+
 def listed(folder: Path) -> list[str]:
     """Names of the files in a folder that may not be there yet."""
     return os.listdir(folder) if folder.is_dir() else []

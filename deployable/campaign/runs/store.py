@@ -38,6 +38,7 @@ from deployable.campaign.runs.results import (
     largest_overlap,
     listed,
     numbers_of,
+    padded,
     write_dimension,
 )
 from deployable.fpm.asked import Column
@@ -179,7 +180,7 @@ class Responses:
             return
         first = results[0].outcome
         found = [impact_events(result.outcome.events, first.eventful) for result in results]
-        events, contacts = [each["events"] for each in found], found[0]["contacts"]
+        events, contacts = padded([each["events"] for each in found]), found[0]["contacts"]
         path = self.path(group)
         with (
             whole_file(path, {"name": _name(path)}) as temporary,
@@ -187,7 +188,7 @@ class Responses:
         ):
             file.createDimension("run", len(results))
             file.createDimension("time", len(first.time))
-            file.createDimension("event", max(1, max(map(len, events))))
+            file.createDimension("event", max(1, events.shape[1]))
             file.createVariable("time", "f8", ("time",))[:] = first.time
             write_dimension(file, "contact", contacts, "name of the contact, stop or latch")
             names = [response.name for response in self.responses]
@@ -206,13 +207,11 @@ class Responses:
             file.createVariable("overlap", "f8", ("run",))[:] = overlaps
             for column, name in enumerate(EVENT_VARIABLES):
                 variable = file.createVariable(name, "f8", ("run", "event"), fill_value=np.nan)
-                for row, table in enumerate(events):
-                    variable[row, : len(table)] = table[:, column]
+                variable[:, : events.shape[1]] = events[..., column]
             if self.quantities:
                 write_dimension(file, "quantity", [q.name for q in self.quantities], "quantity")
-                variable = file.createVariable("quantities", "f8", ("run", "quantity"))
-                for row, result in enumerate(results):
-                    variable[row] = numbers_of(self.quantities, curves_of(result.outcome))
+                numbers = [numbers_of(self.quantities, curves_of(r.outcome)) for r in results]
+                file.createVariable("quantities", "f8", ("run", "quantity"))[:] = numbers
 
     def read(self, group: Runs) -> dict[str, Record]:
         """Those runs of a group that are there, by id."""

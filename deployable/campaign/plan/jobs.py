@@ -38,7 +38,7 @@ def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> 
 
 def job_megabytes(campaign: Campaign) -> int:
     """Memory to ask a queue for, for a job: a program for each process, which holds a group of runs
-    as they are recorded and once more as they are written."""
+    as they are written and the next as they are recorded."""
     experiment, jobs = campaign.experiment, campaign.jobs
     run = 8 * experiment.solver.instants * (recorded(experiment) + len(experiment.responses))
     return math.ceil(PROGRAM + jobs.processes * (PROCESS + 2.0 * jobs.group * run / 1e6))

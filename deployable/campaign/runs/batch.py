@@ -1,19 +1,21 @@
 """Simulate one batch of a plan's runs, skipping those that are there already.
 
 A batch is one process, or several that share its groups. A process takes its runs in groups,
-integrates a group side by side, hands it to
-the store and goes on, so that memory stays bounded and a killed
-job loses one group of each process at most. A run that fails does not harm the others: they are
-written, and the failures are listed at the end.
+integrates a group side by side, and hands it to the store while the next is integrated, so that
+memory stays bounded and a killed job loses two groups of each process at most. A run that fails
+does not harm the others: they are written, and the failures are listed at the end.
 """
 
 from __future__ import annotations
 
 import json
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -76,13 +78,14 @@ def run_batch(
         progress = Progress(plan.experiment.name, total, store.counter(groups), tell, Path(folder))
         begun = clocks()
         simulation.after = lambda: progress.report(last=False)
-        one = partial(_simulate_group, simulation, store, processes)
-        for other in spread(one, work, processes):
+        lots = [work] if processes == 1 else [[one] for one in work]
+        several = partial(_simulate_groups, simulation, store, processes)
+        for other in spread(several, [(lot,) for lot in lots], processes):
             simulation.take(other)
             progress.report(last=False)
         progress.report()
         if simulation.count and jobs.minutes:
-            taken = (clocks() - begun)[0] * min(processes, len(work)) / simulation.count
+            taken = (clocks() - begun)[0] * min(processes, len(lots)) / simulation.count
             tell(f"jobs.run_seconds: {taken:.3g} s of a core for a run here")
     simulation.check()
     facts = {
@@ -96,17 +99,19 @@ def run_batch(
     write_result(manifest, json.dumps(facts, indent=1) + "\n")
 
 
-def _simulate_group(
-    simulation: Simulation, store: Any, processes: int, group: Runs, missing: Runs
+def _simulate_groups(
+    simulation: Simulation, store: Any, processes: int, work: Sequence[tuple[Runs, Runs]]
 ) -> tuple[int, list[Failure], np.ndarray]:
-    """Simulate what is missing of a group and write it: how many, failures, seconds.
+    """Simulate what is missing of groups and write it: how many, failures, seconds.
 
     Progress is told by the first of several processes.
     """
     own = Simulation(simulation.plan, simulation.size, simulation.threads)
     if processes == 1:
         own.after = simulation.after
-    store.write(group, own.results(missing, store.had(missing)))
+    asked = [(missing, store.had(missing)) for _, missing in work]
+    for (group, _), results in zip(work, own.each(asked), strict=True):
+        store.write(group, results)
     return own.count, own.failures, own.seconds
 
 
@@ -150,8 +155,9 @@ def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> No
 class Simulation:
     """Simulates runs of a plan, `size` side by side, on so many threads.
 
-    Attributes: `count` of the runs that went well, `failures`, and the `seconds` (by `clocks`) that
-    it took to integrate; `after` is called after each group.
+    Attributes: `count` of the runs that went well, `failures`, and the `seconds` that it took to
+    integrate: of the clock, as the mean of the threads, and of cpu time, of all of them; `after` is
+    called after each group.
     """
 
     def __init__(self, plan: Plan, size: int, threads: int = 1):
@@ -168,13 +174,39 @@ class Simulation:
         self.seconds += seconds
 
     def results(self, runs: Runs, also: Iterable[Column] = ()) -> Iterator[Result]:
-        """The results of those runs that go well, as they come; also: as for `simulate`."""
-        for group in groups_of(runs, self.size):
-            results, failed, taken = simulate(self.plan, group, self.threads, also)
-            self.count += len(results)
-            self.failures += failed
-            self.seconds += taken
-            yield from results
+        """The results of those runs that go well, in order; also: as for `simulate`."""
+        for found in self.each([(runs, also)]):
+            yield from found
+
+    def each(self, asked: Sequence[tuple[Runs, Iterable[Column]]]) -> Iterator[Iterator[Result]]:
+        """The results of several lots of runs, none empty, which are to be taken one by one.
+
+        While those of a group of runs are taken, the threads make those of the next.
+        """
+        with ThreadPoolExecutor(self.threads) as pool:
+
+            def start(lot: int, group: Runs, also: Iterable[Column]) -> tuple[int, list[Future]]:
+                count = max(1, min(self.threads, len(group) // 4))  # eight runs take as long as one
+                parts = [share(group, part, count) for part in range(count)]
+                return lot, [pool.submit(simulate, self.plan, part, also) for part in parts]
+
+            groups = (
+                (lot, group, also)
+                for lot, (runs, also) in enumerate(asked)
+                for group in groups_of(runs, self.size)
+            )
+            try:
+                for _, started in groupby(_one_ahead(start, groups), key=itemgetter(0)):
+                    yield self._taken(parts for _, parts in started)
+            finally:
+                pool.shutdown(cancel_futures=True)
+
+    def _taken(self, started: Iterable[list[Future]]) -> Iterator[Result]:
+        for parts in started:
+            for part in parts:
+                results, failed, taken = part.result()
+                self.take((len(results), failed, taken / (self.threads, 1)))
+                yield from results
             self.after()
 
     def check(self) -> None:
@@ -183,32 +215,38 @@ class Simulation:
             raise CampaignError(failure_text(self.plan, self.failures))
 
 
+def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
+    """`start(*item)` of all items in order, each when that of the next was called."""
+    begun = deque()
+    for item in items:
+        begun.append(start(*item))
+        if len(begun) > 1:
+            yield begun.popleft()
+    yield from begun
+
+
 def simulate(
-    plan: Plan, runs: Sequence[Run], threads: int = 1, also: Iterable[Column] = ()
+    plan: Plan, runs: Sequence[Run], also: Iterable[Column] = ()
 ) -> tuple[list[Result], list[Failure], np.ndarray]:
     """Simulate runs side by side: those that went well, those that failed with the reason, and the
-    seconds (by `clocks`) that it took to integrate them. also: what is recorded beside what the
-    responses need."""
+    seconds, of the clock and of this thread's cpu time, that it took to integrate them. also: what
+    is recorded beside what the responses need."""
     from deployable import fpm
 
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.named(run)) for run in runs]
     scenes = [experiment.scene_type.build(**values) for values in parameters]
-    before = clocks()
-    integrate = partial(
-        fpm.simulate,
+    before = clocks(time.thread_time)
+    outcomes = fpm.simulate(
+        scenes,
         duration=solver.duration,
         instants=solver.instants,
         step=plan.time.step,
         energy_tolerance=solver.energy_tolerance,
         record=sorted({*experiment.asked, *also}),
     )
-    threads = max(1, min(threads, len(scenes) // 4))  # eight runs take as long as one
-    with ThreadPoolExecutor(threads) as pool:
-        shares = [share(scenes, part, threads) for part in range(threads)]
-        outcomes = [outcome for part in pool.map(integrate, shares) for outcome in part]
-    seconds = clocks() - before
-    results, failed = [], []
+    seconds = clocks(time.thread_time) - before
+    results, failed, provenance = [], [], as_attribute()
     for run, values, outcome in zip(runs, parameters, outcomes, strict=True):
         if outcome.failure is not None:
             failed.append((run, str(outcome.failure)))
@@ -223,7 +261,7 @@ def simulate(
             "config_hash": plan.config_hash,
             "time_step_limit": plan.time.step_limit,
             "limiting_element": plan.time.limiting_element,
-            "provenance": as_attribute(),
+            "provenance": provenance,
             **{f"parameter_{name}": v for name, v in values.items() if v is not None},
         }
         results.append(Result(run, outcome, attributes))
@@ -241,6 +279,6 @@ def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
     return "\n".join(lines)
 
 
-def clocks() -> np.ndarray:
-    """Seconds of the clock and of this process's cpu time, since some moment."""
-    return np.array([time.perf_counter(), time.process_time()])
+def clocks(cpu: Callable[[], float] = time.process_time) -> np.ndarray:
+    """Seconds of the clock, and of cpu time, this process's or another, since some moment."""
+    return np.array([time.perf_counter(), cpu()])

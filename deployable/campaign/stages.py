@@ -195,8 +195,13 @@ def summary(
     tell(summarise(folder, published, bool(requirements), bool(choose.parameters)))
 
 
-def report(folder: Folder, tell: Tell, frames: int = 401) -> None:
-    """Make the page that shows and tells everything, with the motion of some runs."""
+def report(
+    folder: Folder, tell: Tell, frames: int = 401, moved: Callable[[], None] = lambda: None
+) -> None:
+    """Make the page that shows and tells everything, with the motion of some runs.
+
+    moved: is called as soon as these motions are there.
+    """
     from deployable.campaign.report import from_results, make_motions, words, write_page
 
     if frames < 2:
@@ -205,6 +210,7 @@ def report(folder: Folder, tell: Tell, frames: int = 401) -> None:
     import_ahead("scipy.spatial.transform")
     if not make_motions(folder.path, frames):
         tell("no run is made again: the structure or the mechanics have changed since")
+    moved()
     data = from_results(folder.path)
     write_page(data, folder.report)
     tell("\n".join([words.headline(data), *words.cautions(data), f"Open {folder.report}"]))

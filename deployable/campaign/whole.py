@@ -43,7 +43,8 @@ def run(
     folder = Folder(Path(results, campaign.name))
     for error in _damaged_in(campaign, results, figures):
         tell(f"{error}; it is made again")
-    with Draughtsman() if figures else nullcontext() as draughtsman:
+    ahead = _NEEDED_NEXT if waits_for_page(campaign) else ()  # the page's motions are read with it
+    with Draughtsman(ahead) if figures else nullcontext() as draughtsman:
         wanted = drawings(campaign) if draughtsman else []
         if campaign.is_adaptive:
             _run_rounds(campaign, folder, tell)
@@ -61,9 +62,12 @@ def run(
                 draughtsman.ask(name, campaign, folder)
         _stage("summary", campaign, folder, tell)
         if draughtsman:
-            _stage("report", campaign, folder, tell)
-            if "moments" in wanted:
-                draughtsman.ask("moments", campaign, folder)
+
+            def draw_moments() -> None:
+                if "moments" in wanted:
+                    draughtsman.ask("moments", campaign, folder)
+
+            _stage("report", campaign, folder, tell, moved=draw_moments)
         return _open(folder.bounds)
 
 

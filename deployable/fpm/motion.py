@@ -5,11 +5,12 @@ particle and at two arms of one metre along its axes; points do not influence th
 is the trajectory's bit for bit. Strains follow outside the time loop.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 
 import numpy as np
 
+from deployable.fpm.asked import Column
 from deployable.fpm.errors import SceneError
 from deployable.fpm.kinds.virtual_beam import VirtualBeam
 from deployable.fpm.motion_dataset import BOX_CORNERS, Recorded, elements_of, to_dataset
@@ -32,16 +33,19 @@ def whole_motion(
     frames: int = 401,
     times: Sequence[float] = (),
     energy_tolerance: float = 0.02,
+    record: Iterable[Column] = (),
     attributes: Sequence[dict] | None = None,
+    more: Callable[[int, Outcome], Mapping] = lambda number, outcome: {},
 ) -> list:
     """The whole motion of scenes of one topology, an xarray.Dataset each.
 
-    duration (s), instants, step (s), energy_tolerance as in `simulate`: those of the trajectory
-    that is to be had again. Kept are `frames` of its instants, evenly spread, and those nearest to
-    `times` (s). attributes: further global ones of each. Raises the failure of a run that fails.
+    duration (s), instants, step (s), energy_tolerance, record as in `simulate`: those of the
+    trajectory that is to be had again. Kept are `frames` of its instants, evenly spread, and those
+    nearest to `times` (s). attributes: further global ones of each; more(number, outcome): further
+    variables of one. Raises the failure of a run that fails.
     """
     arguments = {"duration": duration, "instants": instants, "step": step}
-    arguments["energy_tolerance"] = energy_tolerance
+    arguments |= {"energy_tolerance": energy_tolerance, "record": tuple(record)}
     count = len(scenes[0].position)
     points = len(_ARMS) * 6 * instants * 8  # numbers of one particle, with 8 runs side by side
     passes = max(1, round(np.ceil(count * points / MOST_RECORDED)))
@@ -61,7 +65,8 @@ def whole_motion(
         strains = element_strains(scene, position[kept], frame[kept])
         found = Recorded(scene, parts[0][1], kept, position, velocity[kept], frame, *strains)
         extra = attributes[i] if attributes else {}
-        datasets.append(to_dataset(found, section_corners(scene), extra))
+        data = to_dataset(found, section_corners(scene), extra)
+        datasets.append(data.assign(more(i, found.outcome)))
     return datasets
 
 

@@ -4,7 +4,7 @@ and bounds are attained."""
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -147,45 +147,35 @@ def motions_of(samples: xarray.Dataset, shown: Sequence[Shown], frames: int = 40
     names = samples["parameter"].values.tolist()
     scenes = [experiment.build(dict(zip(names, run.values.tolist(), strict=True))) for run in shown]
     solver = experiment.solver
-    how = {
-        "duration": solver.duration,
-        "instants": solver.instants,
-        "step": float(samples.attrs["time_step"]),
-        "energy_tolerance": solver.energy_tolerance,
-    }
     closures = samples["event_time"].values[shown[0].row]
-    motions = whole_motion(
+    bare = {i for i, run in enumerate(shown) if run.row is None or keeps_extremes(samples)}
+    return whole_motion(
         scenes,
-        **how,
+        duration=solver.duration,
+        instants=solver.instants,
+        step=float(samples.attrs["time_step"]),
+        energy_tolerance=solver.energy_tolerance,
+        record=experiment.asked if bare else (),
         frames=frames,
         times=closures[np.isfinite(closures)],
         attributes=[{"run_id": run.id, "campaign": samples.attrs["campaign"]} for run in shown],
+        more=lambda i, outcome: _own_curves(experiment, outcome) if i in bare else {},
     )
-    bare = [i for i, run in enumerate(shown) if run.row is None or keeps_extremes(samples)]
-    if bare:
-        own = _own_curves(experiment, [scenes[i] for i in bare], how)
-        for i, variables in zip(bare, own, strict=True):
-            motions[i] = motions[i].assign(variables)
-    return motions
 
 
-def _own_curves(experiment: Any, scenes: Sequence, how: Mapping[str, float]) -> list[dict]:
-    """Responses and events of runs, as variables of their motions."""
-    from deployable import fpm
+def _own_curves(experiment: Any, outcome: Any) -> dict:
+    """Responses and events of a run, as variables of its motion."""
     from deployable.fpm.trajectory import impact_events
 
-    found = []
-    for outcome in fpm.simulate(scenes, **how, record=experiment.asked):
-        curves = np.array([response.evaluate(outcome) for response in experiment.curves])
-        impacts = impact_events(outcome.events, outcome.eventful)
-        found.append({
-            "curves": (("response", "instant"), curves, {"long_name": "value of the response"}),
-            "impact": (("impacts", "column"), impacts["events"], {
-                "long_name": "time (s), index into `eventful`, 1 if it closes"}),
-            "eventful": ("named", np.array(impacts["contacts"], dtype=object), {
-                "long_name": "contact, stop or latch"}),
-        })  # fmt: skip
-    return found
+    curves = np.array([response.evaluate(outcome) for response in experiment.curves])
+    impacts = impact_events(outcome.events, outcome.eventful)
+    return {
+        "curves": (("response", "instant"), curves, {"long_name": "value of the response"}),
+        "impact": (("impacts", "column"), impacts["events"], {
+            "long_name": "time (s), index into `eventful`, 1 if it closes"}),
+        "eventful": ("named", np.array(impacts["contacts"], dtype=object), {
+            "long_name": "contact, stop or latch"}),
+    }  # fmt: skip
 
 
 def motion_of(folder: str | Path, row: int) -> xarray.Dataset:

@@ -10,7 +10,6 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -44,25 +43,13 @@ def _ignore_ctrl_c() -> None:
 
 
 class Draughtsman:
-    """A process that draws the stages that it is asked for; leaving the context waits for it.
-
-    ahead: further modules that it will need.
-    """
-
-    def __init__(self, ahead: Sequence[str] = ()):
-        self.ahead = ahead
+    """A process that draws the stages that it is asked for; leaving the context waits for it."""
 
     def __enter__(self) -> Draughtsman:
         root = str(Path(__file__).parents[2])
         paths = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
         self.process = subprocess.Popen(
-            [
-                sys.executable,
-                "-P",
-                "-c",
-                _CHILD,
-                *self.ahead,
-            ],  # no module from the campaign's folder
+            [sys.executable, "-P", "-c", _CHILD],  # no module from the campaign's folder
             stdin=subprocess.PIPE,
             env={**os.environ, "PYTHONPATH": paths},
             preexec_fn=_ignore_ctrl_c,
@@ -88,7 +75,7 @@ class Draughtsman:
 
 def draw() -> None:
     """Draw what the lines of standard input ask for."""
-    for name in (*_READY, *sys.argv[1:]):  # before the first line comes
+    for name in _READY:  # before the first line comes
         import_module(name)
 
     for line in sys.stdin:

@@ -43,8 +43,7 @@ def run(
     folder = Folder(Path(results, campaign.name))
     for error in _damaged_in(campaign, results, figures):
         tell(f"{error}; it is made again")
-    ahead = _NEEDED_NEXT if waits_for_page(campaign) else ()  # the page's motions are read with it
-    with Draughtsman(ahead) if figures else nullcontext() as draughtsman:
+    with Draughtsman() if figures else nullcontext() as draughtsman:
         wanted = drawings(campaign) if draughtsman else []
         if campaign.is_adaptive:
             _run_rounds(campaign, folder, tell)

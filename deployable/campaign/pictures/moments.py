@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from deployable.campaign.pictures.paint import frame_picture, limits_of, paint_cables, paint_solid
-from deployable.campaign.pictures.solid import solid_of_motion
+from deployable.campaign.pictures.solid import solid_of_motion, values_in
 from deployable.campaign.pictures.view import View
 
-if TYPE_CHECKING:
-    import xarray
 
-
-def telling_moments(motion: xarray.Dataset, count: int) -> np.ndarray:
+def telling_moments(motion: Any, count: int) -> np.ndarray:
     """Indices of `count` frames, evenly spread in the way that the particles have gone.
 
     From the start to the first closure of a contact, or to the end where nothing closes. The way is
     the root of the mean square of all particles' steps.
     """
-    time, position = motion["time"].values, motion["position"].values
-    closing = motion["contact_event_closing"].values == 1
-    closures = motion["contact_event_time"].values[closing]
+    time, position = values_in(motion, "time"), values_in(motion, "position")
+    closing = values_in(motion, "contact_event_closing") == 1
+    closures = values_in(motion, "contact_event_time")[closing]
     last = int(np.abs(time - closures.min()).argmin()) if len(closures) else len(time) - 1
     last = max(last, 1)
     steps = np.sqrt(np.square(np.diff(position[: last + 1], axis=0)).sum(axis=2).mean(axis=1))
@@ -31,21 +28,20 @@ def telling_moments(motion: xarray.Dataset, count: int) -> np.ndarray:
     return np.array([int(np.abs(way - one).argmin()) for one in wanted])
 
 
-def draw_moments(
-    motion: xarray.Dataset, count: int = 5, width: float = 7.5, view: View | None = None
-) -> Any:
-    """A figure of a whole motion (`fpm.motion`) at `count` moments; width in inches."""
+def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | None = None) -> Any:
+    """A figure of an open whole motion (as of `solid_of_motion`) at `count` moments; width in
+    inches."""
     from matplotlib.figure import Figure
 
     view = view or View()
-    shown = motion.isel(time=telling_moments(motion, count))
-    solid = solid_of_motion(shown)
+    shown = telling_moments(motion, count)
+    solid = solid_of_motion(motion, shown)
     limits = limits_of(solid.places, view, margin=0.02)
     across, up = limits[1] - limits[0]
     shape = min(2.6, (up + 0.2 * max(across, up)) / across)  # of a panel
     figure = Figure(figsize=(width, width / count * shape + 0.2))
     height = figure.get_figheight()
-    for moment, now in enumerate(shown["time"].values):
+    for moment, now in enumerate(values_in(motion, "time")[shown]):
         ax = figure.add_axes((moment / count, 0, 1 / count, 1 - 0.2 / height))
         frame_picture(ax, limits, view, signs=moment == 0)
         if len(solid.nodes):

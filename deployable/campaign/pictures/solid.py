@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from deployable.fpm.bars import bar_of
-
-if TYPE_CHECKING:
-    import xarray
 
 FACES = np.array([
     (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7),  # along the element
@@ -101,16 +98,22 @@ class Solid:
         return shown
 
 
-def solid_of_motion(motion: xarray.Dataset) -> Solid:
-    """The solid of a whole motion (`fpm.motion`), at all its frames."""
+def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
+    """The solid of an open whole motion (`fpm.motion`; `xarray.Dataset` or `netCDF4.Dataset`), at
+    all its frames or at some."""
     return Solid(
-        nodes=motion["element_particle"].values,
-        sections=motion["section_corner"].values,
-        position=motion["position"].values,
-        frame=motion["frame"].values,
-        elements=tuple(map(str, motion["element"].values)),
-        cables=_cables_of_motion(motion),
+        nodes=values_in(motion, "element_particle"),
+        sections=values_in(motion, "section_corner"),
+        position=values_in(motion, "position")[frames],
+        frame=values_in(motion, "frame")[frames],
+        elements=tuple(map(str, values_in(motion, "element"))),
+        cables=_cables_of_motion(motion, frames),
     )
+
+
+def values_in(motion: Any, name: str) -> np.ndarray:
+    """The values of a variable of an open motion."""
+    return np.asarray(motion.variables[name][:])
 
 
 def solid_of_scene(scene: Any) -> Solid:
@@ -129,11 +132,11 @@ def solid_of_scene(scene: Any) -> Solid:
     )
 
 
-def _cables_of_motion(motion: xarray.Dataset) -> Cables:
-    if "cable_point_cable" not in motion:
+def _cables_of_motion(motion: Any, frames: Any) -> Cables:
+    if "cable_point_cable" not in motion.variables:
         return NO_CABLES
-    points = (motion[f"cable_point_{key}"].values for key in ("cable", "particle", "arm"))
-    return Cables(*points, motion["cable_tension"].values)
+    points = (values_in(motion, f"cable_point_{key}") for key in ("cable", "particle", "arm"))
+    return Cables(*points, values_in(motion, "cable_tension")[frames])
 
 
 def _cables_of_scene(scene: Any) -> Cables:

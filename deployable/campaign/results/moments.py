@@ -13,10 +13,11 @@ from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.plan.runs import ROLES
 from deployable.campaign.results.figures import save
 from deployable.campaign.results.linkage import draw, has_bars
-from deployable.campaign.results.which import nominal_row
+from deployable.campaign.results.which import ids, nominal_row
 from deployable.campaign.runs.batch import make_again
 from deployable.campaign.runs.progress import Tell
 from deployable.campaign.runs.store import open_store
+from deployable.fpm.sealed import DamagedError
 
 
 def draw_nominal(folder: Folder, keep: str, count: int, tell: Tell) -> None:
@@ -28,6 +29,7 @@ def draw_nominal(folder: Folder, keep: str, count: int, tell: Tell) -> None:
     with open_netcdf(folder.samples) as samples:
         experiment = from_data(Experiment, json.loads(samples.config))
         row, mechanics = nominal_row(samples) or 0, samples.mechanics
+        (name,) = ids(samples, [row])
     if has_bars(experiment, keep):
         save(_linkage(folder, count, tell), folder.overviews / "moments", bbox_inches="tight")
         return
@@ -37,9 +39,15 @@ def draw_nominal(folder: Folder, keep: str, count: int, tell: Tell) -> None:
             "it cannot be drawn; run the campaign first"
         )
     from deployable.campaign.pictures.moments import draw_moments
-    from deployable.campaign.report.motions import motion_of
 
-    save(draw_moments(motion_of(folder.path, row), count), folder.overviews / "moments")
+    try:
+        with open_netcdf(folder.motions / f"{name}.nc") as motion:
+            figure = draw_moments(motion, count)
+    except (FileNotFoundError, DamagedError):
+        from deployable.campaign.report.motions import motion_of
+
+        figure = draw_moments(motion_of(folder.path, row), count)
+    save(figure, folder.overviews / "moments")
 
 
 def _linkage(folder: Folder, count: int, tell: Tell) -> Any:

@@ -4,12 +4,15 @@ Each is run in a folder of its own, after a small one that compiles and warms th
 """
 
 import json
+import os
 import resource
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -67,11 +70,16 @@ def scan(folder: Path, samples: int, keep: str) -> Path:
 def snakemake(folder: Path, config: Path | None, cores: int, *more: str) -> float:
     """Wall seconds of one call."""
     asked = ("--configfile", str(config)) if config else ()
-    command = [sys.executable, "-m", "snakemake", f"-c{cores}", *asked, *more]
+    return called(folder, "snakemake", f"-c{cores}", *asked, *more)
+
+
+def called(folder: Path, module: str, *arguments: str) -> float:
+    """Wall seconds of a call of a module."""
+    command = [sys.executable, "-m", module, *arguments]
     start = time.perf_counter()
     done = subprocess.run(command, cwd=folder, env=environment(), capture_output=True, text=True)
     if done.returncode:
-        raise RuntimeError(f"snakemake failed:\n{done.stdout[-1000:]}\n{done.stderr[-3000:]}")
+        raise RuntimeError(f"{module} failed:\n{done.stdout[-1000:]}\n{done.stderr[-3000:]}")
     return time.perf_counter() - start
 
 
@@ -113,8 +121,52 @@ def timed(
 ) -> tuple[list[Row], float]:
     """Rows of the paper's campaign, or of a scan, once what it needs is warm; wall seconds first.
 
-    And the share of the wall time that the cores integrate.
+    And the share of the cores' time that they integrate.
     """
+    with warm(samples, keep, cores) as (folder, config):
+        dry = snakemake(folder, config, cores, "--dry-run")
+        started, before = time.time(), cpu_of_children()
+        wall = snakemake(folder, config, cores)
+        cpu = cpu_of_children() - before
+        done = jobs(folder)
+        manifests = manifests_in(folder)
+    own = alone(cores)
+    first = done[0][1] - started if done else wall
+    during = busy([(start, end) for _, start, end in done])
+    runs = sum(manifest["runs"] for manifest in manifests)
+    inside = sum(manifest["seconds"][0] for manifest in manifests) / cores
+    arithmetic = integrating(manifests) / cores
+    shared = f"sum over the batches, shared by {cores} cores"
+    rows = [
+        told("all", wall, "s", f"{runs} runs in {len(manifests)} batches"),
+        told("cpu time of all processes", cpu, "s"),
+        told("a dry run: interpreter, imports, plan of the jobs", dry, "s"),
+        own,
+        told("until the first job starts", first, "s"),
+        told("between jobs and at the end", wall - first - during, "s"),
+        *rules(done),
+        told("batches inside their processes", inside, "s", shared),
+        told("integrating", arithmetic, "s",
+             f"cpu time, {shared}: {100 * arithmetic / wall:.0f} % of all"),
+        told("integrating, undisturbed", arithmetic_seconds(runs) / cores, "s",
+             "the same for a process that has the machine to itself"),
+    ]  # fmt: skip
+    return rows, arithmetic / wall
+
+
+def whole(samples: int, keep: str) -> tuple[list[Row], float]:
+    """The same of a scan by `python -m deployable run`, which has all cores of the machine."""
+    cores = os.cpu_count() or 1
+    with warm(samples, keep, cores) as (folder, config):
+        wall = called(folder, "deployable", "run", str(config))
+        share = integrating(manifests_in(folder)) / cores / wall
+    note = f"one process that computes, one that draws; {cores} cores"
+    return [told("all", wall, "s", note)], share
+
+
+@contextmanager
+def warm(samples: int | None, keep: str, cores: int) -> Iterator[tuple[Path, Path]]:
+    """A folder in which a small campaign has been run, and the config of the one to be measured."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         copy_workflow(folder)
@@ -122,36 +174,17 @@ def timed(
         snakemake(folder, folder / "config/small.yaml", cores)
         shutil.rmtree(folder / "results")
         shutil.rmtree(folder / ".snakemake")
-        dry = snakemake(folder, config, cores, "--dry-run")
-        started, before = time.time(), cpu_of_children()
-        wall = snakemake(folder, config, cores)
-        cpu = cpu_of_children() - before
-        done = jobs(folder)
-        manifests = [json.loads(p.read_text()) for p in folder.glob("results/*/batches/*.json")]
-    own = alone(cores)
-    first = done[0][1] - started if done else wall
-    during = busy([(start, end) for _, start, end in done])
-    runs = sum(manifest["runs"] for manifest in manifests)
-    inside = sum(manifest["seconds"][0] for manifest in manifests) / cores
-    arithmetic, arithmetic_cpu = (
-        sum(manifest["seconds_integrating"][clock] for manifest in manifests) for clock in (0, 1)
-    )
-    arithmetic /= cores
-    shared = f"sum over the batches, shared by {cores} cores"
-    rows = [
-        told("all", wall, "s", f"{runs} runs in {len(manifests)} batches"),
-        told("cpu time of all processes", cpu, "s", f"integrating: {arithmetic_cpu:.3g} s"),
-        told("a dry run: interpreter, imports, plan of the jobs", dry, "s"),
-        own,
-        told("until the first job starts", first, "s"),
-        told("between jobs and at the end", wall - first - during, "s"),
-        *rules(done),
-        told("batches inside their processes", inside, "s", shared),
-        told("integrating", arithmetic, "s", f"{shared}: {100 * arithmetic / wall:.0f} % of all"),
-        told("integrating, undisturbed", arithmetic_seconds(runs) / cores, "s",
-             "the same for a process that has the machine to itself"),
-    ]  # fmt: skip
-    return rows, arithmetic / wall
+        yield folder, config
+
+
+def manifests_in(folder: Path) -> list[dict]:
+    """What the batches noted of themselves."""
+    return [json.loads(p.read_text()) for p in folder.glob("results/*/batches/*.json")]
+
+
+def integrating(manifests: list[dict]) -> float:
+    """Cpu seconds, of all cores together."""
+    return sum(manifest["seconds_integrating"][1] for manifest in manifests)
 
 
 def rules(done: list[tuple[str, float, float]]) -> list[Row]:
@@ -184,14 +217,16 @@ def paper() -> list[Row]:
 
 
 def many(samples: int, most: float, *kept: str) -> list[Row]:
-    """A scan for each `jobs.keep` of `kept`, with the share (%) of its wall time that is not
-    arithmetic, which is to be at most `most`; one file for each run has no such aim."""
+    """A scan for each `jobs.keep` of `kept`, by Snakemake and by `run`, with the share (%) of its
+    cores' time that is not arithmetic, which is to be at most `most`; one file for each run has no
+    such aim."""
     found = []
     for keep in kept:
-        rows, share = timed(samples, keep)
-        other, unit = 100 * (1 - share), "% of all"
-        name = "everything but integrating"
-        aimed = keep != "trajectories"
-        rows.append(at_most(name, other, most, unit=unit) if aimed else told(name, other, unit))
-        found += [replace(row, name=f"{keep}: {row.name}") for row in rows]
+        for how, measure in (("", timed), (", run", whole)):
+            rows, share = measure(samples, keep)
+            other, unit = 100 * (1 - share), "% of all"
+            name = "everything but integrating"
+            aimed = keep != "trajectories"
+            rows.append(at_most(name, other, most, unit=unit) if aimed else told(name, other, unit))
+            found += [replace(row, name=f"{keep}{how}: {row.name}") for row in rows]
     return found

@@ -246,7 +246,14 @@ def simulate(
         record=sorted({*experiment.asked, *also}),
     )
     seconds = clocks(time.thread_time) - before
-    results, failed, provenance = [], [], as_attribute()
+    common = {
+        "campaign": experiment.name,
+        "config_hash": plan.config_hash,
+        "time_step_limit": plan.time.step_limit,
+        "limiting_element": plan.time.limiting_element,
+        "provenance": as_attribute(),
+    }
+    results, failed = [], []
     for run, values, outcome in zip(runs, parameters, outcomes, strict=True):
         if outcome.failure is not None:
             failed.append((run, str(outcome.failure)))
@@ -255,16 +262,7 @@ def simulate(
             count = len(outcome.events) + outcome.events_dropped
             failed.append((run, f"{count} contact events, more than are kept: contacts chatter"))
             continue
-        attributes = {
-            "run_id": run.id,
-            "campaign": experiment.name,
-            "config_hash": plan.config_hash,
-            "time_step_limit": plan.time.step_limit,
-            "limiting_element": plan.time.limiting_element,
-            "provenance": provenance,
-            **{f"parameter_{name}": v for name, v in values.items() if v is not None},
-        }
-        results.append(Result(run, outcome, attributes))
+        results.append(Result(run, outcome, values, common))
     return results, failed, seconds
 
 

@@ -21,16 +21,24 @@ EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
 
 @dataclass(frozen=True)
 class Result:
-    """A run that went well: its `fpm.Outcome`, and attributes for its file."""
+    """A run that went well: its `fpm.Outcome`, the values of its parameters, and what its file
+    tells beside these, the same of all runs of a plan."""
 
     run: Run
     outcome: Any
-    attributes: Mapping[str, Any]
+    parameters: Mapping[str, Any]
+    common: Mapping[str, Any]
 
     @property
     def id(self) -> str:
         """Name of the run."""
         return self.run.id
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Of the run's file."""
+        own = {f"parameter_{name}": v for name, v in self.parameters.items() if v is not None}
+        return {"run_id": self.id, **self.common, **own}
 
 
 @dataclass(frozen=True)

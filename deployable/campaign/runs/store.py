@@ -195,9 +195,8 @@ class Responses:
             write_dimension(file, "response", names, "name of the response")
             ids = np.array([result.id for result in results], dtype=object)
             file.createVariable("run_id", str, ("run",))[:] = ids
-            variable = file.createVariable(
-                "values", "f4", ("run", "response", "time"), zlib=True, complevel=1
-            )
+            # Not compressed: it would save a third, and take half of the time of writing.
+            variable = file.createVariable("values", "f4", ("run", "response", "time"))
             for i, response in enumerate(self.responses):
                 values = np.stack([response.evaluate(result.outcome) for result in results])
                 if not np.isfinite(values).all():

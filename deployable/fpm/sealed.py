@@ -14,9 +14,11 @@ import re
 import socket
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from functools import lru_cache
 from pathlib import Path
 
 _CHUNK = 1 << 20
+_LARGE = 16 << 20  # bytes that take a while to read
 _LONGEST = 4096  # bytes of a seal, at most
 _COMMENT = {".md", ".html", ".svg"}
 _KEY = re.compile(rb'^\{\n "seal": (\{[^\n]*\}),\n')
@@ -119,7 +121,22 @@ def _with_digest(content, facts: Mapping[str, str]) -> dict[str, str]:
 
 
 def _digest(path: Path, size: int):
-    """Hash of the first `size` bytes of a file, which may be larger than memory."""
+    """Hash of the first `size` bytes of a file, which may be larger than memory.
+
+    A large one is read once for several checks by one process, as long as it is the same.
+    """
+    if size < _LARGE:
+        return _hash(path, size)
+    now = path.stat()
+    return _known(path, size, now.st_ino, now.st_mtime_ns, now.st_ctime_ns).copy()
+
+
+@lru_cache(8)
+def _known(path: Path, size: int, *state: int):
+    return _hash(path, size)
+
+
+def _hash(path: Path, size: int):
     digest = hashlib.sha256()
     with open(path, "rb") as file:
         while size > 0 and (part := file.read(min(size, _CHUNK))):

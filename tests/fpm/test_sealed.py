@@ -4,9 +4,11 @@ import json
 import os
 import subprocess
 import sys
+import time
 
 import pytest
 
+from deployable.fpm import sealed
 from deployable.fpm.sealed import (
     DamagedError,
     check,
@@ -78,6 +80,22 @@ def test_zeroed_pages_are_noticed(tmp_path):
         )
         with pytest.raises(DamagedError):
             check(path)
+
+
+def test_damage_to_a_large_file_is_noticed_by_who_has_checked_it_before(tmp_path, monkeypatch):
+    monkeypatch.setattr(sealed, "_LARGE", 1000)
+    path, read = tmp_path / "large.nc", []
+    with whole_file(path, {"name": "it"}) as temporary:
+        temporary.write_bytes(CONTENT[".nc"])
+    whole = sealed._hash
+    monkeypatch.setattr(sealed, "_hash", lambda *args: read.append(args) or whole(*args))
+    assert check(path) == check(path)
+    assert len(read) == 1
+    time.sleep(0.05)  # the clock of files goes by steps
+    content = path.read_bytes()
+    path.write_bytes(content[:500] + b"?" + content[501:])
+    with pytest.raises(DamagedError):
+        check(path)
 
 
 def test_a_file_that_breaks_off_leaves_nothing(tmp_path):

@@ -300,7 +300,6 @@ _DESIGN = (
     "intervals/box.py",
     "intervals/chebyshev.py",
     "intervals/points.py",
-    "intervals/sobol.py",
     "intervals/designs/*.py",
 )
 _WHICH = ("campaign/results/which.py", "campaign/plan/runs.py")

@@ -9,7 +9,6 @@ from deployable.intervals import Box, IntervalError, fit, held_out_points, make_
 from deployable.intervals.chebyshev import lobatto, product_basis, roots
 from deployable.intervals.designs.multi_indices import total_degree
 from deployable.intervals.points import match_points, other_runs
-from deployable.intervals.sobol import MOST_DIMENSIONS, sobol_points
 
 
 def keys(points):
@@ -113,21 +112,6 @@ def test_order_64_is_stable(method):
     test = np.linspace(-1, 1, 101)
     values = fit(design, np.sin(20 * design.points[:, 0])).evaluate(test[:, None])
     np.testing.assert_allclose(values, np.sin(20 * test), atol=1e-13)
-
-
-@pytest.mark.parametrize("dimension", range(1, MOST_DIMENSIONS + 1))
-@pytest.mark.parametrize("seed", [0, 7, 2**32 - 1])
-def test_sobol_points_are_scipys_to_the_last_bit(dimension, seed):
-    from scipy.stats import qmc
-
-    for power, count in ((0, 1), (6, 64), (13, 5000)):
-        theirs = qmc.Sobol(dimension, scramble=True, rng=seed).random_base2(power)[:count]
-        np.testing.assert_array_equal(sobol_points(dimension, count, seed), theirs, strict=True)
-
-
-def test_more_dimensions_than_there_are_direction_numbers_for_are_refused():
-    with pytest.raises(IntervalError, match="at most 8 for sobol"):
-        sobol_points(MOST_DIMENSIONS + 1, 4, 0)
 
 
 def test_scan_contains_the_corners_and_repeats_with_its_seed():

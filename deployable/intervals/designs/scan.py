@@ -8,7 +8,6 @@ import numpy as np
 
 from ..errors import IntervalError, check_choice, check_integer
 from ..points import corner_points
-from ..sobol import sobol_points
 from . import multi_indices
 from .design import Design, Method
 
@@ -70,11 +69,13 @@ def scan_points(
 
 def _sequence(dimension: int, count: int, seed: int, sequence: str) -> np.ndarray:
     """Points (count, dimension) in the unit cube [0, 1]."""
-    if sequence == "sobol":
-        return sobol_points(dimension, count, seed)
     from scipy.stats import qmc  # slow to import, needed only here
 
-    return qmc.LatinHypercube(dimension, rng=seed).random(count)
+    if sequence == "latin_hypercube":
+        return qmc.LatinHypercube(dimension, rng=seed).random(count)
+    sampler = qmc.Sobol(dimension, scramble=True, rng=seed)
+    power = max(int(np.ceil(np.log2(count))), 0)
+    return sampler.random_base2(power)[:count]
 
 
 SCAN = Method(_make, needs_order=False)

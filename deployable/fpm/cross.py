@@ -29,7 +29,7 @@ def length(vector: np.ndarray) -> float:
 def columns(*parts) -> np.ndarray:
     """Numbers or arrays (...) side by side, (..., k): `numpy.stack(parts, axis=-1)`; the first has
     the shape of all."""
-    out = np.empty((*np.shape(parts[0]), len(parts)))
+    out = np.empty((*np.shape(parts[0]), len(parts)), np.result_type(*parts))
     for k, part in enumerate(parts):
         out[..., k] = part
     return out

@@ -128,7 +128,7 @@ def _digest(path: Path, size: int):
     if size < _LARGE:
         return _hash(path, size)
     now = path.stat()
-    return _known(path, size, now.st_ino, now.st_mtime_ns, now.st_ctime_ns).copy()
+    return _known(path, size, now.st_dev, now.st_ino, now.st_mtime_ns, now.st_ctime_ns).copy()
 
 
 @lru_cache(8)

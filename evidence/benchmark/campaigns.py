@@ -39,7 +39,7 @@ import threading
 
 onsuccess:
     for thread in threading.enumerate():
-        if isinstance(thread, threading.Timer):
+        if isinstance(thread, threading.Timer) and "snakemake." in thread.function.__module__:
             thread.cancel()
 """
 """How ours ends without waiting for a second (workflow/rules/campaign.smk)."""

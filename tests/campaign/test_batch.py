@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import time
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +19,8 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.plan.make import make_plan
 from deployable.campaign.results.samples import gather
 from deployable.campaign.results.summary import SOFT, _doubts
-from deployable.campaign.runs.batch import clocks, run_batch
+from deployable.campaign.runs import batch as batches
+from deployable.campaign.runs.batch import Simulation, clocks, run_batch
 from deployable.campaign.runs.progress import duration_text
 from deployable.fpm.trajectory import read_curves
 
@@ -81,6 +84,45 @@ def test_a_run_that_fails_does_not_harm_the_others(raw, tmp_path, keep):
         with xr.open_dataset(path) as data:
             written += data.sizes.get("run", 1)
     assert written == len(plan.unique_runs()) - failed
+
+
+def test_lots_come_in_order_and_one_group_is_made_while_another_is_taken(monkeypatch):
+    begun = []
+
+    def made(plan, part, also):
+        begun.append(part[0] // 8)
+        return list(part), [], np.zeros(2)
+
+    monkeypatch.setattr(batches, "simulate", made)
+    lots = [(list(range(8 * k, 8 * k + 8)), ()) for k in range(5)]
+    lots.insert(2, ([], ()))
+    taken = []
+    for lot in Simulation(None, 8, 2).each(lots):
+        found = list(lot)
+        time.sleep(0.05)  # time enough for what was started
+        taken.append(found)
+        if found:
+            assert max(begun) <= found[0] // 8 + 1
+    assert taken == [runs for runs, _ in lots]
+
+
+def test_structures_are_built_by_one_thread_at_a_time(config, monkeypatch):
+    plan, inside = make_plan(config.experiment), Counter()
+    real = type(plan.experiment.scene_type).build
+
+    def build(self, **values):
+        inside["now"] += 1
+        inside["most"] = max(inside["most"], inside["now"])
+        time.sleep(0.001)  # another thread has its turn
+        scene = real(self, **values)
+        inside["now"] -= 1
+        return scene
+
+    monkeypatch.setattr(type(plan.experiment.scene_type), "build", build)
+    runs = plan.unique_runs()
+    found = Simulation(plan, 2, 2).each([(runs, ())])
+    assert sum(len(list(lot)) for lot in found) == len(runs) >= 4
+    assert inside["most"] == 1
 
 
 def test_results_do_not_depend_on_how_runs_are_grouped(config, tmp_path):

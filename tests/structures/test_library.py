@@ -379,6 +379,19 @@ def test_the_digest_of_a_python_file_follows_what_it_imports_from_beside_it(tmp_
     assert load(path).digest != before
 
 
+def test_a_helper_whose_name_another_module_has_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.path", list(sys.path))
+    source = (FOLDER.parents[1] / "deployable" / "fpm" / "scenes" / "pendulum.py").read_text()
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "helper_of_both.py").write_text(f"NAME = {folder!r}")
+        path = tmp_path / folder / f"{folder}.py"
+        path.write_text(f"{source}\nimport helper_of_both\nassert helper_of_both.NAME")
+    assert load(tmp_path / "one" / "one.py").name == "one"
+    with pytest.raises(structures.StructureError, match=r"helper_of_both: is .*one.* already"):
+        load(tmp_path / "two" / "two.py")
+
+
 def test_a_python_file_may_have_dataclasses_and_postponed_annotations(tmp_path):
     source = (FOLDER.parents[1] / "deployable" / "fpm" / "scenes" / "pendulum.py").read_text()
     path = tmp_path / "mast.py"

@@ -24,7 +24,7 @@ rule quantities:
     message:
         "Finding and verifying the intervals of the quantities"
     shell:
-        "python -m deployable quantities {params.folder:q} --config {params.config:q}"
+        "python -P -m deployable quantities {params.folder:q} --config {params.config:q}"
         " --threads {threads} --log {log:q}"
 
 
@@ -47,7 +47,7 @@ rule requirements:
     message:
         "Judging the requirements"
     shell:
-        "python -m deployable requirements {params.folder:q} --config {params.config:q} --log {log:q}"
+        "python -P -m deployable requirements {params.folder:q} --config {params.config:q} --log {log:q}"
 
 
 rule choice:
@@ -70,5 +70,5 @@ rule choice:
     message:
         "Finding the best choice"
     shell:
-        "python -m deployable choice {params.folder:q} --config {params.config:q}"
+        "python -P -m deployable choice {params.folder:q} --config {params.config:q}"
         " --threads {threads} --log {log:q}"

@@ -24,4 +24,4 @@ rule bounds:
     message:
         "Fitting the surrogate and taking its bounds"
     shell:
-        "python -m deployable bounds {params.folder:q} --config {params.config:q} --log {log:q}"
+        "python -P -m deployable bounds {params.folder:q} --config {params.config:q} --log {log:q}"

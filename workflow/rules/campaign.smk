@@ -23,7 +23,10 @@ include: "report.smk"
 # has begun, when the timer of its limit of jobs a second runs out: nothing is left to be limited.
 onsuccess:
     for thread in threading.enumerate():
-        if isinstance(thread, threading.Timer):
+        if (
+            isinstance(thread, threading.Timer)
+            and "snakemake." in thread.function.__module__
+        ):
             thread.cancel()
     if not workflow.dag_settings.targets:
         print(WORKFLOW.last_words())

@@ -6,15 +6,14 @@ from pathlib import Path
 from shlex import quote
 
 # Jobs use the interpreter that runs Snakemake, and the packages of the checkout that this file is
-# of; without one, those that are installed, and never a file of the campaign's folder, which may be
-# named as one of them.
+# of; without one, those that are installed. With `-P` no file of the campaign's folder stands for one
+# of them.
 ROOT = Path(str(workflow.current_basedir)).resolve().parents[1]
 PACKAGES = [str(ROOT)] if (ROOT / "deployable").is_dir() else []
 sys.path[:0] = PACKAGES
 os.environ.update(
     PATH=os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")]),
     PYTHONPATH=os.pathsep.join(filter(None, [*PACKAGES, os.environ.get("PYTHONPATH")])),
-    PYTHONSAFEPATH="1",
 )
 
 from deployable.campaign import stages

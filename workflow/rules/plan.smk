@@ -19,4 +19,4 @@ rule plan:
     message:
         "Choosing the runs and the time step"
     shell:
-        "python -m deployable plan {params.folder:q} --config {params.config:q} --log {log:q}"
+        "python -P -m deployable plan {params.folder:q} --config {params.config:q} --log {log:q}"

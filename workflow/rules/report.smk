@@ -24,7 +24,7 @@ rule envelopes:
     message:
         "Drawing the envelopes"
     shell:
-        "python -m deployable envelopes {params.folder:q} --config {params.config:q} --log {log:q}"
+        "python -P -m deployable envelopes {params.folder:q} --config {params.config:q} --log {log:q}"
 
 
 rule sensitivities:
@@ -48,7 +48,7 @@ rule sensitivities:
     message:
         "Drawing which parameter matters when"
     shell:
-        "python -m deployable sensitivities {params.folder:q} --log {log:q}"
+        "python -P -m deployable sensitivities {params.folder:q} --log {log:q}"
 
 
 rule ranges:
@@ -74,7 +74,7 @@ rule ranges:
     message:
         "Drawing the quantities over the box"
     shell:
-        "python -m deployable ranges {params.folder:q} --log {log:q}"
+        "python -P -m deployable ranges {params.folder:q} --log {log:q}"
 
 
 rule alternatives:
@@ -96,7 +96,7 @@ rule alternatives:
     message:
         "Drawing the choices that were tried"
     shell:
-        "python -m deployable alternatives {wildcards.stage} --log {log}"
+        "python -P -m deployable alternatives {wildcards.stage} --log {log}"
 
 
 rule moments:
@@ -122,7 +122,7 @@ rule moments:
     message:
         "Drawing the structure"
     shell:
-        "python -m deployable moments {params.folder:q} --config {params.config:q} --log {log:q}"
+        "python -P -m deployable moments {params.folder:q} --config {params.config:q} --log {log:q}"
 
 
 rule summary:
@@ -151,7 +151,7 @@ rule summary:
     message:
         "Summing up"
     shell:
-        "python -m deployable summary {params.folder:q} --config {params.config:q} --log {log:q}"
+        "python -P -m deployable summary {params.folder:q} --config {params.config:q} --log {log:q}"
 
 
 rule report:
@@ -178,4 +178,4 @@ rule report:
     message:
         "Making the page"
     shell:
-        "python -m deployable report {params.folder:q} --log {log:q}"
+        "python -P -m deployable report {params.folder:q} --log {log:q}"

@@ -20,7 +20,7 @@ checkpoint plan_round:
     message:
         "Choosing the runs of round {wildcards.round}"
     shell:
-        "python -m deployable plan_round {params.folder:q} --config {params.config:q} --log {log:q}"
+        "python -P -m deployable plan_round {params.folder:q} --config {params.config:q} --log {log:q}"
 
 
 rule settle:

@@ -30,7 +30,7 @@ rule simulate:
     message:
         "Simulating batch {wildcards.batch}"
     shell:
-        "python -m deployable simulate {params.folder:q} --config {params.config:q}"
+        "python -P -m deployable simulate {params.folder:q} --config {params.config:q}"
         " --batch {wildcards.batch} --batches {params.batch_count}"
         " --processes {threads} {params.bundle} --log {log:q}"
 
@@ -56,5 +56,5 @@ rule gather:
     message:
         "Gathering the responses of all runs"
     shell:
-        "python -m deployable gather {params.folder:q} --config {params.config:q} --log {log:q}"
+        "python -P -m deployable gather {params.folder:q} --config {params.config:q} --log {log:q}"
         " --bundles {input.bundles:q}"

@@ -2,8 +2,9 @@
 
 A batch is one process, or several that share its groups. A process takes its runs in groups,
 integrates a group side by side, and hands it to the store while the next is integrated, so that
-memory stays bounded and a killed job loses two groups of each process at most. A run that fails
-does not harm the others: they are written, and the failures are listed at the end.
+memory stays bounded and a killed job loses one group of each process at most, and what of the next
+was integrated while it was written. A run that fails does not harm the others: they are written,
+and the failures are listed at the end.
 """
 
 from __future__ import annotations
@@ -14,9 +15,9 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
-from itertools import groupby
-from operator import itemgetter
+from itertools import islice
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,9 @@ from deployable.fpm.sealed import sweep
 Failure = tuple[Run, str]
 
 _TOLD = 100  # runs that failed, named in a message
+
+_BUILDING = Lock()
+"""Structures in Python may have state of their own, and know nothing of threads."""
 
 
 def run_batch(
@@ -179,25 +183,22 @@ class Simulation:
             yield from found
 
     def each(self, asked: Sequence[tuple[Runs, Iterable[Column]]]) -> Iterator[Iterator[Result]]:
-        """The results of several lots of runs, none empty, which are to be taken one by one.
+        """The results of several lots of runs, which are to be taken one by one.
 
         While those of a group of runs are taken, the threads make those of the next.
         """
         with ThreadPoolExecutor(self.threads) as pool:
 
-            def start(lot: int, group: Runs, also: Iterable[Column]) -> tuple[int, list[Future]]:
+            def start(group: Runs, also: Iterable[Column]) -> list[Future]:
                 count = max(1, min(self.threads, len(group) // 4))  # eight runs take as long as one
                 parts = [share(group, part, count) for part in range(count)]
-                return lot, [pool.submit(simulate, self.plan, part, also) for part in parts]
+                return [pool.submit(simulate, self.plan, part, also) for part in parts]
 
-            groups = (
-                (lot, group, also)
-                for lot, (runs, also) in enumerate(asked)
-                for group in groups_of(runs, self.size)
-            )
+            lots = [(groups_of(runs, self.size), also) for runs, also in asked]
+            started = _one_ahead(start, ((group, also) for lot, also in lots for group in lot))
             try:
-                for _, started in groupby(_one_ahead(start, groups), key=itemgetter(0)):
-                    yield self._taken(parts for _, parts in started)
+                for lot, _ in lots:
+                    yield self._taken(islice(started, len(lot)))
             finally:
                 pool.shutdown(cancel_futures=True)
 
@@ -235,7 +236,8 @@ def simulate(
 
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.named(run)) for run in runs]
-    scenes = [experiment.scene_type.build(**values) for values in parameters]
+    with _BUILDING:
+        scenes = [experiment.scene_type.build(**values) for values in parameters]
     before = clocks(time.thread_time)
     outcomes = fpm.simulate(
         scenes,

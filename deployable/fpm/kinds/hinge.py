@@ -258,7 +258,7 @@ def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
 def of_both(vector) -> Sequence[np.ndarray]:
     """A vector (3,) for both particles, or one for each (2, 3)."""
     vector = np.asarray(vector, float)
-    return (vector, vector) if vector.ndim == 1 else vector
+    return (vector, vector) if vector.ndim == 1 else np.broadcast_to(vector, (2, 3))
 
 
 def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:

@@ -38,6 +38,7 @@ def load_python(path: Path) -> SceneType:
         _refuse(path, f"build at the default values: {type(error).__name__}: {error}")
     if not isinstance(scene, Scene):
         _refuse(path, f"build: gives {type(scene).__name__}; allowed: an fpm.Scene")
+    _check_imports(path)
     return StructureType(
         name=path.stem,
         description=(module.__doc__ or "").strip().split("\n")[0],
@@ -64,6 +65,17 @@ def _run(path: Path):
     except Exception as error:
         _refuse(path, f"it cannot be run: {type(error).__name__}: {error}")
     return module
+
+
+def _check_imports(path: Path) -> None:
+    """Refuse a file that has another module for one beside it, of which its digest is made."""
+    for beside in own_sources(path) - {path.resolve()}:
+        file = getattr(sys.modules.get(beside.stem), "__file__", None)
+        if beside.parent == path.resolve().parent and file and Path(file).resolve() != beside:
+            _refuse(
+                path, f"import {beside.stem}: is {file} already, not {beside.name} from beside it; "
+                "allowed: a name that no other module has"
+            )  # fmt: skip
 
 
 def _refuse(path: Path, text: str) -> None:

@@ -56,8 +56,8 @@ def analyse(folder: Folder, how: BoundsChoice, more: Callable[[Any], Any] | None
 
 
 def _scanned(samples: Any) -> Any:
-    """The design of a plain scan, whose points need not be made again: the module for those of a
-    Latin hypercube is slow to import."""
+    """The design of a plain scan: to make it again would take longer than its bounds, since
+    sequences are slow to import."""
     from deployable import intervals
 
     nodes = slice(1, None) if keeps_extremes(samples) else samples["role"].values == "node"

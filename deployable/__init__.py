@@ -1,14 +1,32 @@
 """Bounds of a deployable structure's motion over interval parameters.
 
-The one name under which everything is imported: `deployable.fpm` is mechanics,
-`deployable.intervals` interval mathematics, `deployable.campaign` what joins the two. They are
-imported when they are asked for, so that `python -m deployable` can set up numerics before.
+`deployable.intervals` is interval mathematics, `deployable.campaign` what joins it to `fpm`, the
+mechanics. They are imported when they are needed, so that `python -m deployable` can set up
+numerics before.
 """
 
 from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
 from types import ModuleType
 
-ROOMS = ("fpm", "intervals", "campaign")
+ROOMS = ("intervals", "campaign")
+
+
+def other_fpm() -> str:
+    """What to say where the module `fpm` that Python finds is not ours; nothing where it is.
+
+    Fortran's package manager brings a module of that name, too.
+    """
+    found = find_spec("fpm")
+    place = Path(found.origin).parent if found and found.origin else None
+    ours = Path(__file__).parents[1] / "fpm"
+    if place == ours and "Finite particle method" in (ours / "__init__.py").read_text("utf-8"):
+        return ""
+    return (
+        f"error: the module fpm that Python finds ({place or 'nowhere'}) is not this program's; "
+        "remedy: an environment of its own, or `pip uninstall fpm` and install this program again"
+    )
 
 
 def __getattr__(name: str) -> ModuleType:

@@ -4,6 +4,8 @@ import gc
 import os
 import sys
 
+from deployable import other_fpm
+
 # As jobs of Snakemake have it: more threads of linear algebra would round otherwise. Their library
 # reads the number when it is loaded, which this package has not done yet.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -13,6 +15,9 @@ gc.set_threshold(10_000)
 
 def program() -> int:
     """The console script `deployable-intervals`."""
+    if other := other_fpm():
+        print(other, file=sys.stderr)
+        return 1
     from deployable.campaign.stopping import end_on_ctrl_c, leave
 
     end_on_ctrl_c()

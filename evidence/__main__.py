@@ -34,6 +34,20 @@ def parser() -> argparse.ArgumentParser:
     return out
 
 
+def parse(arguments: list[str]) -> tuple[argparse.Namespace, dict[str, Callable[[bool], Any]]]:
+    """The options of a command and the parts of its study that it is about, by name."""
+    options = parser().parse_args(arguments)
+    study = STUDIES[options.study]
+    known = importlib.import_module(f"evidence.{study.name}.study").PARTS
+    if options.quick and not study.quick:
+        parser().error(f"{study.name} has no quick form")
+    names = options.only or ([options.part] if options.part else list(known))
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        parser().error(f"unknown part {unknown[0]!r}; known are: {', '.join(known)}")
+    return options, {name: known[name] for name in names}
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Parse the command line, run, write; returns the exit status."""
     given = sys.argv[1:] if arguments is None else arguments
@@ -41,20 +55,11 @@ def main(arguments: list[str] | None = None) -> int:
         from evidence.attack.attack import main as attack
 
         return attack(given[1:])
-    options = parser().parse_args(arguments)
+    options, parts = parse(given)
     study = STUDIES[options.study]
     module = importlib.import_module(f"evidence.{study.name}.study")
     folder = options.output or Path("results", study.name)
-    if options.quick and not study.quick:
-        parser().error(f"{study.name} has no quick form")
-    asked = options.only or ([options.part] if options.part else list(module.PARTS))
-    unknown = [name for name in asked if name not in module.PARTS]
-    if unknown:
-        parser().error(f"unknown part {unknown[0]!r}; known are: {', '.join(module.PARTS)}")
-    if options.measured:
-        found = read_parts(study, folder)
-    else:
-        found = measure({name: module.PARTS[name] for name in asked}, options.quick)
+    found = read_parts(study, folder) if options.measured else measure(parts, options.quick)
     if options.part:
         text = results.as_json(found[options.part])
         write_text(folder / "parts" / f"{options.part}.json", text)
@@ -64,7 +69,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def measure(parts: Mapping[str, Callable[[bool], Any]], quick: bool = False) -> dict[str, Any]:
     """What the parts measure, by name; prints how long each takes."""
-    from deployable import fpm
+    import fpm
     from evidence.linkage.runs import build
 
     fpm.warm_up(build())  # so that no part is charged for compiling

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from deployable.fpm.sources import syntax_digest
 from evidence.tradeoff.measure.asked_cases import ASKED
 from evidence.tradeoff.measure.cases import CASES
+from fpm.sources import syntax_digest
 
 ROOT = Path(__file__).parents[1]
 
@@ -42,7 +42,7 @@ class Study:
 
     def measuring_code(self) -> str:
         """Digest of the code that decides what is measured."""
-        return digest("deployable/fpm", "evidence/linkage", *self.uses)
+        return digest("fpm", "evidence/linkage", *self.uses)
 
     def code(self) -> list[str]:
         """Digests of the code that decides what the study leaves, beside its measured parts."""

@@ -189,24 +189,24 @@ def _new(options: argparse.Namespace) -> int:
 def _check(options: argparse.Namespace) -> int:
     """Check configs without running anything, and say how many runs, how long and how much disk."""
     from deployable.campaign.config.check import load_config
-    from deployable.campaign.config.loader import load
-    from deployable.campaign.config.presets import mesh_of_preset
     from deployable.campaign.plan.estimate import estimate, found
+    from deployable.campaign.results.words import doubt_texts
 
     status = 0
     for path in options.files:
         try:
             campaign = load_config([path])
-        except ConfigError as error:
-            print(error, file=sys.stderr)
+            takes = estimate(campaign)
+        except CampaignError as error:
+            print(error if isinstance(error, ConfigError) else f"{path}: {error}", file=sys.stderr)
             status = 1
         else:
             there = found(campaign, Folder(Path("results", campaign.name)))
-            print(f"{path}: {campaign.name}, {estimate(campaign)}{there and '; '}{there}")
+            print(f"{path}: {campaign.name}, {takes}{there and '; '}{there}")
+            for text in doubt_texts(campaign.experiment.doubts):
+                print(f"{path}: {text}")
             if campaign.experiment.scene.file.endswith(".py"):
                 print(f"{path}: {campaign.experiment.scene.file} is a program, which was run")
-            if brought := mesh_of_preset(load(path), campaign):
-                print(f"{path}: {brought}")
     return status
 
 
@@ -245,9 +245,9 @@ def _keys(options: argparse.Namespace) -> int:
 
 def _structure(options: argparse.Namespace) -> int:
     """Check a structure, print its parameters, parts, mobility and what a run costs, draw it."""
-    from deployable import fpm
+    import fpm
     from deployable.campaign.config.scenes import scene_type
-    from deployable.fpm.structures.describe import describe
+    from fpm.structures.describe import describe
 
     name = options.structure
     try:
@@ -276,7 +276,7 @@ def _structure(options: argparse.Namespace) -> int:
 
 def _export(options: argparse.Namespace) -> int:
     """Write a run for other programs: ParaView, glTF, a moving picture, CSV."""
-    from deployable import fpm
+    import fpm
     from deployable.campaign.export import choose, export
 
     settings = dict(pair.partition("=")[::2] for pair in options.set)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from deployable.campaign.provenance import dated
-from deployable.fpm.sealed import check, whole_file
+from fpm.sealed import check, whole_file
 
 __all__ = ["open_dataset", "open_netcdf", "result_file", "whole_file", "write_result", "write_text"]
 

@@ -38,9 +38,9 @@ IGNORED = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
 def starts() -> list[str]:
     """Names that a new folder can start from: campaigns, and structures that have none."""
     known = shipped.campaigns()
-    asked = {load(path)["scene"].get("file", "") for path in known.values()}
-    without = [name for name in shipped.structures() if f"structures/{name}.yaml" not in asked]
-    return sorted([*known, *(name for name in without if name not in ("bennett", *known))])
+    scenes = [load(path)["scene"] for path in known.values()]
+    asked = {scene.get("name") or Path(scene["file"]).stem for scene in scenes}
+    return sorted({*known, *(shipped.structures().keys() - asked)})
 
 
 def make_folder(folder: str | Path, start: str) -> None:
@@ -88,7 +88,7 @@ def campaign_of(path: Path, name: str) -> str:
     openings of all hinges are recorded for a second, and of its latches it is asked when they
     catch, and whether all do. Raises `CampaignError`.
     """
-    from deployable import fpm
+    import fpm
     from deployable.campaign.config.scenes import scene_type
 
     try:
@@ -140,7 +140,7 @@ def _name(thing: str) -> str:
 
 def _latches(found: Any) -> list[str]:
     """The latches of a structure by their own names."""
-    from deployable.fpm.outcome import eventful
+    from fpm.files.outcome import eventful
 
     elements = eventful(found.sample)
     return [e.name.removeprefix("latch ") for e in elements if "latches" in e.events]

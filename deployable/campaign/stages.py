@@ -21,7 +21,7 @@ from deployable.campaign.files import results_of
 from deployable.campaign.folder import Folder
 from deployable.campaign.runs.progress import Tell
 from deployable.campaign.stopping import import_ahead
-from deployable.fpm.sealed import DamagedError, check, sweep
+from fpm.sealed import DamagedError, check, sweep
 
 
 def plan(folder: Folder, tell: Tell, experiment: Any) -> None:
@@ -39,13 +39,9 @@ def plan(folder: Folder, tell: Tell, experiment: Any) -> None:
 
 
 def plan_round(folder: Folder, tell: Tell, experiment: Any) -> None:
-    """Choose the runs of the next round of an adaptive campaign, or say why it ends."""
+    """Choose the runs of the next round towards an accuracy, or say why it ends."""
+    from deployable.campaign.plan.accuracy import first_plan, next_plan
     from deployable.campaign.plan.plan import read_plan, write_plan
-
-    if experiment.is_sought:
-        from deployable.campaign.plan.accuracy import first_plan, next_plan
-    else:
-        from deployable.campaign.plan.rounds import first_plan, next_plan
 
     if before := folder.previous():
         made = next_plan(experiment, read_plan(before.plan), before.samples, before.bounds)
@@ -54,9 +50,7 @@ def plan_round(folder: Folder, tell: Tell, experiment: Any) -> None:
         made = first_plan(experiment)
     write_plan(made, folder.plan)
     if not made.is_finished:
-        order = made.experiment.design.order
-        told = f" of order {list(order)}" if order else ""
-        tell(f"{experiment.name}: {len(made.unique_runs())} runs{told}")
+        tell(f"{experiment.name}: {len(made.unique_runs())} runs")
 
 
 def simulate(
@@ -179,11 +173,11 @@ def sensitivities(folder: Folder, tell: Tell) -> None:
     draw_sensitivities(folder.sensitivities, folder.overviews)
 
 
-def moments(folder: Folder, tell: Tell, figures: Any, jobs: Any) -> None:
+def moments(folder: Folder, tell: Tell, figures: Any) -> None:
     """Draw the structure at some moments of the nominal run."""
     from deployable.campaign.results.moments import draw_nominal
 
-    draw_nominal(folder, jobs.keep, figures.moments, tell)
+    draw_nominal(folder, figures.moments)
 
 
 def summary(
@@ -218,15 +212,10 @@ def report(
 
 @dataclass(frozen=True)
 class Stage:
-    """A stage: its function, the sections of the config that it takes, and its code.
-
-    `code` are patterns of the files, from the folder that the packages are in, in which a change
-    asks for the stage again; `takes` are the results that it reads.
-    """
+    """A stage: its function, the sections of the config that it takes, and the results it reads."""
 
     work: Callable[..., None]
     sections: tuple[str, ...]
-    code: tuple[str, ...]
     takes: tuple[str, ...] = ()
 
     @property
@@ -260,7 +249,7 @@ class Stage:
     def basis(self, sections: Mapping[str, Any]) -> str:
         """Digest of what the stage's results depend on beside the files that it takes."""
         mechanics = [s.scene_type.digest for s in sections.values() if isinstance(s, Experiment)]
-        return digest([self.digest(), json.loads(as_json(**sections)), mechanics])
+        return digest([program_digest(), json.loads(as_json(**sections)), mechanics])
 
     def _plan(self, folder: Folder) -> dict[str, str]:
         """The plan that all files that the stage takes are of, as a fact for its results."""
@@ -280,124 +269,48 @@ class Stage:
         """The stage's sections of a campaign."""
         return {name: getattr(campaign, name) for name in self.sections}
 
-    @cache  # noqa: B019 - there are few stages, and they stay
-    def digest(self) -> str:
-        """Digest of the stage's code, which comments and formatting do not change."""
-        from deployable.fpm.sources import syntax_digest
 
-        root = Path(__file__).parents[1]
-        return syntax_digest(file for pattern in self.code for file in root.glob(pattern))
+@cache
+def program_digest() -> str:
+    """Digest of the program, which comments and formatting do not change: all results are of it.
+
+    Runs are of the mechanics alone, by their names.
+    """
+    from fpm.sources import syntax_digest
+
+    here = Path(__file__).parents[1]
+    files = (path for room in (here, here.parent / "fpm") for path in room.rglob("*"))
+    return syntax_digest(
+        p for p in files if p.suffix in CODE and not {"shipped", "__pycache__"} & {*p.parts}
+    )
 
 
-_FILES = (
-    "fpm/sealed.py", "campaign/files.py", "campaign/provenance.py", "campaign/config/scenes.py",
-    "campaign/config/sections.py", "campaign/plan/plan.py",
-)  # fmt: skip
-"""How files are read and written, and what is in plans and configs: of all stages."""
-_DESIGN = (
-    "campaign/config/design.py",
-    "campaign/config/accuracy.py",
-    "intervals/box.py",
-    "intervals/chebyshev.py",
-    "intervals/points.py",
-    "intervals/designs/*.py",
-)
-_WHICH = ("campaign/results/which.py", "campaign/plan/runs.py")
-_BOUNDS = ("campaign/results/bounds.py", *_WHICH, *_DESIGN[:2], "intervals/**/*.py", *_FILES)
-_PAGE = tuple(f"campaign/report/**/*.{kind}" for kind in ("py", "html", "css", "js"))
-_WORDS = (
-    "campaign/results/answers.py", "campaign/results/budget.py",
-    "campaign/results/decisions.py", "campaign/results/scan_words.py",
-    "campaign/results/words.py", *_WHICH,
-)  # fmt: skip
-_SUMMARY = (
-    "campaign/results/summary.py", "campaign/results/units.py", "intervals/estimates.py", *_WORDS,
-    *_FILES,
-)  # fmt: skip
-_PLOT = ("campaign/results/figures.py", "campaign/folder.py", *_SUMMARY)
-_RUNS = (
-    "campaign/runs/*.py", "fpm/trajectory.py", "fpm/classic.py", "fpm/responses.py",
-    "fpm/asked.py", "fpm/asked_responses.py", "fpm/quantities.py", "fpm/quantity_definitions.py",
-    "campaign/plan/runs.py", "intervals/running.py", *_FILES,
-)  # fmt: skip
-_ANSWERS = (
-    "campaign/answers/*.py", "campaign/config/answers.py", "campaign/config/schema_checks.py",
-    "campaign/plan/make.py", "campaign/results/margins.py",
-    *_BOUNDS, *_RUNS,
-)  # fmt: skip
-_GATHERED = (
-    "campaign/results/samples.py", "campaign/results/kept_extremes.py", "intervals/samples.py",
-)  # fmt: skip
-_MOTIONS = (
-    "campaign/report/motions.py", "campaign/results/bounds.py", "fpm/motion*.py", "fpm/stress.py",
-    "fpm/bars.py",
-)  # fmt: skip
+CODE = (".py", ".html", ".css", ".js", ".yaml", ".json")
+"""Files of the program that decide about results, by how they end."""
+
+UNCOUNTED = {"shipped", "__pycache__"}
+"""Folders of what does not: workflow and campaigns that are shipped with it, compiled code."""
+
 _PLAN, _SAMPLES, _BOX = "nodes.json", "samples.nc", "bounds.nc"
 
-# Beside the code named here, runs depend on the mechanics, which are part of their names.
 STAGES = {
     stage.name: stage
     for stage in (
-        Stage(plan, ("experiment",), ("campaign/plan/*.py", *_DESIGN, *_FILES)),
-        Stage(plan_round, ("experiment",), ("campaign/plan/*.py", *_ANSWERS)),
-        Stage(simulate, ("jobs",), _RUNS, (_PLAN,)),
-        Stage(gather, ("jobs",), (*_GATHERED, *_RUNS), (_PLAN,)),
-        Stage(bounds, ("bounds", "verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
-        Stage(quantities, ("requirements", "verify", "jobs"), _ANSWERS, (_PLAN, _SAMPLES)),
-        Stage(requirements, ("requirements", "jobs"), _ANSWERS, (_PLAN, _SAMPLES, "further.nc")),
-        Stage(choice, ("choose", "requirements", "verify", "jobs"), _ANSWERS, (_PLAN,)),
-        Stage(envelopes, ("error",), _PLOT, (_BOX,)),
-        Stage(sensitivities, (), _PLOT, ("sensitivities.nc",)),
-        Stage(
-            ranges,
-            (),
-            (
-                "campaign/results/ranges.py",
-                "campaign/results/margins.py",
-                *_WHICH,
-                "intervals/**/*.py",
-                *_PLOT,
-            ),
-            (_SAMPLES, "quantities.nc", "further.nc"),
-        ),
-        Stage(
-            alternatives,
-            (),
-            ("campaign/results/alternatives.py", *_WORDS, *_PLOT),
-            ("choice.json",),
-        ),
-        Stage(
-            moments,
-            ("figures", "jobs"),
-            (
-                "campaign/results/moments.py",
-                "campaign/results/linkage.py",
-                "campaign/pictures/*.py",
-                *_DESIGN[:2],
-                *_MOTIONS,
-                *_PLOT,
-                *_RUNS,
-            ),
-            (_PLAN, _SAMPLES),
-        ),
-        Stage(
-            summary,
-            ("published", "requirements", "choose"),
-            _SUMMARY,
-            (_PLAN, _SAMPLES, _BOX),
-        ),
-        Stage(
-            report,
-            (),
-            (
-                *_PAGE,
-                *_SUMMARY,
-                *_BOUNDS[:2],
-                *_MOTIONS,
-                "intervals/scalars/requirements.py",
-            ),
-            (_SAMPLES, _BOX, "sensitivities.nc", "summary.json"),
-        ),
+        Stage(plan, ("experiment",)),
+        Stage(plan_round, ("experiment",)),
+        Stage(simulate, ("jobs",), (_PLAN,)),
+        Stage(gather, ("jobs",), (_PLAN,)),
+        Stage(bounds, ("bounds", "verify", "jobs"), (_PLAN, _SAMPLES)),
+        Stage(quantities, ("requirements", "verify", "jobs"), (_PLAN, _SAMPLES)),
+        Stage(requirements, ("requirements", "jobs"), (_PLAN, _SAMPLES, "further.nc")),
+        Stage(choice, ("choose", "requirements", "verify", "jobs"), (_PLAN,)),
+        Stage(envelopes, ("error",), (_BOX,)),
+        Stage(sensitivities, (), ("sensitivities.nc",)),
+        Stage(ranges, (), (_SAMPLES, "quantities.nc", "further.nc")),
+        Stage(alternatives, (), ("choice.json",)),
+        Stage(moments, ("figures",), (_PLAN, _SAMPLES)),
+        Stage(summary, ("published", "requirements", "choose"), (_PLAN, _SAMPLES, _BOX)),
+        Stage(report, (), (_SAMPLES, _BOX, "sensitivities.nc", "summary.json")),
     )
 }
 
@@ -436,10 +349,3 @@ def drawings(campaign: Campaign) -> list[str]:
     chosen = bool(campaign.choose.parameters)
     others = ["sensitivities"] * several + ["ranges"] * asked + ["alternatives"] * chosen
     return ["envelopes", "moments", *others]
-
-
-def waits_for_page(campaign: Campaign) -> bool:
-    """Whether the figure `moments` is drawn from the motion that is made for the page."""
-    from deployable.campaign.results.linkage import has_bars
-
-    return not has_bars(campaign.experiment, campaign.jobs.keep)

@@ -16,9 +16,9 @@ from deployable.campaign.drawing import Draughtsman
 from deployable.campaign.files import open_dataset
 from deployable.campaign.folder import ROUND_FILES, Folder
 from deployable.campaign.runs.progress import Tell, Teller
-from deployable.campaign.stages import STAGES, answers, batch_count, drawings, waits_for_page
+from deployable.campaign.stages import STAGES, answers, batch_count, drawings
 from deployable.campaign.workflow import Workflow
-from deployable.fpm.sealed import DamagedError
+from fpm.sealed import DamagedError
 
 _NEEDED_NEXT = ("xarray",)
 """What takes long to import and is needed after the runs."""
@@ -45,14 +45,11 @@ def run(
         tell(f"{error}; it is made again")
     with Draughtsman() if figures else nullcontext() as draughtsman:
         wanted = drawings(campaign) if draughtsman else []
-        if campaign.is_adaptive:
+        if campaign.experiment.is_sought:
             _run_rounds(campaign, folder, tell)
         else:
             _stage("plan", campaign, folder, tell)
             _sample(campaign, folder, tell)
-            if draughtsman and not waits_for_page(campaign):  # the one figure that needs no bounds
-                wanted.remove("moments")
-                draughtsman.ask("moments", campaign, folder)
             _stage("bounds", campaign, folder, tell)
         for name in answers(campaign):
             _stage(name, campaign, folder, tell)
@@ -63,8 +60,7 @@ def run(
         if draughtsman:
 
             def draw_moments() -> None:
-                if "moments" in wanted:
-                    draughtsman.ask("moments", campaign, folder)
+                draughtsman.ask("moments", campaign, folder)
 
             _stage("report", campaign, folder, tell, moved=draw_moments)
         return _open(folder.bounds)

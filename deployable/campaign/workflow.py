@@ -11,8 +11,14 @@ from deployable.campaign.config.design import count_runs
 from deployable.campaign.config.loader import retyped
 from deployable.campaign.config.sections import Campaign, as_json
 from deployable.campaign.folder import PICTURES, Folder
-from deployable.campaign.stages import STAGES, answers, batch_count, drawings, waits_for_page
-from deployable.fpm.sealed import DamagedError, check
+from deployable.campaign.stages import (
+    STAGES,
+    answers,
+    batch_count,
+    drawings,
+    program_digest,
+)
+from fpm.sealed import DamagedError, check
 
 
 class Workflow:
@@ -49,7 +55,7 @@ class Workflow:
 
     def code(self, stage: str) -> str:
         """The digest of the code that a stage runs."""
-        return STAGES[stage].digest()
+        return program_digest()
 
     @property
     def mechanics(self) -> str:
@@ -59,7 +65,7 @@ class Workflow:
     @property
     def plan_rules(self) -> str:
         """The rules that plan the runs: all at once, or in rounds."""
-        return f"{'rounds' if self.campaign.is_adaptive else 'plan'}.smk"
+        return f"{'rounds' if self.campaign.experiment.is_sought else 'plan'}.smk"
 
     @property
     def any_stage(self) -> str:
@@ -69,7 +75,7 @@ class Workflow:
     @property
     def run_stage(self) -> str:
         """Pattern of the folders in which runs are made: the campaign's, or those of its rounds."""
-        rounds = r"/rounds/\d+" if self.campaign.is_adaptive else ""
+        rounds = r"/rounds/\d+" if self.campaign.experiment.is_sought else ""
         return f"results/{self.name}{rounds}"
 
     @cache  # noqa: B019 - there is one campaign in a process
@@ -117,7 +123,7 @@ class Workflow:
         Snakemake knows what it made here itself; the files know it wherever they were made.
         """
         found: dict[str, str] = {}
-        if not self.campaign.is_adaptive:
+        if not self.campaign.experiment.is_sought:
             self._stale_in(self.folder, "plan", found)
             return found
         self._stale_in(self.folder, "plan_round", found, rounds=False)
@@ -180,10 +186,6 @@ class Workflow:
         """The files that answer what is asked of quantities, if anything is."""
         files = _answer_files(Folder(stage))
         return [str(path) for name in answers(self.campaign) for path in files[name]]
-
-    def moments(self, stage: str) -> list[str]:
-        """What else than samples the figure of moments is drawn from."""
-        return [str(Folder(stage).report)] if waits_for_page(self.campaign) else []
 
     def overview(self, stage: str, name: str) -> list[str]:
         """The files of a figure of the whole campaign."""

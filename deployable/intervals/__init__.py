@@ -8,7 +8,7 @@ The package knows nothing of the model: it takes arrays, or netCDF files as data
 from .bounds import bounds_dataset
 from .box import Box
 from .budget import add_errors
-from .designs import METHODS, Design, SplitDesign, make_design, split_design
+from .designs import METHODS, Design, make_design
 from .errors import IntervalError
 from .metrics import compare_bounds, compare_runs, hausdorff
 from .models import MODELS, Model
@@ -16,55 +16,38 @@ from .models.polynomial import surrogate_dataset
 from .models.spline import MAX_RUNS, Spline, check_spline_runs, fit_spline, spline_range
 from .points import held_out_points, match_points
 from .ranges import Range, surrogate_range
-from .rounds import (
-    Decision,
-    Places,
-    Progress,
-    Specification,
-    decide,
-    deciding_places,
-    measure_round,
-    seek_points,
-)
+from .rounds import Places, deciding_places, seek_points
 from .sensitivity import parameter_sensitivity, sensitivity_dataset
-from .surrogate import Surrogate, fit, fit_points
+from .surrogate import Surrogate, fit
 
 __all__ = [
     "MAX_RUNS",
     "METHODS",
     "MODELS",
     "Box",
-    "Decision",
     "Design",
     "IntervalError",
     "Model",
     "Places",
-    "Progress",
     "Range",
-    "Specification",
     "Spline",
-    "SplitDesign",
     "Surrogate",
     "add_errors",
     "bounds_dataset",
     "check_spline_runs",
     "compare_bounds",
     "compare_runs",
-    "decide",
     "deciding_places",
     "fit",
-    "fit_points",
     "fit_spline",
     "hausdorff",
     "held_out_points",
     "make_design",
     "match_points",
-    "measure_round",
     "parameter_sensitivity",
     "seek_points",
     "sensitivity_dataset",
     "spline_range",
-    "split_design",
     "surrogate_dataset",
     "surrogate_range",
 ]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .designs import Design, SplitDesign
+from .designs import Design
 from .errors import IntervalError, check_choice, check_options
 from .estimates import ErrorEstimate
 from .metrics import compare_runs
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 def bounds_dataset(
     samples: xr.Dataset,
-    design: Design | SplitDesign | None,
+    design: Design | None,
     responses: Sequence[str] | None = None,
     *,
     model: str = "polynomial",
@@ -46,12 +46,12 @@ def bounds_dataset(
         Names; by default all.
     model
         One of `MODELS`: "polynomial", of the design's order through the design's runs; "spline",
-        one cubic spline through all runs, those of a scan or held out included; "aligned",
-        polynomials in the time between events; "scan", the least and the largest sample.
+        one cubic spline through all runs, those of a scan or held out included; "scan", the least
+        and the largest sample.
     window
         Half width in s of the window of the error estimate (see `estimates.widen`).
     options
-        Those of the model: `PolynomialModel`, `AlignedModel`.
+        Those of the model, such as `tolerance` of `PolynomialModel`.
 
     Returns
     -------
@@ -66,9 +66,9 @@ def bounds_dataset(
     import xarray as xr
 
     kind = MODELS[check_choice("model", model, MODELS)]
-    if model in ("polynomial", "aligned") and design is None:
+    if model == "polynomial" and design is None:
         raise IntervalError("design", None, f"the design that the model {model} is fitted to")
-    if model == "polynomial" and isinstance(design, Design) and not len(design.multi_indices):
+    if model == "polynomial" and not len(design.multi_indices):
         kind = MODELS["scan"]
     check_options(f"option of model {model}", kind, options)
     data = read_samples(samples, responses)

@@ -28,6 +28,11 @@ BEYOND = 10.0
 """How many times what held-out runs show of the next coefficients a foretold tail may be. On the
 paper's campaign, whose decay is right, it is at most 2.7 times."""
 
+RATIOS = 2.0, 16.0
+"""Least and largest ratio of two changes as a mesh or step is halved and halved again that an error
+is continued by: those of the first and of the fourth order. Changes that fall more slowly say
+nothing of what is still to come."""
+
 AVERAGED = 3
 """Most directions in which the left-out errors of sought runs are averaged (see `usual`)."""
 
@@ -53,6 +58,24 @@ def share_outside(runs: int, confidence: float | None = None) -> float:
         left = (1 - middle) ** (runs - 1) * (1 - middle + runs * middle)
         low, high = (middle, high) if left > 1 - confidence else (low, middle)
     return high
+
+
+def continued(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
+    """Error (...) of what changes by so much (...) when its mesh or step is halved: the sum of what
+    all halvings after it change, if each changes `ratio` (...) times less than the one before
+    (Richardson, Phil. Trans. R. Soc. A 210 (1911) 307): 2**p of the order p. A ratio that is not
+    known, None or NaN, is that of the first order, which tells most.
+    """
+    least, most = RATIOS
+    known = np.full_like(change, least) if ratio is None else np.nan_to_num(ratio, nan=least)
+    ratio = np.clip(known, least, most)
+    return change * ratio / (ratio - 1)
+
+
+def ratio_of(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """The ratio (...) of the sizes (...) of two changes; NaN where both are zero or not known."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.divide(before, after)
 
 
 @dataclass(frozen=True)
@@ -156,12 +179,6 @@ def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
         return size.max(axis=0)
     power = max(directions, 1)
     return (size**power).mean(axis=0) ** (1 / power)
-
-
-def direction_tails(surrogate: Surrogate) -> np.ndarray:
-    """Extrapolated tail of each direction by itself, (k, ..., T): which needs a higher order."""
-    c = np.abs(surrogate.coefficients)
-    return np.array([_tail(level, c) for level in surrogate.multi_indices.T])
 
 
 def _tail(level: np.ndarray, c: np.ndarray) -> np.ndarray:

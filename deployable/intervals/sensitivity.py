@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .designs import Design, SplitDesign
+from .designs import Design
 from .estimates import decay_estimate, held_out_error, widen
 from .points import match_points, other_runs
 from .ranges import line_range
 from .samples import Samples, read_samples
-from .surrogate import Surrogate, fit, fit_points
+from .surrogate import Surrogate, fit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,7 +68,7 @@ def parameter_sensitivity(surrogate: Surrogate, centre: np.ndarray | None = None
 
 
 def sensitivity_dataset(
-    samples: xr.Dataset, design: Design | SplitDesign, responses: Sequence[str] | None = None
+    samples: xr.Dataset, design: Design, responses: Sequence[str] | None = None
 ) -> xr.Dataset:
     """Influence of each parameter on each response, per instant and overall.
 
@@ -77,18 +77,12 @@ def sensitivity_dataset(
     was not fitted to, at most, within a short time (without such runs, what its coefficients
     foretell): a width that is not above it may be the fit's noise. Over (response, parameter):
     ``width_overall``, the width where it is above ``error``, integrated over time, as a share of
-    the sum over all parameters, and ``total_overall``, the variance-weighted mean of the shares. A
-    split design is judged by one polynomial through all its runs (least squares): its parts by
-    themselves would hide what a parameter does from one part to the next.
+    the sum over all parameters, and ``total_overall``, the variance-weighted mean of the shares.
     """
     import xarray as xr
 
     data = read_samples(samples, responses)
-    values = data.values[match_points(design.points, data.unit)]
-    if isinstance(design, SplitDesign):
-        surrogate = fit_points(design.points, design.parts[0].design.multi_indices, values)
-    else:
-        surrogate = fit(design, values)
+    surrogate = fit(design, data.values[match_points(design.points, data.unit)])
     error = _error(data, design, surrogate)
     found = parameter_sensitivity(surrogate)
     width, first, total = (
@@ -117,10 +111,9 @@ def sensitivity_dataset(
     )
 
 
-def _error(data: Samples, design: Design | SplitDesign, surrogate: Surrogate) -> np.ndarray:
+def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
     """What the polynomial misses runs by that it was not fitted to, (n, T), widened in time."""
-    whole = isinstance(design, SplitDesign)
-    tested = np.arange(len(data.unit)) if whole else other_runs(data.unit, design.points)
+    tested = other_runs(data.unit, design.points)
     if not len(tested):
         return decay_estimate(surrogate, data.time)
     missed = held_out_error(surrogate, data.unit[tested], data.values[tested])

@@ -88,11 +88,6 @@ def fit(design: Design, values: np.ndarray) -> Surrogate:
     return Surrogate(coefficients, design.multi_indices)
 
 
-def fit_points(points: np.ndarray, multi_indices: np.ndarray, values: np.ndarray) -> Surrogate:
-    """Least-squares fit of the basis `multi_indices` (M, k) to values (N, ...) at points (N, k)."""
-    return Surrogate(_solve(points, multi_indices, np.asarray(values, dtype=float)), multi_indices)
-
-
 def _tensor_coefficients(design: Design, values: np.ndarray) -> np.ndarray:
     shape = tuple(n + 1 for n in design.order)
     grid = values.reshape(*shape, -1)

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.kinds.lumping import end_weights
+import fpm
 from evidence.linkage.runs import build, curves
+from fpm.elements.bars.lumping import end_weights
 
 DURATION = 1.2
 INSTANTS = 2401
@@ -71,7 +71,7 @@ def weights(kind: str, elements: int) -> np.ndarray:
 
 def scene_of(choice: Choice) -> fpm.Scene:
     """The linkage for a choice; another lumping replaces the masses of all links."""
-    scene = build(elements_per_link=choice.elements, inertia_scale=choice.scale)
+    scene = build(elements=choice.elements, inertia=choice.scale)
     if choice.lumping != "default":
         whole = scene.mass.sum() / len(scene.beams) / choice.elements
         scene.mass = np.tile(whole * weights(choice.lumping, choice.elements), len(scene.beams))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 
-from deployable import fpm
+import fpm
 from evidence import plots
 from evidence.accuracy.choices import (
     CHOICES,

@@ -2,7 +2,7 @@
 
     python -m evidence attack --minutes 60
 
-kills processes, fills the disk, damages and swaps files, mutates configs, and changes the code to
-see whether the tests notice. `ledger` counts; docs/trust.md tells what came out, and what is
-promised.
+kills processes, fills the disk, damages and swaps files, mutates configs, says structures in other
+words, and changes the code to see whether the tests notice.
+`ledger` counts; docs/trust.md tells what came out, and what is promised.
 """

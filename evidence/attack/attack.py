@@ -15,11 +15,12 @@ from deployable.campaign.files import write_text
 from evidence.attack.configs import attack_by_config, attack_by_running, mutated
 from evidence.attack.damage import attack_files
 from evidence.attack.ledger import Ledger
+from evidence.attack.metamorphic.attack import attack_by_pairs
 from evidence.attack.mutants import Hunt
 from evidence.attack.processes import attack_by_full_disk, attack_by_kill
 from evidence.attack.victim import Victim
 
-KINDS = ("files", "kills", "disks", "configs", "mutants")
+KINDS = ("files", "kills", "disks", "configs", "pairs", "mutants")
 
 
 def attack(kinds: tuple[str, ...], minutes: float, seed: int, folder: Path) -> tuple[Ledger, Hunt]:
@@ -52,6 +53,8 @@ def _attack_once(
         text = mutated(rng)
         if found := attack_by_config(text, here, ledger, rng.random() < 0.05):
             attack_by_running(found, text, here, ledger)
+    elif kind == "pairs":
+        attack_by_pairs(ledger, rng)
     else:
         hunt.one(place / "mutant")
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import yaml
 
-from deployable import campaign, fpm
+import fpm
+from deployable import campaign
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.design import count_runs
 from deployable.campaign.config.sections import Campaign
@@ -19,14 +20,14 @@ from evidence.attack.victim import RAW, silent
 
 BASES = (
     RAW,
-    RAW | {"design": {"method": "smolyak", "order": "auto", "budget": 9}, "held_out": 1},
+    RAW | {"design": {"method": "smolyak", "order": 2}, "held_out": 1},
     RAW | {
         "intervals": {"a": {"absolute": 0.0004}, "E": {"lower": 0.9e9, "upper": 1.1e9}},
         "design": {"method": "total_degree", "order": 2, "oversampling": 1.5},
         "bounds": {"model": "spline"},
     },
     RAW | {"design": {"method": "scan", "samples": 6, "sequence": "sobol", "seed": 3}},
-    RAW | {"preset": "draft", "published": {"BD": 0.06}, "error": {"shade_above": 0.1}},
+    RAW | {"bounds": {"model": "spline"}, "published": {"BD": 0.06}, "error": {"shade_above": 0.1}},
 )  # fmt: skip
 
 NASTY: tuple[Any, ...] = (
@@ -124,7 +125,7 @@ def _is_cheap(found: Campaign) -> bool:
     """Whether a campaign takes seconds: its steps, as long as its nominal run lets them be, times
     its runs."""
     experiment = found.experiment
-    if experiment.scene.parameters.get("elements_per_link", 12) > 4:
+    if experiment.scene.parameters.get("elements", 12) > 4:
         return False
     steps = experiment.solver.duration / fpm.stable_step(experiment.nominal_scene).step
     return steps * count_runs(experiment) < COSTLY and experiment.solver.instants <= 5000

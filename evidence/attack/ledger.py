@@ -9,12 +9,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-GOOD = ("right", "refused", "made again")
+GOOD = ("right", "refused", "made again", "open")
 BAD = ("wrong", "stuck", "traceback", "hang")
 WORDS = {
     "right": "no harm done",
     "refused": "refused cleanly",
     "made again": "told and made again",
+    "open": "hangs on rounding",
     "wrong": "wrong result",
     "stuck": "stuck",
     "traceback": "traceback",

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-PACKAGE = "deployable"
+PACKAGES = ("deployable", "fpm")
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ if "REACH" in os.environ:
     import pytest
 
     _SECONDS: dict[str, float] = defaultdict(float)
-    _COVERAGE = coverage.Coverage(data_file=None, source=[PACKAGE])
+    _COVERAGE = coverage.Coverage(data_file=None, source=list(PACKAGES))
 
     def pytest_sessionstart() -> None:
         """Begin."""

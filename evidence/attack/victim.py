@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from deployable import campaign
-from deployable.fpm.sealed import DamagedError, check
+from fpm.sealed import DamagedError, check
 
 RAW = {
     "campaign": "victim",
-    "scene": {"name": "bennett", "parameters": {"elements_per_link": 2}},
+    "scene": {"name": "bennett", "parameters": {"elements": 2}},
     "solver": {"duration": 0.004, "instants": 9},
     "intervals": {"a": {"nominal": 0.035, "relative": 0.01}},
     "design": {"method": "tensor_roots", "order": 2},

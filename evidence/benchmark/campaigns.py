@@ -19,7 +19,7 @@ from pathlib import Path
 
 import yaml
 
-from deployable import fpm
+import fpm
 from evidence.benchmark.clock import best
 from evidence.benchmark.processes import ROOT, environment
 from evidence.benchmark.scenes import linkages, runner

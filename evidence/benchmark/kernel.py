@@ -6,7 +6,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
-from deployable import fpm
+import fpm
 from evidence.benchmark.clock import best
 from evidence.benchmark.multiply_adds import functions, operands
 from evidence.benchmark.processes import python
@@ -20,7 +20,7 @@ LANES = 8
 MEMORY = """
 import json, sys
 from pathlib import Path
-from deployable import fpm
+import fpm
 from evidence.benchmark.scenes import linkages, runner
 instants, steps, samples, step = json.loads(sys.argv[1])
 run = runner(linkages(samples), steps, step, instants)

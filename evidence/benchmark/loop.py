@@ -8,6 +8,25 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 
 
+class Vector:
+    """Three lanes, for `fpm.kernels.vectors.vector`."""
+
+    __array_ufunc__ = None
+    __slots__ = ("x", "y", "z")
+
+    def __init__(self, x, y, z):
+        self.x, self.y, self.z = x, y, z
+
+    def __add__(self, other):
+        return Vector(self.x + other.x, self.y + other.y, self.z + other.z)
+
+    def __sub__(self, other):
+        return Vector(self.x - other.x, self.y - other.y, self.z - other.z)
+
+    def __rmul__(self, factor):
+        return Vector(factor * self.x, factor * self.y, factor * self.z)
+
+
 def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None:
     """Make fpm run its kernels as Python, with `operations` in the place of those of their names.
 
@@ -16,11 +35,11 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     """
     import numba
 
-    from deployable.fpm.kernels import compiled, hooks, lanes, vectors
-    from deployable.fpm.kernels import run as loop
+    from fpm.kernels import compiled, hooks, lanes, vectors
+    from fpm.kernels import run as loop
 
-    for path in (compiled.PACKAGE / "kinds").glob("*_kernels.py"):
-        import_module(f"deployable.fpm.kinds.{path.stem}")
+    for path in (compiled.PACKAGE / "elements").rglob("*_kernels.py"):
+        import_module(".".join(path.relative_to(compiled.PACKAGE.parent).with_suffix("").parts))
     if not numba.config.DISABLE_JIT:
         raise RuntimeError("set NUMBA_DISABLE_JIT=1 before this module is used")
     for key, kernel in hooks.KERNELS.items():
@@ -31,7 +50,7 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     instead = {id(compiled.loop_for): lambda arguments: loop.run, **_overloaded()}
     for name, operation in operations.items():
         instead[id(getattr(vectors if name == "vector" else lanes, name))] = operation
-    for module in [m for name, m in sys.modules.items() if name.startswith("deployable.fpm.")]:
+    for module in [m for name, m in sys.modules.items() if name.startswith("fpm.")]:
         for name, value in list(vars(module).items()):
             if id(value) in instead:
                 setattr(module, name, instead[id(value)])
@@ -50,7 +69,7 @@ def _overloaded() -> dict[int, Callable]:
     found = {}
     for template in builtin_registry.functions:
         choose = getattr(template, "_overload_func", None)
-        if choose and str(getattr(template.key, "__module__", "")).startswith("deployable.fpm."):
+        if choose and str(getattr(template.key, "__module__", "")).startswith("fpm."):
             found[id(template.key)] = _chosen(choose)
     return found
 
@@ -59,4 +78,13 @@ def _chosen(choose: Callable) -> Callable:
     """Call what `choose` gives for the type of the first argument."""
     from numba import typeof
 
-    return lambda first, *rest: choose(typeof(first), *rest)(first, *rest)
+    found: dict[tuple, Callable] = {}
+
+    def call(first, *rest):
+        # Numba's own type of a tuple of arrays takes longer to find than a kernel runs.
+        key = type(first), *(map(type, first) if isinstance(first, tuple) else ())
+        if key not in found:
+            found[key] = choose(typeof(first), *rest)
+        return found[key](first, *rest)
+
+    return call

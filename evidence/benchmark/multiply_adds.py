@@ -17,7 +17,7 @@ def functions():
     """
     from numba import njit
 
-    from deployable.fpm.kernels.lanes import load, sqrt, store
+    from fpm.kernels.lanes import load, sqrt, store
 
     @njit(error_model="numpy", nogil=True)
     def independent(a, n):

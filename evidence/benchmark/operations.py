@@ -13,7 +13,7 @@ from collections import Counter
 import numpy as np
 
 from evidence.benchmark.kernel import stable
-from evidence.benchmark.loop import run_as_python
+from evidence.benchmark.loop import Vector, run_as_python
 from evidence.benchmark.scenes import linkages, runner
 
 TALLY: Counter = Counter()
@@ -79,24 +79,6 @@ class Lanes:
 
     def __neg__(self):
         return Lanes(-self.value)  # folded into the operation that follows
-
-
-class Vector:
-    """Three lanes, for `fpm.kernels.vectors.vector`."""
-
-    __array_ufunc__ = None
-
-    def __init__(self, x, y, z):
-        self.x, self.y, self.z = x, y, z
-
-    def __add__(self, other):
-        return Vector(self.x + other.x, self.y + other.y, self.z + other.z)
-
-    def __sub__(self, other):
-        return Vector(self.x - other.x, self.y - other.y, self.z - other.z)
-
-    def __rmul__(self, factor):
-        return Vector(factor * self.x, factor * self.y, factor * self.z)
 
 
 def number(x):

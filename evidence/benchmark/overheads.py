@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from deployable import fpm
+import fpm
+from deployable.campaign.config.scenes import scene_type
 from evidence.benchmark.clock import best
 from evidence.benchmark.processes import python
 from evidence.benchmark.scenes import linkages
@@ -18,11 +19,11 @@ GROUP = "Around the arithmetic"
 START = """
 import json, time
 start = time.perf_counter()
-from deployable import fpm
+import fpm
 imported = time.perf_counter()
 import numba
 numba_there = time.perf_counter()
-fpm.warm_up(fpm.scenes.get("bennett").build())
+fpm.warm_up(scene_type("bennett").build())
 print(json.dumps([imported - start, numba_there - imported, time.perf_counter() - numba_there]))
 """
 
@@ -35,7 +36,7 @@ def starting(repeats: int) -> list[Row]:
         times.append(json.loads(python("-c", START)))
     own, numba, kernels = np.min(times, axis=0)
     return [
-        at_most("import deployable.fpm", own, 0.5, unit="s"),
+        at_most("import fpm", own, 0.5, unit="s"),
         told("import numba, when first simulating", float(numba), "s"),
         told("loading the compiled kernels from the cache", float(kernels), "s"),
     ]
@@ -61,7 +62,7 @@ def writing(repeats: int, instants: int = 2001, runs: int = 8) -> list[Row]:
     import xarray  # noqa: F401 - its import is not part of the writing
 
     scenes = linkages(runs)
-    kind = fpm.scenes.get("bennett")
+    kind = scene_type("bennett")
     response = fpm.responses.parse("BD", {"distance": ["B", "D"]}, kind)
     outcomes = fpm.simulate(scenes, duration=0.01 * (instants - 1) / 2000, instants=instants)
     datasets = [outcome.dataset([response]) for outcome in outcomes]

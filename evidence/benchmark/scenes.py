@@ -4,14 +4,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.linkage.runs import build
 
 
 def linkages(count: int, elements: int = 12) -> list[fpm.Scene]:
     """`count` samples of the paper's Bennett linkage, its section's side spread over ± 1 %."""
     sides = 0.035 * (1 + 0.01 * np.linspace(-1, 1, count)) if count > 1 else [0.035]
-    return [build(elements_per_link=elements, a=float(a)) for a in sides]
+    return [build(elements=elements, a=float(a)) for a in sides]
 
 
 def beam_count(scene: fpm.Scene) -> int:

@@ -35,7 +35,7 @@ def _starts(scans: list[Scan]) -> list[Scan]:
 
 
 def _default(ax: Axes, scan: Scan, values: list | np.ndarray) -> None:
-    mesh, start = default("elements_per_link"), default("start_deg")
+    mesh, start = default("elements"), default("start")
     label = f"default: {mesh} elements, start {start:g}°"
     ax.plot(scan.K_F, values, "k.-", linewidth=1, markersize=3, label=label, zorder=5)
     ax.axvline(default("K_F"), color="0.4", linewidth=0.8, linestyle="--", zorder=1)
@@ -68,7 +68,7 @@ def _band(ax: Axes, starts: list[Scan], name: str) -> None:
     if not starts:
         return
     values = np.array([[n.largest[name] for n in s.numbers] for s in starts])
-    angles = [dict(s.reading.parameters)["start_deg"] for s in starts]
+    angles = [dict(s.reading.parameters)["start"] for s in starts]
     label = f"starts from {min(angles):g}° to {max(angles):g}°"
     low, high = values.min(axis=0), values.max(axis=0)
     style = {"color": plots.SKY, "alpha": 0.3, "linewidth": 0}

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from evidence.calibration.scans import SIDE, Reading
+from evidence.linkage.geometry import bennett_geometry
 from evidence.linkage.runs import default
 
 STARTS = (1.0, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0)
@@ -33,9 +34,9 @@ def defaults() -> Plan:
 def meshes() -> Plan:
     """Other meshes and half the step."""
     readings = [
-        (Reading(f"{n} elements a link", (("elements_per_link", n),)), NEAR)
+        (Reading(f"{n} elements a link", (("elements", n),)), NEAR)
         for n in MESHES
-        if n != default("elements_per_link")
+        if n != default("elements")
     ]
     return [*readings, (Reading("step × 0.5", (), 0.45), grid(5.2, 5.8, 0.05))]
 
@@ -43,13 +44,11 @@ def meshes() -> Plan:
 def starts() -> Plan:
     """Other starts, those of the paper's angle μ_B among them."""
     readings = [
-        (Reading(f"start {s:g}°", (("start_deg", s),)), NEAR)
-        for s in STARTS
-        if s != default("start_deg")
+        (Reading(f"start {s:g}°", (("start", s),)), NEAR) for s in STARTS if s != default("start")
     ]
     for label, angle in (("half", MU_B), ("whole", MU_B / 2)):
         begin = round(start_of_half_angle(angle), 6)
-        reading = Reading(f"start at μ_B as {label} angle at B", (("start_deg", begin),))
+        reading = Reading(f"start at μ_B as {label} angle at B", (("start", begin),))
         readings.append((reading, grid(1.0, 7.0, 0.1)))
     return readings
 
@@ -63,17 +62,13 @@ def supports() -> Plan:
 
 
 def start_of_half_angle(degrees: float) -> float:
-    """start_deg at which half the angle between two bars' axes at B is `degrees`.
+    """Start (degrees) at which half the angle between two bars' axes at B is `degrees`.
 
     The reading of mu_B = 22.5° as the angle from which the paper starts.
     """
     from scipy.optimize import brentq
 
-    from deployable.fpm.scenes.bennett_geometry import bennett_geometry
-
-    geometry = bennett_geometry(
-        default("L"), SIDE, default("lambda_deg"), default("mu_deg"), default("omega_deg")
-    )
+    geometry = bennett_geometry(default("L"), SIDE, default("roll"), default("mu"))
 
     def excess(opening):
         axis = geometry.pose(opening).rotation[0, :, 0]  # of bar AB; x = 0 is the plane at B

@@ -14,7 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from deployable.intervals import fit, make_design, surrogate_range
 from evidence.linkage import runs as linkage
 

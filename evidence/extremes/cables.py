@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.extremes.true_limit import disturb, true_limit
 from evidence.rows import Row, at_most, refused
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.rows import Row, at_most, refused
 
 G = 9.81
@@ -137,12 +137,15 @@ def widest(outcome: fpm.Outcome) -> float:
 
 
 def light_and_heavy() -> list[Row]:
-    """Two rods, one up to a million times heavier; light rods pull at heavy bars and back."""
+    """Two rods, one up to a million times heavier; light rods pull at heavy bars and back.
+
+    What double precision cannot resolve is refused when a run begins (fpm.solver.start).
+    """
     rows = []
-    for top, bottom in ((1, 1), (1, 1e-3), (1, 1e-6), (1, 1e-9), (1e-3, 1), (1e-9, 1)):
+    for top, bottom in ((1, 1), (1, 1e-3), (1, 1e-6), (1e-3, 1), (1e-6, 1)):
         name = f"rod of {bottom:g} kg below one of {top:g} kg"
         rows += swings(name, [Rod(1, top), Rod(1, bottom)])
-    for mass in (1e-3, 1e-9):
+    for mass in (1e-3, 1e-6):
         name = f"rigid rod of {mass:g} kg below a bar of 0.1 kg, E = 1e9 Pa"
         rows += swings(name, [Rod(1, 0.1, 1e9), Rod(0.5, mass)])
     return rows

@@ -8,7 +8,7 @@ one that no mesh or step helps against.
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.linkage.rigid import RigidBennett
 from evidence.linkage.runs import (
     closing_time,
@@ -48,9 +48,7 @@ def attempt(duration: float, mesh: tuple[int, float], parameters: dict, **more):
     """(outcome, None), or (None, the error that refuses the run)."""
     elements, safety = mesh
     try:
-        outcome = simulate(
-            duration, safety=safety, elements_per_link=elements, **parameters, **more
-        )
+        outcome = simulate(duration, safety=safety, elements=elements, **parameters, **more)
     except fpm.SceneError as error:
         return None, error
     return (None, outcome.failure) if outcome.failure else (outcome, None)
@@ -62,7 +60,7 @@ def rigid(parameters: dict, times: np.ndarray) -> tuple[dict[str, np.ndarray], f
              "K_C": "contact_stiffness"}  # fmt: skip
     p = complete(parameters)
     model = RigidBennett(**{names[k]: p[k] for k in names})
-    found = model.simulate(p["start_deg"], times)
+    found = model.simulate(p["start"], times)
     closing = found["closings"][0] if len(found["closings"]) else np.inf
     return {"BD": found["BD"], "vBz": found["velocity_Bz"]}, float(closing)
 

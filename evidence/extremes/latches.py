@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.kinds import Damper, Friction, Latch, Stop, TableSpring
+import fpm
 from evidence.extremes.cables import attempt
 from evidence.rows import Row, at_most, refused
 from evidence.verification.latches import IDLE, J, flap
+from fpm.elements import Damper, Friction, Latch, Stop, TableSpring
 
 RIGHT = 0.01
 """Allowed error of times, rates and angles, as a share."""

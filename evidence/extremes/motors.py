@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.kinds import Motor, Release, SyncLoop, TorqueMotor
+import fpm
 from evidence.extremes.true_limit import disturb, true_limit
 from evidence.rows import Row, at_most, refused
+from fpm.elements import Motor, Release, SyncLoop, TorqueMotor
 
 INERTIA = 0.5  # kg m²
 TURN = 1e-3

@@ -6,9 +6,9 @@ is asked for: the turn in one is told.
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.kinds import RigidFriction, RigidLatch, RigidMotor, RigidRelease
+import fpm
 from evidence.rows import Row, at_most, refused
+from fpm.elements import RigidFriction, RigidLatch, RigidMotor, RigidRelease
 
 AXIS = np.array([0.0, 0.0, 1.0])
 FAR = 1e6  # rad, where nothing comes, or s

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from deployable import fpm
+import fpm
+from deployable.campaign.config.scenes import scene_type
 from evidence.extremes.judge import attempt, compare, judge, persist
 from evidence.linkage.runs import (
     BALANCE,
@@ -41,14 +42,14 @@ def starts() -> list[Row]:
     rows = []
     for degrees in (0.0, 0.01):
         name = f"start {degrees:g}° from the folded bundle"
-        rows += judge(name, {"start_deg": degrees})
-        stiff = {"start_deg": degrees, "E": 2.1e11}
+        rows += judge(name, {"start": degrees})
+        stiff = {"start": degrees, "E": 2.1e11}
         rows += judge(f"{name}, E = 2.1e11 Pa", stiff, against="rigid")
-    name, near = "start 0.01° from closure", {"start_deg": CLOSED - 0.01}
+    name, near = "start 0.01° from closure", {"start": CLOSED - 0.01}
     more = {"duration": 0.02, "past_closure": True}
     rows += judge(f"{name}, E = 2.1e11 Pa", {**near, "E": 2.1e11}, against="rigid", **more)
     rows += judge(name, near, WAVES, **more)
-    rows.append(rest("start at closure", {"start_deg": CLOSED}))
+    rows.append(rest("start at closure", {"start": CLOSED}))
     rows.append(rest("K_F = 0", {"K_F": 0.0}))
     return rows
 
@@ -56,7 +57,7 @@ def starts() -> list[Row]:
 def meshes() -> list[Row]:
     """2 to 64 elements a link, against 80; the tolerance is what a mesh promises."""
     duration = closing_time()
-    expected = run(duration, elements_per_link=80)
+    expected = run(duration, elements=80)
     rows = []
     for elements, tolerance in (
         (2, 0.002), (4, 0.002), (8, 5e-4), (16, 1e-4), (32, 5e-5), (64, 2e-5),
@@ -84,10 +85,10 @@ def durations() -> list[Row]:
         at_most(f"{name}: tilt of a hinge (rad)", tilt, 1e-9, "hinge"),
     ]
     # Bending has spread by sqrt(c r t) = 34 mm then: less than an element of twelve to a link.
-    fine = curves(run(1e-4, instants=11, elements_per_link=128, safety=0.45))["BD"]
+    fine = curves(run(1e-4, instants=11, elements=128, safety=0.45))["BD"]
     way = float(np.ptp(fine))
     for elements, tolerance in ((12, 0.5), (32, 0.1), (64, 0.02)):
-        found = curves(run(1e-4, instants=11, elements_per_link=elements))["BD"]
+        found = curves(run(1e-4, instants=11, elements=elements))["BD"]
         error = float(np.abs(found - fine).max()) / way
         name = f"1e-4 s, {elements} elements: BD, as a share of its way"
         note = f"BD is 54 mm and moves by {way:.2g} m"
@@ -106,16 +107,15 @@ def oscillator(rate: float, angle: float, times: np.ndarray) -> np.ndarray:
 def damping() -> list[Row]:
     """A stiff bar on a torsion spring: closed form, from light damping to far beyond critical."""
     rows = []
-    pendulum = fpm.scenes.get("pendulum")
+    pendulum = scene_type("pendulum")
     length, side, rho = 1.0, 0.05, 1000.0
     inertia = rho * side**2 * length * (length**2 / 3 + side**2 / 12)
     frequency = 10.0
     for share in (0.01, 0.5, 1.0, 2.0, 20.0, 1e3, 1e5):
         rate = 2 * share * frequency
-        scene = pendulum.build(
-            L=length, a=side, rho=rho, E=2.1e11, g=0.0, angle_deg=30.0, elements=2,
-            K_F=inertia * frequency**2, damping=rate,
-        )  # fmt: skip
+        scene = pendulum.build(L=length, a=side, rho=rho, E=2.1e11, g=0.0, angle=30.0, elements=2)
+        scene.add_torsion_spring(0, inertia * frequency**2)
+        scene.damping = rate
         duration = 4 * np.pi / frequency
         (outcome,) = fpm.simulate([scene], duration=duration, instants=201)
         theory = oscillator(rate / frequency, np.radians(30.0), outcome.time * frequency)
@@ -131,7 +131,7 @@ def damping() -> list[Row]:
 def precision() -> list[Row]:
     """Single against double precision: sixteen lanes against eight of the same register."""
     duration = closing_time()
-    scenes = [build(a=0.035 * (1 + 1e-3 * i), elements_per_link=8) for i in range(16)]
+    scenes = [build(a=0.035 * (1 + 1e-3 * i), elements=8) for i in range(16)]
     found, cost = {}, {}
     for dtype in (np.float64, np.float32):
         fpm.simulate(scenes, duration=1e-4, instants=2, dtype=dtype)  # compile

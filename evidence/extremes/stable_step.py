@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.extremes.true_limit import disturb, true_limit
 from evidence.linkage.runs import build as bennett
 from evidence.rows import Row
@@ -50,9 +50,9 @@ def bars(fast: bool) -> Iterator[Case]:
 def linkages(fast: bool) -> Iterator[Case]:
     for elements in (2, 4, 8) if fast else (2, 4, 8, 16, 32, 64):
         name = f"Bennett linkage, {elements} elements a link"
-        yield one(name, bennett(elements_per_link=elements), 1e-4)
+        yield one(name, bennett(elements=elements), 1e-4)
     for scale in (3.0,) if fast else (2.0, 3.0, 5.0, 8.0):
-        scene = bennett(elements_per_link=4, inertia_scale=scale)
+        scene = bennett(elements=4, inertia=scale)
         yield one(f"Bennett linkage, 4 elements a link, f = {scale:g}", scene, 1e-4)
 
 
@@ -63,7 +63,7 @@ def contacts(fast: bool) -> Iterator[Case]:
     """
     for stiffness in (1e5, 1e8) if fast else (1e4, 1e5, 1e6, 1e7, 1e8):
         for elements in (2, 4, 8) if fast else (2, 4, 8, 16):
-            common = {"start_deg": 120.0, "elements_per_link": elements}
+            common = {"start": 120.0, "elements": elements}
             tested = disturb(bennett(K_C=0.0, K_F=stiffness, **common), 1e-3)
             name = f"shut contact, K_C = {stiffness:g} N/rad, {elements} elements a link"
             yield name, bennett(K_C=stiffness, K_F=0.0, **common), tested

@@ -6,7 +6,7 @@ passes any bound within some hundred steps even at 1.001 times the limit: growth
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 
 
 def disturb(scene: fpm.Scene, speed: float, seed: int = 0) -> fpm.Scene:

@@ -1,27 +1,37 @@
 """Runs of the Bennett linkage, their curves, and how far two of them are apart."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
-from deployable import fpm
+import fpm
+from deployable.campaign.config.scenes import scene_type
 
 INSTANTS = 801
 BALANCE = 0.005
 """Largest share of the energy that may come from nowhere; with 0.02 wrong curves have passed."""
 
 
-def build(**parameters) -> fpm.Scene:
-    """The paper's linkage with some parameters changed."""
-    return fpm.scenes.get("bennett").build(**parameters)
+SUPPORTS = {"plane": {"A": "z", "C": "z"}, "pinned": {"A": "xyz"}, "free": {}}
+"""Global axes along which the hinge points are held; the structure's own are the first."""
 
 
-def default(name: str) -> object:
+def build(supports: str = "plane", **parameters) -> fpm.Scene:
+    """The paper's linkage with some parameters changed, on some supports."""
+    scene, held = scene_type("bennett").build(**parameters), SUPPORTS[supports]
+    scene.hinges = [replace(hinge, support=held.get(hinge.name, "")) for hinge in scene.hinges]
+    return scene
+
+
+def default(name: str) -> Any:
     """Default of one of the linkage's parameters."""
-    return fpm.scenes.get("bennett").parameters[name].default
+    return scene_type("bennett").parameters[name].default
 
 
 def complete(parameters: dict) -> dict:
     """All parameters of the linkage: those given, and the defaults of the others."""
-    types = fpm.scenes.get("bennett").parameters
+    types = scene_type("bennett").parameters
     return {**{name: p.default for name, p in types.items()}, **parameters}
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.benchmark.clock import best
 
 PAIRS = 50

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm import structures
+import fpm
 from evidence.benchmark.clock import best
 from evidence.linkage.runs import build as linkage
+from fpm import structures
 
 UNITS = (1, 2, 5, 10, 20, 50, 100)
 MAST = Path(__file__).parents[2] / "config" / "structures" / "scissor.yaml"

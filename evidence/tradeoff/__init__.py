@@ -1,1 +1,1 @@
-"""Error of the bounds against their cost, and what the presets rest on."""
+"""Error of the bounds against their cost, and what `accuracy` comes to."""

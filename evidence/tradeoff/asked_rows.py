@@ -8,7 +8,7 @@ from evidence.rows import Row, at_least, at_most, skipped
 TRUE = "this study: a scan on a finer mesh"
 WITHIN, FACTOR, CHEAPER = 0.9, 3.0, 0.4
 """Share of the accuracies that are to be kept, how far estimates may be from the truth in the
-median, and the cost beside the best preset or scan that is as accurate. Set before the first
+median, and the cost beside the best rival that is as accurate. Set before the first
 measurement."""
 
 
@@ -36,7 +36,7 @@ def asked_rows(case: dict) -> list[Row]:
 
 def _cost_row(name: str, case: dict, row: dict) -> Row:
     """The cost of one accuracy over that of the cheapest rival whose true error is no larger."""
-    text = f"{name}: cpu time of {row['share']:g} over that of the best preset or scan"
+    text = f"{name}: cpu time of {row['share']:g} over that of the best rival"
     own = _worst(row)
     rivals = [rival for rival in case["rivals"] if _worst(rival) <= own]
     if not rivals:

@@ -17,7 +17,6 @@ MARKS = {
     "total_degree": ("^", "total_degree"),
     "smolyak": ("D", "smolyak"),
     "scan": ("x", "plain scan"),
-    "aligned": ("*", "event-aligned"),
     "spline": ("P", "spline through all runs"),
 }
 COLOURS = (plots.ORANGE, plots.BLUE, plots.GREEN, plots.PURPLE, plots.SKY, plots.VERMILION)
@@ -51,8 +50,6 @@ def draw_pareto(case: dict) -> Figure:
 
 def _mark(record: dict) -> str:
     """What a record is drawn as."""
-    if record["align"] != "none":
-        return "aligned"
     return "spline" if record["model"] == "spline" else record["method"]
 
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from deployable.campaign.config.presets import MODEL
 from evidence.rows import Row, at_least, at_most
 from evidence.tradeoff.peer_rows import peer_rows
-from evidence.tradeoff.preset_rows import missing_rows, preset_rows
 
 PROTOTYPE = "prototype of this project: 401-run scan, other spring and start"
 HERE = "this study: dense scan of the same level"
@@ -21,8 +19,8 @@ def all_rows(cases: dict[str, dict], peers: dict | None) -> list[Row]:
         rows += [_reference_row(case), *_estimate_rows(case), _lane_row(case)]
     if "one" in cases:
         one = cases["one"]
-        rows += _prototype_rows(one) + _mesh_rows(one) + missing_rows(one)
-    rows += _spline_rows(cases) + _alignment_rows(cases) + preset_rows(cases)
+        rows += _prototype_rows(one) + _mesh_rows(one)
+    rows += _spline_rows(cases)
     rows += peer_rows(peers) if peers else []
     return [replace(row, group=row.name.partition(":")[0]) for row in rows]
 
@@ -42,8 +40,6 @@ def worst(record: dict, of: str, phase: str = "all", key: str = "hausdorff_integ
 
 def _kind(record: dict) -> str:
     """What a record's bounds are."""
-    if record["align"] != "none":
-        return "aligned"
     if record["model"] == "spline":
         return "splines"
     return "surrogates" if record["order"] else "scans"
@@ -79,10 +75,9 @@ def _reference_row(case: dict) -> Row:
 
 def _estimate_rows(case: dict) -> list[Row]:
     """Does the held-out estimate cover the true error, and by how much is it too large."""
-    kinds: dict[str, list] = {"surrogates": [], "aligned": [], "splines": [], "scans": []}
+    kinds: dict[str, list] = {"surrogates": [], "splines": [], "scans": []}
     for record in case["records"]:
         kinds[_kind(record)].append(record)
-    kinds["presets"] = [r for r in case["presets"] if r["model"] == MODEL]
     rows = []
     for kind, records in kinds.items():
         found = [row["all"] for r in records for row in r.get("estimate", ())]
@@ -170,50 +165,3 @@ def _spline_rows(cases: dict[str, dict]) -> list[Row]:
             told = f"{note}: {a:.3g} and {b:.3g} of the width"
             rows.append(at_most(text, a / b, limit, HERE, told))
     return rows
-
-
-ALIGNED = {
-    "one": ("tensor_lobatto 4", ()),
-    "three": ("total_degree 3", ()),
-    "spring": ("tensor_lobatto 4", ("vBz",)),
-}
-"""Case -> design, and the responses that alignment helps, as docs/tradeoff.md states it."""
-
-
-def _alignment_rows(cases: dict[str, dict]) -> list[Row]:
-    """What alignment does between the closures, and against a plain scan in the same time."""
-    rows = []
-    for name, (design, helped) in ALIGNED.items():
-        if name in cases:
-            plain, aligned = (pick(cases[name], 8, f"{design}{x}") for x in ("", ", shift 1"))
-            rows += [
-                _between_row(f"{name}: {response}", design, plain, aligned, i, response in helped)
-                for i, response in enumerate(cases[name]["responses"])
-            ]
-            rows.append(_against_a_scan(cases[name], aligned))
-    return rows
-
-
-def _between_row(text: str, design: str, plain: dict, aligned: dict, i: int, helps: bool) -> Row:
-    """The error of response i between the closures, aligned over plain."""
-    before, after = (
-        record["surrogate"][i]["between"]["hausdorff_integrated"] for record in (plain, aligned)
-    )
-    note = f"{design}: {before:.3g} plain, {after:.3g} aligned, shares of the width"
-    judge, limit = (at_most, 0.6) if helps else (at_least, 0.8)
-    return judge(f"{text} between closures, error aligned over plain", after / before, limit, HERE,
-                 note)  # fmt: skip
-
-
-def _against_a_scan(case: dict, aligned: dict) -> Row:
-    """Alignment against the largest plain scan that takes no longer."""
-    scans = [
-        r
-        for r in case["records"]
-        if _kind(r) == "scans" and r["elements"] == 8 and "surrogate" in r
-    ]
-    rival = max((r for r in scans if r["cpu"] <= aligned["cpu"]), key=lambda r: r["runs"])
-    ratio = worst(aligned, "surrogate") / worst(rival, "surrogate")
-    note = f"{aligned['cpu']:.2g} s of cpu time against {rival['choice']} in {rival['cpu']:.2g} s"
-    text = f"{case['case']}: error aligned over that of a plain scan in the same time"
-    return at_least(text, ratio, 1.0, HERE, f"{note}: the scan is the better use")

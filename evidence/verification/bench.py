@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.plots import Chart
 from evidence.rows import Row, at_least, within
 

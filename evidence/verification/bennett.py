@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.linkage.rigid import RigidBennett
+from evidence.linkage.runs import build
 from evidence.verification.bench import Bench
 
 # (lambda, mu) in degrees, with supports in the plane; each closes between 0.26 and 0.39 s.
@@ -14,10 +15,7 @@ SOURCE = "rigid linkage (evidence/linkage/rigid.py)"
 
 def linkage(angles, supports="plane", modulus=STIFF) -> fpm.Scene:
     """The linkage in the stiff limit, 5° short of the folded bundle."""
-    return fpm.scenes.get("bennett").build(
-        E=modulus, lambda_deg=angles[0], mu_deg=angles[1], supports=supports, start_deg=5.0,
-        K_F=5.0, elements_per_link=2,
-    )  # fmt: skip
+    return build(supports, E=modulus, roll=angles[0], mu=angles[1], start=5.0, K_F=5.0, elements=2)
 
 
 def curves(outcome: fpm.Outcome) -> dict[str, np.ndarray]:

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.verification.bench import Bench
+from evidence.verification.capstan_events import Rope, phases
 
 G = 9.81
 
@@ -185,10 +186,65 @@ def capstan(bench: Bench) -> None:
         bench.check_small(f"{name}: energy balance", worst, 1e-5, "with what friction took", "work")
 
 
+EYELETS = {
+    1: [(3, 5)],
+    2: [(0, 5), (3, 5)],
+    3: [(0, 5), (1.5, 6), (3, 5)],
+    4: [(0, 4), (0.5, 5.5), (2.5, 5.5), (3, 5)],
+}
+"""Places (m) in the plane of what a cable runs over, from its end at (0, 1)."""
+
+
+def bouncing_rope(points: int) -> Rope:
+    """A mass beside the last of some eyelets, on a cable that is 0.1 m too long."""
+    fixed, mass, EA, friction = np.array([(0.0, 1.0), *EYELETS[points]]), 10.0, 2e4, 0.1
+    reach = Rope(fixed, mass, EA, 0.0, friction).longer(np.array(LET_GO))
+    return Rope(fixed, mass, EA, reach + 0.1, friction)
+
+
+LET_GO = (3.3, 2.0)
+
+
+def sticking(bench: Bench) -> None:
+    """A mass bounces and swings on a cable over eyelets: they slip, stick and slip back."""
+    figure = bench.figure("A mass bounces on a cable over eyelets", "time (s)", "tension (N)")
+    for points in (2,) if bench.quick else EYELETS:
+        rope = bouncing_rope(points)
+        found = list(phases(rope, np.array(LET_GO), 2.0))
+        scene = fpm.Scene("bouncing", gravity=(0, -G, 0))
+        places = [(*place, 0.0) for place in (*rope.fixed, LET_GO)]
+        on = [int(p) for p in scene.add_particles(places, rope.mass, 1.0)]
+        scene.fix(on[:-1])
+        scene.add_cable("rope", [(p, None) for p in on], rope.EA, rest=rope.rest,
+                        friction=rope.friction)  # fmt: skip
+        for step, tolerance in ((2e-3, 1e-3), (5e-4, 1e-4)):
+            (outcome,) = bench.simulate(scene, duration=2.0, instants=201, step=step)
+            starts = np.array([phase.start for phase in found])
+            now = [found[np.searchsorted(starts, t + 1e-9) - 1] for t in outcome.time]
+            exact = [phase.tensions(rope, t)[0] for phase, t in zip(now, outcome.time, strict=True)]
+            name = f"{points} eyelets, step {1e3 * step:g} ms"
+            worst = np.abs(outcome.tensions["rope"] - exact).max() / max(exact)
+            source = f"{len(found)} phases from event to event"
+            bench.check_small(
+                f"{name}: tension at its end", worst, tolerance, source, "the largest"
+            )
+            loss = rope.mass * G * LET_GO[1] - found[-1].energy(rope, 2.0)
+            lost = outcome.energies["cable_friction"][-1]
+            bench.check(f"{name}: friction took (J)", lost, loss, tolerance, source)
+            slack = [phase.start for phase in found[1:] if phase.slips is None]
+            times = outcome.events[outcome.events[:, 2] == 1, 0]
+            late = np.abs(times - slack).max() if len(times) == len(slack) else np.inf
+            bench.check(
+                f"{name}: slack at, off by (s)", late, 0.0, tolerance, source, measure="absolute"
+            )
+        figure.curve(outcome.time, outcome.tensions["rope"], f"{points} eyelets")
+
+
 PROBLEMS = {
     "mass on a cable": bounce,
     "Atwood's machine": atwood,
     "weight in a V": vee,
     "winch": reeling,
     "capstan": capstan,
+    "mass on a cable over eyelets": sticking,
 }

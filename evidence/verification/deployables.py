@@ -8,8 +8,8 @@ import numpy as np
 import xarray
 from scipy.integrate import quad
 
-from deployable.fpm import structures
 from evidence.verification.bench import Bench
+from fpm import structures
 
 CONFIG = Path(__file__).parents[2] / "config"
 START, END = np.radians([85, 30])

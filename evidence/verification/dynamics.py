@@ -4,10 +4,10 @@ from functools import cache
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.kinds.lumping import lump
+import fpm
 from evidence.verification.bench import Bench
 from evidence.verification.momentum import drift, momenta, watch
+from fpm.elements.bars.lumping import lump
 
 
 def spin_angle(time) -> tuple[np.ndarray, np.ndarray]:

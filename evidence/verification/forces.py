@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.kinds import Friction
+import fpm
+from deployable.campaign.config.scenes import scene_type
 from evidence.verification.bench import Bench
 from evidence.verification.joints import ABOUT_HINGE, ARM, MASS, swinging_body
 from evidence.verification.relax import settle
+from fpm.elements import Friction
 
 AXES = "xyz"
 
@@ -98,7 +99,7 @@ def clamped_bar(bench: Bench) -> None:
 
 def balance_of_linkage(bench: Bench) -> None:
     """The Bennett linkage on its supports: reactions make up the change of its momentum."""
-    scene = fpm.scenes.get("bennett").build(elements_per_link=2)
+    scene = scene_type("bennett").build(elements=2)
     count = len(scene.position)
     for particle in range(count):
         scene.add_point(f"p{particle}", particle)

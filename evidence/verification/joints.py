@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from deployable import fpm
+import fpm
+from deployable.campaign.config.scenes import scene_type
 from evidence.verification.bench import Bench
 from evidence.verification.rotation import crossings
 
@@ -53,8 +54,8 @@ def pendulum(bench: Bench) -> None:
         figure.curve(outcome.time[:1200], np.degrees(swing[:1200]), name)
 
     length, angle = 1.0, np.radians(60.0)
-    scene = fpm.scenes.get("pendulum").build(
-        L=length, E=2e11, g=g, angle_deg=60.0, elements=2 if bench.quick else 4
+    scene = scene_type("pendulum").build(
+        L=length, E=2e11, g=g, angle=60.0, elements=2 if bench.quick else 4
     )
     section = fpm.Section.square(0.05)
     inertia = length**2 / 3 + section.Iy / section.A

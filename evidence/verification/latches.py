@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.kinds import Damper, Friction, Latch, Stop, TableSpring
+import fpm
 from evidence.verification.bench import Bench
 from evidence.verification.joints import AXIS
+from fpm.elements import Damper, Friction, Latch, Stop, TableSpring
 
 J = 1 / 3  # kg m² about the hinge
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.verification.bench import Bench
 
 DOWN = (0.0, -9.81, 0.0)

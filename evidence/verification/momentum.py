@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 
 
 def watch(scene: fpm.Scene, particles=None) -> None:

@@ -3,11 +3,11 @@
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from deployable import fpm
-from deployable.fpm.kinds import Motor, Release, SyncLoop, TorqueMotor
+import fpm
 from evidence.verification.bench import Bench
 from evidence.verification.joints import AXIS
 from evidence.verification.rotation import crossings
+from fpm.elements import Motor, Release, SyncLoop, TorqueMotor
 
 Z = (0.0, 0.0, 1.0)
 

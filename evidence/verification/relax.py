@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.timestep import scaled_modes
+import fpm
 from evidence.verification.bench import Bench
+from fpm.timestep import scaled_modes
 
 
 def frequencies(scene: fpm.Scene) -> np.ndarray:

@@ -3,10 +3,13 @@
 import numpy as np
 from scipy.special import ellipk
 
-from deployable import fpm
-from deployable.fpm.kinds import RigidLatch, RigidRelease
-from deployable.fpm.kinds.beam import Material, Section
+import fpm
 from evidence.verification.bench import Bench, observed_orders
+from fpm.elements import RigidLatch, RigidRelease
+from fpm.elements.bars.beam import Material, Section
+from fpm.files.trajectory import curves_of
+from fpm.reading.quantity_definitions import parse
+from fpm.reading.responses import Response
 
 M, L, G = np.array([2.0, 1.0]), 1.0, 9.81  # kg, m, m/s²
 J = M * L**2 / 12  # slender rods
@@ -47,6 +50,14 @@ def masses(knee: float) -> np.ndarray:
     return np.array([[own[0], couple], [couple, own[1]]])
 
 
+def just_before(outcome: fpm.Outcome) -> float:
+    """The kinetic energy (J) as the first latch catches, as a campaign asks for it."""
+    moving = Response("moving", "energy", ("kinetic",), "", "J", "kinetic energy")
+    asked = {"t": {"event": "latches"}, "before": {"value": "moving", "at": "t"}}
+    (_, before), _ = parse(asked, [moving], outcome.eventful)
+    return before.evaluate(curves_of(outcome))
+
+
 def impacts(bench: Bench) -> None:
     """Rods without weight: momentum and energy give the rates at the latch, and those after it."""
     cases = {0.4: (0.3, 1.0), 1.2: (-0.5, 1.5), -0.6: (0.2, -1.0)}
@@ -64,6 +75,8 @@ def impacts(bench: Bench) -> None:
         found = {k: outcome.recorded[k].values[-1, 0] for k in ("latch_rate", "latch_impact")}
         bench.check(f"{name}: rate of the knee (rad/s)", found["latch_rate"], fast, 1e-5,
                     "momentum and energy")  # fmt: skip
+        bench.check(f"{name}: kinetic energy just before it (J)", just_before(outcome), energy,
+                    1e-4, "energy")  # fmt: skip
         late = outcome.time > outcome.events[0, 0] + 0.1
         knee, root = outcome.openings["knee"][late], outcome.openings["root"][late]
         bench.check_small(f"{name}: opening held (rad)", np.abs(knee - latch).max(), 1e-12,

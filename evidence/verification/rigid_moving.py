@@ -2,19 +2,23 @@
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.kinds import RigidFriction, RigidMotor
+import fpm
 from evidence.verification.bench import Bench
+from evidence.verification.mechanisms import on_ground, rod
+from fpm.elements import RigidFriction, RigidMotor, TorsionSpring
 
 G, L, STEP = 9.81, 1.0, 2e-4
 J = L**2 / 3  # kg m² of 1 kg about the hinge
-NONE = 1e-300  # m/s²: weight is there, and does nothing
+NONE = 1e-300  # m/s², N m/rad: weight and spring are there, and do nothing
 AXIS = np.array([0.0, 0.0, 1.0])
 TIMES = (0.0, 0.5003, 1.2, 2.0)
 
 
-def rods(rate=0.0, moment=0.0, gravity=NONE, angle=0.0, turns=(0.0,) * 4) -> fpm.Scene:
-    """A rod on friction, which turns at a rate (rad/s), and one on a motor; weight along -y."""
+def rods(rate=0.0, moment=0.0, gravity=NONE, angle=0.0, turns=(0.0,) * 4,
+         stiffness=NONE) -> fpm.Scene:  # fmt: skip
+    """A rod on friction and a spring (N m/rad), which turns at a rate (rad/s), and one on a motor;
+    weight along -y.
+    """
     scene = fpm.Scene("rods", gravity=(0.0, -gravity, 0.0))
     arm, aside = L / 2 * np.array([np.cos(angle), np.sin(angle), 0.0]), 5.0 * AXIS
     inertias = [[1.0] * 3, *[[0.1, J / 4, J / 4]] * 2]
@@ -23,6 +27,7 @@ def rods(rate=0.0, moment=0.0, gravity=NONE, angle=0.0, turns=(0.0,) * 4) -> fpm
     scene.spin[one], scene.velocity[one] = rate * AXIS, rate * np.cross(AXIS, arm)
     scene.add_hinge("rubs", (ground, one), 0 * arm, AXIS, opening=angle)
     scene.add_hinge("driven", (ground, two), aside, AXIS, opening=angle)
+    scene.add(TorsionSpring(0, stiffness))
     scene.add(RigidMotor(1, angle, 1.0, scene.add_curve(TIMES, turns)))
     scene.add(RigidFriction(0, moment))
     return scene
@@ -65,6 +70,39 @@ def friction(bench: Bench) -> None:
     figure.curve(outcomes[5].time, psi, "M = 0.3 N m")
 
 
+def oscillator(time, start, stiffness, moment):
+    """Angle (rad) of a rod on a spring that is let go at `start`: each half swing is a cosine about
+    ± moment/stiffness, so that the turns come closer by 2 moment/stiffness, and the last one stays.
+    """
+    w, off = np.sqrt(stiffness / J), moment / stiffness
+    count = int((start / off - 1) // 2) + 1  # of half swings
+    swing = np.minimum(time * w // np.pi, count)
+    turn = (-1.0) ** swing * (start - 2 * off * swing)
+    centre = (-1.0) ** swing * off
+    return np.where(
+        swing == count, turn, centre + (turn - centre) * np.cos(w * time - np.pi * swing)
+    )
+
+
+def swings(bench: Bench) -> None:
+    """A rod on a spring and friction: its way through every turn, to the second order."""
+    stiffness, moment, start, steps = 10.0, 0.6, 1.0, (3.2e-3, 1.6e-3, 8e-4, 4e-4)
+    scene = rods(0.0, moment, angle=start, stiffness=stiffness)
+    errors = []
+    for step in steps:
+        (outcome,) = bench.simulate(scene, duration=6.4, instants=2001, step=step)
+        psi = outcome.openings["rubs"]
+        exact = oscillator(outcome.time, start, stiffness, moment)
+        errors.append(np.abs(psi - exact).max())
+    bench.check("stands at (rad)", psi[-1], exact[-1], 1e-6, "closed form", 1.0, "of 1 rad")
+    bench.check_small("way, at most off (rad)", errors[-1], 2e-5, "closed form", "1 rad")
+    order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    bench.check_at_least("order in the step", order, 1.9, "locates its turns within a step")
+    figure = bench.figure("Swings on a spring and friction", "time (s)", "angle (rad)")
+    figure.curve(outcome.time, exact, "closed form", True)
+    figure.curve(outcome.time, psi, f"step {steps[-1]:g} s")
+
+
 def motors(bench: Bench) -> None:
     """Openings along curves with bends, their moments, and the work, blows among it."""
     for turns in ((0.0, 0.4, 0.1, 0.1), (0.0, 0.0, 1.5, -0.5)):
@@ -85,4 +123,63 @@ def motors(bench: Bench) -> None:
                           "m g l/2")  # fmt: skip
 
 
-PROBLEMS = {"rods on friction that sticks exactly": friction, "rods on rigid motors": motors}
+def rocker(crank):
+    """Angle (rad) of the rocker of a spatial four-bar at that of its crank, by geometry."""
+    x, y, z = 0.7 - 0.2 * np.cos(crank), 0.3 - 0.2 * np.sin(crank), 0.4
+    return np.arctan2(z, y) - np.arccos((0.75 - x**2 - y**2 - z**2) / np.hypot(y, z))
+
+
+def spatial_four_bar(coupler: float) -> fpm.Scene:
+    """A crank on a motor, a coupler (kg) between two balls, and a rocker of 0.8 kg m²."""
+    scene, ground = on_ground("spatial four-bar", (0.0, 0.0, 0.0))
+    psi = rocker(0.0)
+    ball = np.array([0.7, 0.3 + 0.5 * np.cos(psi), 0.4 + 0.5 * np.sin(psi)])
+    crank = int(scene.add_particles((0.0, 0, 0), 1.0, 0.01)[0])
+    link = rod(scene, (0.2, 0, 0), ball, 1e-3, coupler)
+    swing = int(scene.add_particles((0.7, 0.3, 0.4), 1.0, 0.8)[0])
+    scene.add_hinge("crank", (ground, crank), (0, 0, 0), AXIS)
+    scene.add_hinge("rocker", (ground, swing), (0.7, 0.3, 0.4), (1, 0, 0), opening=psi)
+    scene.add_joint("pin", "spherical", (crank, link), (0.2, 0, 0))
+    scene.add_joint("ball", "spherical", (link, swing), ball)
+    scene.add(RigidMotor(0, 0.0, 10.0, scene.add_curve([0.0, 1.0], [0.0, 1.0])))
+    return scene
+
+
+def light_coupler(bench: Bench) -> None:
+    """The motor moves the rocker alone where the coupler has no mass: M = J ψ' ψ'' w²."""
+    for step in (1e-3, 5e-4):
+        (outcome,) = bench.simulate(spatial_four_bar(1e-6), duration=0.1, instants=101, step=step)
+        angle, by = 10 * outcome.time, 1e-3
+        before, now, after = (rocker(angle + k * by) for k in (-1, 0, 1))
+        moment = 0.8 * (after - before) / (2 * by) * (after - 2 * now + before) / by**2 * 100
+        found = outcome.recorded["motor_moment"].values[:, 0]
+        name = f"step {1e3 * step:g} ms"
+        worst = np.abs(outcome.openings["rocker"] - now).max()
+        bench.check_small(f"rocker, {name} (rad)", worst, 1e-8, "its geometry", "1 rad")
+        worst = np.abs(found - moment)[1:].max() / np.abs(moment).max()
+        bench.check_small(f"moment, {name}", worst, 3e-4, "J ψ' ψ'' w²", "the largest")
+        bench.check(f"first moment, {name} (N m)", found[0], moment[0], 30 * step,
+                    "J ψ' ψ'' w²")  # fmt: skip
+
+
+def by_rate(bench: Bench) -> None:
+    """A mass that a motor accelerates evenly, by its rate."""
+    for step in (1e-3, 2e-4, 1e-4, 1e-5):
+        scene, ground = on_ground("lift", (0.0, 0.0, 0.0))
+        mass = int(scene.add_particles((0.0, 0, 0), 10.0, 1.0)[0])
+        scene.add_slide("rail", (ground, mass), (0, 0, 0), (1, 0, 0))
+        ramp = scene.add_curve([0.0, 1.0, 2.0], [0.0, 1.0, 0.0])
+        scene.add(RigidMotor(0, 0.0, 1.0, ramp, by_rate=True))
+        (outcome,) = bench.simulate(scene, duration=400 * step, instants=401, step=step)
+        force = outcome.recorded["slide_motor_force"].values[:, 0]
+        worst = np.abs(force - 10.0).max() / 10.0
+        bench.check_small(f"force, step {1e3 * step:g} ms", worst, 1e-9, "m a", "10 N")
+
+
+PROBLEMS = {
+    "rods on friction that sticks exactly": friction,
+    "rod on a spring and friction that sticks exactly": swings,
+    "rods on rigid motors": motors,
+    "coupler of nearly no mass": light_coupler,
+    "motor by its rate": by_rate,
+}

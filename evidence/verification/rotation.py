@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.momentum import drift, momenta, motion, watch
 
@@ -174,4 +174,35 @@ def heavy_top(bench: Bench) -> None:
         figure.curve(tip[:, 0], tip[:, 1], name)
 
 
-PROBLEMS = {"rigid motion": rigid_motion, "tumbling body": tumbling, "heavy top": heavy_top}
+def pulled(bench: Bench) -> None:
+    """A free rod, pulled by its tip: a pendulum about its centre, which falls evenly."""
+    from scipy.integrate import solve_ivp
+
+    force, inertia = 10.0, 1 / 12
+    scene = fpm.Scene("pulled rod")
+    rod = int(scene.add_particles((0.0, 0, 0), 1.0, (0.01, inertia, inertia))[0])
+    scene.add_load(rod, force=(0, -force, 0), arm=(0.5, 0, 0))
+    scene.add_point("tip", rod, (0.5, 0, 0))
+
+    def slopes(_, y):
+        return [y[1], -0.5 * force / inertia * np.cos(y[0])]
+
+    exact = solve_ivp(slopes, (0.0, 0.4), [0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+    work = force * (0.5 * force * 0.4**2 - 0.5 * np.sin(exact[0]))
+    found = []
+    for step in (4e-3, 2e-3, 1e-3):
+        (outcome,) = bench.simulate(scene, duration=0.4, instants=101, step=step)
+        name, energies = f"step {1e3 * step:g} ms", outcome.energies
+        found.append(np.abs(energies["balance"]).max())
+        bench.check(f"work of the pull, {name} (J)", energies["load_work"][-1], work,
+                    100 * step**2, "F (F t²/2m - l/2 sin θ), J θ'' = -F l/2 cos θ")  # fmt: skip
+    order = observed_orders(found).min()
+    bench.check_at_least("order of the energy balance", order, 1.95, "leapfrog")
+
+
+PROBLEMS = {
+    "rigid motion": rigid_motion,
+    "tumbling body": tumbling,
+    "heavy top": heavy_top,
+    "pulled rod": pulled,
+}

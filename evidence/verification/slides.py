@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from deployable import fpm
-from deployable.fpm.kinds import Damper, Friction, Latch, RigidLatch, RigidMotor, RigidRelease, Stop
+import fpm
 from evidence.verification.bench import Bench
+from fpm.elements import Damper, Friction, Latch, RigidLatch, RigidMotor, RigidRelease, Stop
 
 G = 9.81  # m/s², along -y
 X, Y = np.eye(3)[:2]

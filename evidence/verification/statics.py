@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.relax import settle
 from evidence.verification.rod import clamped_rod

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from deployable import fpm
+import fpm
 from evidence import plots
 from evidence.results import Report
 from evidence.verification import (

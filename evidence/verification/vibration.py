@@ -1,11 +1,13 @@
-"""Natural frequencies of bars: bending, axial and torsional, by eigenvalues and from a run."""
+"""Natural frequencies of bars: bending, axial and torsional, by eigenvalues and from a run; and the
+wave that a sudden force sends through one."""
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.verification.bench import Bench, observed_orders
 from evidence.verification.relax import frequencies, mode_shape
 from evidence.verification.rotation import crossings
+from fpm.elements import Viscosity
 
 LENGTH, MATERIAL = 1.0, fpm.Material(1e9, 0.25, 1000.0)
 SECTION = fpm.Section.square(0.004)  # slender: rotary inertia changes no bending frequency by 1e-4
@@ -121,4 +123,33 @@ def from_a_run(bench: Bench) -> None:
         figure.curve(outcome.time / (2 * np.pi / linear), strain, support)
 
 
-PROBLEMS = {"frequencies": eigenvalues, "frequencies of runs": from_a_run}
+def pulled_at_once(bench: Bench) -> None:
+    """A bar that a force F pulls at its end from t = 0 on, with bulk viscosity: a wave of F/A,
+    twice that where it meets the clamp, and an end that moves to 2 F L/(E A) and back (d'Alembert).
+    """
+    elements, force = 40, 1.0
+    way = LENGTH / np.sqrt(MATERIAL.E / MATERIAL.rho)
+    figure = bench.figure("Largest stress in a bar pulled at once", "time / way", "over F/A")
+    for share in (0.0, 0.2):
+        scene = bar(elements, "axial")
+        end = int(scene.beams[0].nodes[-1, 1])
+        scene.add_load(end, force=(force, 0.0, 0.0))
+        scene.add_point("end", end)
+        scene.add(Viscosity(share))
+        asked = [("stress", "all")]
+        (outcome,) = bench.simulate(scene, duration=4 * way, instants=801, record=asked)
+        stress = outcome.asked[asked[0]] / (force / SECTION.A)
+        figure.curve(outcome.time / way, stress, f"viscosity {share:g}")
+    bench.check("largest stress (F/A)", stress.max(), 2.0, 0.02, "d'Alembert")
+    early = (outcome.time > 0.5 * way) & (outcome.time < 0.9 * way)
+    bench.check("stress of the first wave (F/A)", stress[early].max(), 1.0, 0.05, "d'Alembert")
+    moved = outcome.points["end"][0][:, 0] - LENGTH
+    bench.check("largest way of the end (m)", moved.max(),
+                2 * force * LENGTH / (MATERIAL.E * SECTION.A), 0.05, "2 F L/(E A)")  # fmt: skip
+
+
+PROBLEMS = {
+    "frequencies": eigenvalues,
+    "frequencies of runs": from_a_run,
+    "pulled at once": pulled_at_once,
+}

@@ -53,7 +53,7 @@ def test_what_goes_wrong_is_counted():
     assert [(name, outcome) for name, outcome, _ in ledger.bad] == [
         ("one", "traceback"), ("two", "hang"),
     ]  # fmt: skip
-    assert "| one | 2 | 1 | 0 | 0 | 0 | 0 | 1 | 0 |" in ledger.table()
+    assert "| one | 2 | 1 | 0 | 0 | 0 | 0 | 0 | 1 | 0 |" in ledger.table()
 
 
 def long_one(place):

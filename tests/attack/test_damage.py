@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from deployable import campaign
-from deployable.fpm.sealed import check
 from evidence.attack.damage import HARMS, attack_files, cut, flip, kinds_in, zero
 from evidence.attack.ledger import Ledger
 from evidence.attack.victim import RAW, Victim, broken_in, silent
+from fpm.sealed import check
 
 
 def attacked(victim, place, kinds):

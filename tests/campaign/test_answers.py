@@ -16,8 +16,8 @@ from deployable.campaign.errors import ConfigError
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.ranges import Seen, draw_ranges, ranges, runs_of
-from deployable.fpm.sealed import unsealed
 from deployable.intervals.scalars import fit_scalar
+from fpm.sealed import unsealed
 
 
 @pytest.fixture(scope="module")
@@ -202,21 +202,26 @@ def test_what_vanishes_inside_the_box_is_bordered_by_further_runs(tmp_path):
 
 @pytest.mark.slow
 def test_the_whole_error_has_those_of_step_and_mesh(tmp_path):
-    """The change by the step is that of a campaign with half of it."""
+    """That of the step is what campaigns with a half and a quarter of it foretell (Richardson)."""
     t_open = {"t_open": PANEL["quantities"]["t_open"]}
     raw = panel(quantities=t_open, solver={"duration": 2.2, "instants": 441, "step": 2e-5},
                 verify={"rounds": 2, "finer": True})  # fmt: skip
     found = {}
-    for name, step in (("usual", 2e-5), ("step", 1e-5)):
+    for name, step in (("usual", 2e-5), ("step", 1e-5), ("quarter", 5e-6)):
         raw |= {"campaign": name, "solver": {**raw["solver"], "step": step}}
         folder = run(raw, tmp_path)
         raw["verify"] = {"rounds": 2}
         with xr.open_dataset(folder.quantities) as file:
             found[name] = file.sel(quantity="t_open").load()
     usual = found["usual"]
-    change = max(abs(float(found["step"][f"simulated_{s}"] - usual[f"simulated_{s}"]))
-                 for s in ("lower", "upper"))  # fmt: skip
-    assert 0 < float(usual["error_step"]) == pytest.approx(change, rel=1e-6)
+    steps = [
+        [float(of[f"simulated_{s}"]) for of in (usual, found["step"], found["quarter"])]
+        for s in ("lower", "upper")
+    ]
+    first, second = max((abs(np.diff(values)) for values in steps), key=lambda change: change[0])
+    order = np.clip(np.log2(first / second), 1.0, 4.0)
+    exact = first / (1 - 2**-order)
+    assert 0 < float(usual["error_step"]) == pytest.approx(exact, rel=1e-6)
     assert 0 < float(usual["error_mesh"]) < 1e-5
     parts = sum(float(usual[name]) for name in ("error", "error_step", "error_mesh"))
     assert float(usual["error_whole"]) == pytest.approx(parts)

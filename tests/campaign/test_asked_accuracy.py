@@ -31,18 +31,18 @@ def test_a_number_is_the_share_of_everything(asked):
     asked["quantities"] = {"top": {"largest": "BD"}}
     found = check_config(asked)
     assert found.experiment.accuracy.shares == {"BD": 0.1, "vBz": 0.1, "top": 0.1}
-    assert found.experiment.scene.parameters == {"elements_per_link": 6}
-    assert found.is_adaptive
+    assert found.experiment.scene.parameters == {"elements": 6}
+    assert found.experiment.is_sought
     assert (found.bounds.model, found.verify.finer) == ("spline", True)
     asked["accuracy"] = {"share": 0.2, "of": {"top": 0.01}, "runs": 50}
     found = check_config(asked).experiment.accuracy
-    assert found == Accuracy({"BD": 0.2, "vBz": 0.2, "top": 0.01}, 50, 60.0, "elements_per_link")
+    assert found == Accuracy({"BD": 0.2, "vBz": 0.2, "top": 0.01}, 50, 60.0, "elements")
 
 
 def test_a_mesh_of_the_config_is_kept(asked):
-    asked["scene"] = {"name": "bennett", "parameters": {"elements_per_link": 5}}
+    asked["scene"] = {"name": "bennett", "parameters": {"elements": 5}}
     found = check_config(asked).experiment
-    assert found.scene.parameters == {"elements_per_link": 5}
+    assert found.scene.parameters == {"elements": 5}
     assert found.accuracy.mesh == ""
 
 
@@ -50,7 +50,6 @@ def test_a_mesh_of_the_config_is_kept(asked):
     ("change", "told"),
     [
         ({"design": {"method": "scan"}}, "design: not allowed beside accuracy"),
-        ({"preset": "draft"}, "preset: not allowed beside accuracy"),
         ({"accuracy": 2}, "accuracy: 2 is not allowed"),
         ({"accuracy": {"of": {"BX": 0.1}}}, "accuracy.of.BX: there is no such"),
         ({"accuracy": {"runs": 0}}, "accuracy.runs: 0 is not allowed"),
@@ -72,7 +71,7 @@ def decided(parts, *rounds, check=("mesh",), aim=AIM, cost=COST):
 
 
 def done(action, elements=6, **parts):
-    return Round((), (), 16, 0.0, action, "", {"x": parts}, elements)
+    return Round(16, 0.0, action, "", {"x": parts}, elements)
 
 
 def test_an_error_that_is_small_enough_is_checked_before_it_is_believed():
@@ -173,7 +172,7 @@ def test_what_no_mesh_settles_is_set_aside_and_the_rest_goes_on():
     aim = Accuracy({"x": 0.1, "y": 0.1}, 1000, 60.0, "n")
     finer = Cost(**{**vars(COST), "elements": 12})
     coarse = {"x": {"surrogate": 0.2, "mesh": 0.02}, "y": {"surrogate": 0.5, "mesh": 0.31}}
-    before = Round((), (), 16, 0.0, "mesh", "", coarse, 6)
+    before = Round(16, 0.0, "mesh", "", coarse, 6)
 
     def after(x, check=("mesh",)):
         shares = {"x": {"surrogate": x, "mesh": 0.01}, "y": {"surrogate": 0.5, "mesh": 0.29}}
@@ -230,7 +229,7 @@ def test_runs_are_sought_where_what_is_unmet_decides(asked):
 
 def runs_of(nodes, **parts):
     """A round after which runs were added to so many nodes."""
-    return Round((), (), 16, 0.0, "runs", "", {"x": parts}, 6, nodes=nodes)
+    return Round(16, 0.0, "runs", "", {"x": parts}, 6, nodes=nodes)
 
 
 def test_runs_become_as_many_as_errors_are_expected_to_need():
@@ -285,6 +284,10 @@ def met(tmp_path_factory):
 def test_rounds_refine_what_is_too_coarse(met):
     summary = json.loads((met / "summary.json").read_text())
     rounds = summary["adaptive"]["rounds"]
+    last = met.round(len(rounds) - 1)
+    for name in ("samples.nc", "bounds.nc"):
+        assert (met / name).read_bytes() == (last / name).read_bytes()
+    assert list(met.path.glob("rounds/*/trajectories")) == []
     assert {"runs", "stop"} <= {row["action"] for row in rounds}
     assert [row["runs"] for row in rounds] == sorted(row["runs"] for row in rounds)
     assert summary["accuracy"]["met"]

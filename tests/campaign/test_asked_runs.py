@@ -8,7 +8,7 @@ import pytest
 from deployable import campaign
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.estimate import found
-from deployable.fpm.trajectory import read_curves
+from fpm.files.trajectory import read_curves
 
 pytestmark = pytest.mark.slow  # time loops of their own
 

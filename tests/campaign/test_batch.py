@@ -12,8 +12,9 @@ import pytest
 import xarray as xr
 from harm import harm_file
 
-from deployable import fpm
+import fpm
 from deployable.campaign.config.check import check_config
+from deployable.campaign.config.scenes import scene_type
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.plan.make import make_plan
@@ -22,7 +23,7 @@ from deployable.campaign.results.summary import SOFT, _doubts
 from deployable.campaign.runs import batch as batches
 from deployable.campaign.runs.batch import Simulation, clocks, run_batch
 from deployable.campaign.runs.progress import duration_text
-from deployable.fpm.trajectory import read_curves
+from fpm.files.trajectory import read_curves
 
 KEEP = ["trajectories", "responses"]
 
@@ -63,7 +64,7 @@ def test_a_campaign_that_was_killed_goes_on(config, tmp_path, keep):
 @pytest.mark.parametrize("keep", KEEP)
 def test_a_run_that_fails_does_not_harm_the_others(raw, tmp_path, keep):
     # One step serves all runs: between their limits it breaks the stiff ones only.
-    soft = fpm.stable_step(fpm.scenes.get("bennett").build(elements_per_link=2)).step
+    soft = fpm.stable_step(scene_type("bennett").build(elements=2)).step
     raw["solver"] = {"step": 0.8 * soft, "duration": 0.02, "instants": 9}
     raw["intervals"] = {"E": {"lower": 1e9, "upper": 9e9}}
     plan = make_plan(check_config(raw).experiment)
@@ -143,8 +144,8 @@ def test_a_trajectory_tells_its_parameters(config, tmp_path):
     with xr.open_dataset(tmp_path / "trajectories" / f"{run.id}.nc") as data:
         assert data.attrs["run_id"] == run.id
         assert data.attrs["parameter_a"] == run.values[0]
-        assert data.attrs["parameter_elements_per_link"] == 2
-        assert data.attrs["parameter_supports"] == "plane"
+        assert data.attrs["parameter_elements"] == 2
+        assert data.attrs["parameter_roll"] == 45
         assert data.attrs["config_hash"] == plan.config_hash
         assert data.attrs["time_step_limit"] == plan.time.step_limit
         assert "numpy" in json.loads(data.attrs["provenance"])
@@ -273,8 +274,8 @@ def test_faces_that_pass_through_each_other_are_told(raw, tmp_path, keep):
 
 def test_runs_with_too_many_events_to_keep_are_told(raw, tmp_path, monkeypatch):
     raw["solver"] = {"duration": 0.4, "instants": 11}
-    monkeypatch.setattr(fpm.pack, "MOST_ROOM", 1)
-    monkeypatch.setattr(fpm.pack, "MOST_EVENTS", 1)
+    monkeypatch.setattr(fpm.solver.pack, "MOST_ROOM", 1)
+    monkeypatch.setattr(fpm.solver.pack, "MOST_EVENTS", 1)
     with pytest.raises(CampaignError, match="contact events, more than are kept"):
         run_all(check_config(raw), tmp_path, "trajectories")
 

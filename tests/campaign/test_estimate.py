@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from deployable import fpm
+import fpm
 from deployable.campaign.config.check import load_config
 from deployable.campaign.plan.estimate import LANES, estimate, run_seconds
 from deployable.campaign.plan.make import choose_step
-from deployable.fpm.effort import machine
+from fpm.effort import machine
 
 CONFIG = Path(__file__).parents[2] / "config"
 SHIPPED = sorted(path.stem for path in CONFIG.glob("*.yaml"))
@@ -19,7 +19,6 @@ SHIPPED = sorted(path.stem for path in CONFIG.glob("*.yaml"))
 ALIKE = {
     "three": "paper",
     "scan": "paper",
-    "auto": "paper",
     "six": "closing",
     "strength": "closing",
     "strength_scan": "closing",
@@ -66,7 +65,7 @@ def test_the_time_foretold_is_what_is_taken(name):
 
 
 def _of(experiment, steps: int, instants: int) -> float:
-    from deployable.fpm import effort
+    from fpm import effort
 
     nominal = dict(zip(experiment.box.names, experiment.nominal, strict=True))
     return effort.run_seconds(experiment.build(nominal), steps, instants)
@@ -92,5 +91,5 @@ def test_a_finer_mesh_and_step_cost_more_than_the_runs(raw):
     usual = estimate(campaign.check_config(raw))
     raw["verify"] = {"finer": True}
     finer = estimate(campaign.check_config(raw))
-    assert finer.integrating == pytest.approx(7 * usual.integrating)  # a batch: 1 + 2 + 4
+    assert finer.integrating == pytest.approx(12 * usual.integrating)  # 1, 2 + 4 and 4 + 1
     assert finer.runs == usual.runs

@@ -19,7 +19,7 @@ from deployable.campaign.stages import CORES, batch_count
 
 RAW = {
     "campaign": "sized",
-    "scene": {"name": "bennett", "parameters": {"elements_per_link": 2}},
+    "scene": {"name": "bennett", "parameters": {"elements": 2}},
     "solver": {"duration": 0.1, "instants": 101, "step": 1e-4},
     "intervals": {"E": {"nominal": 1e9, "relative": 0.01}},
     "design": {"method": "scan", "samples": 1000},
@@ -42,7 +42,7 @@ def test_a_job_elsewhere_finds_as_many_batches(monkeypatch):
 
 
 def test_a_job_of_minutes_has_whole_groups_that_take_so_long(monkeypatch):
-    monkeypatch.setattr("deployable.fpm.effort.machine", lambda: 1.0)
+    monkeypatch.setattr("fpm.effort.machine", lambda: 1.0)
     asked = {"minutes": 30, "run_seconds": 2, "group": 8}
     assert runs_in_job(sized(**asked)) == 896  # 30 * 60 / 2 = 900, in groups of 8
     assert runs_in_job(sized(**asked, processes=4)) == 3600

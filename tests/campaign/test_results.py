@@ -23,12 +23,11 @@ from deployable.campaign.report import make_motions
 from deployable.campaign.results.bounds import analyse
 from deployable.campaign.results.budget import foretold_text
 from deployable.campaign.results.figures import draw_envelopes, envelope
-from deployable.campaign.results.linkage import moments
 from deployable.campaign.results.moments import draw_nominal
-from deployable.campaign.results.summary import as_text, summarise
+from deployable.campaign.results.summary import _response_table, as_text, summarise
 from deployable.campaign.results.units import pretty
-from deployable.fpm.scenes import SceneType
-from deployable.fpm.sealed import unsealed
+from fpm.scenes.scene_type import SceneType
+from fpm.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
 SUMMARY_SCHEMA = ROOT / "deployable/campaign/results/summary.schema.json"
@@ -52,7 +51,7 @@ def test_the_surrogate_goes_through_its_nodes(finished):
         for name in ("BD", "vBz"):
             values = samples["values"].sel(response=name).values[nodes]
             coefficients = np.zeros((3, values.shape[1]))
-            coefficients[degrees] = surrogate["coefficient"].sel(response=name).values[0]
+            coefficients[degrees] = surrogate["coefficient"].sel(response=name).values
             fitted = chebyshev.chebval(samples["unit"].values[nodes, 0], coefficients)
             np.testing.assert_allclose(fitted.T, values, atol=1e-12 * np.abs(values).max())
 
@@ -66,7 +65,7 @@ def test_the_bounds_are_the_exact_range_of_the_surrogate(finished):
         degrees = surrogate["multi_index"].values[:, 0]
         for name in ("BD", "vBz"):
             coefficients = np.zeros((3, surrogate.sizes["time"]))
-            coefficients[degrees] = surrogate["coefficient"].sel(response=name).values[0]
+            coefficients[degrees] = surrogate["coefficient"].sel(response=name).values
             dense = chebyshev.chebval(unit, coefficients)
             lower, upper = (bounds[key].sel(response=name).values for key in ("lower", "upper"))
             scale = np.abs(dense).max()
@@ -106,15 +105,9 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
         assert words in text
 
 
-def analysed(finished, path, align="none", model="polynomial", enclose=False) -> Folder:
-    """The finished campaign's samples and what other bounds of them leave."""
-    folder = beside(finished, path)
-    analyse(folder, BoundsChoice(align, model, enclose))
-    return folder
-
-
 def test_a_spline_bounds_all_runs_and_says_that_it_encloses_nothing(finished, tmp_path):
-    other = analysed(finished, tmp_path, model="spline")
+    other = beside(finished, tmp_path)
+    analyse(other, BoundsChoice("spline"))
     with (
         xr.open_dataset(other.samples) as samples,
         xr.open_dataset(other.bounds) as bounds,
@@ -146,25 +139,12 @@ def test_a_spline_bounds_all_runs_and_says_that_it_encloses_nothing(finished, tm
             assert len(title) == 1 or "of the runs that were not fitted" in title[1]
 
 
-def test_aligned_models_are_enclosed_on_demand(finished, tmp_path):
-    kinds, gaps = [], []
-    for enclose in (False, True):
-        folder = analysed(finished, tmp_path / str(enclose), align="shift", enclose=enclose)
-        with xr.open_dataset(folder.bounds) as b:
-            kinds.append(b.attrs["bounds_kind"].split()[0])
-            outer, inner = b["upper"].sel(response="vBz"), b["inner_upper"].sel(response="vBz")
-            gaps.append(float((outer - inner).max()))
-            assert (outer >= inner).all()
-    assert kinds == ["attained", "enclosed"]
-    assert gaps[0] == 0 < gaps[1]
-
-
 def test_figures_are_drawn_in_three_forms_and_are_the_same_again(finished, tmp_path):
     found = []
     for place in ("first", "second"):
         folder = beside(finished, tmp_path / place)
         draw_envelopes(folder.bounds, 0.1, folder.figures)
-        draw_nominal(folder, "trajectories", 5, print)
+        draw_nominal(folder, 5)
         found.append({path.name: unsealed(path) for path in folder.figures.rglob("*.*")})
     first, second = found
     kinds = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}
@@ -178,12 +158,12 @@ def test_figures_are_drawn_in_three_forms_and_are_the_same_again(finished, tmp_p
 
 @pytest.mark.parametrize("motion", ["made before", "made again", "cut off"])
 def test_any_structure_is_drawn_from_its_motion(finished, tmp_path, motion):
-    """As Bennett's is where its trajectories are not kept, by what the page has or made again."""
+    """By what the page has, or made again."""
     folder = beside(finished, tmp_path / "test")
     if motion != "made again":
         (path, *_) = make_motions(folder.path, frames=11)  # the nominal run's
         path.write_bytes(path.read_bytes()[: -20 * (motion == "cut off") or None])
-    draw_nominal(folder, "responses", 3, print)
+    draw_nominal(folder, 3)
     drawn = ElementTree.fromstring((folder.overviews / "moments.svg").read_text())
     panels = [each for each in drawn.iter() if each.get("id", "").startswith("axes_")]
     assert len(panels) == 3
@@ -192,7 +172,7 @@ def test_any_structure_is_drawn_from_its_motion(finished, tmp_path, motion):
 def test_a_structure_that_has_changed_since_is_not_drawn(finished, monkeypatch):
     monkeypatch.setattr(SceneType, "digest", "another")
     with pytest.raises(CampaignError, match="have changed since"):
-        draw_nominal(finished, "responses", 3, print)
+        draw_nominal(finished, 3)
 
 
 def files_of(finished) -> list:
@@ -292,20 +272,17 @@ def test_the_summary_is_as_its_schema_says(finished):
         jsonschema.validate(found, schema)
 
 
-def test_moments_go_from_the_start_to_the_first_closure():
-    time = np.linspace(0, 1, 1001)
-    opening = np.abs(np.cos(2 * np.pi * time)) + 0.05  # least at 0.25 s and again at 0.75 s
-    opening[750] = 0.0
-    indices = moments(time, opening, 5, first_closure=0.24)
-    assert indices[0] == 0
-    assert time[indices[-1]] == pytest.approx(0.25, abs=1e-3)
-    np.testing.assert_allclose(opening[indices], np.linspace(1.05, 0.05, 5), atol=0.01)
-    assert moments(time, opening, 5)[-1] == 750
-
-
 @pytest.mark.parametrize(
     ("units", "text"),
     [("m", "m"), ("m s-1", "m/s"), ("kg m2 s-2", "kg m²/s²"), ("s-1", "1/s"), ("1", "1")],
 )
 def test_units_are_written_as_people_do(units, text):
     assert pretty(units) == text
+
+
+def test_a_published_difference_of_zero_has_no_ratio():
+    row = {
+        "name": "BD", "units": "m", "largest_difference": 0.06, "time_of_largest_difference": 1.0,
+        "error_at_largest_difference": None, "published": 0.0, "ratio_to_published": None,
+    }  # fmt: skip
+    assert _response_table([row])[-1].endswith("| 0 m |  |")

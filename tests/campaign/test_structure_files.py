@@ -136,14 +136,6 @@ def test_sections_carry_the_file_to_other_processes(path):
     assert again.experiment.scene_type.hinges == ("hinge",)
 
 
-def test_a_preset_reaches_the_mesh_that_the_file_names(path):
-    raw = yaml.safe_load(path.read_text(encoding="utf-8"))
-    raw["scene"] = {"file": str(path.parent / "structures" / "panel.yaml")}
-    del raw["design"], raw["held_out"]
-    found = check_config({**raw, "preset": "draft"}).experiment
-    assert found.scene.parameters == {"elements": 8}
-
-
 def test_a_structure_in_python_is_a_scene_too(path, capsys):
     raw = yaml.safe_load(path.read_text(encoding="utf-8"))
     page = (ROOT / "docs" / "structures.md").read_text(encoding="utf-8")
@@ -156,6 +148,29 @@ def test_a_structure_in_python_is_a_scene_too(path, capsys):
     assert load_config([path]).experiment.build({"L": 2.0}).points["tip"].particle > 0
     assert main(["check", str(path)]) == 0
     assert "bar.py is a program, which was run" in capsys.readouterr().out
+
+
+def in_python(path, before_the_end: str, **more) -> dict:
+    """A config of the page's structure in Python, with some lines more before its end."""
+    page = (ROOT / "docs" / "structures.md").read_text(encoding="utf-8")
+    text = page.split("```python\n")[-1].split("```")[0]
+    text = text.replace("    return scene", f"    {before_the_end}\n    return scene")
+    (path.parent / "bar.py").write_text(text, encoding="utf-8")
+    response = {"position": "tip", "component": "z"}
+    scene = {"file": str(path.parent / "bar.py")}
+    intervals = {"L": {"nominal": 1.0, "relative": 0.1}}
+    return {**RAW, "scene": scene, "intervals": intervals, "responses": {"z": response}, **more}
+
+
+def test_an_end_of_an_interval_with_other_parts_is_refused(path):
+    raw = in_python(path, "if L > 1: scene.add_torsion_spring(0, 1.0)")
+    assert "the structure has other parts than at the nominal" in problems(raw)
+
+
+def test_values_at_which_a_program_cannot_build_are_refused(path):
+    intervals = {"L": {"nominal": 1.5, "relative": 0.1}}
+    told = problems(in_python(path, "1 / (L - 1.5)", intervals=intervals))
+    assert "values at which it can be built, not ZeroDivisionError" in told
 
 
 def test_what_is_wrong_with_a_file_is_told(path):

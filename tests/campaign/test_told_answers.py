@@ -1,19 +1,27 @@
-"""Numbers of answers in words and budgets, without a campaign."""
+"""Numbers of answers in words and budgets."""
 
+import json
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import yaml
 
+from deployable import campaign
 from deployable.campaign.answers import finer
 from deployable.campaign.answers.bench import Bench
 from deployable.campaign.answers.choice import design_points
 from deployable.campaign.answers.ends import _ends
+from deployable.campaign.cli import main
+from deployable.campaign.report.page import render
+from deployable.campaign.report.read import from_results
+from deployable.campaign.report.words import cautions
 from deployable.campaign.results.answers import digits_for, ends, interval
 from deployable.campaign.results.budget import quantity_errors
-from deployable.campaign.results.decisions import met, share_text, verdict
+from deployable.campaign.results.decisions import met, share_text, verdict, where_it_happens
 from deployable.intervals import Box
 from deployable.intervals.scalars.extremes import Extremes
+from fpm.reading import shocks
 
 
 @pytest.mark.parametrize(
@@ -52,11 +60,13 @@ def test_ends_say_how_far_they_were_simulated():
     ("share", "open_", "text"),
     [
         (0.81234, 0.0001, "81.23 %"),
-        (0.81234, 0.0213, "81 % (open: 3 %)"),
-        (0.81234, 0.0006, "81.23 % (open: 0.06 %)"),
-        (0.5, 0.12, "50 % (open: 12 %)"),
-        (0.9999, 0.02, "More than 99 % (open: 2 %)"),
-        (1e-6, 0.0, "Less than 0.01 %"),
+        (0.81234, 0.0213, "81 ± 3 %"),
+        (0.81234, 0.0006, "81.23 ± 0.06 %"),
+        (0.5, 0.12, "50 ± 12 %"),
+        (0.9999, 0.02, "at least 97 %"),
+        (0.955, 0.009, "95.5 ± 0.9 %"),
+        (0.01, 0.0213, "at most 4 %"),
+        (1e-6, 0.0, "less than 0.01 %"),
     ],
 )
 def test_a_share_has_the_digits_that_what_is_open_leaves(share, open_, text):
@@ -67,15 +77,24 @@ def test_a_share_has_the_digits_that_what_is_open_leaves(share, open_, text):
     ("kept", "share", "open_", "text"),
     [
         ("all", 1.0, 1e-4, "All"),
-        ("all", 1.0, 0.03, "All (open: 3 %)"),
-        ("none", 0.0, 0.28, "None (open: 28 %)"),
-        ("some", 0.5, 0.02, "50 % (open: 2 %)"),
+        ("all", 1.0, 0.03, "At least 97 %"),
+        ("none", 0.0, 0.28, "At most 28 %"),
+        ("some", 0.5, 0.02, "50 ± 2 %"),
     ],
 )
 def test_a_verdict_tells_what_is_open(kept, share, open_, text):
     told = {"met": kept, "share": share, "open": open_}
     assert verdict(told) == f"{text} of the box meets all requirements."
-    assert met(told) == (f"some: {text}" if kept == "some" else text.lower())
+    assert met(told) == text.lower()
+
+
+def test_what_fails_only_where_it_does_not_happen_is_told_apart():
+    """A speed at an event that does not happen everywhere breaks no limit where it does."""
+    limit = {"quantity": "v", "kind": "at_most"}
+    row = {"met": "some", "share": 0.955, "limits": [limit]}
+    assert where_it_happens(row, {"v": 0.955}) == "all where v happens"
+    assert where_it_happens(row, {"v": 0.96}) == ""
+    assert where_it_happens({**row, "limits": [{**limit, "kind": "happens"}]}, {"v": 0.955}) == ""
 
 
 def test_the_error_of_a_quantity_is_the_sum_of_its_parts_as_a_share_of_its_width():
@@ -91,7 +110,7 @@ def test_the_error_of_a_quantity_is_the_sum_of_its_parts_as_a_share_of_its_width
 
 
 def test_what_a_finer_model_changes_is_the_larger_change_of_both_ends(monkeypatch):
-    """Of each quantity at its own ends; NaN where it has none."""
+    """Of each quantity at its own ends; NaN where it has none. The order is not known: twice."""
     ends = [
         SimpleNamespace(argmin=np.array([-1.0]), argmax=np.array([1.0]), lower=1.0, upper=2.0),
         SimpleNamespace(argmin=np.array([0.5]), argmax=np.array([-1.0]), lower=5.0, upper=9.0),
@@ -105,10 +124,11 @@ def test_what_a_finer_model_changes_is_the_larger_change_of_both_ends(monkeypatc
         second = np.where(x == 0.5, 5.7, 9.0)
         return np.stack([first, second, np.full(len(x), np.nan)], axis=1)
 
-    monkeypatch.setattr(finer, "_plans", lambda plan, parts: dict.fromkeys(parts))
+    level = finer.Level(None, None, True)
+    monkeypatch.setattr(finer, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
     monkeypatch.setattr(finer, "runs_at", lambda plan, points: points)
     found = finer.finer_errors(SimpleNamespace(plan=None, measure=measure), ends, ("mesh",))
-    np.testing.assert_allclose(found["mesh"], [0.3, 0.7, np.nan])
+    np.testing.assert_allclose(found["mesh"], [0.6, 1.4, np.nan])
 
 
 def test_the_nearest_run_is_the_nearest():
@@ -147,3 +167,36 @@ def test_an_end_moves_where_the_surrogate_promises_more_than_was_simulated(low, 
     assert (found.lower, found.upper) == (1.0, 2.0)
     assert (found.argmin[0], found.argmax[0]) == (-0.4, 0.3)
     assert found.outer == (min(low, 1.0), max(high, 2.0))
+
+
+def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, monkeypatch, capsys):
+    """By check, summary and page; of the response that is in doubt, and the peak of it alone."""
+    why = "nothing softens it: state a `stiffness`"
+    monkeypatch.setattr(
+        shocks, "doubt", lambda scene, response: why if response.name == "BD" else ""
+    )
+    raw["quantities"] = {
+        name: {kind: "BD"} for name, kind in (("top", "largest"), ("end", "final"))
+    }
+    raw["responses"] = {
+        "BD": {"distance": ["B", "D"]}, "vBz": {"velocity": "B", "component": "z"},
+    }  # fmt: skip
+    path = tmp_path / "mine.yaml"
+    path.write_text(yaml.safe_dump(raw), encoding="utf-8")
+    assert main(["check", str(path)]) == 0
+    text = f"Mesh and step decide BD, top: {why}"
+    assert f"{path}: {text}" in capsys.readouterr().out
+    campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    folder = tmp_path / raw["campaign"]
+    summary = json.loads((folder / "summary.json").read_text())
+    rows = [*summary["responses"], *summary["quantities"]]
+    assert {row["name"]: row.get("doubt") for row in rows} == {
+        "BD": why, "vBz": None, "top": why, "end": None,
+    }  # fmt: skip
+    lines = (folder / "summary.md").read_text().splitlines()
+    assert f"{text}." in lines
+    marked = [line for line in lines if "; mesh and step decide it |" in line]
+    assert [line.split(" | ")[0][2:5] for line in marked] == ["BD", "top"]
+    data = from_results(folder)
+    assert f"{text}." in cautions(data)
+    assert render(data).count("nothing softens it: state a <code>stiffness</code>") >= 2

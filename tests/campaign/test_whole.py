@@ -113,22 +113,6 @@ def test_another_response_simulates_nothing(raw, tmp_path):
         np.testing.assert_array_equal(samples["values"].values[nominal, 2], opening)
 
 
-@pytest.mark.slow
-def test_rounds_leave_the_files_of_the_last_one(raw, tmp_path):
-    raw["intervals"] = {"E": {"relative": 0.3}}
-    raw["design"] = {"method": "tensor_lobatto", "order": "auto", "budget": 6, "tolerance": 1e-12}
-    folder = run(raw, tmp_path)
-    summary = json.loads((folder / "summary.json").read_text())
-    rounds = summary["adaptive"]["rounds"]
-    assert len(rounds) == 2
-    assert rounds[-1]["action"] == "stop"
-    assert rounds[-1]["reason"] in (folder / "summary.md").read_text()
-    last = folder.round(len(rounds) - 1)
-    for name in ("samples.nc", "bounds.nc"):
-        assert (folder / name).read_bytes() == (last / name).read_bytes()
-    assert list(folder.path.glob("rounds/*/trajectories")) == []
-
-
 def scan(raw, samples, **more):
     """A plain scan that keeps responses only."""
     jobs = {"keep": "responses", "group": 8}

@@ -22,7 +22,7 @@ def campaigns(tmp_path_factory):
     """Bounds of a campaign, and of the same with half the step and on the finer mesh."""
     results = tmp_path_factory.mktemp("whole")
     raw = {
-        "scene": {"name": "bennett", "parameters": {"elements_per_link": 2}},
+        "scene": {"name": "bennett", "parameters": {"elements": 2}},
         "solver": {"duration": 0.02, "instants": 41},
         "intervals": {"K_F": {"relative": 0.05}},
         "design": {"method": "tensor_lobatto", "order": 2},
@@ -37,7 +37,7 @@ def campaigns(tmp_path_factory):
     found = {"usual": run("usual", verify={"finer": True})}
     halved = {**raw["solver"], "step": found["usual"].attrs["time_step"] / 2}
     found["step"] = run("step", solver=halved)
-    finer = {"name": "bennett", "parameters": {"elements_per_link": 4}}
+    finer = {"name": "bennett", "parameters": {"elements": 4}}
     found["mesh"] = run("mesh", scene=finer)
     assert found["mesh"].attrs["time_step"] <= found["step"].attrs["time_step"]
     return found | {"folder": Folder(results / "usual")}
@@ -45,7 +45,8 @@ def campaigns(tmp_path_factory):
 
 @pytest.mark.parametrize(("part", "beside"), [("step", "usual"), ("mesh", "step")])
 def test_parts_are_what_a_finer_campaign_changes(campaigns, part, beside):
-    """The finer mesh is put beside the finer step, which it has as well: that counts once.
+    """By a factor for each response, by the order at which that falls. The finer mesh is put beside
+    the finer step, which it has as well: that counts once.
 
     Bounds of BD are attained at the ends of the interval, where there are runs in both; at a few
     instants those of the velocity are not, which may tell by a twentieth of the largest change.
@@ -58,7 +59,57 @@ def test_parts_are_what_a_finer_campaign_changes(campaigns, part, beside):
     # Instants are farther apart than the window of the estimate, which thus changes nothing.
     for i, near in enumerate((1e-4, 0.05)):
         most = found[i].max()
-        assert found[i] == pytest.approx(changed.values[i], rel=1e-6, abs=near * most)
+        factor = most / changed.values[i].max()
+        assert 16 / 15 - 0.05 < factor < 2 + 0.15
+        assert found[i] == pytest.approx(factor * changed.values[i], rel=1e-6, abs=near * most)
+
+
+def test_the_error_of_the_step_is_what_much_finer_steps_change(tmp_path):
+    """Of a pendulum, within a twentieth, where what half the step changes is a quarter less."""
+    raw = {
+        "campaign": "swings",
+        "scene": {"name": "pendulum"},
+        "solver": {"duration": 1.0, "instants": 41},
+        "intervals": {"g": {"relative": 0.05}},
+        "design": {"method": "tensor_lobatto", "order": 2},
+        "verify": {"finer": True},
+        "responses": {"z": {"position": "T", "component": "z"}},
+    }
+
+    def run(**more):
+        return campaign.run({**raw, **more}, tmp_path, figures=False, tell=lambda text: None)
+
+    found = run()
+    solver = {**raw["solver"], "step": found.attrs["time_step"] / 8}
+    finer = run(campaign="finer", solver=solver, verify={})
+    changed = max(abs(finer[side] - found[side]).values.max() for side in ("lower", "upper"))
+    assert found["error_step"].values.max() == pytest.approx(64 / 63 * changed, rel=0.05)
+
+
+@pytest.mark.parametrize(("finest", "sizes"), [(True, (1, 0.5, 0.25)), (False, (1, 0.5, 2))])
+@pytest.mark.parametrize(("order", "factor"), [(1, 1.0), (2, 1.0), (3, 1.0), (0.5, 0.5858)])
+def test_an_error_is_that_of_an_order_from_one_on(monkeypatch, finest, sizes, order, factor):
+    """Of quantities and curves, with a third level that is finer or coarser; of an order below one
+    as much as of the first."""
+    truth = np.array([3.0, 5.0])
+
+    def measure(plan, points):
+        return np.tile(truth + np.array([0.1, -2.0]) * plan**order, (len(points), 1))
+
+    at, side = np.zeros(1), truth + np.array([0.1, -2.0])
+    ends = [SimpleNamespace(argmin=at, argmax=at, lower=x, upper=x) for x in side]
+    level = finer.Level(sizes[1], sizes[2], finest)
+    monkeypatch.setattr(finer, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
+    monkeypatch.setattr(finer, "runs_at", lambda plan, points: points)
+    bench = SimpleNamespace(plan=1.0, measure=measure)
+    found = finer.finer_errors(bench, ends, ("step",))["step"]
+    assert found == pytest.approx(factor * np.array([0.1, 2.0]), rel=1e-4)
+    time = np.linspace(0.0, 1.0, 5)
+    curves = [
+        truth[:, None] + np.outer([0.1, -2.0], time) * size**order for size in (1, *sizes[1:])
+    ]
+    ratio = level.ratio(*curves)
+    assert ratio == pytest.approx(2.0**order, rel=1e-6)
 
 
 def test_planned_runs_stand_for_places_beside_them_and_no_others(monkeypatch):
@@ -71,7 +122,8 @@ def test_planned_runs_stand_for_places_beside_them_and_no_others(monkeypatch):
         return np.zeros((len(points), 1, 4))
 
     monkeypatch.setattr(finer, "_curves", curves)
-    monkeypatch.setattr(finer, "_plans", lambda plan, parts: dict.fromkeys(parts, plan))
+    level = finer.Level(None, None, True)
+    monkeypatch.setattr(finer, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
     box = Box(["a"], [1.0], [3.0])
     plan = SimpleNamespace(runs=SimpleNamespace(unit=known))
     bench = SimpleNamespace(experiment=SimpleNamespace(box=box), plan=plan)

@@ -69,10 +69,6 @@ TOLD = {
         f"Its {a.runs} runs", interval(a.t_shut, 5, "s"), interval(a.moment_peak, 2, "N m"),
         interval(a.contact_peak, 2, "N m"), interval(a.stress_peak, 3, "MPa", 1e-6),
     ]},
-    "auto": {"docs/choosing-accuracy.md": lambda a: [
-        f"{a.runs} runs", f"{a.BD.largest_difference:.4f} m",
-        f"{a.vBz.largest_difference:.2f} m/s",
-    ]},
     "mast": {"docs/library/scissor.md": lambda a: [
         f"{a.reach.largest_difference:.3f} m", f"{a.vend.largest_difference:.2f} m/s",
     ]},

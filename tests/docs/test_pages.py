@@ -18,11 +18,12 @@ import yaml
 from deployable.campaign.cli import _parser, main
 from deployable.campaign.config.check import load_config
 from deployable.campaign.stages import STAGES
-from deployable.fpm import structures
-from deployable.fpm.kinds import RigidLatch
-from deployable.fpm.structures import report
 from evidence.__main__ import main as study
+from evidence.__main__ import parse
 from evidence.registry import STUDIES
+from fpm import structures
+from fpm.elements import RigidLatch
+from fpm.structures import report
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -43,7 +44,6 @@ NOT_RUN = {
     ".ci/run": "runs these tests",
     "sphinx-build": ".ci/run and tests/docs/test_site.py build the site",
     "compliance-checker": "tests/campaign/test_conventions.py asks it, where it is installed",
-    "ncdump": "of the netCDF library",
     "apt-get": "needs root; tests/slurm run where that was done",
     # Peers of the studies are not installed here; tests/evidence run with them where they are.
     "python3.11 -m venv": "of a peer",
@@ -53,7 +53,7 @@ NOT_RUN = {
     "peers/": "a peer",
     "EXUDYN_PYTHON=": "with peers",
     "PEER_CHAOSPY=": "with a peer",
-    "python -m deployable.fpm.structures.table": "by tests/structures/test_structures_page.py",
+    "python -m fpm.structures.table": "by tests/structures/test_structures_page.py",
     "snakemake --profile profiles/slurm": "needs Slurm; tests/slurm run it where that is",
     "snakemake -c2 --default-storage": "needs a plugin, as tests/workflow/test_storage.py does",
     "python -m deployable attack": "an hour; tests/attack does a minute of it",
@@ -66,26 +66,29 @@ _FLOW = "tests/workflow/test_campaign_runs.py"
 CAMPAIGNS = {
     "first": "here", "my": "here", "paper": _FLOW, "aim": _FLOW,
     "small": _GOLDEN, "three": _GOLDEN, "six": _GOLDEN,
-    "array": _TOLD, "auto": _TOLD, "boom": _TOLD, "closing": _TOLD, "deploys": _TOLD, "mast": _TOLD,
+    "array": _TOLD, "boom": _TOLD, "closing": _TOLD, "deploys": _TOLD, "mast": _TOLD,
     "ring_truss": _TOLD, "strength": _TOLD, "telescope": _TOLD, "tensegrity": _TOLD,
     # With 64 of their 10,000 runs, which take 5 and 16 minutes of a core.
     "scan": _TOLD, "strength_scan": _TOLD,
 }  # fmt: skip
 
-# Studies, and parts of them, that take long, with their cpu time on a slow core; the tests that run
-# smaller ones. `snakemake NAME` calls `python -m evidence NAME`: tests/evidence/test_studies.py.
+# Of the studies, those parts that a page runs alone and that take seconds are run here.
+QUICK_PARTS = {
+    "benchmark": {"campaign", "structures"},
+    "verification": {"45° bend"},
+}
+
+# All else of them takes long; with its cpu time on a slow core, and the tests that run smaller
+# ones. `snakemake NAME` calls `python -m evidence NAME`: tests/evidence/test_studies.py.
 STUDIES_NOT_RUN = {
     "verification": "1 minute, and 2 to compile; coarser: tests/evidence/test_problems.py",
     "extremes": "2.5 minutes; many groups: tests/evidence/test_extremes.py",
     "accuracy": "1.2 minutes; five choices: tests/evidence/test_accuracy.py",
-    "tradeoff": "7 minutes; a small case: tests/evidence/test_tradeoff.py",
+    "tradeoff": "7 minutes, `asked-latch` 20 s; small cases: tests/evidence/test_tradeoff.py, "
+    "tests/evidence/test_asked_rows.py",
     "scaling": "1 minute; what it tells: tests/evidence/test_scaling.py",
     "calibration": "3 minutes; a coarse mesh: tests/evidence/test_calibration.py",
-    "benchmark": "3 minutes; its parts on small cases: tests/evidence/test_benchmark.py",
-    "benchmark --only cost kinds": "1 minute",
-    "benchmark --only machine": "16 s; on smaller links: tests/evidence/test_benchmark.py",
-    "benchmark --only scan": "1.3 minutes",
-    "tradeoff --only asked-latch": "20 s; a small case: tests/evidence/test_asked_rows.py",
+    "benchmark": "`large_scan` 32 minutes, all else 6; small: tests/evidence/test_benchmark.py",
 }
 
 
@@ -185,9 +188,15 @@ def _check_snakemake(words):
         assert re.search(r"^simulate +8$", told, re.M), told
 
 
+def _is_quick(words):
+    """Whether all that a command measures, however it is written, takes seconds."""
+    options, parts = parse(words)
+    return set(parts) <= QUICK_PARTS.get(options.study, set())
+
+
 def _check_study(words):
-    """Run it, but for a form and what takes long."""
-    if words[0].isupper() or shlex.join(words).removesuffix(" --strict") in STUDIES_NOT_RUN:
+    """Run it, but for a form, and what takes long, of which it is known that it could be run."""
+    if words[0].isupper() or not _is_quick(words):
         return
     assert study([*words, "--output", "study"]) == 0
     told = json.loads(Path("study/summary.json").read_text(encoding="utf-8"))
@@ -231,10 +240,24 @@ def test_nothing_is_excused_that_no_page_asks_for():
     for begins in NOT_RUN:
         assert any(line.startswith(begins) for line in lines), begins
     asked = {word for line in lines for word in line.split() if line.startswith("snakemake")}
-    asked |= {line.removeprefix("python -m evidence ") for line in lines}
-    assert set(STUDIES_NOT_RUN) <= asked and set(STUDIES) <= set(STUDIES_NOT_RUN)
+    studies = [shlex.split(line)[3:] for line in lines if line.startswith("python -m evidence ")]
+    asked |= {words[0] for words in studies}
+    assert set(STUDIES) == set(STUDIES_NOT_RUN) and set(STUDIES) <= asked
+    told = [parse(words) for words in studies if not words[0].isupper()]
+    for name, parts in QUICK_PARTS.items():
+        assert parts <= {part for o, found in told if o.study == name for part in found}, name
     for reason in (*NOT_RUN.values(), *STUDIES_NOT_RUN.values()):
         assert all((ROOT / path).exists() for path in re.findall(r"tests/[\w/.]+", reason)), reason
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["benchmark --only scan large_scan", "benchmark --strict --only large_scan", "benchmark",
+     "benchmark --only campaign cost", "verification --strict", "tradeoff --only asked-latch"],
+)  # fmt: skip
+def test_what_takes_long_is_known_by_what_a_command_runs(command):
+    assert not _is_quick(shlex.split(command))
+    assert _is_quick(["benchmark", "--strict", "--only", "structures", "campaign"])
 
 
 # A snippet that defines a class or a function of a kernel is a form; `named` is run.

@@ -70,7 +70,7 @@ def test_a_small_case_is_measured():
         "intervals": {"a": {"nominal": 0.035, "relative": 0.05}},
         "responses": {"BD": {"distance": ["B", "D"]}},
     }
-    links = {"elements_per_link": 6}
+    links = {"elements": 6}
     small = Asked("small", "Small", config, {"scan": scan(8, links)}, scan(16, links), (0.2,))
     found = json.loads(json.dumps(measure_asked(small, lambda text: None), allow_nan=False))
     (asked,), (rival,) = found["asked"], found["rivals"]

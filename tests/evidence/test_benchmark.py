@@ -6,8 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from deployable import fpm
-from deployable.fpm.structures import load, report
+import fpm
 from evidence.benchmark import (
     campaigns,
     kernel,
@@ -23,6 +22,7 @@ from evidence.benchmark.peers.description import describe
 from evidence.benchmark.scenes import beam_count, linkages
 from evidence.results import write
 from evidence.rows import Row, at_most, skipped, told
+from fpm.structures import load, report
 
 
 def check(rows: list[Row]) -> None:

@@ -7,16 +7,17 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from deployable import fpm
+import fpm
+from deployable.campaign.config.scenes import scene_type
 from evidence.calibration import plan, scans, study
 from evidence.calibration.findings import near_to, spans
 from evidence.calibration.scans import PAPER, Numbers, Reading, Scan
-from evidence.linkage.runs import default
+from evidence.linkage.runs import build, default
 from evidence.registry import STUDIES
 from evidence.results import write
 
-COARSE = Reading("coarse", (("elements_per_link", 2), ("start_deg", 3.0)))
-MESH_8 = Reading("mesh 8", (("elements_per_link", 8), ("start_deg", 3.0)))
+COARSE = Reading("coarse", (("elements", 2), ("start", 3.0)))
+MESH_8 = Reading("mesh 8", (("elements", 8), ("start", 3.0)))
 
 
 @pytest.fixture(scope="module")
@@ -49,8 +50,8 @@ def test_the_chosen_readings_give_the_papers_numbers():
 
 def test_scene_has_the_calibrated_defaults():
     assert default("K_F") == 5.5
-    assert default("start_deg") == 3.0
-    assert default("supports") == "plane"
+    assert default("start") == 3.0
+    assert [hinge.support for hinge in build().hinges] == ["z", "", "z", ""]
 
 
 def test_number_of_closures_and_their_scaling(coarse):
@@ -65,11 +66,8 @@ def test_number_of_closures_and_their_scaling(coarse):
 def test_widths_are_those_of_the_cubic_through_the_four_runs(coarse):
     """Written out once more, with numpy's polynomials and a fine scan."""
     unit = np.cos((2 * np.arange(4) + 1) * np.pi / 8)
-    scene = fpm.scenes.get("bennett")
-    scenes = [
-        scene.build(a=0.035 * (1 + 0.01 * u), K_F=5.5, elements_per_link=2, start_deg=3.0)
-        for u in unit
-    ]
+    scene = scene_type("bennett")
+    scenes = [scene.build(a=0.035 * (1 + 0.01 * u), K_F=5.5, elements=2, start=3.0) for u in unit]
     runs = fpm.simulate(scenes, duration=1.0, instants=2001, step=scans.time_step(COARSE, 6.5))
     curves = np.array([run.points["B"][1][:, 2] for run in runs])
     fits = np.polynomial.polynomial.polyfit(unit, curves, 3)
@@ -108,7 +106,7 @@ def test_scan_tells_how_sharp_the_fit_is():
 
 def test_half_angle_at_b():
     start = plan.start_of_half_angle(22.5)
-    scene = fpm.scenes.get("bennett").build(start_deg=start, elements_per_link=2)
+    scene = scene_type("bennett").build(start=start, elements=2)
     # Links AB, BC of three particles each, both from their A side to their B side.
     bars = [scene.position[i + 2] - scene.position[i] for i in (0, 3)]
     cosine = bars[0] @ bars[1] / np.linalg.norm(bars[0]) / np.linalg.norm(bars[1])

@@ -19,9 +19,7 @@ def test_a_stiff_linkage_agrees_with_the_rigid_one():
 def test_a_wrong_curve_fails():
     """The same run against curves of linkages that are 1 % and 10 % thicker."""
     duration = closing_time()
-    right, wrong, far = (
-        simulate(duration, a=a, elements_per_link=4) for a in (0.035, 0.03535, 0.0385)
-    )
+    right, wrong, far = (simulate(duration, a=a, elements=4) for a in (0.035, 0.03535, 0.0385))
     until = 0.98 * min(first_closing(right), first_closing(wrong), duration)
     same = compare("same", right, curves(right), until, STRAIGHT, "itself")
     assert all(row.passed for row in same)
@@ -80,7 +78,7 @@ def test_the_damped_oscillator_solves_its_equation():
 
 
 def test_the_linkage_closes_when_dimensional_analysis_says():
-    found = first_closing(simulate(1.2 * closing_time(), elements_per_link=2))
+    found = first_closing(simulate(1.2 * closing_time(), elements=2))
     assert found == pytest.approx(closing_time(), rel=0.02)
 
 

@@ -39,8 +39,8 @@ def test_what_is_told_has_every_size_and_case():
 
 
 def test_pairs_are_solved_alone_or_together_as_asked():
-    from deployable.fpm.kinds.hinge import Hinge
-    from deployable.fpm.kinds.joint import Joint
+    from fpm.elements.joints.hinge import Hinge
+    from fpm.elements.joints.joint import Joint
 
     alone, coupled, chain = joints.pairs(False), joints.pairs(True), joints.chain(5)
     assert [len(kind.of(alone)) for kind in (Hinge, Joint)] == [joints.PAIRS, 0]

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from deployable import fpm
-from deployable.fpm.kinds import lumping
-from deployable.fpm.kinds.beam import Beams
+import fpm
 from evidence.verification.bench import Bench
 from evidence.verification.study import PARTS
+from fpm.elements.bars import lumping
+from fpm.elements.bars.beam import Beams
 
 pytestmark = pytest.mark.slow  # problems with time loops of their own
 
@@ -53,7 +53,7 @@ def test_half_and_half_lumping_fails(monkeypatch):
         mass[[0, -1]] /= 2
         return mass, inertia
 
-    monkeypatch.setattr("deployable.fpm.scene.lump", trapezium)
+    monkeypatch.setattr("fpm.scenes.scene.lump", trapezium)
     assert failing_rows("frequencies") > 0
 
 

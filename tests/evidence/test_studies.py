@@ -7,12 +7,12 @@ import sys
 
 import pytest
 
-from deployable.fpm.sources import syntax_digest
 from evidence import registry
 from evidence.__main__ import main
 from evidence.registry import ROOT, STUDIES
 from evidence.rows import within
 from evidence.verification import study as verification
+from fpm.sources import syntax_digest
 
 
 @pytest.mark.parametrize("study", STUDIES.values(), ids=STUDIES)
@@ -26,11 +26,11 @@ def test_a_study_has_the_parts_that_the_workflow_runs(study):
 
 def test_what_the_code_does_decides_about_running_again(tmp_path, monkeypatch):
     monkeypatch.setattr(registry, "ROOT", tmp_path)
-    for place in ("deployable/fpm", "evidence/linkage", "evidence/trial", "evidence"):
+    for place in ("fpm", "evidence/linkage", "evidence/trial", "evidence"):
         (tmp_path / place).mkdir(parents=True, exist_ok=True)
     for name in ("rows", "results", "plots", "trial/study"):
         (tmp_path / "evidence" / f"{name}.py").write_text("x = 1\n")
-    (tmp_path / "deployable/fpm/a.py").write_text("x = 1\n")
+    (tmp_path / "fpm/a.py").write_text("x = 1\n")
     study = registry.Study("trial", "Trying", uses=("evidence/trial",))
 
     def codes():
@@ -38,9 +38,9 @@ def test_what_the_code_does_decides_about_running_again(tmp_path, monkeypatch):
         return study.code()
 
     before = codes()
-    (tmp_path / "deployable/fpm/a.py").write_text("# no more than a comment\nx = 1\n")
+    (tmp_path / "fpm/a.py").write_text("# no more than a comment\nx = 1\n")
     assert codes() == before
-    (tmp_path / "deployable/fpm/a.py").write_text("x = 2\n")
+    (tmp_path / "fpm/a.py").write_text("x = 2\n")
     after = codes()
     assert after[0] == before[0] and after[1] != before[1]
     (tmp_path / "evidence/plots.py").write_text("x = 2\n")

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from deployable import fpm
+import fpm
 from evidence.verification import study
 from evidence.verification.bench import Bench, observed_orders
 

@@ -8,24 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from deployable.campaign.config.check import check_config
-from deployable.campaign.config.presets import MODEL, PRESETS
-from deployable.campaign.plan.make import make_plan
 from evidence.results import write
-from evidence.tradeoff import preset_rows, rows, study
+from evidence.tradeoff import rows, study
 from evidence.tradeoff.figures import pareto
-from evidence.tradeoff.measure import peers, points, reference
+from evidence.tradeoff.measure import peers, reference
 from evidence.tradeoff.measure.bounds import Band, distance, hull, judge_estimate, phases_of
 from evidence.tradeoff.measure.cases import CASES, Case, Choice, Level
-from evidence.tradeoff.measure.points import (
-    design_of,
-    held_out_of,
-    levels_of,
-    points_of,
-    preset_choices,
-)
+from evidence.tradeoff.measure.points import design_of, held_out_of, points_of
 from evidence.tradeoff.measure.records import measure_case
-from evidence.tradeoff.measure.runs import simulate
+from evidence.tradeoff.measure.runs import _impacts, simulate
 
 CHOICES = (
     Choice("tensor_lobatto", 2),
@@ -178,6 +169,15 @@ def test_phases_end_at_the_first_closure_of_any_run():
     assert Runs.time[phases["after"]].min() == pytest.approx(0.9)
 
 
+def test_chatter_of_several_contacts_is_one_closure():
+    times, contact = [0.5, 0.5, 0.51, 0.512, 0.513, 0.52, 0.9], [0, 1, 0, 1, 0, 0, 1]
+    events = np.array([times, contact, [1, 1, 0, 0, 1, 0, 1]]).T
+    assert _impacts(events, gap=0.02).tolist() == [0.5, 0.9]
+    assert _impacts(events, gap=0.0005).tolist() == [0.5, 0.513, 0.9]
+    long = np.array([[0.1, 0, 1], [0.5, 0, 0], [0.6, 0, 1]])
+    assert _impacts(long, gap=0.2).tolist() == [0.1]
+
+
 @pytest.mark.slow
 def test_every_choice_has_its_points_among_those_of_its_level():
     for case in CASES:
@@ -205,78 +205,3 @@ def test_a_peer_that_fails_says_so(monkeypatch):
     monkeypatch.setenv("PYTHONPATH", "")
     found = peers.run_peer("chaospy", {"points": np.zeros((2, 1))})
     assert "failed" in found["skipped"]
-
-
-@pytest.mark.slow
-def test_presets_are_measured_as_a_campaign_takes_them():
-    level = Level(8, 0.9, 24, CHOICES[:1])
-    case = replace(SMALL, levels=(level,), trajectories=())
-    choices = preset_choices(level)
-    assert [(c.preset, c.model) for c in choices] == [("draft", "polynomial"), ("draft", "spline")]
-    campaign = check_config(
-        {
-            "campaign": "x",
-            "preset": "draft",
-            "scene": {"name": "pendulum"},
-            "intervals": {"L": {"relative": 0.1}},
-            "responses": case.responses,
-        }
-    )
-    assert campaign.bounds.model == MODEL
-    assert campaign.experiment.scene.parameters["elements"] == level.elements
-    plan = make_plan(campaign.experiment)
-    planned = {tuple(np.round(run.unit, 12) + 0.0) for run in plan.runs}
-    for choice in choices:
-        design = design_of(case, choice)
-        points = np.concatenate([design.points, held_out_of(case, choice, design)])
-        np.testing.assert_allclose(sorted(map(tuple, points)), sorted(planned), atol=1e-12)
-    found = measure_case(case, lambda text: None)
-    assert [r["choice"] for r in found["records"]] == ["tensor_lobatto 2"]
-    assert [(r["runs"], r["held_out"]) for r in found["presets"]] == [(3, 4), (7, 0)]
-    assert all(
-        preset_rows.cost_of(r)[0] == 7 and preset_rows.cost_of(r)[1] > r["cpu_batch"]
-        for r in found["presets"]
-    )
-    told = [r for r in rows.all_rows({"small": found}, None) if "preset draft" in r.name]
-    errors = [r["total"][0]["all"]["hausdorff_integrated"] for r in found["presets"]]
-    assert [row.value for row in told] == [errors[1], errors[1] / errors[0]]
-    for record in found["presets"]:
-        for row in record["estimate"]:
-            row["all"]["covered"] = 0.5 if record["model"] == MODEL else 1.0
-    told = rows.all_rows({"small": found}, None)
-    estimate = next(r for r in told if "covers the error, presets" in r.name)
-    assert (estimate.value, estimate.passed) == (0.5, False)
-
-
-@pytest.mark.slow
-def test_a_changed_preset_is_measured_as_it_is_now(monkeypatch):
-    """No level has its mesh: it gets one of its own, and its numbers are in the rows."""
-    changed = {"draft": {"elements": 3, "safety": 0.5, "order": 4, "held_out": 5}}
-    for module in (points, preset_rows):
-        monkeypatch.setattr(module, "PRESETS", changed)
-    case = replace(
-        SMALL, name="one", levels=(Level(2, 0.9, 0, CHOICES[:1]), Level(4, 0.9, 24, CHOICES))
-    )
-    assert [level.label for level in levels_of(case)] == [
-        "2 elements", "3 elements, step x0.5", "4 elements",
-    ]  # fmt: skip
-    found = measure_case(replace(case, trajectories=()), lambda text: None)
-    assert {(r["elements"], r["safety"], r["order"]) for r in found["presets"]} == {(3, 0.5, 4)}
-    assert [(r["runs"], r["held_out"]) for r in found["presets"]] == [(5, 5), (10, 0)]
-    names = [row.name for row in preset_rows.preset_rows({"one": found})]
-    assert names[0] == "one: preset draft, error of the bounds as a share of their width"
-
-
-def test_a_preset_that_no_case_can_judge_is_a_failing_row(monkeypatch):
-    finer = {"finest": {"elements": 64, "safety": 0.9, "order": 8, "held_out": 7}}
-    for module in (points, preset_rows):
-        monkeypatch.setattr(module, "PRESETS", finer)
-    assert all(levels_of(case) == case.levels for case in CASES)
-    (row,) = preset_rows.missing_rows({"case": "one", "presets": []})
-    assert row.failed and "finest" in row.name
-
-
-def test_every_preset_is_measured_and_has_a_limit():
-    one = next(case for case in CASES if case.name == "one")
-    measured = {c.preset for level in levels_of(one) for c in preset_choices(level)}
-    assert measured == set(PRESETS) == set(preset_rows.LIMITS)

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from swing import CONFIG
 
 from deployable import campaign
+from deployable.campaign.config.scenes import scene_type
 
 FRAMES = 7
 
@@ -15,11 +16,10 @@ FRAMES = 7
 @pytest.fixture(scope="session")
 def motion():
     """The Bennett linkage thrown into the air, every particle turning at a rate of its own."""
-    from deployable import fpm
-    from deployable.fpm.motion import element_strains, section_corners
-    from deployable.fpm.motion_dataset import Recorded, to_dataset
+    from fpm.motions.motion import element_strains, section_corners
+    from fpm.motions.motion_dataset import Recorded, to_dataset
 
-    scene = fpm.scenes.get("bennett").build(elements_per_link=3)
+    scene = scene_type("bennett").build(elements=3)
     scene.name = 'a "thrown" linkage & more'
     count, time = len(scene.position), np.linspace(0.0, 0.6, FRAMES)
     rate = np.random.default_rng(1).normal(scale=4.0, size=(count, 3))
@@ -72,8 +72,8 @@ def cable_places(strung):
 @pytest.fixture(scope="session")
 def hub():
     """A rigid body without any bar, thin as a rod, that turns."""
-    from deployable import fpm
-    from deployable.fpm.motion_dataset import Recorded, to_dataset
+    import fpm
+    from fpm.motions.motion_dataset import Recorded, to_dataset
 
     scene = fpm.Scene("hub")
     scene.add_particles((0.5, 0, 0), 2.0, (1e-12, 2 / 12, 2 / 12))  # 1 m long

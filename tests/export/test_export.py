@@ -121,7 +121,7 @@ def test_what_cannot_be_exported_is_refused_with_what_is_allowed(results, tmp_pa
         (["pendulum", "--set", "M=1"], "parameter M of scene pendulum"),
         (["pendulum", "--set", "L=["], "this is not YAML"),
         (["absent.yaml"], "absent.yaml"),
-        (["sarrus"], "bennett, pendulum"),
+        (["sarrus"], "bennett, boom"),
     ):
         assert main(["export", *arguments, "--to", "csv"]) == 1, arguments
         told = capsys.readouterr().err

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from deployable.campaign.export.glb import write_glb
+from deployable.campaign.export.glb import glb_of, write_glb
 from deployable.campaign.pictures.solid import FACES, solid_of_motion
 
 pygltflib = pytest.importorskip("pygltflib", reason="reads glTF; in the extra `test`")
 
-DTYPES = {5126: "<f4", 5125: "<u4", 5123: "<u2"}
+DTYPES = {5126: "<f4", 5125: "<u4", 5123: "<u2", 5122: "<i2"}
 WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
 
@@ -74,14 +74,60 @@ def test_every_frame_puts_every_corner_where_the_motion_has_it(document, motion)
         np.testing.assert_allclose(found, expected, atol=2e-6)  # single precision, metres
 
 
+def strands(document, frame, primitive):
+    """The ends (s, 2, 3) of strands at a frame, and how far (m) their ribbons' sides are from
+    them."""
+    corners = skinned(document, frame, primitive).reshape(-1, 3, 4, 3)
+    ends = (corners[:, :, [0, 1]] + corners[:, :, [3, 2]]) / 2
+    aside = np.linalg.norm(corners[:, :, [0, 1]] - ends, axis=-1)
+    assert np.ptp(ends, axis=1).max() < 2e-6 and np.ptp(aside) < 2e-6
+    return ends[:, 0], aside.mean()
+
+
 def test_cables_run_through_their_points(strung, cable_places, tmp_path):
-    path = write_glb(strung, tmp_path / "strung.glb")
-    document = pygltflib.GLTF2().load(path)
-    _, lines = document.meshes[0].primitives
-    assert lines.mode == pygltflib.LINES
-    assert numbers(document, lines.indices).tolist() == [0, 1, 2, 3, 3, 4]
+    document = pygltflib.GLTF2().load(write_glb(strung, tmp_path / "strung.glb"))
     for frame in (0, 5):
-        np.testing.assert_allclose(skinned(document, frame, 1), cable_places[frame], atol=2e-6)
+        ends, aside = strands(document, frame, 1)
+        expected = cable_places[frame][[[0, 1], [2, 3], [3, 4]]]
+        np.testing.assert_allclose(ends, expected, atol=3e-6)
+        assert 0 < aside < 0.01
+
+
+def test_pins_lie_on_the_hinges_axes(document, motion):
+    on = motion["hinge_particle"].values[:, 0]
+    for frame in (0, 5):
+        ends, _ = strands(document, frame, 1)
+        turn, place = (motion[key].values[frame, on] for key in ("frame", "position"))
+        middle = place + np.einsum("hij,hj->hi", turn, motion["hinge_arm"].values)
+        axis = np.einsum("hij,hj->hi", turn, motion["hinge_axis"].values)
+        np.testing.assert_allclose(ends.mean(axis=1), middle, atol=3e-6)
+        along = np.diff(ends, axis=1)[:, 0]
+        np.testing.assert_allclose(np.cross(along, axis), 0.0, atol=3e-6)
+
+
+def test_stress_and_tension_come_along(strung, tmp_path):
+    """At each frame, by the element or cable that each vertex is of; above 0 wherever they are."""
+    document = pygltflib.GLTF2().load(write_glb(strung, tmp_path / "strung.glb"))
+    for name, key, primitive in (("stress", "stress", 0), ("tension", "cable_tension", 1)):
+        expected, told = strung[key].values, document.extras[name]
+        found = numbers(document, told["accessor"]).reshape(expected.shape) / 65535 * told["most"]
+        np.testing.assert_allclose(found, expected, atol=2e-5 * expected.max())
+        assert np.array_equal(found > 0, expected > 0)
+        of = numbers(document, document.meshes[0].primitives[primitive].attributes._OF)
+        assert set(of.astype(int)) == set(range(expected.shape[1]))
+
+
+def test_a_small_file_is_as_exact_as_can_be_seen(motion, tmp_path):
+    path = tmp_path / "small.glb"
+    path.write_bytes(glb_of(motion, small=True))
+    document = pygltflib.GLTF2().load(path)
+    solid = solid_of_motion(motion)
+    element, face = np.nonzero(solid.visible)
+    size = np.ptp(motion["position"].values, axis=(0, 1)).max()
+    for frame in (0, 5):
+        expected = solid.corners[frame][element[:, None], FACES[face]].reshape(-1, 3)
+        assert np.abs(skinned(document, frame) - expected).max() < 5e-5 * size
+    assert len(path.read_bytes()) < len(glb_of(motion))
 
 
 def test_without_animation_the_structure_stands_as_at_the_start(document, motion):
@@ -140,7 +186,7 @@ def test_accessors_hold_what_the_format_asks_for(document):
 
 
 def test_particles_without_bars_move_too(motion, tmp_path):
-    path = write_glb(motion.isel(element=slice(0, 0)), tmp_path / "bare.glb")
+    path = write_glb(motion.isel(element=slice(0, 0), hinge=slice(0, 0)), tmp_path / "bare.glb")
     document = pygltflib.GLTF2().load(path)
     assert not document.meshes and not document.skins
     assert len(document.animations[0].channels) == 2 * motion.sizes["particle"]

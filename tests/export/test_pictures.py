@@ -9,6 +9,7 @@ import pytest
 from matplotlib import colormaps
 from PIL import Image
 
+from deployable.campaign.config.scenes import scene_type
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.export import export
 from deployable.campaign.pictures.moving import write_moving
@@ -156,12 +157,11 @@ def test_limits_hold_all_places_with_a_margin():
 
 
 def test_a_solid_of_a_scene_is_that_of_its_motions_first_frame(motion):
-    from deployable import fpm
 
-    still = solid_of_scene(fpm.scenes.get("bennett").build(elements_per_link=3))
+    still = solid_of_scene(scene_type("bennett").build(elements=3))
     moving = solid_of_motion(motion)
     np.testing.assert_allclose(still.corners[0], moving.corners[0], atol=1e-12)
-    assert still.bars == moving.bars == ("link AB", "link BC", "link CD", "link DA")
+    assert still.bars == moving.bars == ("AB", "BC", "CD", "DA")
     assert still.visible.sum() == 12 * 4 + 4 * 2  # sides of all elements, two ends of each bar
 
 
@@ -193,9 +193,8 @@ def test_a_still_shows_bars_cables_points_and_scale(name):
 
 
 def test_the_scale_is_as_long_as_it_says():
-    from deployable import fpm
 
-    (ax,) = draw_structure(fpm.scenes.get("pendulum").build()).axes
+    (ax,) = draw_structure(scene_type("pendulum").build()).axes
     said = next(t.get_text() for t in ax.texts if t.get_text().endswith(" m"))
     spans = [np.ptp(line.get_xdata()) for line in ax.lines if len(line.get_xdata()) == 2]
     assert any(span == pytest.approx(float(said.split()[0])) for span in spans)

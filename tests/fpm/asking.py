@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.scenes import SceneType
+import fpm
+from fpm.scenes.scene_type import SceneType
 
 
 def curves(scene: fpm.Scene, definitions: dict[str, dict], **times):

@@ -1,7 +1,7 @@
 """A rigid flap on a hinge with one of everything that acts on openings: one loop for all."""
 
-from deployable import fpm
-from deployable.fpm.kinds import Damper, Friction, Latch, Stop, TableSpring
+import fpm
+from fpm.elements import Damper, Friction, Latch, Stop, TableSpring
 
 J = 1 / 3  # kg m², the flap's about the hinge
 FAR = 1e3  # rad, where nothing comes

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.kinds.kind import Deformations, Energy, Kind, Recorded
+import fpm
+from fpm.elements.kind import Deformations, Energy, Kind, Recorded
 
 
 @dataclass(frozen=True)

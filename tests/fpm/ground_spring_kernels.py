@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from deployable.fpm.kernels.events import note_crossing
-from deployable.fpm.kernels.hooks import hook
-from deployable.fpm.kernels.lanes import any_negative, load, sqrt, store
-from deployable.fpm.kernels.layout import F, X
-from deployable.fpm.kernels.vectors import add3, dot, get3
-from deployable.fpm.kernels.world import Log
+from fpm.kernels.events import note_crossing
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import any_negative, load, sqrt, store
+from fpm.kernels.layout import F, X
+from fpm.kernels.vectors import add3, dot, get3
+from fpm.kernels.world import Log
 
 ANCHOR, STIFFNESS, REST = 0, 3, 4
 NOW, BEFORE = 0, 1

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from deployable import fpm
-from deployable.fpm.kinds import RigidLatch, RigidRelease
+import fpm
+from fpm.elements import RigidLatch, RigidRelease
 
 FAR = 1e3  # rad, where nothing comes
 NONE = 1e-300  # m/s²: weight is there, and does nothing

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from asking import curves, vector, vectors
 
-from deployable import fpm
+import fpm
 
 pytestmark = pytest.mark.slow  # a time loop of its own
 

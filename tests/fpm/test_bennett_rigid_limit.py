@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from deployable import fpm
+import fpm
 from evidence.linkage.rigid import RigidBennett
+from evidence.linkage.runs import build
 
 # (lambda, mu) in degrees and supports; each closes between 0.26 and 0.39 s.
 CASES = [
@@ -21,17 +22,16 @@ def errors_before_closure(angles, supports, moduli):
     times = np.linspace(0.0, 0.4, 401)
     rigid = RigidBennett(lambda_deg=angles[0], mu_deg=angles[1], supports=supports)
     curves = rigid.simulate(5.0, times)
-    build = fpm.scenes.get("bennett").build
     rows = []
     for modulus in moduli:
         scene = build(
             E=modulus,
-            lambda_deg=angles[0],
-            mu_deg=angles[1],
+            roll=angles[0],
+            mu=angles[1],
             supports=supports,
-            start_deg=5.0,
+            start=5.0,
             K_F=rigid.spring_stiffness,
-            elements_per_link=2,
+            elements=2,
         )
         (outcome,) = fpm.simulate(scene, duration=times[-1], instants=times.size)
         assert outcome.failure is None

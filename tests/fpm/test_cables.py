@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from deployable import fpm
+import fpm
 
 pytestmark = pytest.mark.slow  # a time loop of its own
 

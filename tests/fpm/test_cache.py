@@ -15,15 +15,16 @@ import numba
 import numpy as np
 import pytest
 
-from deployable.fpm.kernels import compiled
-from deployable.fpm.kernels.hooks import KERNELS
+from fpm.kernels import compiled
+from fpm.kernels.hooks import KERNELS
 
 PROGRAM = """
-from deployable import fpm
-scene = fpm.scenes.get("bennett").build(elements_per_link=2)
+import fpm
+from deployable.campaign.config.scenes import scene_type
+scene = scene_type("bennett").build(elements=2)
 outcome = fpm.simulate(scene, duration=0.5, instants=3, step=1e-4)[0]
 print(outcome.points["B"][0].tobytes().hex())
-from deployable.fpm.kernels.compiled import LOOPS
+from fpm.kernels.compiled import LOOPS
 print(sum(sum(run.stats.cache_hits.values()) for run in LOOPS.values()))
 """
 
@@ -61,7 +62,7 @@ from typing import NamedTuple
 
 import numpy as np
 import own_functions
-from deployable.fpm.kernels.hooks import hook
+from fpm.kernels.hooks import hook
 from own_numbers import RATE
 
 class Own(NamedTuple):
@@ -73,7 +74,7 @@ def forces(part, world, now):
 """,
     "own_numbers": "RATE = 1.0",
     "own_functions": """
-from deployable.fpm.kernels.vectors import kernel
+from fpm.kernels.vectors import kernel
 
 @kernel
 def twice(x):
@@ -144,11 +145,21 @@ def test_another_processor_has_another_cache_beside(monkeypatch):
     assert compiled.cache_folder().parents[1] == before.parents[1]
 
 
+def test_a_loop_of_all_kinds_has_a_folder_that_can_be_made(tmp_path, monkeypatch):
+    """A name of more than 255 letters was none: the loop was compiled in every process again."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    every = tuple({arrays: None for arrays, _ in KERNELS})
+    folders = [compiled.cache_folder(kinds) for kinds in (every, every[:-1])]
+    with compiled._one_at_a_time(folders[0]) as is_locked:
+        assert is_locked
+    assert folders[0] != folders[1]
+
+
 def test_the_lock_is_where_the_cache_is(tmp_path):
     program = """
 import sys
 from pathlib import Path
-from deployable.fpm.kernels.compiled import _one_at_a_time
+from fpm.kernels.compiled import _one_at_a_time
 with _one_at_a_time(Path(sys.argv[1])) as is_locked:
     print(is_locked, flush=True)
     sys.stdin.read()

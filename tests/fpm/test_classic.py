@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from deployable.fpm.classic import Variable, read, write
+from fpm.files.classic import Variable, read, write
 
 GRID = np.arange(12.0).reshape(3, 4)
 ATTRIBUTES = {"title": "Grüße", "share": 0.1, "steps": 7, "many": 2**40, "yes": True, "empty": ""}

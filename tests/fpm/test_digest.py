@@ -6,8 +6,9 @@ import time
 
 import pytest
 
-from deployable import fpm
-from deployable.fpm import sources
+import fpm
+from deployable.campaign.config.scenes import scene_type
+from fpm import sources
 
 
 @pytest.fixture(scope="module")
@@ -32,52 +33,47 @@ def edit(path, old: str, new: str) -> None:
 
 
 def test_comments_and_formatting_do_not_count(copied):
-    before = fpm.scenes.get("bennett").digest
+    before = scene_type("bennett").digest
     edit(copied / "kernels" / "run.py", '"""The time loop:', '# A comment.\n"""The loop of time:')
-    edit(copied / "pack.py", "MOST_EVENTS = 512", "MOST_EVENTS = (\n    512\n)")
-    edit(copied / "trajectory.py", '"response_values"', '"values_of_responses"')
-    assert fpm.scenes.get("bennett").digest == before
+    edit(copied / "solver" / "pack.py", "MOST_EVENTS = 512", "MOST_EVENTS = (\n    512\n)")
+    edit(copied / "files" / "trajectory.py", '"response_values"', '"values_of_responses"')
+    assert scene_type("bennett").digest == before
 
 
 @pytest.mark.parametrize(
     ("file", "old", "new"),
     [
         ("kernels/run.py", "NORMALISE_EVERY = 16", "NORMALISE_EVERY = 17"),
-        ("kinds/beam_kernels.py", "slope + 4.0", "slope + 4.1"),
-        ("kinds/lumping.py", "19 / 720", "19 / 721"),
+        ("elements/bars/beam_kernels.py", "slope + 4.0", "slope + 4.1"),
+        ("elements/bars/lumping.py", "19 / 720", "19 / 721"),
         ("timestep.py", "SAFETY = 0.9", "SAFETY = 0.8"),
-        ("kinds/contact.py", "always_acts = False", "always_acts = True"),
+        ("assembly/__init__.py", "CLOSED = 1e-11", "CLOSED = 1e-9"),
+        ("elements/openings/contact.py", "always_acts = False", "always_acts = True"),
     ],
 )
 def test_what_changes_numbers_counts(copied, file, old, new):
-    before = [fpm.scenes.get(name).digest for name in fpm.scenes.names()]
+    before = [scene_type(name).digest for name in ("bennett", "pendulum")]
     edit(copied / file, old, new)
-    after = [fpm.scenes.get(name).digest for name in fpm.scenes.names()]
+    after = [scene_type(name).digest for name in ("bennett", "pendulum")]
     assert all(x != y for x, y in zip(before, after, strict=True))
 
 
 def test_responses_motions_and_other_structures_do_not_count(copied):
-    before = [fpm.scenes.get(name).digest for name in fpm.scenes.names()]
-    for name in ("responses", "motion", "motion_dataset", "__init__", "scenes/__init__"):
+    before = [scene_type(name).digest for name in ("bennett", "pendulum")]
+    for name in ("reading/responses", "reading/kept", "motions/motion", "files/trajectory"):
         with open(copied / f"{name}.py", "a") as file:
             file.write("\nMORE = 1\n")
-    for name in ("scenes/other", "structures/builder", "structures/other"):
+    for name in ("structures/builder", "structures/other"):
         (copied / f"{name}.py").write_text("MORE = 1\n")
-    assert [fpm.scenes.get(name).digest for name in fpm.scenes.names()] == before
+    assert [scene_type(name).digest for name in ("bennett", "pendulum")] == before
 
 
-def test_a_structure_s_own_files_count_for_it_alone():
-    bennett, pendulum = (
-        {path.name for path in sources.own_sources(sources.HERE / "scenes" / f"{name}.py")}
-        for name in ("bennett", "pendulum")
-    )
-    assert bennett == {"bennett.py", "bennett_geometry.py"}
-    assert pendulum == {"pendulum.py"}
-    assert fpm.scenes.get("bennett").digest != fpm.scenes.get("pendulum").digest
+def test_a_structure_s_own_file_counts_for_it_alone():
+    assert scene_type("bennett").digest != scene_type("pendulum").digest
 
 
 def test_it_is_kept_on_disk_and_quick(copied):
-    scene = fpm.scenes.get("bennett")
+    scene = scene_type("bennett")
     first = scene.digest
     best = float("inf")
     for _ in range(5):
@@ -88,9 +84,9 @@ def test_it_is_kept_on_disk_and_quick(copied):
 
 
 def test_a_cache_that_can_not_be_written_does_not_matter(copied, monkeypatch):
-    before = fpm.scenes.get("pendulum").digest
+    before = scene_type("pendulum").digest
     monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null")
-    assert fpm.scenes.get("pendulum").digest == before
+    assert scene_type("pendulum").digest == before
     assert len(before) == 16
 
 
@@ -118,7 +114,7 @@ def test_own_sources_are_the_files_beside_that_are_imported(tmp_path, imports):
         (room / f"{name}.py").write_text(text)
     (room / "mast.py").write_text(imports)
     found = {path.name for path in sources.own_sources(room / "mast.py")}
-    assert found - {"between.py"} == {"mast.py", "helper.py"}
+    assert found - {"between.py", "__init__.py"} == {"mast.py", "helper.py"}
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from deployable import fpm
-from deployable.fpm.kinds import Motor, Release, SyncLoop, TorqueMotor
+import fpm
+from fpm.elements import Motor, Release, SyncLoop, TorqueMotor
 
 J, SMALL = 0.5, 0.25  # kg m²
 STEP, DURATION = 1e-3, 1.0
@@ -172,7 +172,7 @@ def test_alone_and_in_a_batch_they_give_the_same_bits(outcomes):
 
 def only(scene: fpm.Scene, *kinds) -> fpm.Scene:
     """The scene without what else acts on its hinges."""
-    for kind in (Motor, TorqueMotor, Release, SyncLoop, fpm.kinds.TorsionSpring):
+    for kind in (Motor, TorqueMotor, Release, SyncLoop, fpm.elements.TorsionSpring):
         if kind not in kinds:
             scene.kinds.pop(kind, None)
     return scene

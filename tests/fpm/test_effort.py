@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from deployable import fpm
-from deployable.fpm import effort, structures
-from deployable.fpm.kinds import KINDS, Joint
-from deployable.fpm.kinds.joint_pattern import elimination, neighbours, pattern
+from deployable.campaign.config.scenes import scene_type
 from evidence.extremes.joints import parallelogram
 from evidence.scaling.joints import chain, pairs
+from fpm import effort, structures
+from fpm.elements import KINDS, Joint
+from fpm.elements.joints.joint_pattern import elimination, neighbours, pattern
 
 STRUCTURES = Path(__file__).parents[2] / "config" / "structures"
 
 
 def test_every_kind_has_its_cost():
-    apart = {"Beams", "Cable", "Damping", "Joint", "Probe"}
+    apart = {"Beams", "Cable", "Damping", "Joint", "Probe", "Viscosity"}
     assert {kind.__name__ for kind in KINDS} == apart | set(effort.EACH)
 
 
@@ -57,7 +57,7 @@ def test_a_step_costs_what_is_in_it():
 
 
 def test_a_run_costs_its_steps_its_instants_and_its_packing():
-    scene = fpm.scenes.get("pendulum").build()
+    scene = scene_type("pendulum").build()
     one = effort.run_seconds(scene, 1000, 11)
     assert one > effort.PACKING
     assert effort.run_seconds(scene, 2000, 11) - one == pytest.approx(

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from deployable import fpm
-from deployable.fpm.kinds.lumping import end_weights, lump
+import fpm
+from fpm.elements.bars.lumping import end_weights, lump
 
 SQUARE, WOOD = fpm.Section.square(0.035), fpm.Material(1e9, 0.3, 800.0)
 

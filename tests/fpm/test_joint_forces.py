@@ -5,7 +5,7 @@ import pytest
 from asking import curves, vector, vectors
 from test_joints import DOWN, G, Z, on_ground, rod
 
-from deployable import fpm
+import fpm
 
 pytestmark = pytest.mark.slow  # a time loop of its own
 

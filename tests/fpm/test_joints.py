@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from deployable import fpm
+import fpm
 from evidence.verification.mechanisms import (
     DOWN,
     Z,

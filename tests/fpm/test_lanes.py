@@ -4,16 +4,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from deployable.fpm.kernels import angles, vectors
-from deployable.fpm.kernels.lanes import (
-    any_negative,
-    floor,
-    load,
-    sqrt,
-    store,
-    where_negative,
-    width,
-)
+from fpm.kernels import angles, vectors
+from fpm.kernels.lanes import any_negative, floor, load, sqrt, store, where_negative, width
 
 
 @njit(error_model="numpy")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from flaps import J, bare, flap
 
-from deployable import fpm
-from deployable.fpm.kinds import Damper, Friction, Latch, Stop, TableSpring
+import fpm
+from fpm.elements import Damper, Friction, Latch, Stop, TableSpring
 
 PANEL = {"spring": (0.1, np.pi)}  # of the closed form for a panel with a latch
 TAPE = ((-0.5, 0.0, 0.1, 0.3, 2.0), (0.1, 0.0, -0.8, -0.2, -0.2))
@@ -308,7 +308,7 @@ def test_extrapolated_dampers_are_stable_up_to_the_limit_and_not_beyond():
 def test_a_damper_between_driven_and_free_knows_the_rate_at_the_start():
     scene = bare(rate=0.25)
     scene.drive(0, spin=(0, 0, 1.0))
-    from deployable.fpm.kinds.opening import turning_at_start
+    from fpm.elements.openings.opening import turning_at_start
 
     assert turning_at_start(scene, [0]) == [-0.75]
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from ground_spring import GroundSpring
 
-from deployable import fpm
-from deployable.fpm.kernels import compiled
-from deployable.fpm.kinds.kind import Energy, Kind
-from deployable.fpm.scenes import SceneType
+import fpm
+from fpm.elements.kind import Energy, Kind
+from fpm.kernels import compiled
+from fpm.scenes.scene_type import SceneType
 
 pytestmark = pytest.mark.slow  # a time loop of its own
 
@@ -36,7 +36,7 @@ def outcome():
 def test_the_mechanics_does_not_name_it():
     sources = [path.read_text().lower() for path in Path(fpm.__file__).parent.rglob("*.py")]
     assert not [name for name in ("groundspring", "ground_spring") for s in sources if name in s]
-    assert GroundSpring not in fpm.kinds.KINDS
+    assert GroundSpring not in fpm.elements.KINDS
 
 
 def test_it_moves_as_it_should(outcome):
@@ -116,7 +116,7 @@ def test_its_own_code_has_its_own_cache(outcome):
 def test_hooks_that_do_not_exist_are_refused():
     from ground_spring_kernels import GroundSprings
 
-    from deployable.fpm.kernels.hooks import hook
+    from fpm.kernels.hooks import hook
 
     with pytest.raises(ValueError, match="forcse is no hook; expected one of forces"):
         hook(GroundSprings, "forcse")(lambda part, world, now: None)
@@ -125,7 +125,7 @@ def test_hooks_that_do_not_exist_are_refused():
 def test_a_kernel_is_not_replaced_in_silence():
     from ground_spring_kernels import GroundSprings
 
-    from deployable.fpm.kernels.hooks import hook
+    from fpm.kernels.hooks import hook
 
     with pytest.raises(ValueError, match="GroundSprings has a kernel for forces already"):
         hook(GroundSprings, "forces")(lambda part, world, now: None)

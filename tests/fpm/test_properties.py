@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from transforms import continued, mirrored, moved, reordered
 
-from deployable import fpm
+import fpm
+from evidence.linkage.runs import build
 
 INSTANTS = 11
 few = settings(
@@ -25,11 +26,9 @@ seeds = st.integers(0, 2**32 - 1)
 starts = st.sampled_from([2.0, 40.0, 119.0])
 
 
-def linkage(start_deg=40.0, supports="free", **more) -> fpm.Scene:
+def linkage(start=40.0, supports="free", **more) -> fpm.Scene:
     """A soft Bennett linkage of eight elements, pushed into all its modes."""
-    scene = fpm.scenes.get("bennett").build(
-        start_deg=start_deg, supports=supports, elements_per_link=2, **{"E": 2e7, **more}
-    )
+    scene = build(start=start, supports=supports, elements=2, **{"E": 2e7, **more})
     scene.velocity += np.array([0.3, -0.2, 0.1])
     return scene
 
@@ -56,8 +55,8 @@ def loaded_bar(seed: int, **more) -> fpm.Scene:
 both = pytest.mark.parametrize(
     "scenes",
     [
-        lambda seed, start_deg: [linkage(start_deg), linkage(start_deg, "plane")],
-        pytest.param(lambda seed, start_deg: [loaded_bar(seed)], marks=pytest.mark.slow),
+        lambda seed, start: [linkage(start), linkage(start, "plane")],
+        pytest.param(lambda seed, start: [loaded_bar(seed)], marks=pytest.mark.slow),
     ],
     ids=["linkage", "bar"],
 )
@@ -97,21 +96,21 @@ def compare(first, second, matrix, shift=0.0, *, bound=1e-8):
 
 @few
 @given(seeds, starts)
-def test_a_free_linkage_is_objective(seed, start_deg):
+def test_a_free_linkage_is_objective(seed, start):
     """Turned and moved as a whole, it does the same there."""
     random = np.random.default_rng(seed)
     rotation, shift = Rotation.random(rng=random).as_matrix(), random.normal(size=3)
-    scene = linkage(start_deg)
+    scene = linkage(start)
     first, second = run(scene, moved(scene, rotation, shift))
     compare(first, second, rotation, shift)
 
 
 @few
 @given(st.sampled_from(Rotation.create_group("O").as_matrix().tolist()), starts)
-def test_a_supported_linkage_is_objective(rotation, start_deg):
+def test_a_supported_linkage_is_objective(rotation, start):
     """The same with supports, turned with the scene onto other global axes."""
     rotation = np.round(rotation)
-    scene = linkage(start_deg, "plane")
+    scene = linkage(start, "plane")
     scene.velocity[:, 2] = 0.0
     first, second = run_each(scene, moved(scene, rotation, np.ones(3)))
     compare(first, second, rotation, np.ones(3))
@@ -131,19 +130,19 @@ def test_loads_and_weight_are_objective(seed):
 @few
 @given(seeds, starts, st.integers(0, 2))
 @both
-def test_mirror_images_move_as_mirror_images(scenes, seed, start_deg, normal):
+def test_mirror_images_move_as_mirror_images(scenes, seed, start, normal):
     mirror = np.eye(3)
     mirror[normal, normal] = -1.0
-    scene = scenes(seed, start_deg)[0]
+    scene = scenes(seed, start)[0]
     first, second = run(scene, mirrored(scene, normal))
     compare(first, second, mirror)
 
 
 @few
 @given(st.sampled_from(["plane", "free"]), starts)
-def test_the_linkage_keeps_its_own_symmetry(supports, start_deg):
+def test_the_linkage_keeps_its_own_symmetry(supports, start):
     """B and D are mirror images in x = 0, A and C in y = 0, and stay in the other's plane."""
-    scene = linkage(start_deg, supports)
+    scene = linkage(start, supports)
     scene.velocity[:] = 0.0
     (outcome,) = run(scene)
     a, b, c, d = (outcome.points[p][0] for p in "ABCD")
@@ -155,15 +154,14 @@ def test_the_linkage_keeps_its_own_symmetry(supports, start_deg):
     st.floats(0.1, 10.0), st.floats(1e-3, 1e3), st.floats(1e-2, 1e2), starts,
     st.sampled_from(["plane", "free"]),
 )  # fmt: skip
-def test_dimensional_analysis_scales_the_curves(length, modulus, density, start_deg, supports):
+def test_dimensional_analysis_scales_the_curves(length, modulus, density, start, supports):
     """Lengths by s, E by e, rho by r: times by s sqrt(r/e), torsion springs per length by e s²."""
     plain = {"L": 0.45, "a": 0.035, "E": 2e7, "rho": 800.0, "K_F": 5.0, "K_C": 1e4}
     factors = {
         "L": length, "a": length, "E": modulus, "rho": density,
         "K_F": modulus * length**2, "K_C": modulus * length**2,
     }  # fmt: skip
-    build = fpm.scenes.get("bennett").build
-    common = {"start_deg": start_deg, "supports": supports, "elements_per_link": 2}
+    common = {"start": start, "supports": supports, "elements": 2}
     first_scene = build(**plain, **common)
     second_scene = build(**{k: v * factors[k] for k, v in plain.items()}, **common)
     time = length * np.sqrt(density / modulus)
@@ -181,9 +179,9 @@ def test_dimensional_analysis_scales_the_curves(length, modulus, density, start_
 @few
 @given(seeds, starts)
 @both
-def test_time_can_be_reversed(scenes, seed, start_deg):
+def test_time_can_be_reversed(scenes, seed, start):
     """Without damping a run with reversed velocities leads back to the start, moving backwards."""
-    for scene in scenes(seed, start_deg):
+    for scene in scenes(seed, start):
         scene.velocity[:, 2] = 0.0
         step = 0.8 * fpm.stable_step(scene).step
         (there,) = run(scene, step=step, steps=200)
@@ -223,9 +221,9 @@ def test_a_run_can_be_continued(seed):
 @few
 @given(seeds, starts)
 @both
-def test_the_order_of_particles_and_elements_does_not_matter(scenes, seed, start_deg):
+def test_the_order_of_particles_and_elements_does_not_matter(scenes, seed, start):
     """Only the order of sums changes, hence rounding."""
     random = np.random.default_rng(seed)
-    for scene in scenes(seed, start_deg):
+    for scene in scenes(seed, start):
         first, second = run_each(scene, reordered(scene, random))
         compare(first, second, np.eye(3))

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from deployable.fpm import SceneError
-from deployable.fpm.kinds.kind import Eventful
-from deployable.fpm.quantities import crossing, crossing_margin
-from deployable.fpm.quantity_definitions import parse
-from deployable.fpm.responses import Response
-from deployable.fpm.trajectory import Curves, happened
+from fpm import SceneError
+from fpm.elements.kind import Eventful
+from fpm.files.trajectory import Curves, happened
+from fpm.reading.quantities import crossing, crossing_margin
+from fpm.reading.quantity_definitions import parse
+from fpm.reading.responses import Response
 
 TIME = np.linspace(0.0, 2.0, 401)
 ELEMENTS = [
@@ -24,15 +24,16 @@ EVENTS = np.array([[0.5, 0, 1], [0.7, 0, 0], [0.9, 2, 1], [1.3, 0, 1], [1.4, 1, 
 RESPONSE = Response("x", "position", ("P",), "x", "m", "x-component of the position of P")
 
 
-def read(definition, values, time=TIME, dropped=0) -> float:
+def read(definition, values, time=TIME, dropped=0, step=TIME[1], events=EVENTS, when=None) -> float:
     """A quantity of a run whose one response has these values."""
     track = np.zeros((len(time), 3))
     track[:, 0] = values
     curves = Curves(
         time, {"P": (track, track)}, {}, {}, {}, np.zeros((0, 3)), [],
-        happened(EVENTS, ELEMENTS), dropped,
+        happened(events, ELEMENTS), dropped, step,
     )  # fmt: skip
     names = {"q": definition, "shut": {"event": "closes"}, "half": {"crossing": "x", "level": 0.5}}
+    names |= {} if when is None else {"when": when}
     (found, *_), problems = parse(names, [RESPONSE], ELEMENTS)
     assert not problems
     return found.evaluate(curves)
@@ -97,6 +98,45 @@ def test_a_value_at_an_event_is_the_one_before_it():
     assert read(definition, curve) == pytest.approx(0.25, abs=1e-12)
 
 
+STEP = TIME[1] - TIME[0]  # an instant is recorded in every step
+
+
+def test_a_value_at_an_event_is_of_one_side_and_knows_nothing_of_others():
+    """The impulse of a blow comes half in the step of the event and half in the next, so that the
+    velocities of two or three instants lie between; and what was before another event goes on
+    otherwise."""
+    blow, other = 0.9025, 1.3
+    speed = 1.0 + TIME - TIME**2
+    mixed = np.where(blow - STEP < TIME, 0.3 * speed, speed)
+    mixed = np.where(blow + STEP < TIME, 5.0 - TIME, mixed)
+    mixed = np.where(other - STEP < TIME, 100.0, mixed)
+    mixed = np.where(other + 2 * STEP <= TIME, np.exp(TIME), mixed)
+    events = EVENTS.copy()
+    events[2, 0], events[4, 0] = blow, 1.4
+    second, locks = {"event": "closes", "number": 2}, {"event": "locks"}
+    for event, exact in ((second, 1.0 + blow - blow**2), (locks, np.exp(1.4))):
+        found = read({"value": "x", "at": "when"}, mixed, events=events, when=event)
+        assert found == pytest.approx(exact, abs=1e-6)
+    # At a time between two events, too.
+    found = read({"value": "x", "at": 0.915}, mixed, events=events)
+    assert found == pytest.approx(5.0 - 0.915, abs=1e-9)
+
+
+def test_events_a_few_steps_apart_are_one_and_of_more_the_last_instant_before_counts():
+    """Two latches that catch one after the other: within five steps, then with one instant between
+    them that neither touches, where nothing tells how the response goes on."""
+    events = EVENTS[:2].copy()
+    when = {"event": "opens"}
+    curve = np.where(TIME < 0.5, 2.0 + TIME, 50.0 * TIME)
+    for gap, time, exact in ((1e-9, TIME, 2.5), (3 * STEP, TIME, 2.5), (0.035, TIME[::4], 26.0)):
+        events[1, 0] = 0.5 + gap
+        found = read(
+            {"value": "x", "at": "when"}, curve[:: round((len(TIME) - 1) / (len(time) - 1))], time,
+            step=STEP, events=events, when=when,
+        )  # fmt: skip
+        assert found == pytest.approx(exact, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("definition", "time"),
     [
@@ -136,8 +176,9 @@ def test_what_is_read_between_instants_is_not_below_what_can_be():
     norm = replace(RESPONSE, component="norm")
     values = np.maximum(0.5 - TIME, 0.0) ** 2 + 2 * (TIME < 0.35)
     curves = Curves(
-        TIME, {"P": (np.outer(values, [1, 0, 0]),) * 2}, {}, {}, {}, np.zeros((0, 3)), [], {}, 0
-    )
+        TIME, {"P": (np.outer(values, [1, 0, 0]),) * 2}, {}, {}, {}, np.zeros((0, 3)), [], {}, 0,
+        TIME[1],
+    )  # fmt: skip
     found = {}
     for response in (RESPONSE, norm):
         (quantity,), _ = parse({"q": {"value": "x", "at": 0.352}}, [response], ELEMENTS)

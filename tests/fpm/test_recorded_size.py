@@ -2,17 +2,18 @@
 
 import pytest
 
-from deployable import fpm
-from deployable.fpm.columns import SOURCES
-from deployable.fpm.pack import Batch
-from deployable.fpm.recording import labels, numbers, prepared
+import fpm
+from deployable.campaign.config.scenes import scene_type
+from fpm.reading.columns import SOURCES
+from fpm.reading.recording import labels, numbers, prepared
+from fpm.solver.pack import pack
 
 
 def kept(scene: fpm.Scene) -> int:
     """Numbers of a sample that the arrays of a run hold for each instant."""
 
     def size(instants: int) -> int:
-        return sum(part.size for parts in Batch([scene], 1, float, instants).parts()
+        return sum(part.size for parts in pack([scene], 1, float, instants).parts()
                    for part in parts if hasattr(part, "size"))  # fmt: skip
 
     return size(11) - size(10)
@@ -26,7 +27,7 @@ def column(scene, variable):
 
 @pytest.mark.parametrize("variable", SOURCES)
 def test_numbers_are_those_of_the_arrays(variable):
-    scene = fpm.scenes.get("bennett").build(elements_per_link=3)
+    scene = scene_type("bennett").build(elements=3)
     if not labels(scene, variable):
         pytest.skip("the linkage has none of it")
     asked = [column(scene, variable)]

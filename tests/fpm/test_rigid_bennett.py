@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from deployable.fpm.scenes.bennett_geometry import bennett_geometry
+from evidence.linkage.geometry import bennett_geometry
 from evidence.linkage.rigid import RigidBennett
 
 # (lambda, mu) in degrees

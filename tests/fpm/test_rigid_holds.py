@@ -5,8 +5,11 @@ import pytest
 from rigid_holds import FAR, NONE, J, L, M, bars, caught, held, kinetic, motion
 from rigid_holds import free as chain
 
-from deployable import fpm
-from deployable.fpm.kinds import Hinge, Joint, Latch, Release, RigidLatch, RigidRelease, Turn
+import fpm
+from fpm.elements import Hinge, Joint, Latch, Release, RigidLatch, RigidRelease, Turn
+from fpm.files.trajectory import curves_of
+from fpm.reading.quantity_definitions import parse
+from fpm.reading.responses import Response
 
 G = 9.81
 NEVER = {"watch": 1, "level": -FAR}
@@ -82,6 +85,22 @@ def test_a_rigid_latch_stops_its_hinge_at_its_angle_and_keeps_the_momentum(
     lost = kinetic(state[:2], state[2:]) - kinetic(state[:2], rates)
     assert outcome.energies["joint_loss"][-1] == pytest.approx(lost, rel=2e-3)
     assert np.abs(outcome.energies["balance"]).max() < 2e-3 * max(lost, 0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "gravity"), [(n, g) for n, _, g in CATCHES])
+def test_a_response_at_a_catch_is_that_just_before_at_any_spacing_of_instants(ran, name, gravity):
+    """What moves then, of which the catch takes a fifth to a half: kinetic energies of the exact
+    motion, within a thousandth, whether an instant is every second step or every fortieth."""
+    outcome, angle = ran[name], next(angle for n, angle, _ in CATCHES if n == name)
+    state = motion(chain, start_of(CASES[name]), (0, 2), gravity, angle).y[:, -1]
+    response = Response("moving", "energy", ("kinetic",), "", "J", "kinetic energy")
+    asked = {"t": {"event": "latches"}, "before": {"value": "moving", "at": "t"}}
+    (_, before), _ = parse(asked, [response], outcome.eventful)
+    for every in (1, 2, 20):
+        energies = {n: values[::every] for n, values in outcome.energies.items()}
+        curves = curves_of(outcome)._replace(time=outcome.time[::every], energies=energies)
+        assert before.evaluate(curves) == pytest.approx(kinetic(state[:2], state[2:]), rel=1e-3)
 
 
 @pytest.mark.slow

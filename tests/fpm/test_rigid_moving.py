@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from flaps import J
 
-from deployable import fpm
-from deployable.fpm.kinds import Motor, RigidFriction, RigidMotor
+import fpm
+from fpm.elements import Motor, RigidFriction, RigidMotor
 
 RUN = {"duration": 3.0, "instants": 3001, "step": 1e-3}
 TIMES, VALUES = [0.0, 0.5003, 1.2, 2.0], [0.0, 0.4, 0.1, 0.1]

@@ -8,16 +8,8 @@ import time
 
 import pytest
 
-from deployable.fpm import sealed
-from deployable.fpm.sealed import (
-    DamagedError,
-    check,
-    check_content,
-    seal,
-    sweep,
-    unsealed,
-    whole_file,
-)
+from fpm import sealed
+from fpm.sealed import DamagedError, check, check_content, seal, sweep, unsealed, whole_file
 
 CONTENT = {
     ".nc": bytes(range(256)) * 20,
@@ -110,7 +102,7 @@ def test_a_file_that_breaks_off_leaves_nothing(tmp_path):
 
 KILLED = """
 import os, sys
-from deployable.fpm.sealed import whole_file
+from fpm.sealed import whole_file
 with whole_file(sys.argv[1]) as temporary:
     temporary.write_text("half")
     os.kill(os.getpid(), 9)
@@ -127,3 +119,14 @@ def test_what_dead_processes_left_is_swept_and_nothing_else(tmp_path):
         assert temporary.exists()
     assert sorted(p.name for p in tmp_path.iterdir()) == [".mine.nc", "b.nc"]
     assert sweep(tmp_path / "nowhere") == []
+
+
+def test_what_a_killed_process_left_is_swept_before_its_parent_has_noticed(tmp_path):
+    """As a job's children are, which the system has not taken leave of yet."""
+    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as child:
+        left = tmp_path / f".bounds.{sealed._host()}-{child.pid}.part.nc"
+        left.write_text("half")
+        assert sealed.sweep(tmp_path) == []
+        child.kill()
+        time.sleep(0.2)
+        assert sealed.sweep(tmp_path) == [left]

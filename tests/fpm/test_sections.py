@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from deployable import fpm
-from deployable.fpm import bars, clearance, stress
+import fpm
+from fpm.reading import bars, clearance, stress
 
 STEEL = fpm.Material(2e11, 0.25, 7800.0)
 

@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 
-from deployable import fpm
-from deployable.fpm import responses, trajectory
-from deployable.fpm.assembly import assemble
-from deployable.fpm.kinds import Contact, Damper, Friction, Latch, RigidFriction, Stop, SyncLoop
-from deployable.fpm.scenes import SceneType
-from deployable.fpm.timestep import stable_step
+import fpm
 from evidence.extremes.stable_step import slides
 from evidence.verification.slides import scene_of_all
+from fpm.assembly import assemble
+from fpm.elements import Contact, Damper, Friction, Latch, RigidFriction, Stop, SyncLoop
+from fpm.files import trajectory
+from fpm.reading import responses
+from fpm.scenes.scene_type import SceneType
+from fpm.timestep import stable_step
 
 X, Y = np.eye(3)[:2]
 J = (0.02, 0.03, 0.05)
@@ -41,7 +42,7 @@ def test_openings_at_the_start_are_those_that_are_stated():
     assert scene.add_universal("cross", (1, 2), (0.5, 0.0, 0.0), X, Y, (0.4, -2.0)) == 1
     scene.frame[2] = scene.frame[2].copy()
     assert [hinge.name for hinge in scene.hinges] == ["boom", "cross_axis", "cross_other"]
-    from deployable.fpm.kinds.opening import opening_at
+    from fpm.elements.openings.opening import opening_at
 
     found = [opening_at(scene, hinge) for hinge in scene.hinges]
     assert found == pytest.approx([-0.07, 0.4, -2.0], abs=1e-12)

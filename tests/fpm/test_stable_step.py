@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from deployable import fpm
+import fpm
 from evidence.extremes.stable_step import MATERIAL, bar, bennett, study
 from evidence.extremes.true_limit import breaks_down, disturb
 
@@ -50,7 +50,7 @@ def test_the_fastest_element_is_named():
 
 def test_a_stiff_contact_is_named_and_seen_from_any_start():
     """The limit does not depend on where the linkage starts, shut or far from it."""
-    found = [fpm.stable_step(bennett(K_C=1e7, start_deg=s)) for s in (5.0, 60.0, 120.0)]
+    found = [fpm.stable_step(bennett(K_C=1e7, start=s)) for s in (5.0, 60.0, 120.0)]
     assert all(f.element.startswith("contact ") for f in found)
     assert np.ptp([f.step for f in found]) < 1e-6 * found[0].step
 

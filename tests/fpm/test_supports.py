@@ -5,9 +5,9 @@ from itertools import chain, combinations, product
 import numpy as np
 import pytest
 
-from deployable import fpm
-from deployable.fpm.kinds.hinge import Hinge, is_regular
-from deployable.fpm.kinds.joint import Joint
+import fpm
+from fpm.elements.joints.hinge import Hinge, is_regular
+from fpm.elements.joints.joint import Joint
 
 AXES = "xyz"
 SETS = ["".join(c) for c in chain.from_iterable(combinations(AXES, k) for k in range(4))]

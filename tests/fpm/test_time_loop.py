@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from deployable import fpm
+import fpm
+from evidence.linkage.runs import build
 
 WOOD = fpm.Material(1e9, 0.3, 800.0)
 
 
 def linkage(**parameters) -> fpm.Scene:
-    return fpm.scenes.get("bennett").build(elements_per_link=4, **parameters)
+    return build(elements=4, **parameters)
 
 
 def equal(a: fpm.Outcome, b: fpm.Outcome) -> bool:
@@ -57,9 +58,7 @@ def test_held_hinge_points_stay_where_they_are(batch):
 def test_hinges_stay_closed_however_fast_they_turn():
     """500 rad/s, 0.015 rad in a step: a tilt asks for rounds of its own, down to a tenth of what
     it asks them for (5e-8 rad)."""
-    scene = fpm.scenes.get("bennett").build(
-        elements_per_link=2, supports="free", start_deg=60.0, E=1e10, K_F=0.0
-    )
+    scene = build(elements=2, supports="free", start=60.0, E=1e10, K_F=0.0)
     spin = 500.0 * np.array([0.48, 0.6, 0.64])
     scene.spin[:] = spin
     scene.velocity[:] = np.cross(spin, scene.position)
@@ -102,9 +101,9 @@ def test_bad_arguments_are_refused(arguments, text):
 
 
 def test_a_whole_number_as_tolerance_compiles_nothing_new():
-    from deployable.fpm.kernels.compiled import LOOPS
+    from fpm.kernels.compiled import LOOPS
 
-    scene = fpm.scenes.get("bennett").build(elements_per_link=2)
+    scene = build(elements=2)
     fpm.simulate(scene, duration=1e-3, instants=2)
     compiled = {parts: len(run.signatures) for parts, run in LOOPS.items()}
     fpm.simulate(scene, duration=1e-3, instants=2, energy_tolerance=1)
@@ -166,16 +165,6 @@ def test_drive_moves_its_particle_as_told():
     np.testing.assert_allclose(y, 10 * outcome.time**2, atol=1e-9)
 
 
-def test_loads_that_turn_with_a_driven_particle_are_refused():
-    for arm, moment in (((0, 0.1, 0), (0, 0, 0)), ((0, 0, 0), (0, 0, 1.0))):
-        scene, bar = beam()
-        root = int(bar.particles[0])
-        scene.drive(root, spin=(0, 0, 3.0))
-        scene.add_load(root, force=(1.0, 0, 0))
-        with pytest.raises(fpm.SceneError, match="driven particle"):
-            scene.add_load(root, force=(1.0, 0, 0), moment=moment, arm=arm)
-
-
 @pytest.mark.slow
 def test_held_axes_stay_and_free_ones_move():
     """A bar that may only slide, pulled along by its root and thrown."""
@@ -220,7 +209,7 @@ def test_a_point_beside_a_turning_drive_moves_with_it():
 
 def test_a_linkage_at_rest_at_closure_has_no_contact_events():
     """Its openings are zero to rounding, and cross it many times."""
-    outcome = fpm.simulate(linkage(start_deg=120.0), duration=0.02, instants=5)[0]
+    outcome = fpm.simulate(linkage(start=120.0), duration=0.02, instants=5)[0]
     assert len(outcome.events) == 0
     assert np.abs(np.array(list(outcome.openings.values()))).max() < 1e-9
 
@@ -229,8 +218,8 @@ def test_an_opening_of_exactly_zero_hides_no_event():
     """A step that ends at the very level of an event, on the way down and on the way up."""
     from numba import njit
 
-    from deployable.fpm.kernels.events import note_crossing
-    from deployable.fpm.kernels.world import Log, Now
+    from fpm.kernels.events import note_crossing
+    from fpm.kernels.world import Log, Now
 
     note = njit(lambda *a: note_crossing(*a))
     track = [1.0, 0.0, -1.0, 0.0, 1.0, 1.0]
@@ -253,13 +242,13 @@ def test_no_path_is_chosen_by_a_sample_beside():
 def test_no_event_is_dropped_where_there_is_little_room(batch, monkeypatch):
     scenes, together = batch
     assert len(together[0].events) > 2
-    monkeypatch.setattr(fpm.pack, "MOST_EVENTS", 2)
+    monkeypatch.setattr(fpm.solver.pack, "MOST_EVENTS", 2)
     crowded = fpm.simulate(scenes[:3], duration=0.4, instants=81, step=4e-5)
     for one, other in zip(crowded, together, strict=False):
         np.testing.assert_array_equal(one.events, other.events)
         assert one.events_dropped == 0
         assert equal(one, other)
-    monkeypatch.setattr(fpm.pack, "MOST_ROOM", 3)
+    monkeypatch.setattr(fpm.solver.pack, "MOST_ROOM", 3)
     (short,) = fpm.simulate(scenes[0], duration=0.4, instants=81, step=4e-5)
     assert len(short.events) == 3
     assert short.events_dropped == len(together[0].events) - 3

@@ -5,7 +5,7 @@ import pytest
 from asking import curves
 from flaps import FAR, J, flap
 
-from deployable import fpm
+import fpm
 
 own_loop = pytest.mark.slow  # a time loop of its own
 

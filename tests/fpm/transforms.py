@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.kinds import Friction, Latch, Release, RigidFriction, RigidLatch, RigidRelease
-from deployable.fpm.kinds.hinge import Hinge
-from deployable.fpm.kinds.virtual_beam import VirtualBeam
+import fpm
+from fpm.elements import Friction, Latch, Release, RigidFriction, RigidLatch, RigidRelease
+from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.joints.hinge import Hinge
 
 
 def moved(scene: fpm.Scene, rotation: np.ndarray, shift: np.ndarray) -> fpm.Scene:

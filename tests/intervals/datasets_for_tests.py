@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from ball import ball, bounces
+from ball import ball
 
 from deployable.intervals import Box, held_out_points
 
@@ -29,17 +29,10 @@ def samples_of(function, box, design, time, held_out=4, names=("response",)):
 
 
 def ball_samples(design, duration=2.0, held_out=4, instants=1001):
-    """Samples of a ball dropped from 1 m, +- 5 %, with its impacts as events."""
+    """Samples of a ball dropped from 1 m, +- 5 %."""
     box = Box(["height"], [0.95], [1.05])
     time = np.linspace(0.0, duration, instants)
-    samples = samples_of(
-        lambda v: np.array(ball(time, v[0])), box, design, time, held_out, ("z", "v")
-    )
-    impacts = [bounces(v[0], duration=duration) for v in samples["value"].values]
-    table = np.full((len(impacts), max(len(x) for x in impacts)), np.nan)
-    for row, times in zip(table, impacts, strict=True):
-        row[: len(times)] = times
-    return samples.assign(event_time=(("run", "event"), table))
+    return samples_of(lambda v: np.array(ball(time, v[0])), box, design, time, held_out, ("z", "v"))
 
 
 def ball_reference(duration=2.0, runs=4001, instants=1001):

@@ -12,7 +12,6 @@ from deployable.intervals import (
     IntervalError,
     bounds_dataset,
     make_design,
-    split_design,
 )
 from deployable.intervals.metrics import hausdorff
 from deployable.intervals.models import scan
@@ -61,24 +60,6 @@ def test_order_of_runs_and_a_larger_set_of_runs_do_not_matter():
     first, second = bounds_dataset(samples, few), bounds_dataset(shuffled, few)
     assert (first["upper"][0] == second["upper"][0]).all()
     assert first.attrs["held_out_runs"] > 4  # runs of the higher order test the lower one
-
-
-def test_a_split_design_helps_a_kink():
-    box = Box(["p"], [-1.0], [1.0])
-
-    def kink(v):
-        return np.abs(v[0] - 0.0) + 0 * TIME
-
-    whole = make_design("tensor_lobatto", box, 4)
-    halves = split_design(whole, [([-1.0], [0.0]), ([0.0], [1.0])])
-    assert halves.runs == 9
-    one = bounds_dataset(samples_of(kink, box, whole, TIME), whole)
-    two = bounds_dataset(samples_of(kink, box, halves, TIME), halves)
-    assert one["error"][0].max() > 0.01
-    assert two["error"][0].max() < 1e-12
-    assert two["lower"][0].values == pytest.approx(0.0, abs=1e-12)
-    assert two["upper"][0].values == pytest.approx(1.0)
-    assert two["argmin"][0].values == pytest.approx(0.0, abs=1e-9)
 
 
 def test_missing_runs_and_unknown_responses_are_refused():

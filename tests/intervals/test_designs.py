@@ -5,7 +5,7 @@ from math import comb
 import numpy as np
 import pytest
 
-from deployable.intervals import Box, IntervalError, fit, held_out_points, make_design, split_design
+from deployable.intervals import Box, IntervalError, fit, held_out_points, make_design
 from deployable.intervals.chebyshev import lobatto, product_basis, roots
 from deployable.intervals.designs.multi_indices import total_degree
 from deployable.intervals.points import match_points, other_runs
@@ -48,13 +48,6 @@ def test_total_degree_needs_one_run_a_coefficient_and_is_well_conditioned(k, ord
 
 def test_total_degree_is_20_runs_at_three_parameters_and_order_3():
     assert make_design("total_degree", 3, 3).runs == 20
-
-
-def test_total_degree_takes_existing_points_first():
-    few = make_design("total_degree", 2, 2)
-    many = make_design("total_degree", 2, 4, existing=few.points)
-    assert keys(few.points) <= keys(many.points)
-    assert many.runs == comb(6, 2)
 
 
 def test_oversampling_adds_points():
@@ -134,19 +127,6 @@ def test_other_runs_are_those_at_no_point_of_the_design(dimension):
     found = other_runs(unit, nodes)
     np.testing.assert_array_equal(unit[found], others)
     assert match_points(nodes, unit).tolist() == list(range(2, 2 + len(nodes)))
-
-
-@pytest.mark.parametrize(
-    ("lower", "upper"),
-    [
-        ([-1.0], [0.0, 1.0]), ([-1.0, -1.0], [0.0]), ([0.5, -1.0], [0.0, 1.0]),
-        ([-1.0, 0.5], [0.0, 0.2]), ([[-1.0, -1.0]], [0.0, 1.0]), ([-1.0] * 3, [1.0] * 3),
-    ],
-)  # fmt: skip
-def test_parts_that_are_no_boxes_are_refused(lower, upper):
-    whole = make_design("tensor_lobatto", 2, 2)
-    with pytest.raises(IntervalError, match="lower <= upper for each direction"):
-        split_design(whole, [([-1.0, -1.0], [0.0, 1.0]), (lower, upper)])
 
 
 def test_held_out_points_avoid_the_nodes():

@@ -6,7 +6,6 @@ import pytest
 from deployable.intervals import Surrogate, fit, hausdorff, make_design
 from deployable.intervals.estimates import (
     decay_estimate,
-    direction_tails,
     error_estimate,
     held_out_error,
     overruled,
@@ -131,13 +130,6 @@ def test_runs_that_see_the_same_overrule_nothing():
     told = decay_estimate(surrogate, TIME)
     left = overruled(surrogate, design.points, corners, missed, told, TIME)
     np.testing.assert_array_equal(left, told)
-
-
-def test_tails_tell_the_direction():
-    design = make_design("tensor_roots", 2, 4)
-    x, y = design.points.T
-    tails = direction_tails(fit(design, (np.exp(2 * x) + np.exp(0.1 * y))[:, None]))
-    assert tails[0, 0] > 100 * tails[1, 0]
 
 
 def test_metrics_of_known_bounds():

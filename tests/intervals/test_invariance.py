@@ -6,16 +6,11 @@ from datasets_for_tests import samples_of
 
 from deployable.intervals import (
     Box,
-    Progress,
-    Specification,
     bounds_dataset,
-    decide,
     fit_spline,
     make_design,
-    measure_round,
     seek_points,
     spline_range,
-    split_design,
 )
 from deployable.intervals.chebyshev import product_basis
 from deployable.intervals.designs import multi_indices
@@ -94,12 +89,8 @@ def test_the_range_of_a_spline_does_not_depend_on_how_many_places_are_tried_firs
 
 
 @pytest.mark.parametrize("model", ["polynomial", "spline", "scan"])
-@pytest.mark.parametrize("parts", [0, 2])
-def test_bounds_are_attained_where_they_are_said_to_be(model, parts):
+def test_bounds_are_attained_where_they_are_said_to_be(model):
     design = make_design("tensor_lobatto", BOX, 10)
-    if parts:
-        halves = (((-1.0, -1.0), (0.0, 1.0)), ((0.0, -1.0), (1.0, 1.0)))
-        design = split_design(make_design("tensor_lobatto", BOX, 8), halves)
     samples = samples_of(wave, BOX, design, TIME)
     found = bounds_dataset(samples, design, model=model)
     slack = 1e-12 if model == "scan" else 2e-3 if model == "spline" else 1e-5
@@ -107,19 +98,6 @@ def test_bounds_are_attained_where_they_are_said_to_be(model, parts):
         for t in range(0, len(TIME), 5):
             there = wave(found[side].values[0, t])[t]
             assert there == pytest.approx(float(found[values][0, t]), abs=slack)
-
-
-def test_the_order_of_the_parts_of_a_split_box_does_not_matter():
-    cuts = ((-1.0, -0.2), (-0.2, 0.5), (0.5, 1.0))
-    parts = [((low, -1.0), (high, 1.0)) for low, high in cuts]
-    found = []
-    for turned in range(3):
-        shuffled = parts[turned:] + parts[:turned]
-        design = split_design(make_design("tensor_lobatto", BOX, 4), shuffled)
-        found.append(bounds_dataset(samples_of(wave, BOX, design, TIME), design))
-    for other in found[1:]:
-        for name in ("lower", "upper", "inner_lower", "inner_upper"):
-            np.testing.assert_allclose(other[name], found[0][name], atol=1e-9)
 
 
 @pytest.mark.parametrize("model", ["polynomial", "spline", "scan"])
@@ -132,33 +110,6 @@ def test_bounds_do_not_depend_on_when_time_begins(model):
     for name in ("lower", "upper", *parts):
         np.testing.assert_allclose(later[name], first[name], rtol=1e-9)
     np.testing.assert_allclose(later["largest_width_time"], first["largest_width_time"] + 7.0)
-
-
-def test_what_a_round_shows_does_not_depend_on_units():
-    design = make_design("tensor_lobatto", BOX, 4)
-    shown = {}
-    for scale, offset in ((1.0, 0.0), (1e3, 0.0), (1.0, 500.0)):
-        samples = samples_of(lambda v, s=scale, o=offset: s * wave(v) + o, BOX, design, TIME)
-        bounds = bounds_dataset(samples, design)
-        shown[scale, offset] = measure_round(samples, bounds, design)
-    error, tails = shown[1.0, 0.0]
-    for other_error, other_tails in shown.values():
-        assert other_error == pytest.approx(error, rel=1e-6)
-        np.testing.assert_allclose(other_tails, tails, rtol=1e-6, atol=1e-9)
-
-
-@pytest.mark.parametrize("method", ["tensor_lobatto", "smolyak", "total_degree", "tensor_roots"])
-def test_a_parameter_without_width_is_never_added(method):
-    box = Box(["f", "g"], [0.9, 0.3], [1.1, 0.3])
-    design = make_design(method, box, (2, 0))
-    for error in (0.5, 0.4, 0.39, 0.38):
-        decision = decide(Progress(
-            specification=Specification(method, (2, 0)), error=error, tails=[0.1, 9.0],
-            points=design.points, tolerance=0.01, budget=100, free=box.free.tolist(),
-        ))  # fmt: skip
-        assert decision.action == "raise order"
-        assert decision.specification.order[0] > 2
-        assert decision.specification.order[1] == 0
 
 
 def test_what_seeking_promises_does_not_depend_on_offsets_and_scales():

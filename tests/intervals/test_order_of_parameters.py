@@ -30,10 +30,9 @@ def made(method, order):
     """Box, design and samples of the wave with the parameters in another order."""
     box = Box([NAMES[j] for j in order], LOWER[order], UPPER[order])
     design = make_design(method, box, 3, **OPTIONS.get(method, {}))
-    samples = samples_of(lambda v: wave(dict(zip(box.names, v, strict=True))), box, design, TIME)
-    # one impact in every run, later where f is small
-    impact = 0.5 - 0.1 * (samples["value"].sel(parameter="f").values - 1.0)
-    return design, samples.assign(event_time=(("run", "event"), impact[:, None]))
+    return design, samples_of(
+        lambda v: wave(dict(zip(box.names, v, strict=True))), box, design, TIME
+    )
 
 
 def permuted(design, samples, order):

@@ -113,6 +113,15 @@ def test_the_share_of_the_box_that_meets_a_limit():
     assert share_of_box(both, np.ones(1))[0] == pytest.approx((0.8 - 0.123) / 2, abs=1e-6)
 
 
+def test_the_share_is_open_by_what_the_runs_themselves_may_be_wrong_by():
+    """Of 2 + x at most 2.1: a hundredth moves the border by a two hundredth of the box."""
+    points = np.linspace(-1.0, 1.0, 9)[:, None]
+    surrogate = fit_scalar(points, 2.0 + points[:, 0])
+    limit = Limit(surrogate, "at_most", 2.1, beyond=0.01)
+    assert limit.error == pytest.approx(0.01, abs=1e-9)
+    assert share_of_box([limit], np.ones(1)) == pytest.approx((0.55, 0.005), abs=1e-6)
+
+
 def test_a_box_without_width_meets_all_limits_or_does_not():
     fixed = fit_scalar(np.zeros((1, 2)), np.array([3.0]))
     kept, broken = Limit(fixed, "at_most", 3.5), Limit(fixed, "at_least", 3.5)

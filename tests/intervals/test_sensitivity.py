@@ -12,7 +12,6 @@ from deployable.intervals import (
     make_design,
     parameter_sensitivity,
     sensitivity_dataset,
-    split_design,
 )
 
 
@@ -39,19 +38,6 @@ def test_dataset_per_instant_and_overall():
     assert found["width_overall"][0].values == pytest.approx([0.5, 0.5])
     assert found["total_overall"][0].values == pytest.approx([0.5, 0.5])
     assert not np.isnan(found["first"][0]).any()
-
-
-def test_a_split_design_has_the_shares_of_the_whole_box():
-    time = np.linspace(0, 1, 5)
-    box = Box(["a", "b"], [-1.0, -1.0], [1.0, 1.0])
-    whole = make_design("tensor_lobatto", box, 2)
-    ends = ([-1.0, -1.0], [0.0, 1.0]), ([0.0, -1.0], [1.0, 1.0])
-    halves = split_design(whole, ends)
-    found = sensitivity_dataset(
-        samples_of(lambda v: v[0] + v[1] + 0 * time, box, halves, time), halves
-    )
-    np.testing.assert_allclose(found["width"][0].values, 2.0, atol=1e-12)
-    np.testing.assert_allclose(found["total"][0].values, 0.5, atol=1e-12)
 
 
 def test_a_constant_response_has_no_shares():

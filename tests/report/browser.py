@@ -15,7 +15,7 @@ PROGRAMS = ("chromium", "chromedriver")
 MISSING = [name for name in PROGRAMS if shutil.which(name) is None]
 
 _FLAGS = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--headless", "--no-sandbox", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
     "--hide-scrollbars", "--disable-dev-shm-usage",
 )  # fmt: skip
@@ -25,7 +25,10 @@ _ELEMENT = "element-6066-11e4-a52e-4f735466cecf"
 class Browser:
     """A window of `width` x `height` pixels; use it in a `with` block."""
 
-    def __init__(self, width: int = 1360, height: int = 900, dark: bool = False, scale: float = 1):
+    def __init__(
+        self, width: int = 1360, height: int = 900, dark: bool = False, scale: float = 1,
+        webgl: bool = True,
+    ):  # fmt: skip
         with socket.socket() as found:
             found.bind(("127.0.0.1", 0))
             port = found.getsockname()[1]
@@ -37,8 +40,9 @@ class Browser:
         )  # fmt: skip
         arguments = [*_FLAGS, f"--user-data-dir={self.folder.name}"]
         arguments += [f"--window-size={width},{height}"]
-        if dark:
-            arguments += ["--force-dark-mode"]
+        arguments += ["--force-dark-mode"] * dark
+        software = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+        arguments += software if webgl else ("--disable-gpu", "--disable-software-rasterizer")
         options = {"binary": shutil.which("chromium"), "args": arguments}
         wanted = {"goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL"}}
         self.path = ""

@@ -50,7 +50,7 @@ def page(results, data):
 @pytest.fixture
 def bar():
     """A cantilever of 4 elements along x, damped so that it comes to rest."""
-    from deployable import fpm
+    import fpm
 
     scene = fpm.Scene("cantilever", damping=100.0)
     section, material = fpm.Section.rectangle(0.06, 0.04), fpm.Material(1e9, 0.3, 1000.0)
@@ -63,8 +63,8 @@ def bar():
 @pytest.fixture
 def settled(bar):
     """Function of a force (3,) at the tip: the last frame of the cantilever's motion, at rest."""
-    from deployable import fpm
-    from deployable.fpm.motion import whole_motion
+    import fpm
+    from fpm.motions.motion import whole_motion
 
     def settle(force):
         scene, link, *_ = bar

@@ -11,7 +11,7 @@ from opening import CONFIG
 
 from deployable import campaign
 from deployable.campaign.report import from_results, make_motions, words
-from deployable.campaign.report.data import FURTHER
+from deployable.campaign.report.data import FURTHER, Judged
 from deployable.campaign.report.failing import meets, panels
 from deployable.campaign.report.page import render
 
@@ -54,10 +54,10 @@ def test_the_headline_tells_how_many_quantities_it_leaves_out(opened):
 
 def test_the_page_has_verdicts_intervals_and_tables(opened):
     page = render(opened).replace("\N{NO-BREAK SPACE}", " ")
-    assert page.index('class="verdict some"') < page.index('id="quantities"')
+    assert page.index("of the box meets all requirements") < page.index('id="quantities"')
     for words_ in ("1.8682 to 1.9640 s", "both ends are simulated runs", 'id="requirements"',
                    "The nearest failure is of in_time", "Best choice: k = ", 'id="choice"',
-                   "some: 6", "<b>The box</b> is ", "<b>the surrogate</b> is "):  # fmt: skip
+                   "6", "<b>The box</b> is ", "<b>the surrogate</b> is "):  # fmt: skip
         assert words_ in page
     ends = re.findall(r"<dd>(k = [^<]*)</dd>", page)
     assert len(ends) == 2 and all(re.fullmatch(r"k = [\d.]+ N m/rad", end) for end in ends)
@@ -81,8 +81,9 @@ def test_the_part_of_the_box_that_fails_is_drawn(opened):
     """The panel is in time where its spring is stiff: k of 0.095 to 0.105 N m/rad."""
     limit, (panel,) = 1.9334, panels(opened)
     exact = 0.1 * (opened.answers["quantities"][0]["nominal"] / limit) ** 2  # t goes with k^-1/2
-    assert {met for *_, met in panel.marks} == {True, False}
-    for x, _, met in panel.marks:
+    assert {met for _, _, met, _ in panel.marks} == {True, False}
+    assert all(near for *_, near in panel.marks)  # there is no other parameter
+    for x, _, met, _ in panel.marks:
         assert met == (0.095 + 0.01 * x > exact)
     (low, bottom), (high, top) = panel.kept
     share = opened.answers["together"]["largest_share"]
@@ -90,7 +91,24 @@ def test_the_part_of_the_box_that_fails_is_drawn(opened):
     assert (bottom, top) == (0, 1)
     assert 0.095 + 0.01 * low == pytest.approx(exact, rel=1e-3)
     page = render(opened)
-    assert page.count('class="fails"') == sum(not met for *_, met in panel.marks) > 0
+    assert page.count('class="fails"') == sum(not met for _, _, met, _ in panel.marks) > 0
+
+
+def test_marks_whose_other_parameters_lie_outside_the_frame_are_faint(opened):
+    """So that none that fails can be seen within it, where nothing does."""
+    (k,) = opened.parameters
+    values = np.array([[0.099, 0.1], [0.1, 0.104], [0.095, 0.1], [0.1, 0.1]])
+    data = replace(
+        opened,
+        parameters=(k, replace(k, name="other"), replace(k, name="third")),
+        judged=Judged(np.column_stack([values, [0.1] * 4]), np.array([True, False, True, True])),
+    )
+    share = data.answers["together"]["largest_share"]
+    for panel in panels(data):
+        for x, y, met, near in panel.marks:
+            inside = max(abs(x - 0.5), abs(y - 0.5)) <= 0.5 * share
+            assert met or not (inside and near)
+    assert any(not near for panel in panels(data) for *_, near in panel.marks)
 
 
 def test_what_does_not_happen_meets_only_a_wish_for_that():

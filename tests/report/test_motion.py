@@ -7,21 +7,20 @@ import pytest
 import xarray
 from scipy.spatial.transform import Rotation
 
-from deployable import fpm
-from deployable.fpm import motion as whole
-from deployable.fpm.errors import SceneError
-from deployable.fpm.motion_dataset import shapes_of
-from deployable.fpm.scenes.bennett_geometry import bennett_geometry
-from deployable.fpm.structures import load
+import fpm
+from deployable.campaign.config.scenes import scene_type
+from evidence.linkage.geometry import bennett_geometry
+from fpm.errors import SceneError
+from fpm.motions import motion as whole
+from fpm.motions.motion_dataset import shapes_of
+from fpm.structures import load
 
 TIME = {"duration": 0.02, "instants": 41}
 
 
 def scenes(count=2):
-    build = fpm.scenes.get("bennett").build
-    return [
-        build(a=0.035 * (1 + 0.01 * i), elements_per_link=3, start_deg=1.0) for i in range(count)
-    ]
+    build = scene_type("bennett").build
+    return [build(a=0.035 * (1 + 0.01 * i), elements=3, start=1.0) for i in range(count)]
 
 
 def steps(scene):
@@ -94,7 +93,7 @@ def test_the_dataset_says_what_it_holds(pair):
     assert motion["time"].attrs["standard_name"] == "time"
     for name, variable in motion.data_vars.items():
         assert variable.attrs["long_name"] and variable.attrs["units"], name
-    assert str(motion["element"].values[4]) == "link BC[1]"
+    assert str(motion["element"].values[4]) == "BC[1]"
     shut = motion["contact_event_contact"].values
     assert set(motion["contact"].values[shut]) <= set("ABCD")
 
@@ -169,7 +168,7 @@ def test_mitred_ends_meet_where_the_linkage_is_shut():
     """At opening 0 the end faces of the two bars of a hinge are one face."""
     geometry = bennett_geometry(0.45, 0.035, 45.0)
     folded = float(np.degrees(geometry.folded_opening_b))
-    scene = fpm.scenes.get("bennett").build(start_deg=folded, elements_per_link=3)
+    scene = scene_type("bennett").build(start=folded, elements=3)
     corners, nodes = whole.section_corners(scene), np.concatenate([b.nodes for b in scene.beams])
     shut = [hinge for hinge in scene.hinges if abs(hinge.opening) < 1e-6]
     assert shut

@@ -16,7 +16,7 @@ import pytest
 import xarray as xr
 
 from deployable import campaign
-from deployable.fpm.sealed import unsealed
+from fpm.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
 PLUGIN = "snakemake_executor_plugin_slurm"
@@ -27,7 +27,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.skipif(bool(REASON), reason=REASON)]
 
 CONFIG = """\
 campaign: queued
-scene: {name: bennett, parameters: {elements_per_link: 2}}
+scene: {name: bennett, parameters: {elements: 2}}
 solver: SOLVER
 intervals:
   a: {nominal: 0.035, relative: 0.01}

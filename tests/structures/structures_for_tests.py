@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from deployable.fpm.structures import StructureError, StructureType, load, loads
+from fpm.scenes.scene_type import SceneType
+from fpm.structures import StructureError, load, loads
 
 FOLDER = Path(__file__).parents[2] / "config" / "structures"
 
@@ -35,7 +36,7 @@ record:
 """
 
 
-def structure(name: str) -> StructureType:
+def structure(name: str) -> SceneType:
     """A structure of the library."""
     return load(FOLDER / f"{name}.yaml")
 

@@ -4,17 +4,9 @@ import numpy as np
 import pytest
 from structures_for_tests import SMALL, problems_of, structure
 
-from deployable import fpm
-from deployable.fpm.kinds import (
-    Damper,
-    Friction,
-    Latch,
-    RigidFriction,
-    RigidLatch,
-    Stop,
-    TableSpring,
-)
-from deployable.fpm.structures import loads
+import fpm
+from fpm.elements import Damper, Friction, Latch, RigidFriction, RigidLatch, Stop, TableSpring
+from fpm.structures import loads
 
 ACTIONS = """
   oil: {type: damper, joint: root, damping: 0.1 N m s/rad}

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from deployable import fpm
-from deployable.fpm import structures
+import fpm
+from fpm import structures
 
 own_loop = pytest.mark.slow  # a time loop of its own
 

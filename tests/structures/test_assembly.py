@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from structures_for_tests import FOLDER, problems_of
 
-from deployable import fpm
-from deployable.fpm import structures
-from deployable.fpm.assembly import MisfitError, assemble
-from deployable.fpm.structures import StructureError, check, loads
-from deployable.fpm.structures.describe import describe
+import fpm
+from fpm.assembly import MisfitError, assemble
+from fpm.scenes.scene_type import SceneType
+from fpm.structures import StructureError, check, loads
+from fpm.structures.describe import describe
 
 STEEL, ROD = fpm.Material(210e9, 0.3, 7850.0), fpm.Section.circle(0.02)
 EA, EI, GJ = STEEL.E * ROD.A, STEEL.E * ROD.Iy, STEEL.G * ROD.J
@@ -68,7 +68,7 @@ record:
 """
 
 
-def bar(length: float, elements: int = 8) -> tuple[fpm.Scene, int, fpm.scene.Link]:
+def bar(length: float, elements: int = 8) -> tuple[fpm.Scene, int, fpm.scenes.scene.Link]:
     """A bar along x, clamped at its start; the scene, the ground and the bar."""
     scene = fpm.Scene("bar")
     ground = int(scene.add_particles((0, 0, 0), 1.0, 1.0)[0])
@@ -163,7 +163,7 @@ def test_without_anything_held_a_mechanism_moves_little_and_only_in_its_plane():
     assert np.abs(scene.position[:, 2]).max() < 1e-12
 
 
-def bennett(assemble: str) -> structures.StructureType:
+def bennett(assemble: str) -> SceneType:
     """The Bennett linkage of the library, its link AB too long by `slack`."""
     text = (FOLDER / "bennett.yaml").read_text()
     for old, new in (

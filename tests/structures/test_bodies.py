@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from deployable import fpm
-from deployable.fpm import structures
-from deployable.fpm.structures import report
-from deployable.fpm.structures.describe import describe
+import fpm
+from fpm import structures
+from fpm.structures import report
+from fpm.structures.describe import describe
 
 TEXT = """
 name: arm

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from structures_for_tests import SMALL, problems_of, structure
 
-from deployable import fpm
-from deployable.fpm.structures import loads
+import fpm
+from fpm.structures import loads
 
 CABLES = """
 curves:

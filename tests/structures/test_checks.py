@@ -6,7 +6,7 @@ import re
 import pytest
 from structures_for_tests import SMALL, problems_of
 
-from deployable.fpm.structures import StructureError, check, load, loads
+from fpm.structures import StructureError, check, load, loads
 
 FOURBAR = """
 parameters:
@@ -178,7 +178,7 @@ def test_loops_that_do_not_close_somewhere_in_a_box_are_told_with_the_worst_plac
 
 
 def test_values_outside_the_range_are_refused():
-    from deployable.fpm import SceneError
+    from fpm import SceneError
 
     with pytest.raises(SceneError, match=r"L = 20.* >= 0.1 and <= 10 \(m\)"):
         loads(SMALL).build(L=20.0)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from structures_for_tests import structure
 
-from deployable.fpm.structures.describe import describe
-from deployable.fpm.structures.statement import REQUIRED
-from deployable.fpm.structures.statements import STATEMENTS
+from fpm.structures.describe import describe
+from fpm.structures.statement import REQUIRED
+from fpm.structures.statements import STATEMENTS
 
 NOTHING, AHEAD, UPWARDS = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]
 DEFAULTS = {

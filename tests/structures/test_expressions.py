@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deployable.fpm.structures.expressions import ExpressionError, parse
-from deployable.fpm.structures.units import NAMES, NUMBER, Dimension, UnitError, unit
+from fpm.structures.expressions import ExpressionError, parse
+from fpm.structures.units import NAMES, NUMBER, Dimension, UnitError, unit
 
 LENGTH, TIME = Dimension(length=1), Dimension(time=1)
 
@@ -29,7 +29,7 @@ def value(text, **names):
         ("5 /s", 5.0),
         ("5/s", 5.0),
         ("9.81 m/s2", 9.81),
-        ("2 mm**2", 4e-6),
+        ("(2 mm)**2", 4e-6),
         ("6 m/2", 3.0),
         ("-2**2", -4.0),
         ("2*(1 + 3)/4", 2.0),
@@ -131,7 +131,18 @@ def test_what_is_not_arithmetic_is_refused(text):
 
 
 @pytest.mark.parametrize(
-    "text", ["1/0", "sqrt(-1)", "acos(2)", "(-1)**0.5", "9**9**9**9", "1e400", "1e308*10", "0**-1"]
+    "text",
+    [
+        "1/0",
+        "sqrt(-1)",
+        "acos(2)",
+        "(-1)**0.5",
+        "9**9**9**9",
+        "1" * 400,
+        "1e400",
+        "1e308*10",
+        "0**-1",
+    ],
 )
 def test_what_has_no_value_is_refused(text):
     with pytest.raises(ExpressionError, match="no finite number"):
@@ -155,6 +166,30 @@ def test_what_has_no_value_is_refused(text):
 def test_units_that_do_not_fit_are_refused(text, why):
     with pytest.raises(ExpressionError, match=why):
         parse(text).dimension({"L": LENGTH, "t": TIME, "x": NUMBER})
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("0.018 m**3*rho", r"0\.018 m\*\*: a power right after a unit .* allowed: .*3 m2.*\(3 m\)"),
+        ("3 m/s**2", "a power right after a unit"),
+        ("2mm ** 2", "a power right after a unit"),
+        ("2**3 deg", "an exponent is a number without unit"),
+        ("2**-3 m", "an exponent is a number without unit"),
+        ("1/2 deg", r"a plain number over an angle .* allowed: brackets as in \(1/2\)\*\(1 deg\)"),
+        ("360/-12 mrad", "a plain number over an angle"),
+    ],
+)
+def test_what_a_unit_behind_a_number_belongs_to_is_never_guessed(text, why):
+    with pytest.raises(ExpressionError, match=why):
+        parse(text).dimension({"rho": NUMBER})
+
+
+def test_quotients_that_can_be_meant_in_one_way_only_are_taken():
+    found = {"90 deg/5 deg": 18.0, "a/90 deg": 2.0, "180/(90 deg)": 360 / math.pi, "1/2 rad": 0.5}
+    for text, right in found.items():
+        parse(text).dimension({"a": NUMBER})
+        assert value(text, a=math.pi) == pytest.approx(right)
 
 
 @pytest.mark.parametrize(

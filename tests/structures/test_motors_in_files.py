@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from structures_for_tests import SMALL, problems_of
 
-from deployable.fpm.kinds import Motor, Release, RigidMotor, RigidRelease, SyncLoop, TorqueMotor
-from deployable.fpm.structures import loads
+from fpm.elements import Motor, Release, RigidMotor, RigidRelease, SyncLoop, TorqueMotor
+from fpm.structures import loads
 
 ACTIONS = """
 curves:
@@ -127,9 +127,8 @@ actions:
         (4.0, 1.5),
         (9.0, 1.5),
     ):
-        assert motor.at(scene, time) == pytest.approx(opening, abs=1e-6)
+        assert motor.at(scene, time) == pytest.approx(opening, abs=1e-15)
     for old, new, said in (
-        ("values: [0, 1, 1, 0]", "values: [0, 1, 1, 1]", "one that ends at 0"),
         ("rate: 0.5 rad/s", "rate: 0.5 rad/s, turn: 1 rad", "not both"),
         ("rate: 0.5 rad/s, ", "", "by how much it moves, or a `rate`"),
     ):

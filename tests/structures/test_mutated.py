@@ -1,14 +1,19 @@
 """Files that went wrong somewhere are refused, or are structures; nothing else happens, quickly."""
 
+import math
 import random
 import time
+from contextlib import suppress
 
 import numpy as np
 import pytest
+import yaml
 from structures_for_tests import FOLDER, SMALL
 
-from deployable.fpm.structures import StructureError, loads
-from deployable.fpm.structures.model import KEYS
+from fpm.errors import SceneError
+from fpm.scenes.scene_type import Parameter, SceneType
+from fpm.structures import StructureError, loads
+from fpm.structures.model import KEYS
 
 MUTANTS = 500
 NAMES = ("zfold.yaml", "panel.yaml", "pendulum.yaml", "tensegrity.yaml")
@@ -95,3 +100,35 @@ def test_mutated_files_are_refused_or_are_structures():
 def test_the_files_that_are_mutated_are_right():
     for text in sources():
         loads(text).build()
+
+
+def leaves(node, path=()):
+    """The places of all values in tables and lists."""
+    if isinstance(node, dict | list):
+        items = node.items() if isinstance(node, dict) else enumerate(node)
+        for key, item in items:
+            yield from leaves(item, (*path, key))
+    else:
+        yield path
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("value", ["1/0", "sqrt(-1)", "1" * 400, "1e20", "1e308 km", "1e-320"])
+def test_no_number_anywhere_ends_in_a_traceback(value):
+    """Each value of a file in turn: what has none, is too large for a float, or next to zero."""
+    for path in leaves(yaml.load(SMALL, yaml.BaseLoader)):
+        data = part = yaml.load(SMALL, yaml.BaseLoader)
+        for key in path[:-1]:
+            part = part[key]
+        part[path[-1]] = value
+        with suppress(StructureError):
+            loads(yaml.safe_dump(data, sort_keys=False)).build()
+
+
+@pytest.mark.parametrize("length", [0.0, -1.0])
+def test_a_structure_that_cannot_be_computed_says_at_which_values(length):
+    """In Python, whose arithmetic is the user's: a quotient by zero, a root of less."""
+    parameters = {"L": Parameter(1.0, "m", "length")}
+    found = SceneType("mast", "", parameters, (), (), lambda L: math.sqrt(L) / L)
+    with pytest.raises(SceneError, match=rf"scene mast = .*'L': {length}.* at which it can be bui"):
+        found.build(L=length)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from structures_for_tests import structure
 
-from deployable import fpm
-from deployable.fpm.structures import report
+import fpm
+from fpm.structures import report
 
 
 def test_its_mobility_is_that_of_a_closed_chain_of_parallelograms():
@@ -57,5 +57,4 @@ def test_friction_opens_the_bays_at_the_winch_first(opened):
     assert spread[1] > 2 * spread[0]
     assert np.argmin(rubbing[:, halfway]) in (0, 2)
     assert opened[1].energies["cable_friction"][-1] > 0.1 * opened[1].energies["reel"][-1]
-    # A cable that is hardly tight loses a little even so, in proportion to the step.
-    assert opened[0].energies["cable_friction"][-1] < 0.03 * opened[0].energies["reel"][-1]
+    assert abs(opened[0].energies["cable_friction"][-1]) < 1e-9 * opened[0].energies["reel"][-1]

@@ -3,12 +3,12 @@
 import pytest
 from structures_for_tests import SMALL, problems_of
 
-from deployable.fpm.kinds import Damper, Friction, Latch, Release, RigidLatch, Stop, TableSpring
-from deployable.fpm.kinds.motor import Motor, TorqueMotor
-from deployable.fpm.structures import loads
-from deployable.fpm.structures.describe import describe
-from deployable.fpm.structures.report import longer_steps
-from deployable.fpm.structures.structure_type import StructureType
+from fpm.elements import Damper, Friction, Latch, Release, RigidLatch, Stop, TableSpring
+from fpm.elements.openings.motor import Motor, TorqueMotor
+from fpm.scenes.scene_type import SceneType
+from fpm.structures import loads
+from fpm.structures.describe import describe
+from fpm.structures.report import longer_steps
 
 JOINTS = """
 curves:
@@ -69,7 +69,7 @@ def test_the_command_lists_what_acts_and_what_makes_the_step_longer():
     ):
         assert line in text.splitlines(), line
     found = loads(SMALL.replace("value: 2, whole", "value: 6, whole"))
-    assert isinstance(found, StructureType)
+    assert isinstance(found, SceneType)
     ways = longer_steps(found, float(next(
         line.split()[2] for line in describe(found).splitlines() if line.startswith("stable")
     )))  # fmt: skip

@@ -7,9 +7,9 @@ import pytest
 from exact_motions import solar_array
 from structures_for_tests import structure
 
-from deployable import fpm
-from deployable.fpm.kinds import Damper, Latch, SyncLoop
+import fpm
 from evidence.verification.deployables import crossing
+from fpm.elements import Damper, Latch, SyncLoop
 
 OPEN = np.pi / 2
 

@@ -7,8 +7,8 @@ import pytest
 import yaml
 from structures_for_tests import problems_of
 
-from deployable.fpm.structures import load, loads
-from deployable.fpm.structures.table import markdown
+from fpm.structures import load, loads
+from fpm.structures.table import markdown
 
 PAGE = (Path(__file__).parents[2] / "docs" / "structures.md").read_text()
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```", PAGE, re.M | re.S)

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from structures_for_tests import structure
 
-from deployable import fpm
+import fpm
 
 PUSH, TIRED, TRAVEL, DAMPING, RUB, TUBE, HEAD = 20.0, 0.6, 0.8, 2.0, 0.5, 1.5, 4.0
 MASSES = np.array([TUBE, TUBE, TUBE + HEAD])

@@ -37,7 +37,7 @@ rule mine:
 """
 MINE = """\
 campaign: mine
-scene: {name: bennett, parameters: {elements_per_link: 2}}
+scene: {name: bennett, parameters: {elements: 2}}
 solver: {duration: 0.02, instants: 41}
 intervals:
   E: {nominal: 1e9, relative: 0.01}

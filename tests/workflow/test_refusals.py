@@ -39,14 +39,6 @@ BAD = {
     "no such response": (GOOD.replace("distance", "angle"), ["responses.BD", "distance"]),
     "no such point": (GOOD.replace("[B, D]", "[B, X]"), ["responses.BD", "'X'", "A, B, C, D"]),
     "no such scene": (GOOD.replace("bennett", "sarrus"), ["scene.name", "'sarrus'", "bennett"]),
-    "a spline with order auto": (
-        GOOD + "design: {order: auto}\nbounds: {model: spline}\n",
-        ["bounds.model", "'spline'", "order auto", "polynomial"],
-    ),
-    "an enclosure without alignment": (
-        GOOD + "bounds: {enclose: true}\n",
-        ["bounds.enclose", "true", "align stretch or shift"],
-    ),
     "not a mapping": ("- a\n- b\n", ["keys"]),
     "not YAML": (GOOD.replace("[B, D]", "[B, D"), ["YAML"]),
 }

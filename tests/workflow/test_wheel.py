@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from deployable.fpm.kernels.compiled import cache_folder
+from fpm.kernels.compiled import cache_folder
 
 ROOT = Path(__file__).parents[2]
-SOURCES = ("deployable", "evidence", "workflow", "config")
+SOURCES = ("deployable", "fpm", "evidence", "workflow", "config")
 FILES = ("pyproject.toml", "README.md", "LICENSE", "Snakefile")
 
 
@@ -66,7 +66,10 @@ def test_an_installed_wheel_goes_from_nothing_to_the_report(small, environment, 
     names = zipfile.ZipFile(wheel).namelist()
     assert "deployable/campaign/shipped/workflow/Snakefile" in names
     assert "deployable/campaign/shipped/config/structures/scissor.yaml" in names
-    assert {name.split("/")[0] for name in names if ".dist-info/" not in name} == {"deployable"}
+    assert {name.split("/")[0] for name in names if ".dist-info/" not in name} == {
+        "deployable",
+        "fpm",
+    }
     assert not any("studies" in name for name in names)
     environment.call("pip", "install", "--no-deps", wheel)
     where = environment.call("python", "-c", "import deployable; print(deployable.__file__)")

@@ -11,6 +11,13 @@ from shlex import quote
 ROOT = Path(str(workflow.current_basedir)).resolve().parents[1]
 PACKAGES = [str(ROOT)] if (ROOT / "deployable").is_dir() else []
 sys.path[:0] = PACKAGES
+
+from deployable import other_fpm
+
+if other := other_fpm():
+    print(other, file=sys.stderr)
+    sys.exit(1)
+
 os.environ.update(
     PATH=os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")]),
     PYTHONPATH=os.pathsep.join(filter(None, [*PACKAGES, os.environ.get("PYTHONPATH")])),
@@ -102,7 +109,7 @@ def code(stage):
 
 def batch_count(wildcards):
     """Number of batches that the runs of a stage are shared among."""
-    if not WORKFLOW.campaign.is_adaptive:
+    if not WORKFLOW.campaign.experiment.is_sought:
         return WORKFLOW.batch_count()
     number = wildcards.stage.rsplit("/", 1)[1]
     plan = checkpoints.plan_round.get(campaign=WORKFLOW.name, round=number).output[0]

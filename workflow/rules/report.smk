@@ -89,20 +89,22 @@ rule alternatives:
         WORKFLOW.overview("{stage}", "alternatives")[1:],
     log:
         "{stage}/logs/alternatives.log",
+    localrule: True
     conda:
-        "../envs/campaign.yaml"
+        ENVIRONMENT
     params:
+        folder=folder_of,
         code=code("alternatives"),
     message:
         "Drawing the choices that were tried"
     shell:
-        "python -P -m deployable alternatives {wildcards.stage} --log {log}"
+        "python -P -m deployable alternatives {params.folder:q} --log {log:q}"
 
 
 rule moments:
     input:
         "{stage}/samples.nc",
-        WORKFLOW.moments("{stage}"),
+        "{stage}/report.html",  # with the motion that is drawn
     output:
         report(
             "{stage}/figures/campaign/moments.png",

@@ -1,4 +1,4 @@
-# `order: auto`: rounds of runs until the error meets the tolerance or the budget is spent.
+# `accuracy`: rounds of runs until the error is small enough or the budget is spent.
 # Each round has a plan of its own; the rules for runs and bounds serve rounds as they serve others.
 
 

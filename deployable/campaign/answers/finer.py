@@ -1,25 +1,28 @@
 """What mesh and step add to the error: the runs at the places that decide again, once with half the
 step, and once with that on a mesh twice as fine.
 
-Each part is what changes beside the runs before: a finer mesh takes half the step anyway, which so
-counts once, and all that changes is at most the sum of the parts.
+Each part begins with what changes beside the runs before: a finer mesh takes half the step anyway,
+which so counts once. The change is continued to what all further halvings would change, by the
+order at which it falls: a few runs with a quarter of the step, and on a mesh half as fine, tell it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from deployable.campaign.answers.bench import Bench, runs_at
 from deployable.campaign.answers.ends import Ends, settle
-from deployable.campaign.config.scenes import mesh_of
-from deployable.campaign.config.sections import Jobs, Verify, plain_data
+from deployable.campaign.config.sections import Experiment, Jobs, Verify
+from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.make import choose_step
-from deployable.campaign.plan.plan import Plan
+from deployable.campaign.plan.plan import Plan, TimeStep
 from deployable.campaign.runs.progress import Tell
+from deployable.intervals.estimates import continued, ratio_of
 
 PLACES = 8
 """Places at which runs are repeated for the responses: eight side by side cost what three do."""
@@ -52,7 +55,7 @@ def check_bounds(
     found = intervals.add_errors(bounds, _curve_errors(bench, bounds, parts))
     if bench.experiment.is_sought and bench.experiment.quantities:
         errors = finer_errors(bench, settle(bench, 0), parts)
-        text = "change of the ends with a finer {}".format
+        text = "error of the ends by their {}".format
         found = found.assign(
             {
                 f"quantity_error_{name}": ("quantity", values, {"long_name": text(name)})
@@ -64,29 +67,57 @@ def check_bounds(
     return found
 
 
+class Level(NamedTuple):
+    """Plans by which a part of the error is told: `finer` than the one before, and a `third`, half
+    as fine as that or twice as fine as the finer one (`ends_finest`); None where there is none."""
+
+    finer: Plan
+    third: Plan | None
+    ends_finest: bool
+
+    def ratio(self, before: np.ndarray, now: np.ndarray, third: np.ndarray) -> np.ndarray:
+        """How many times less the later of two halvings changes numbers (..., T) or (...), by their
+        means over T; before, now: without and with the finer mesh or step."""
+        levels = (before, now, third) if self.ends_finest else (third, before, now)
+        return ratio_of(*(_mean_size(change) for change in np.diff(levels, axis=0)))
+
+
+def _mean_size(change: np.ndarray) -> np.ndarray:
+    return np.abs(change) if change.ndim == 1 else np.abs(change).mean(axis=-1)
+
+
 def finer_errors(bench: Bench, ends: list[Ends], parts: tuple = PARTS) -> dict[str, np.ndarray]:
-    """Errors (q,) of `step` and `mesh` by name: the largest change of each quantity at the runs of
-    its ends. NaN where it has none, or happens in one of both runs only; no mesh where no parameter
-    sets it.
+    """Errors (q,) of `step` and `mesh` by name: of each quantity at that of its ends where a finer
+    one changes it most. NaN where it has none, or happens in one of both runs only; no mesh where
+    no parameter sets it.
     """
     points = np.array([at for end in ends for at in (end.argmin, end.argmax)])
-    there = np.isfinite(points).all(axis=1)
-    before = np.array([(end.lower, end.upper) for end in ends])
-    found = {}
-    for name, plan in _plans(bench.plan, parts).items():
-        numbers = np.full((len(points), len(ends)), np.nan)
+    before = np.array([value for end in ends for value in (end.lower, end.upper)])
+    of, found = np.repeat(np.arange(len(ends)), 2), {}
+
+    def numbers(plan: Plan, chosen: np.ndarray) -> np.ndarray:
+        """At chosen points what a run of the plan tells of the quantity whose end it is."""
+        out, there = np.full(len(chosen), np.nan), np.isfinite(points[chosen]).all(axis=1)
         if there.any():
-            numbers[there] = bench.measure(plan, runs_at(plan, points[there]))
-        # Of quantity q, the numbers of the runs at its two ends.
-        now = np.array([numbers[2 * q : 2 * q + 2, q] for q in range(len(ends))])
-        found[name] = np.abs(now - before).max(axis=1)
+            measured = bench.measure(plan, runs_at(plan, points[chosen][there]))
+            out[there] = measured[np.arange(len(measured)), of[chosen][there]]
+        return out
+
+    for name, level in _levels(bench.plan, parts).items():
+        now = numbers(level.finer, np.arange(len(points)))
+        change = np.abs(now - before).reshape(-1, 2)
+        most = 2 * np.arange(len(ends)) + np.nan_to_num(change).argmax(axis=1)
+        third = _third(bench, level, lambda plan, most=most: numbers(plan, most))
+        ratio = None if third is None else level.ratio(before[most], now[most], third)
+        found[name] = continued(change.max(axis=1), ratio)
         before = now
     return found
 
 
 def _curve_errors(bench: Bench, bounds: Any, parts: tuple) -> dict[str, np.ndarray]:
     """Errors (n, T) by part: what a finer step or mesh changes at the places near which the bounds
-    are attained, which are those of planned runs where there are some nearby."""
+    are attained, which are those of planned runs where there are some nearby. At which order that
+    falls is told by the place at which it is most."""
     from deployable import intervals
 
     box = bench.experiment.box
@@ -98,11 +129,28 @@ def _curve_errors(bench: Bench, bounds: Any, parts: tuple) -> dict[str, np.ndarr
     nearest = apart.argmin(axis=1)
     points = np.where(apart.min(axis=1)[:, None] <= BESIDE, known[nearest], places.unit)
     before, found = _curves(bench, bench.plan, points), {}
-    for name, plan in _plans(bench.plan, parts).items():
-        now = _curves(bench, plan, points)
-        found[name] = places.errors(now - before)
+    for name, level in _levels(bench.plan, parts).items():
+        now = _curves(bench, level.finer, points)
+        change = np.abs(now - before)
+        share = change.mean(axis=2) / np.maximum(change.mean(axis=(0, 2)), np.finfo(float).tiny)
+        at = int(share.sum(axis=1).argmax())
+        third = _third(bench, level, lambda plan, at=at: _curves(bench, plan, points[[at]])[0])
+        ratio = None if third is None else level.ratio(before[at], now[at], third)[:, None]
+        found[name] = continued(places.errors(change), ratio)
         before = now
     return found
+
+
+def _third(bench: Bench, level: Level, of: Callable[[Plan], np.ndarray]) -> np.ndarray | None:
+    """What the third plan of a level gives; None where it has none, or its mesh is too coarse."""
+    if level.third is None:
+        return None
+    try:
+        return of(level.third)
+    except CampaignError as error:
+        name = bench.experiment.name
+        bench.tell(f"{name}: the order of an error is not measured, and counts as 1: {error}")
+        return None
 
 
 def _curves(bench: Bench, plan: Plan, unit: np.ndarray) -> np.ndarray:
@@ -110,21 +158,32 @@ def _curves(bench: Bench, plan: Plan, unit: np.ndarray) -> np.ndarray:
     return np.array([record.values for record in bench.records(plan, runs_at(plan, unit))])
 
 
-def _plans(plan: Plan, parts: tuple) -> dict[str, Plan]:
-    """The plan with half the step, and with that on a mesh twice as fine, those that are asked."""
-    time, experiment, plans = plan.time, plan.experiment, {}
+def _levels(plan: Plan, parts: tuple) -> dict[str, Level]:
+    """The plan with half the step, and with that on a mesh twice as fine, those that are asked;
+    and with a quarter of the step, and on a mesh half as fine."""
+    time, experiment, found = plan.time, plan.experiment, {}
     if "step" in parts:
-        time = replace(time, step=time.step / 2, steps_per_instant=2 * time.steps_per_instant)
-        plans["step"] = replace(plan, time=time)
-    scene = plain_data(experiment.scene)
-    asked = {"file": scene["file"]} if scene["file"] else {"name": scene["name"]}
-    if "mesh" in parts and (mesh := mesh_of(asked)):
-        usual = experiment.scene_type.parameters[mesh].default
-        finer = {**experiment.scene.parameters}
-        finer[mesh] = 2 * finer.get(mesh, usual)
-        other = replace(experiment, scene=replace(experiment.scene, parameters=finer))
+        time, quarter = _halved(plan.time), _halved(_halved(plan.time))
+        found["step"] = Level(replace(plan, time=time), replace(plan, time=quarter), True)
+    if "mesh" in parts and (mesh := experiment.scene_type.mesh):
+        known = experiment.scene_type.parameters[mesh]
+        number = experiment.scene.parameters.get(mesh, known.default)
+
+        def with_mesh(number: float) -> Experiment:
+            parameters = {**experiment.scene.parameters, mesh: number}
+            return replace(experiment, scene=replace(experiment.scene, parameters=parameters))
+
+        other = with_mesh(2 * number)
         # The step may be too long for the finer mesh.
         stable = choose_step(replace(other, solver=replace(other.solver, step="auto")))
         step = min(time.step, stable.step)
-        plans["mesh"] = replace(plan, experiment=other, time=replace(stable, step=step))
-    return plans
+        finer = replace(plan, experiment=other, time=replace(stable, step=step))
+        third = None
+        if number % 2 == 0 and number // 2 >= known.lower:
+            third = replace(plan, experiment=with_mesh(number // 2), time=time)
+        found["mesh"] = Level(finer, third, False)
+    return found
+
+
+def _halved(time: TimeStep) -> TimeStep:
+    return replace(time, step=time.step / 2, steps_per_instant=2 * time.steps_per_instant)

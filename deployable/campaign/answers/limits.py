@@ -54,11 +54,21 @@ class Judged:
         return [at for _, at in self.worst] + ([] if self.fails is None else [self.fails])
 
 
-def judged(bench: Bench, surrogates: Sequence[Any], asked: Sequence[Asked]) -> Judged:
-    """What the surrogates of all quantities and the runs tell of the limits that are asked."""
+def judged(
+    bench: Bench,
+    surrogates: Sequence[Any],
+    asked: Sequence[Asked],
+    beyond: np.ndarray | None = None,
+) -> Judged:
+    """What the surrogates of all quantities and the runs tell of the limits that are asked; beyond:
+    errors (q,) of the runs themselves, where they are known."""
     from deployable.intervals.scalars import Limit, largest_share, share_reaching
 
-    limits = [Limit(surrogates[one.quantity], one.kind, one.level) for one in asked]
+    beyond = np.zeros(len(surrogates)) if beyond is None else beyond
+    limits = [
+        Limit(surrogates[one.quantity], one.kind, one.level, float(beyond[one.quantity]))
+        for one in asked
+    ]
     upper = bench.experiment.box.free.astype(float)
     worst = [limit.worst(-upper, upper) for limit in limits]
     largest = largest_share(limits, bench.nominal)

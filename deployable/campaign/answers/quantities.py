@@ -31,7 +31,7 @@ from deployable.campaign.config.sections import Jobs, Verify, plain_data
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.bounds import write_dataset
 from deployable.campaign.runs.progress import Tell
-from deployable.fpm.trajectory import CONVENTIONS
+from fpm.files.trajectory import CONVENTIONS
 
 _OF, _BY = ("quantity",), ("quantity", "parameter")
 
@@ -73,7 +73,7 @@ def quantities_dataset(bench: Bench, ends: list[Ends], finer: Mapping[str, np.nd
     text = f"estimated error of the surrogate: its {kind} left-out one"
     variables.put("error", _OF, errors, text)
     for name, values in finer.items():
-        variables.put(f"error_{name}", _OF, values, f"change of the ends with a finer {name}")
+        variables.put(f"error_{name}", _OF, values, f"error of the ends by their {name}")
     if finer:
         whole = np.sum([errors, *finer.values()], axis=0)
         variables.put("error_whole", _OF, whole, "errors of surrogate, step and mesh together")

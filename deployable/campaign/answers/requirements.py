@@ -3,7 +3,7 @@
     requirements   [{name, met, share, open, limits}], met is all, some or none of the box; open:
                    by how much the share may be more or less, by all runs and estimated errors
     limits         [{quantity, units, kind, level, margin, error, at, simulated}]: margin at the
-                   worst place, and the estimated error of the surrogate
+                   worst place, and the estimated error, of mesh and step too if known
     together       {met, share, open, largest_share, fails}: of all; `fails` is the nearest place
                    at which one fails: {requirement, quantity, kind, level, units, at, simulated}
     runs, further_runs
@@ -23,7 +23,7 @@ import numpy as np
 from deployable.campaign.answers.bench import Bench, number
 from deployable.campaign.answers.limits import Judged, judged, limits_of, told
 from deployable.campaign.config.sections import Jobs
-from deployable.campaign.files import write_result
+from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.runs.progress import Tell
 
@@ -32,7 +32,7 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, tell
     """Write requirements.json of a campaign whose quantities have their intervals."""
     bench = Bench.of(folder, jobs, tell, further=True)
     asked = limits_of(requirements, list(bench.experiment.quantities))
-    found = judged(bench, bench.surrogates(), asked)
+    found = judged(bench, bench.surrogates(), asked, _of_the_runs(folder))
     rows = {
         "requirements": [_requirement(bench, found, name) for name in requirements],
         "together": _together(bench, found),
@@ -40,6 +40,15 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, tell
         "further_runs": len(bench.further),
     }
     write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
+
+
+def _of_the_runs(folder: Folder) -> np.ndarray | None:
+    """Errors (q,) of quantities by mesh and step; None where these were not looked at. One that is
+    not known counts as none: there is no such number in one of both runs."""
+    with open_netcdf(folder.quantities) as data:
+        if "error_whole" not in data.variables:
+            return None
+        return np.nan_to_num(data["error_whole"][:] - data["error"][:])
 
 
 def _met(bench: Bench, found: Judged, chosen: list[int]) -> dict:
@@ -68,7 +77,7 @@ def _limit(bench: Bench, found: Judged, i: int) -> dict:
     (slack, at), runs, asked = found.worst[i], found.slack[i], found.asked[i]
     if runs.min() < slack:
         slack, at = float(runs.min()), bench.unit[runs.argmin()]
-    error = number(found.limits[i].surrogate.error)
+    error = number(found.limits[i].error)
     margin = {"margin": number(slack), "error": error, "kept": bool(slack >= 0)}
     return {**told(bench, asked), **margin, **bench.place(at, asked.quantity)}
 

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from deployable.campaign.config.scenes import mesh_of, scene_type
-from deployable.fpm.errors import did_you_mean
+from fpm.errors import did_you_mean
 
-CHOSEN = ("preset", "design", "bounds", "held_out")
+CHOSEN = ("design", "bounds", "held_out")
 """Keys that a config with `accuracy` must not have: it chooses what they say."""
 
 SOUGHT = "sought"

@@ -8,7 +8,7 @@ from typing import Any
 
 from deployable.campaign.config.schema_checks import show
 from deployable.campaign.config.sections import Campaign, Choose, Experiment
-from deployable.fpm.errors import did_you_mean
+from fpm.errors import did_you_mean
 
 LIMITS = ("at_least", "at_most", "happens")
 ENDS = ("upper", "lower", "width")
@@ -67,7 +67,7 @@ def _limit_problems(key: str, kept: Any) -> list[str]:
 
 
 def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
-    from deployable.fpm import SceneError
+    from fpm import SceneError
 
     problems, goals, known = [], goals_of(choose), experiment.quantities
     if not 1 <= len(goals) <= 2:

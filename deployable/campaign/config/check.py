@@ -17,7 +17,6 @@ from typing import Any
 
 from deployable.campaign.config.accuracy import accuracy_problems, with_accuracy
 from deployable.campaign.config.loader import load, load_own
-from deployable.campaign.config.presets import with_preset
 from deployable.campaign.config.scenes import anchored
 from deployable.campaign.config.sections import Campaign
 from deployable.campaign.errors import ConfigError
@@ -57,7 +56,7 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     campaign = None
     if sound is not None:
         problems += accuracy_problems(sound)
-        campaign, more = resolve(with_defaults(with_accuracy(with_preset(sound))))
+        campaign, more = resolve(with_defaults(with_accuracy(sound)))
         problems += more
     if problems or campaign is None:
         raise ConfigError(source, problems)

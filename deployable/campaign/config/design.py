@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from deployable.campaign.config.accuracy import SOUGHT
@@ -13,7 +12,7 @@ MOST_SAMPLES = 10_000_000
 
 
 def make_design(choice: DesignChoice, box: Any) -> Any:
-    """The `intervals.Design` of a choice in an `intervals.Box`, a `SplitDesign` if it has parts.
+    """The `intervals.Design` of a choice in an `intervals.Box`.
 
     Raises `intervals.IntervalError`.
     """
@@ -28,8 +27,7 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
     known = intervals.METHODS[choice.method].options
     options = {name: getattr(choice, name) for name in known if hasattr(choice, name)}
     most = MOST_SAMPLES if choice.method == "scan" else intervals.designs.MAX_RUNS
-    design = intervals.make_design(choice.method, box, choice.order, max_runs=most, **options)
-    return intervals.split_design(design, choice.parts) if choice.parts else design
+    return intervals.make_design(choice.method, box, choice.order, max_runs=most, **options)
 
 
 MOST_STEPS = 10**9
@@ -47,15 +45,6 @@ def steps_problems(solver: Solver, step: float) -> list[str]:
     ]
 
 
-def start_of(experiment: Experiment) -> Experiment:
-    """The experiment of the first round of `order: auto`: a low order where there is a width."""
-    from deployable import intervals
-
-    order = intervals.METHODS[experiment.design.method].first
-    orders = tuple(order if i.upper > i.lower else 0 for i in experiment.intervals.values())
-    return replace(experiment, design=replace(experiment.design, order=orders))
-
-
 def count_runs(experiment: Experiment) -> int:
     """Number of runs of the campaign, at most; those in two roles are counted twice."""
     design = experiment.design
@@ -63,6 +52,4 @@ def count_runs(experiment: Experiment) -> int:
         return experiment.accuracy.runs
     if design.method == "scan":  # its points take a while to make, and their number is known
         return design.samples + 1
-    if design.order == "auto":
-        return design.budget + 1 + experiment.held_out
     return make_design(design, experiment.box).runs + 1 + experiment.held_out

@@ -15,7 +15,7 @@ def keep_problems(campaign: Campaign) -> list[str]:
     """What of `jobs.keep` does not go with the other keys, as sentences."""
     design, bounds = campaign.experiment.design, campaign.bounds
     if campaign.jobs.keep == "extremes":
-        if campaign.is_adaptive or design.method != "scan" or design.order is not None:
+        if campaign.experiment.is_sought or design.method != "scan" or design.order is not None:
             return [
                 "jobs.keep: 'extremes' is not allowed with a surrogate, which needs every run; "
                 "allowed: responses or trajectories, or design method scan without order"

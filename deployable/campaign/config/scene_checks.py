@@ -8,28 +8,26 @@ from typing import Any
 
 from deployable.campaign.config.accuracy import accuracy_data
 from deployable.campaign.config.answers import answer_problems, choose_data
-from deployable.campaign.config.design import make_design, start_of, steps_problems
+from deployable.campaign.config.design import make_design, steps_problems
 from deployable.campaign.config.kept import keep_problems
 from deployable.campaign.config.parameters import intervals_of, parameter_problems
 from deployable.campaign.config.scenes import scene_type
 from deployable.campaign.config.schema_checks import show
 from deployable.campaign.config.sections import (
-    BoundsChoice,
     Campaign,
-    DesignChoice,
     Experiment,
     Interval,
     Solver,
     from_data,
     plain_data,
 )
-from deployable.fpm.errors import did_you_mean
+from fpm.errors import did_you_mean
 
 
 def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
     """The campaign of a config that follows the schema and is filled in, and what is wrong with
     it, one sentence each. No campaign without a scene."""
-    from deployable import fpm
+    import fpm
 
     scene, own = config["scene"], dict(config)
     try:
@@ -43,7 +41,6 @@ def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
     ordered = [name for name in found.parameters if name in intervals]
     own["intervals"] = {name: plain_data(intervals[name]) for name in ordered}
     own["name"] = own.pop("campaign")
-    own.pop("preset", None)
     own["accuracy"] = accuracy_data(config)
     own["choose"] = choose_data(config["choose"], config["intervals"])
     runs = {key: own.pop(key) for key in Experiment.__dataclass_fields__}
@@ -56,7 +53,7 @@ def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
             problems += _time_problems(campaign.experiment)
     problems += _response_problems(campaign, built)
     if not problems and campaign.experiment.asked:
-        from deployable.fpm.recording import numbers
+        from fpm.reading.recording import numbers
 
         kept = numbers(built.sample, campaign.experiment.asked)
         problems += _memory_problems(campaign.experiment, built.sample, kept)
@@ -83,8 +80,8 @@ def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[
 
 def _build_problems(experiment: Experiment) -> list[str]:
     """What the scene finds inconsistent, at the nominal values or at the first bad corner."""
-    from deployable import fpm
-    from deployable.fpm.pack import topology
+    import fpm
+    from fpm.solver.pack import topology
 
     first = None
     places = itertools.chain(["the nominal values"], itertools.repeat("a corner of the intervals"))
@@ -118,7 +115,7 @@ def _time_problems(experiment: Experiment) -> list[str]:
     The plan checks the number of steps again, at all corners; to find the stable step here takes
     too long for every call, and is only done where there is doubt.
     """
-    from deployable import fpm
+    import fpm
 
     solver, problems = experiment.solver, []
     scene = experiment.nominal_scene
@@ -149,7 +146,7 @@ def _memory_problems(experiment: Experiment, scene: Any, kept: int = 0) -> list[
 
 
 def _response_problems(campaign: Campaign, built: Any) -> list[str]:
-    from deployable import fpm
+    import fpm
 
     problems = []
     known = campaign.experiment.responses
@@ -168,8 +165,8 @@ def _response_problems(campaign: Campaign, built: Any) -> list[str]:
 
 def _quantity_problems(experiment: Experiment) -> list[str]:
     """What of the quantities cannot be read off a run of the scene."""
-    from deployable.fpm.outcome import eventful
-    from deployable.fpm.quantity_definitions import parse
+    from fpm.files.outcome import eventful
+    from fpm.reading.quantity_definitions import parse
 
     if not experiment.quantities:
         return []
@@ -182,15 +179,9 @@ def _design_problems(campaign: Campaign) -> list[str]:
     from deployable.intervals import IntervalError
 
     experiment, design = campaign.experiment, campaign.experiment.design
-    problems = []
     if experiment.is_sought:
         return _step_problems(experiment.solver)
-    if campaign.is_adaptive and design.method == "scan":
-        problems.append("design.order: 'auto' is not allowed with scan; allowed: a whole number")
-    elif campaign.is_adaptive:
-        experiment = start_of(experiment)
-    problems += _bounds_problems(campaign.bounds, design, experiment.solver.instants)
-    problems += keep_problems(campaign)
+    problems = keep_problems(campaign)
     try:
         is_plain = design.method == "scan" and design.order is None
         if not problems and not (is_plain and campaign.bounds.model == "polynomial"):
@@ -210,36 +201,6 @@ def _step_problems(solver: Solver) -> list[str]:
         f"solver.step: {solver.step:.6g} s is longer than the duration; "
         f"allowed: auto, or at most {solver.duration:.6g}"
     ]
-
-
-def _bounds_problems(bounds: BoundsChoice, design: DesignChoice, instants: int) -> list[str]:
-    """What of the section `bounds` does not go together, with itself and with the order."""
-    align, automatic, problems = bounds.align, design.order == "auto", []
-    if align != "none" and (automatic or design.order is None):
-        problems.append(
-            f"bounds.align: {show(align)} is not allowed with order auto or without order; "
-            "allowed: none"
-        )
-    if bounds.model == "spline" and align != "none":
-        problems.append(
-            f"bounds.model: 'spline' is not allowed with align {align}; "
-            "allowed: polynomial, or align none"
-        )
-    elif bounds.model == "spline" and automatic:
-        problems.append(
-            "bounds.model: 'spline' is not allowed with order auto, whose rounds need polynomials; "
-            "allowed: polynomial, or a whole number as order"
-        )
-    if align != "none" and instants < 8:
-        problems.append(
-            f"solver.instants: {instants} are too few for align {align}; allowed: at least 8"
-        )
-    if bounds.enclose and align == "none":
-        problems.append(
-            "bounds.enclose: true is not allowed with align none; "
-            "allowed: false, or align stretch or shift"
-        )
-    return problems
 
 
 def _spline_problems(experiment: Experiment, design: Any) -> list[str]:

@@ -1,4 +1,4 @@
-"""The structure that a config asks for: one that we know by its name, or one from a text file."""
+"""The structure that a config asks for: one that is shipped, by its name, or one of a file."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-# What the scenes call their number of elements; a structure's file says it itself.
-_MESH = ("elements_per_link", "elements")
+from deployable.campaign import shipped
 
 
 def anchored(raw: Mapping, folder: str | Path) -> Mapping:
@@ -27,13 +26,13 @@ def anchored(raw: Mapping, folder: str | Path) -> Mapping:
 
 
 def scene_type(name: str, file: str = "") -> Any:
-    """The `fpm.scenes.SceneType` of a file, or else of a name; raises `fpm.SceneError`."""
-    from deployable import fpm
+    """The `fpm` structure of a file, or else the shipped one of a name; raises `fpm.SceneError`."""
+    from fpm import SceneError, structures
 
     if not file:
-        return fpm.scenes.get(name)
-    from deployable.fpm import structures
-
+        if name not in (known := shipped.structures()):
+            raise SceneError("scene.name", name, f"one of {', '.join(known)}")
+        file = str(known[name])
     if Path(file).suffix != ".py":  # which is run whenever it is read
         with suppress(OSError, UnicodeDecodeError):
             return _of_text(Path(file).read_text(encoding="utf-8"), file)
@@ -43,19 +42,16 @@ def scene_type(name: str, file: str = "") -> Any:
 @lru_cache(maxsize=8)
 def _of_text(text: str, source: str) -> Any:
     """A structure's text is read once, however many stages and rounds want it."""
-    from deployable.fpm import structures
+    from fpm import structures
 
     return structures.loads(text, source)
 
 
 def mesh_of(scene: Mapping) -> str | None:
-    """The parameter for the number of elements; None where it or the scene is unknown."""
-    from deployable import fpm
+    """The parameter that sets the mesh; None where there is none or the structure is unknown."""
+    import fpm
 
     try:
-        found = scene_type(scene.get("name", ""), scene.get("file", ""))
+        return scene_type(scene.get("name", ""), scene.get("file", "")).mesh
     except fpm.SceneError:
         return None
-    if "file" in scene:
-        return getattr(found, "mesh", None)
-    return next((name for name in _MESH if name in found.parameters), None)

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-from deployable.fpm.errors import did_you_mean, likely
+from fpm.errors import did_you_mean, likely
 
 # Sections of definitions by name, which are wrong as a whole.
 _WHOLE = ("intervals", "responses", "quantities", "requirements")
@@ -22,7 +22,7 @@ def schema_problems(raw: Any, schema: Mapping) -> tuple[list[str], dict | None]:
     that leaves no config.
     """
     endless = _not_finite(raw)
-    raw, problems = _as_meant(raw, schema)
+    raw, problems = _as_meant(_of_words(raw), schema)
     problems += [
         f"{key}: {value} is not allowed; allowed: a finite number" for key, value in endless
     ]
@@ -115,6 +115,16 @@ def show(value: Any) -> str:
     """A value as short text for a message."""
     text = json.dumps(value, default=str) if not isinstance(value, str) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _of_words(value: Any) -> Any:
+    """A copy in which whole numbers of more than 64 bits, which arrays do not hold, are floats."""
+    if isinstance(value, Mapping):
+        return {name: _of_words(item) for name, item in value.items()}
+    if isinstance(value, list):
+        return [_of_words(item) for item in value]
+    too_long = isinstance(value, int) and 1 << 63 <= abs(value) <= 1 << 1000
+    return float(value) if too_long else value
 
 
 def _not_finite(value: Any, key: str = "") -> list[tuple[str, float]]:

@@ -1,6 +1,6 @@
 """A campaign as the program knows it: its config, checked and resolved, as frozen dataclasses.
 
-Whatever a config leaves open (defaults, a preset, an interval given as a percentage) is a number
+Whatever a config leaves open (defaults, an accuracy, an interval given as a percentage) is a number
 here. Sections become JSON, for files and commands, by `as_json` and come back by `from_data`.
 """
 
@@ -27,7 +27,7 @@ class Interval:
 class SceneChoice:
     """The scene, and the parameters in which it differs from the scene's defaults.
 
-    file: the path of its text, "" for one that `fpm.scenes` knows.
+    file: the path of its text, "" for one that is shipped.
     """
 
     name: str
@@ -50,19 +50,15 @@ class Solver:
 class DesignChoice:
     """Where the runs are and what is fitted to them, with the names of the config's keys.
 
-    What rounds settle comes on top: `order` (k,) for each direction, `parts` of the box (each a
-    lower and an upper corner in unit coordinates), and `existing` points (n, k) that are run.
+    What rounds settle comes on top: the `existing` points (n, k) that are run.
     """
 
     method: str
-    order: int | tuple[int, ...] | str | None
-    tolerance: float
-    budget: int
+    order: int | None
     oversampling: float
     samples: int
     sequence: str
     seed: int
-    parts: tuple = ()
     existing: tuple = ()
 
 
@@ -101,7 +97,7 @@ class Experiment:
 
     @cached_property
     def scene_type(self) -> Any:
-        """The `fpm.scenes.SceneType`; raises `fpm.SceneError`."""
+        """The `fpm` structure; raises `fpm.SceneError`."""
         from deployable.campaign.config.scenes import scene_type
 
         return scene_type(self.scene.name, self.scene.file)
@@ -120,7 +116,7 @@ class Experiment:
     @cached_property
     def curves(self) -> list[Any]:
         """The parsed responses, `fpm.responses.Response`; raises `fpm.SceneError`."""
-        from deployable import fpm
+        import fpm
 
         return [fpm.responses.parse(n, d, self.built) for n, d in self.responses.items()]
 
@@ -132,8 +128,8 @@ class Experiment:
     @cached_property
     def numbers(self) -> list[Any]:
         """The parsed quantities, `fpm.quantities.Quantity`; raises `fpm.SceneError`."""
-        from deployable.fpm.outcome import eventful
-        from deployable.fpm.quantity_definitions import parse
+        from fpm.files.outcome import eventful
+        from fpm.reading.quantity_definitions import parse
 
         if not self.quantities:
             return []
@@ -141,6 +137,17 @@ class Experiment:
         for problem in problems:
             raise problem
         return found
+
+    @cached_property
+    def doubts(self) -> dict[str, str]:
+        """Of responses, and quantities that are peaks of them, that mesh and step alone decide, by
+        name: why, and what to do (fpm.shocks)."""
+        from fpm.reading.shocks import doubt
+
+        peaks = [(q.name, q.response) for q in self.numbers if q.is_peak]
+        named = [*((curve.name, curve) for curve in self.curves), *peaks]
+        found = {name: doubt(self.nominal_scene, response) for name, response in named}
+        return {name: why for name, why in found.items() if why}
 
     @cached_property
     def box(self) -> Any:
@@ -178,9 +185,7 @@ class Experiment:
 class BoundsChoice:
     """How bounds are taken from the runs."""
 
-    align: str
     model: str
-    enclose: bool
 
 
 @dataclass(frozen=True)
@@ -268,11 +273,6 @@ class Campaign:
     def name(self) -> str:
         """Name of the campaign and of its folder of results."""
         return self.experiment.name
-
-    @property
-    def is_adaptive(self) -> bool:
-        """Whether the order, or all that an accuracy takes, is found in rounds."""
-        return self.experiment.design.order == "auto" or self.experiment.is_sought
 
 
 def as_json(**sections: Any) -> str:

@@ -41,8 +41,8 @@ class Chosen:
 
     def motion(self, frames: int) -> xarray.Dataset:
         """The whole motion at so many frames; raises `CampaignError` if the run fails."""
-        from deployable import fpm
-        from deployable.fpm.motion import whole_motion
+        import fpm
+        from fpm.motions.motion import whole_motion
 
         self._compile()
         try:
@@ -55,7 +55,7 @@ class Chosen:
 
     def outcome(self) -> Any:
         """The run's `fpm.Outcome`; raises `CampaignError` if it fails."""
-        from deployable import fpm
+        import fpm
 
         record = [need for response in self.responses for need in response.needs]
         self._compile(record)
@@ -178,7 +178,7 @@ def _chosen(
 
 
 def _of_structure(what: str, settings: Mapping[str, str], duration: float) -> Chosen:
-    from deployable import fpm
+    import fpm
     from deployable.campaign.config.scenes import scene_type
 
     found = scene_type(what, what if Path(what).suffix else "")

@@ -1,8 +1,8 @@
 """A whole motion as one glTF 2.0 file (.glb) that plays in viewers and in Blender.
 
-Particles are nodes that move and turn; bars and cables are one skinned mesh, whose every corner
-follows the particle at its end. glTF's axes are right-handed with y up: x, z and -y of ours.
-Metres, seconds. Format: Khronos, glTF 2.0 specification, https://registry.khronos.org/glTF/specs/2.0.
+Particles are nodes that move and turn; bars, cables and the pins of hinges are one skinned mesh,
+whose every corner follows the particle at its end. glTF's axes are right-handed with y up: x, z and
+-y of ours. Metres, seconds. Format: Khronos, glTF 2.0 specification, https://registry.khronos.org/glTF/specs/2.0.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from deployable.campaign.files import whole_file
-from deployable.campaign.pictures.colours import BARS, CABLE, rgb
+from deployable.campaign.pictures.colours import BARS, CABLE, PIN, rgb
 from deployable.campaign.pictures.solid import FACES, Solid, solid_of_motion
 
 if TYPE_CHECKING:
@@ -25,9 +25,11 @@ if TYPE_CHECKING:
 UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """From our axes to glTF's."""
 
-_COMPONENTS = {"f4": 5126, "u4": 5125, "u2": 5123, "u1": 5121}  # glTF's numbers of the types
+_COMPONENTS = {"f4": 5126, "u4": 5125, "u2": 5123, "i2": 5122}  # glTF's numbers of the types
 _VERTEX, _INDEX = 34962, 34963  # and of what a view is for
-_LINES = 1  # and of a mode
+_STRAND = 12  # vertices of a strand: three ribbons
+_SURFACE = {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0.0, "roughnessFactor": 0.7}
+_LINE = {"doubleSided": True, "extensions": {"KHR_materials_unlit": {}}}
 _SHAPES = {(): "SCALAR", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
 
 
@@ -58,20 +60,29 @@ class _Buffer:
 
 def write_glb(motion: xarray.Dataset, path: Path) -> Path:
     """Write `path` (.glb); returns it."""
+    with whole_file(path) as temporary:
+        temporary.write_bytes(glb_of(motion))
+    return path
+
+
+def glb_of(motion: xarray.Dataset, small: bool = False) -> bytes:
+    """The file's content. small: places to 1/65534 of the motion's extent and turns in 16 bits, as
+    exact as can be seen."""
     buffer = _Buffer()
-    content = _content(motion, buffer)
+    content = _content(motion, buffer, small)
     text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<I4s", len(text), b"JSON") + text
     chunks += struct.pack("<I4s", len(buffer.data), b"BIN\0") + bytes(buffer.data)
-    with whole_file(path) as temporary:
-        temporary.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
-    return path
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
-def _content(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
+def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, Any]:
     """The JSON part: the particles' node, the mesh, then a node for each particle and point."""
     place = motion["position"].values @ UP.T
+    if small:
+        unit = np.ptp(place, axis=(0, 1)).max() / 65534 or 1.0
+        place = unit * np.rint(place / unit)
     turn = UP @ motion["frame"].values @ UP.T
     quaternion = _quaternions(turn)
     particles = [
@@ -80,7 +91,7 @@ def _content(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
         for p in range(place.shape[1])
     ]  # fmt: skip
     nodes: list[dict] = [{"name": f"particles of {motion.attrs['scene']}"}]
-    meshes = _mesh(motion, place[0], turn[0], buffer)
+    meshes = _mesh(motion, buffer)
     if meshes:
         nodes.append({"name": "structure", "mesh": 0, "skin": 0})
     first = len(nodes)
@@ -97,7 +108,8 @@ def _content(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
         "scene": 0,
         "scenes": [{"nodes": [0, 1] if meshes else [0]}],
         "nodes": nodes,
-        "animations": [_animation(motion["time"].values, place, quaternion, joints, buffer)],
+        "animations": [_animation(motion["time"].values, place, quaternion, joints, buffer, small)],
+        "extras": _loads(motion, buffer),
         **meshes,
     }
     if meshes:
@@ -107,23 +119,56 @@ def _content(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
     return content | {"buffers": [{"byteLength": len(buffer.data)}]}
 
 
-def _mesh(
-    motion: xarray.Dataset, place: np.ndarray, turn: np.ndarray, buffer: _Buffer
-) -> dict[str, Any]:
-    """Bars and cables as they stand in the first frame, with the particles that they follow."""
+def _loads(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, dict]:
+    """What viewers may colour by: stress (Pa) of the elements and tension (N) of the cables at each
+    frame, as an accessor of shares of `most`; above 0 wherever there is any."""
+    found = {}
+    for name, key in (("stress", "stress"), ("tension", "cable_tension")):
+        values = motion[key].values if key in motion else np.zeros(0)
+        if values.size:
+            most = float(values.max())
+            shares = np.ceil(65535 * np.clip(values / (most or 1.0), 0.0, 1.0))
+            found[name] = {
+                "most": most,
+                "accessor": buffer.add(shares.ravel(), "u2", normalized=True),
+            }
+    return found
+
+
+def _mesh(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
+    """Bars, cables and pins as they stand in the first frame, with the particles that they follow.
+
+    The vertices of bars and cables know their element or cable (`_OF`); rigid bodies, which have no
+    stress, are of -1.
+    """
     solid = solid_of_motion(motion.isel(time=slice(0, 1)))
     primitives = []
     if len(solid.nodes):
         primitives.append(_bars(solid, buffer))
-    if len(solid.cables.of):
-        primitives.append(_cables(solid, buffer))
+    span = float(np.ptp(motion["position"].values, axis=(0, 1)).max()) or 1.0
+    cables, ends = solid.cables, solid.cables.stretches
+    if len(ends):
+        primitives.append(
+            _strands(solid.cable_points[0][ends], cables.on[ends], 0.002 * span, CABLE, buffer)
+            | {"material": 1}
+        )
+        of = np.repeat(cables.of[ends[:, 0]], _STRAND)
+        primitives[-1]["attributes"]["_OF"] = buffer.add(of, target=_VERTEX)
+    if motion.sizes["hinge"]:
+        half = solid.thickness or 0.02 * span
+        pins, on = _pins(motion, 0.9 * half)
+        primitives.append(_strands(pins, on, 0.11 * half, PIN, buffer) | {"material": 2})
     if not primitives:
         return {}
-    surface = {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0.0, "roughnessFactor": 0.7}
     return {
         "meshes": [{"name": "structure", "primitives": primitives}],
-        "materials": [{"name": "structure", "pbrMetallicRoughness": surface}],
-    }
+        "materials": [
+            {"name": "bars", "pbrMetallicRoughness": _SURFACE},
+            {"name": "cables", **_LINE},
+            {"name": "pins", **_LINE},
+        ],
+        "extensionsUsed": ["KHR_materials_unlit"],
+    }  # fmt: skip
 
 
 def _bars(solid: Solid, buffer: _Buffer) -> dict[str, Any]:
@@ -134,47 +179,63 @@ def _bars(solid: Solid, buffer: _Buffer) -> dict[str, Any]:
     normal = np.cross(points[:, 2] - points[:, 0], points[:, 3] - points[:, 1])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     normal = np.where(length > 0, normal / np.maximum(length, 1e-300), [0.0, 1.0, 0.0])  # of a line
-    colours = _linear([rgb(BARS[bar % len(BARS)]) for bar in solid.bar])[element]
-    triangles = 4 * np.arange(len(face))[:, None, None] + [[0, 1, 2], [0, 2, 3]]
+    colours = np.array([rgb(BARS[bar % len(BARS)]) for bar in solid.bar])[element]
     follows = solid.nodes[element[:, None], corner // 4].ravel()
-    attributes = _vertices(
-        points.reshape(-1, 3), np.repeat(colours, 4, axis=0), follows, buffer
-    ) | {"NORMAL": buffer.add(np.repeat(normal, 4, axis=0), target=_VERTEX)}
-    return {
-        "attributes": attributes, "material": 0,
-        "indices": buffer.add(triangles.ravel(), "u4", _INDEX),
-    }  # fmt: skip
+    of = np.where(solid.nodes[:, 0] == solid.nodes[:, 1], -1, np.arange(len(solid.nodes)))
+    found = _quads(points, np.repeat(colours, 4, axis=0), follows, buffer) | {"material": 0}
+    found["attributes"] |= {
+        "NORMAL": buffer.add(np.repeat(normal, 4, axis=0), target=_VERTEX),
+        "_OF": buffer.add(np.repeat(of[element], 4), target=_VERTEX),
+    }
+    return found
 
 
-def _cables(solid: Solid, buffer: _Buffer) -> dict[str, Any]:
-    """The cables' straight stretches, as lines."""
-    points = solid.cable_points[0] @ UP.T
-    colours = np.tile(_linear([rgb(CABLE)]), (len(points), 1))
-    return {
-        "attributes": _vertices(points, colours, solid.cables.on, buffer), "material": 0,
-        "indices": buffer.add(solid.cables.stretches.ravel(), "u4", _INDEX), "mode": _LINES,
-    }  # fmt: skip
+def _pins(motion: xarray.Dataset, half: float) -> tuple[np.ndarray, np.ndarray]:
+    """A piece of each hinge's axis, `half` (m) to either side: ends (h, 2, 3) m in the first frame,
+    and their particles (h, 2)."""
+    on = motion["hinge_particle"].values[:, :1]
+    ends = (
+        np.multiply.outer([-half, half], motion["hinge_axis"].values) + motion["hinge_arm"].values
+    )
+    first = motion.isel(time=0)
+    turned = np.einsum("hij,ehj->hei", first["frame"].values[on[:, 0]], ends)
+    return first["position"].values[on] + turned, np.repeat(on, 2, axis=1)
 
 
-def _vertices(
+def _strands(
+    ends: np.ndarray, on: np.ndarray, half: float, colour: str, buffer: _Buffer
+) -> dict[str, Any]:
+    """Straight strands between ends (s, 2, 3) m that follow the particles on (s, 2): three ribbons
+    each, across each other and `half` (m) to either side, so that one is seen from wherever."""
+    aside = half * np.stack([np.eye(3), np.eye(3), -np.eye(3), -np.eye(3)], axis=1)  # (3, 4, 3)
+    points = (ends[:, None, [0, 1, 1, 0]] + aside).reshape(-1, 4, 3) @ UP.T
+    colours = np.tile(rgb(colour), (4 * len(points), 1))
+    return _quads(points, colours, np.tile(on[:, None, [0, 1, 1, 0]], (1, 3, 1)).ravel(), buffer)
+
+
+def _quads(
     points: np.ndarray, colours: np.ndarray, follows: np.ndarray, buffer: _Buffer
-) -> dict[str, int]:
-    """Places, colours (v, 3), and the one particle that each vertex follows."""
+) -> dict[str, Any]:
+    """Quadrilaterals (f, 4, 3): colours of screens, the one particle that each vertex follows."""
+    points = points.reshape(-1, 3)
     joints = np.zeros((len(points), 4), int)
     joints[:, 0] = follows
     weights = np.tile([1.0, 0.0, 0.0, 0.0], (len(points), 1))
+    triangles = 4 * np.arange(len(points) // 4)[:, None, None] + [[0, 1, 2], [0, 2, 3]]
     return {
-        "POSITION": buffer.add(points, target=_VERTEX),
-        "COLOR_0": buffer.add(colours, target=_VERTEX),
-        "JOINTS_0": buffer.add(joints, "u2", _VERTEX),
-        "WEIGHTS_0": buffer.add(weights, target=_VERTEX),
+        "attributes": {
+            "POSITION": buffer.add(points, target=_VERTEX),
+            "COLOR_0": buffer.add(_linear(colours), target=_VERTEX),
+            "JOINTS_0": buffer.add(joints, "u2", _VERTEX),
+            "WEIGHTS_0": buffer.add(weights, target=_VERTEX),
+        },
+        "indices": buffer.add(triangles.ravel(), "u4", _INDEX),
     }
 
 
-def _linear(colours: Sequence) -> np.ndarray:
+def _linear(colours: np.ndarray) -> np.ndarray:
     """Colours of screens (sRGB) as shares of light, which the format's colours are."""
-    shares = np.array(colours)
-    return np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+    return np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
 
 
 def _bind(place: np.ndarray, turn: np.ndarray, buffer: _Buffer) -> int:
@@ -188,15 +249,22 @@ def _bind(place: np.ndarray, turn: np.ndarray, buffer: _Buffer) -> int:
 
 def _animation(
     time: np.ndarray, place: np.ndarray, quaternion: np.ndarray, joints: Sequence[int],
-    buffer: _Buffer,
+    buffer: _Buffer, small: bool,
 ) -> dict[str, Any]:  # fmt: skip
-    """Places and turns of all particles in time."""
+    """Places and turns of all particles in time; turns in 16 bits if `small`."""
+
+    def turns(values: np.ndarray) -> int:
+        if not small:
+            return buffer.add(values)
+        return buffer.add(np.rint(32767 * values), "i2", normalized=True)
+
     clock = buffer.add(time - time[0])
     samplers, channels = [], []
     for p, node in enumerate(joints):
-        for path, values in (("translation", place[:, p]), ("rotation", quaternion[:, p])):
+        outputs = {"translation": buffer.add(place[:, p]), "rotation": turns(quaternion[:, p])}
+        for path, output in outputs.items():
             channels.append({"sampler": len(samplers), "target": {"node": node, "path": path}})
-            samplers.append({"input": clock, "output": buffer.add(values)})
+            samplers.append({"input": clock, "output": output})
     return {"name": "motion", "samplers": samplers, "channels": channels}
 
 

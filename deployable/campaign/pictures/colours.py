@@ -10,6 +10,9 @@ BODY = "#999999"
 
 CABLE = "#0072B2"
 
+PIN = "#1D2327"
+"""Of the axes of hinges."""
+
 
 def rgb(colour: str) -> tuple[float, float, float]:
     """`#E69F00` as shares of red, green and blue."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from deployable.fpm.bars import bar_of
+from fpm.reading.bars import bar_of
 
 FACES = np.array([
     (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7),  # along the element
@@ -77,8 +77,14 @@ class Solid:
         return placed.reshape(len(placed), len(self.nodes), 8, 3)
 
     @cached_property
+    def thickness(self) -> float:
+        """Half the largest section of a bar, m; 0 where there are rigid bodies alone."""
+        bars = self.nodes[:, 0] != self.nodes[:, 1]
+        return float(np.abs(self.sections[bars]).max(initial=0.0))
+
+    @cached_property
     def bars(self) -> tuple[str, ...]:
-        """Names of the bars: `link AB[3]` is an element of `link AB`."""
+        """Names of the bars: `AB[3]` is an element of `AB`."""
         return tuple(dict.fromkeys(map(bar_of, self.elements)))
 
     @cached_property
@@ -118,8 +124,8 @@ def values_in(motion: Any, name: str) -> np.ndarray:
 
 def solid_of_scene(scene: Any) -> Solid:
     """The solid of an `fpm.Scene` as it stands at the start: one moment."""
-    from deployable.fpm.motion import section_corners
-    from deployable.fpm.motion_dataset import shapes_of
+    from fpm.motions.motion import section_corners
+    from fpm.motions.motion_dataset import shapes_of
 
     shapes = shapes_of(scene, section_corners(scene))
     return Solid(

@@ -1,2 +1,2 @@
-"""Which runs a campaign has, under which names, and with which time step; and, with `order: auto`,
-which runs come next."""
+"""Which runs a campaign has, under which names, and with which time step; and, towards an
+`accuracy`, which runs come next."""

@@ -50,7 +50,7 @@ def next_plan(
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
         safety = now.solver.safety if now.solver.step == "auto" else now.solver.step
         done = Round(
-            (), (), cost.runs, whole, decision.action, decision.reason,
+            cost.runs, whole, decision.action, decision.reason,
             shares, cost.elements, float(safety), cost.seconds, cost.nodes,
         )  # fmt: skip
         rounds = (*before.rounds, done)
@@ -101,10 +101,7 @@ def _stable(experiment: Experiment) -> Experiment:
 
 def _has_mesh(experiment: Experiment) -> bool:
     """Whether a parameter sets the mesh, be it free or given."""
-    from deployable.campaign.config.scenes import mesh_of
-
-    scene = experiment.scene
-    return mesh_of({"file": scene.file} if scene.file else {"name": scene.name}) is not None
+    return experiment.scene_type.mesh is not None
 
 
 def _shares(plan: Plan, samples: Any, bounds: Any) -> dict[str, dict[str, float]]:
@@ -165,11 +162,13 @@ def _cost(plan: Plan, shares: Mapping, step_is_free: bool = True) -> tuple[list[
     and the next one would."""
     asked, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
-    before = rounds[-1] if rounds else Round((), (), 0, 0.0, "mesh", "")
+    before = rounds[-1] if rounds else Round(0, 0.0, "mesh", "")
     again = before.action in ("mesh", "step")
     new = nodes if again else nodes - before.nodes
-    checked = _CHECKED + 2 * len(plan.experiment.quantities)
-    # A mesh twice as fine has twice the elements and half the step.
+    # Of the responses, and of each quantity both ends; one of each again, which tell the order.
+    checked = _CHECKED + 1 + 3 * len(plan.experiment.quantities)
+    # A mesh twice as fine has twice the elements and half the step; what tells orders, both
+    # together, takes no longer.
     factor = {"mesh": 4.0, "step": 2.0}
     runs, seconds = before.runs + new, before.seconds + _whole(new) * each
     for part in plan.adaptive.check:

@@ -64,7 +64,7 @@ class Estimate:
 
 def estimate(campaign: Campaign) -> Estimate:
     """What a campaign takes; time is right to a factor of two or so (`fpm.effort`)."""
-    from deployable.fpm.effort import machine
+    from fpm.effort import machine
 
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
@@ -107,9 +107,14 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
     if verify.finer:
         from deployable.campaign.answers.finer import PLACES
 
-        # Half the step, and a mesh of twice as many elements with half the step.
-        again = [PLACES, *([ends] if ends else [])]
-        found["errors of step and mesh"] = [(count, f) for count in again for f in (2.0, 4.0)]
+        # Half the step, and a mesh of twice as many elements with half the step; for their orders
+        # at fewer places a quarter of the step, and half as many elements with half the step.
+        again = [(PLACES, 1), *([(ends, ends // 2)] if ends else [])]
+        found["errors of step and mesh"] = [
+            (places, factor)
+            for most, few in again
+            for places, factor in ((most, 2.0), (few, 4.0), (most, 4.0), (few, 1.0))
+        ]
     return found
 
 
@@ -127,13 +132,13 @@ def bytes_of_run(campaign: Campaign) -> float:
 
 def found(campaign: Campaign, folder: Folder) -> str:
     """Which of a campaign's runs are there, and why others must be made again; nothing where none
-    is there, and for `order: auto`, whose runs are not known beforehand."""
+    is there, and for an `accuracy`, whose runs are not known beforehand."""
     from deployable.campaign.plan.make import make_plan
     from deployable.campaign.runs.store import open_store
-    from deployable.fpm.asked import words
+    from fpm.asked import words
 
     keep = campaign.jobs.keep
-    if campaign.is_adaptive or not folder.runs(keep).is_dir():
+    if campaign.experiment.is_sought or not folder.runs(keep).is_dir():
         return ""
     plan = make_plan(campaign.experiment)
     store = open_store(keep, folder.runs(keep), campaign.experiment)
@@ -158,7 +163,7 @@ def run_seconds(experiment: Experiment, time: TimeStep) -> float:
 
     Of a core as `fpm.effort` has them, whichever this one is: what rounds may spend depends on it.
     """
-    from deployable.fpm.effort import run_seconds as seconds
+    from fpm.effort import run_seconds as seconds
 
     instants = experiment.solver.instants
     return seconds(_nominal_scene(experiment), time.steps_per_instant * (instants - 1), instants)

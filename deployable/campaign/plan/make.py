@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -14,16 +13,8 @@ from deployable.campaign.plan.plan import Plan, TimeStep
 from deployable.campaign.plan.runs import ROLES, Runs, namer, values_of
 
 
-def make_plan(
-    experiment: Experiment,
-    tested: Sequence[Sequence[float]] = (),
-    time: TimeStep | None = None,
-) -> Plan:
-    """The plan of a checked experiment.
-
-    `tested` are unit coordinates of further runs that test the surrogate; those at points of the
-    design are left out. time: the step, where it is known already.
-    """
+def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
+    """The plan of a checked experiment; time: the step, where it is known already."""
     from deployable.intervals import held_out_points
 
     box = experiment.box
@@ -31,9 +22,7 @@ def make_plan(
     parts = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]
     if experiment.design.method != "scan":
         points = held_out_points(box.free, experiment.held_out, design.points)
-        nodes = {tuple(point) for point in design.points.tolist()}
-        others = [point for point in tested if tuple(point) not in nodes]
-        parts.append(("held_out", np.array([*points, *others]).reshape(-1, box.dimension)))
+        parts.append(("held_out", points))
 
     time, mechanics = time or choose_step(experiment), experiment.scene_type.digest
     unit = np.concatenate([points for _, points in parts])
@@ -47,7 +36,7 @@ def make_plan(
 def choose_step(experiment: Experiment) -> TimeStep:
     """One time step for all runs: stable at the centre and at every corner of the box, times the
     safety, then shortened until the recording interval is a whole number of steps (s)."""
-    from deployable import fpm
+    import fpm
 
     solver, box = experiment.solver, experiment.box
     limit, element, energy = math.inf, "", 0.0

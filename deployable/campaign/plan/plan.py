@@ -9,8 +9,8 @@
               indices into `runs.ROLES`, one byte each, and (count, k) of little-endian doubles, in
               base64; the values follow from the box
     adaptive  of a round: the `rounds` before it, all `points` so far, and whether the tolerance is
-              `met`: null unless this is the plan after the last round, which has no new runs; of
-              an `accuracy`, what its bounds are to `check`
+              `met`: null unless this is the plan after the last round, which has no new runs; and
+              what its bounds are to `check`
 
 A run that serves two roles is listed twice, with the same id, and simulated once.
 """
@@ -29,7 +29,7 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, digest, from_data, plain_data
 from deployable.campaign.files import write_result
 from deployable.campaign.plan.runs import Run, Runs, namer, values_of
-from deployable.fpm.sealed import check_content
+from fpm.sealed import check_content
 
 MOST_LISTED = 10_000
 """Runs that have a line each in `nodes.json`; of more, programs are the only readers."""
@@ -51,17 +51,15 @@ class TimeStep:
 
 @dataclass(frozen=True)
 class Round:
-    """A finished round: its design, the runs so far, its error as a share of the bounds' width in
-    the worst response, and what was decided for which reason.
+    """A finished round of an `accuracy`: the runs so far, its error as a share of the width in the
+    worst response or quantity, and what was decided for which reason.
 
-    Of an `accuracy`: the errors by part (surrogate, step, mesh) of every response and quantity as
-    `shares` of the widths, the `elements` and the `safety` of the step (or the step, s) that the
-    runs have, the `seconds` of a core that rounds so far took, by estimate, and how many `nodes`
-    the surrogate went through.
+    The errors by part (surrogate, step, mesh) of every response and quantity as `shares` of the
+    widths, the `elements` and the `safety` of the step (or the step, s) that the runs have, the
+    `seconds` of a core that rounds so far took, by estimate, and how many `nodes` the surrogate
+    went through.
     """
 
-    order: tuple[int, ...]
-    parts: tuple
     runs: int
     error: float
     action: str

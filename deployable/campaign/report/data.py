@@ -42,7 +42,7 @@ class Response:
     a number where that is not above the error of the fit;
     outside: by how much runs that were not fitted leave the bounds; share_outside: at which share
     of their instants; impossible: by how much the fitted curve falls below what is possible;
-    foretold: why the error is so much larger than what runs show, if it is.
+    doubt: why mesh and step alone decide it, if they do.
     """
 
     name: str
@@ -58,7 +58,7 @@ class Response:
     outside: float | None = None
     share_outside: float = 0.0
     impossible: float = 0.0
-    foretold: str = ""
+    doubt: str = ""
     errors: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -19,12 +19,13 @@ MOST_MARKS = 400
 
 @dataclass(frozen=True)
 class Panel:
-    """The box along two parameters, or one: marks (x, y, met) of runs and the part in which nothing
-    fails, from `kept[0]` to `kept[1]`; coordinates from 0 to 1."""
+    """The box along two parameters, or one: marks (x, y, met, near) of runs and the part in which
+    nothing fails, from `kept[0]` to `kept[1]`; coordinates from 0 to 1. Runs are near where all
+    other parameters lie in that part."""
 
     across: Parameter
     up: Parameter | None
-    marks: list[tuple[float, float, bool]]
+    marks: list[tuple[float, float, bool, bool]]
     kept: tuple[tuple[float, float], tuple[float, float]] | None
 
 
@@ -58,21 +59,20 @@ def panels(data: PageData) -> list[Panel]:
 
 def _panel(data: PageData, unit: list, runs: np.ndarray, i: int, j: int | None) -> Panel:
     share = data.answers["together"]["largest_share"]
-
-    def kept(k: int) -> tuple[float, float]:
-        p = data.parameters[k]
-        middle = _unit(p, p.nominal)
-        return float(middle * (1 - share)), float(middle + share * (1 - middle))
-
-    level = np.full(len(data.judged.met), 0.5)
-    ends = (kept(i), (0.0, 1.0) if j is None else kept(j))
-    marks = zip(unit[i][runs], (level if j is None else unit[j])[runs], data.judged.met[runs],
-                strict=True)  # fmt: skip
+    nominal = [_unit(p, p.nominal) for p in data.parameters]
+    ends = [(middle * (1 - share), middle + share * (1 - middle)) for middle in nominal]
+    near = np.ones(len(data.judged.met), dtype=bool)
+    for k, (low, high) in enumerate(ends):
+        if share > 0 and k not in (i, j):
+            near &= (unit[k] >= low) & (unit[k] <= high)
+    up = np.full(len(near), 0.5) if j is None else unit[j]
+    marks = zip(unit[i][runs], up[runs], data.judged.met[runs], near[runs], strict=True)
+    kept = zip(ends[i], (0.0, 1.0) if j is None else ends[j], strict=True)
     return Panel(
         data.parameters[i],
         None if j is None else data.parameters[j],
-        [(round(float(x), 4), round(float(y), 4), bool(met)) for x, y, met in marks],
-        tuple(zip(*ends, strict=True)) if share > 0 else None,
+        [(round(float(x), 4), round(float(y), 4), bool(met), bool(by)) for x, y, met, by in marks],
+        tuple((float(x), float(y)) for x, y in kept) if share > 0 else None,
     )
 
 

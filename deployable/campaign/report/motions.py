@@ -14,7 +14,7 @@ import numpy as np
 
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.which import ids, keeps_extremes, nominal_row
-from deployable.fpm.sealed import DamagedError, check
+from fpm.sealed import DamagedError, check
 
 if TYPE_CHECKING:
     import xarray
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 MOST_MOVING = 24
 """Runs that are shown, the nominal one among them; of more ends, those of quantities come first."""
 
-MOST_NUMBERS = 1_500_000
-"""Numbers of all the motion on a page, which leave it below 5 MB; frames are left out for it."""
+MOST_PLACES = 90_000
+"""Particles times frames of all the motion on a page, which leave it below 3 MB; frames are left
+out for it."""
 
 _FEW_RUNS, _FEW_FRAMES = 7, 100
 
@@ -83,7 +84,7 @@ def shown_runs(folder: str | Path) -> list[Shown]:
 def how_many_move(particles: int) -> int:
     """How many runs of a structure of so many particles a page can show: those for which a hundred
     frames find room, and seven at least."""
-    room = MOST_NUMBERS // (_FEW_FRAMES * 8 * particles)  # place, turn and stress
+    room = MOST_PLACES // (_FEW_FRAMES * particles)
     return int(np.clip(room, _FEW_RUNS, MOST_MOVING))
 
 
@@ -141,7 +142,7 @@ def motions_of(samples: xarray.Dataset, shown: Sequence[Shown], frames: int = 40
     ``impact`` (event, 3): time, index into ``eventful``, 1 if it closes.
     """
     from deployable.campaign.config.sections import Experiment, from_data
-    from deployable.fpm.motion import whole_motion
+    from fpm.motions.motion import whole_motion
 
     experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
     names = samples["parameter"].values.tolist()
@@ -165,7 +166,7 @@ def motions_of(samples: xarray.Dataset, shown: Sequence[Shown], frames: int = 40
 
 def _own_curves(experiment: Any, outcome: Any) -> dict:
     """Responses and events of a run, as variables of its motion."""
-    from deployable.fpm.trajectory import impact_events
+    from fpm.files.trajectory import impact_events
 
     curves = np.array([response.evaluate(outcome) for response in experiment.curves])
     impacts = impact_events(outcome.events, outcome.eventful)

@@ -1,21 +1,22 @@
-"""Data as the page's script takes them: JSON with arrays in base64, as small as looks the same.
+"""Data as the page's script takes them, compressed: JSON, and the arrays that it points to.
 
-Bounds stay in double precision, thin lines are single; positions and rotations are whole numbers of
-16 bits (a hundredth of a millimetre on a metre). Long curves are thinned, their extremes are kept.
+Bounds stay in double precision, thin lines are single. Long curves are thinned, their extremes are
+kept. Each moving run is the glTF file of `export.glb`.
 """
 
 from __future__ import annotations
 
 import base64
+import gzip
 import json
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from deployable.campaign.report.data import MovingRun, PageData
-from deployable.campaign.report.motions import MOST_NUMBERS
-from deployable.fpm.bars import bar_of
+from deployable.campaign.export.glb import glb_of
+from deployable.campaign.report.data import MovingRun, PageData, Response
+from deployable.campaign.report.words import verdict
 
 MOST_INSTANTS = 4001
 """Instants of a curve from which it is thinned."""
@@ -23,17 +24,43 @@ MOST_INSTANTS = 4001
 MOST_TOLD = 300
 """Runs up to which the contact events of all are in the page, not only of those that are drawn."""
 
-PAGE = 4_850_000
-"""Characters of the data by which a page stays below 5 MB."""
-
-LEAST_NUMBERS = 200_000
-"""Numbers of the motion that a page has however large all else is."""
+PAGE = 2_450_000
+"""Characters of the data by which a page stays below 3 MB, with what it shows them by."""
 
 
-def packed(values: np.ndarray, kind: str) -> dict[str, Any]:
-    """An array for the script; kind is a little-endian numpy type, e.g. `f4`."""
-    raw = np.ascontiguousarray(values, dtype=np.dtype(kind).newbyteorder("<"))
-    return {"kind": kind, "data": base64.b64encode(raw.tobytes()).decode()}
+class _Arrays:
+    """Arrays one after the other."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+
+    def add(self, values: np.ndarray, kind: str) -> dict[str, Any]:
+        """Where an array is, for the script; kind is a little-endian numpy type, e.g. `f4`."""
+        raw = np.ascontiguousarray(values, dtype=np.dtype(kind).newbyteorder("<"))
+        found = {"kind": kind, "at": len(self.data), "count": raw.size}
+        self.data += raw.tobytes() + b"\0" * (-raw.nbytes % 8)
+        return found
+
+
+def compressed(raw: bytes) -> str:
+    """Bytes as text for a page's script, which inflates them; the same for the same bytes."""
+    return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode()
+
+
+def packed(data: PageData) -> str:
+    """All that the page's script needs, with as many frames of the motion as there is room for."""
+    text, count = _packed(data, None), max((m.motion.sizes["time"] for m in data.moving), default=0)
+    while len(text) > PAGE and count > 2:
+        count = max(2, int(0.97 * count * min(0.97, PAGE / len(text))))
+        text = _packed(data, count)
+    return text
+
+
+def _packed(data: PageData, frames: int | None) -> str:
+    arrays = _Arrays()
+    content = json.dumps(payload(data, arrays, frames), separators=(",", ":"), allow_nan=False)
+    raw = content.encode()
+    return compressed(np.uint32(len(raw)).tobytes() + raw + bytes(arrays.data))
 
 
 def thinned(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.ndarray:
@@ -50,13 +77,18 @@ def thinned(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.ndarr
     return np.array(sorted(keep))
 
 
-def payload(data: PageData) -> dict[str, Any]:
-    """All that the page's script needs."""
+def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[str, Any]:
+    """What is packed, its arrays put into `arrays`; frames: of the motion, if not all."""
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep = thinned(bounds)
-    found = {
+
+    def shown(response: Response) -> bool:
+        """Whether what parameters contribute is known well enough to be drawn."""
+        return response.widths is not None and verdict(data, response).grade != "large"
+
+    return {
         "campaign": data.campaign,
-        "time": packed(data.time[keep], "f8"),
+        "time": arrays.add(data.time[keep], "f8"),
         "parameters": [
             {"name": p.name, "units": p.units, "lower": p.lower, "nominal": p.nominal,
              "upper": p.upper}
@@ -67,23 +99,21 @@ def payload(data: PageData) -> dict[str, Any]:
                 "name": r.name, "longName": r.long_name, "units": r.units,
                 "widest": float(data.time[r.widest]),
                 **{
-                    key: None if values is None else packed(values[..., keep], "f8")
+                    key: None if values is None else arrays.add(values[..., keep], "f8")
                     for key, values in (
                         ("lower", r.lower), ("upper", r.upper), ("nominal", r.nominal),
                         ("error", r.error),
                     )
                 },
-                "widths": None if r.widths is None else [packed(w[keep], "f4") for w in r.widths],
+                "widths": [arrays.add(w[keep], "f4") for w in r.widths] if shown(r) else None,
             }
             for r in data.responses
         ],
         "runs": _runs(data),
-        "lines": [_line(data, run, keep) for run in data.lines],
-        "moving": [_line(data, m.run, keep) | {"label": m.label} for m in data.moving],
+        "lines": [_line(data, run, keep, arrays) for run in data.lines],
+        "moving": [_line(data, m.run, keep, arrays) | {"label": m.label} for m in data.moving],
+        "motion": _motion(data.moving, frames, arrays) if data.moving else None,
     }  # fmt: skip
-    room = (PAGE - len(json.dumps(found))) * 3 // 8  # numbers of 16 bits in base64
-    most = int(np.clip(room, LEAST_NUMBERS, MOST_NUMBERS))
-    return found | {"motion": _motion(data.moving, most) if data.moving else None}
 
 
 def _runs(data: PageData) -> list[dict[str, Any]]:
@@ -103,88 +133,23 @@ def _runs(data: PageData) -> list[dict[str, Any]]:
     ]
 
 
-def _line(data: PageData, run: int, keep: np.ndarray) -> dict[str, Any]:
-    return {"run": run, "curves": [packed(c[keep], "f4") for c in data.runs[run].curves]}
+def _line(data: PageData, run: int, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any]:
+    return {"run": run, "curves": [arrays.add(c[keep], "f4") for c in data.runs[run].curves]}
 
 
-def _motion(moving: Sequence[MovingRun], most: int) -> dict[str, Any]:
-    """The moving runs: shared frames and connectivity, and each run's numbers, about `most`."""
-    first = moving[0].motion
-    numbers = len(moving) * (7 * first.sizes["particle"] + first.sizes["element"])
-    count = first.sizes["time"]
-    frames = np.arange(count)
-    if numbers * count > most:
-        wanted = max(2, most // numbers)
-        frames = np.unique(np.linspace(0, count - 1, wanted).round().astype(int))
-    places = np.stack([m.motion["position"].values for m in moving])
-    low = places.min(axis=(0, 1, 2))
-    size = float((places.max(axis=(0, 1, 2)) - low).max()) or 1.0
-    stress = max((float(m.motion["largest_stress"].max()) for m in moving if numbers), default=0.0)
+def _motion(moving: Sequence[MovingRun], frames: int | None, arrays: _Arrays) -> dict[str, Any]:
+    """The moving runs as glTF files, and what their colours have in common."""
+    found = [m.motion for m in moving]
+    if frames:
+        each = (np.linspace(0, m.sizes["time"] - 1, frames).round().astype(int) for m in found)
+        found = [m.isel(time=np.unique(kept)) for m, kept in zip(found, each, strict=True)]
+
+    def largest(name: str) -> float:
+        return max((float(m[name].max()) for m in found if name in m and m[name].size), default=0.0)
+
+    files = (np.frombuffer(glb_of(motion, small=True), np.uint8) for motion in found)
     return {
-        "time": packed(first["time"].values[frames], "f8"),
-        "particles": first.sizes["particle"],
-        "elements": first.sizes["element"],
-        "ends": packed(first["element_particle"].values, "i4"),
-        "bar": _bars(first["element"].values),
-        "points": first["point"].values.tolist(),
-        "pointOn": packed(first["point_particle"].values, "i4"),
-        "pointArm": packed(first["point_arm"].values, "f4"),
-        "hinges": first["hinge"].values.tolist(),
-        "hingeOn": packed(first["hinge_particle"].values[:, :1], "i4"),
-        "hingeArm": packed(first["hinge_arm"].values, "f4"),
-        "hingeAxis": packed(first["hinge_axis"].values, "f4"),
-        "cables": _cables(moving),
-        "low": low.tolist(),
-        "unit": size / 65534,
-        "largestStress": stress,
-        "runs": [
-            _frames(m, frames, low, size / 65534, stress) | _tensions(moving, m, frames)
-            for m in moving
-        ],
-    }
-
-
-def _cables(moving: Sequence[MovingRun]) -> dict[str, Any] | None:
-    """The points of all cables one after the other, and the largest tension of all runs."""
-    first = moving[0].motion
-    if "cable" not in first.sizes:
-        return None
-    return {
-        "count": first.sizes["cable"],
-        "of": first["cable_point_cable"].values.tolist(),
-        "on": packed(first["cable_point_particle"].values, "i4"),
-        "arm": packed(first["cable_point_arm"].values, "f4"),
-        "most": max(float(m.motion["cable_tension"].max()) for m in moving),
-    }
-
-
-def _bars(names: np.ndarray) -> list[int]:
-    """For each element the index of its bar: `link AB[3]` belongs to `link AB`."""
-    bars: dict[str, int] = {}
-    return [bars.setdefault(bar_of(str(name)), len(bars)) for name in names]
-
-
-def _tensions(moving: Sequence[MovingRun], one: MovingRun, frames: np.ndarray) -> dict[str, Any]:
-    """Tension of each cable as a share of the largest of all runs; 0 is slack."""
-    if "cable" not in one.motion.sizes:
-        return {}
-    most = max(float(m.motion["cable_tension"].max()) for m in moving) or 1.0
-    share = one.motion["cable_tension"].values[frames] / most
-    return {"tension": packed(np.ceil(65535 * np.clip(share, 0, 1)), "u2")}
-
-
-def _frames(moving: MovingRun, frames, low, unit, stress) -> dict[str, Any]:
-    from scipy.spatial.transform import Rotation
-
-    motion = moving.motion
-    turned = motion["frame"].values[frames]
-    quaternion = Rotation.from_matrix(turned.reshape(-1, 3, 3)).as_quat(canonical=True)
-    place = np.rint((motion["position"].values[frames] - low) / unit) - 32767
-    share = motion["stress"].values[frames] / (stress or 1.0)
-    return {
-        "place": packed(place, "i2"),
-        "turn": packed(np.rint(32767 * quaternion), "i2"),
-        "stress": packed(np.rint(65535 * np.clip(share, 0, 1)), "u2"),
-        "corners": packed(motion["section_corner"].values, "f4"),
-        "worst": float(motion["largest_stress"].max()) if motion.sizes["element"] else 0.0,
+        "largestStress": largest("stress"),
+        "largestTension": largest("cable_tension"),
+        "runs": [arrays.add(file, "u1") for file in files],
     }

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from deployable.campaign.files import write_result
 from deployable.campaign.report import words
 from deployable.campaign.report.data import PageData
 from deployable.campaign.report.failing import panels
-from deployable.campaign.report.pack import payload
+from deployable.campaign.report.pack import compressed, packed
+from deployable.campaign.report.still import still
 from deployable.campaign.report.trust import trust
 from deployable.campaign.results import answers, decisions
 from deployable.campaign.results.budget import parts_text
@@ -20,8 +20,7 @@ from deployable.campaign.results.words import percent
 _FOLDER = Path(__file__).parent
 
 SCRIPTS = (
-    "data", "clock", "camera", "pose", "paint", "viewer", "stills", "axes", "chart", "charts",
-    "tables", "main",
+    "data", "clock", "scene", "viewer", "stills", "axes", "chart", "charts", "tables", "main",
 )  # fmt: skip
 """The page's script, in the order in which its files are put together."""
 
@@ -56,25 +55,24 @@ def render(data: PageData) -> str:
         told=answers,
         units={parameter.name: parameter.units for parameter in data.parameters},
         decided=decisions,
+        happens={row["name"]: row["happens"] for row in data.answers.get("quantities", ())},
         headline=words.headline(data),
         facts=words.facts(data),
         kind=kind_text(data.bounds_kind),
         meaning=words.kind_meaning(data.bounds_kind),
-        cautions=words.cautions(data),
+        cautions=words.of_all(data),
+        beside=lambda response: words.beside(data, response),
         verdicts=[words.verdict(data, response) for response in data.responses],
         spread=words.spread,
         panels=panels(data),
         trust=trust(data),
         style=_text("style.css"),
         script="\n".join(_text(f"js/{name}.js") for name in SCRIPTS),
-        payload=_json(payload(data)),
+        still=still(data.moving[0].motion) if data.moving else "",
+        library=compressed(_text("vendor/three.min.js").encode()),
+        payload=packed(data),
     )
 
 
 def _text(name: str) -> str:
     return (_FOLDER / name).read_text(encoding="utf-8")
-
-
-def _json(value: object) -> str:
-    """JSON that may stand in a script element: `</script>` in a name would end it."""
-    return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")

@@ -29,7 +29,7 @@ from deployable.campaign.report.failing import meets
 from deployable.campaign.report.motions import Shown, shown_runs
 from deployable.campaign.results.which import counts, ids, keeps_extremes, roles
 from deployable.campaign.results.words import with_unit
-from deployable.fpm.sealed import DamagedError, check
+from fpm.sealed import DamagedError, check
 
 if TYPE_CHECKING:
     import xarray
@@ -88,7 +88,7 @@ def _load(path: Path, but: str = "") -> xarray.Dataset:
 
 def _scene_type(bounds: xarray.Dataset) -> Any:
     """The structure, unless it is no longer there."""
-    from deployable import fpm
+    import fpm
     from deployable.campaign.config.sections import Experiment, from_data
 
     with suppress(fpm.SceneError):
@@ -122,7 +122,7 @@ def _responses(
     bounds: xarray.Dataset, sensitivities: xarray.Dataset | None, summary: dict
 ) -> tuple[Response, ...]:
     published, errors = _told_of(summary, "published"), _told_of(summary, "errors")
-    foretold = _told_of(summary, "foretold")
+    doubts = _told_of(summary, "doubt")
 
     def values(name: str, i: int, dataset: xarray.Dataset | None = bounds) -> np.ndarray | None:
         return None if dataset is None or name not in dataset else dataset[name].values[i]
@@ -146,7 +146,7 @@ def _responses(
                 outside=None if outside is None else float(outside),
                 share_outside=float(1.0 - (1.0 if inside is None else inside)),
                 impossible=float(values("largest_impossible", i) or 0.0),
-                foretold=foretold.get(name, ""),
+                doubt=doubts.get(name, ""),
             )
         )
     return tuple(responses)

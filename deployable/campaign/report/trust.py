@@ -74,7 +74,8 @@ def _error(data: PageData) -> str:
         "; it knows nothing of mesh and time step"
         if not any(response.errors for response in data.responses)
         else ". To it is added what half the time step, and a mesh twice as fine, change in runs "
-        "one after the other at places where the bounds are attained"
+        "one after the other at places where the bounds are attained, continued to what all "
+        "further halvings would change by the order at which that falls"
     )
     return (
         f"An estimate of how far the drawn bounds may be from those of the simulated model, made "

@@ -14,7 +14,7 @@ from deployable.campaign.results.decisions import verdict as decided
 from deployable.campaign.results.scan_words import known_error
 from deployable.campaign.results.summary import SOFT
 from deployable.campaign.results.units import pretty
-from deployable.campaign.results.words import percent, runs_text
+from deployable.campaign.results.words import doubt_texts, percent, runs_text
 
 _NAMED = 2
 """Quantities, or responses, that the headline names."""
@@ -144,34 +144,49 @@ def _given(parameters: tuple[Parameter, ...]) -> str:
 
 
 def cautions(data: PageData) -> list[str]:
-    """What must be said beside the headline: numbers whose estimated error is large or unknown."""
-    sentences = []
-    for v in (verdict(data, response) for response in data.responses):
-        name = v.response.name
-        if v.grade == "large":
-            told = v.response.foretold
-            why = f" {told[0].upper()}{told[1:]}." if told else ""
-            sentences.append(
-                f"Do not rely on the number for {name}: the estimated error of either bound is "
-                f"{v.error}, {percent(v.share or 0.0)} of the difference.{why} "
-                f"{remedy(data, v.response)}"
-            )
-        elif v.grade == "unknown":
-            sentences.append(f"There is no error estimate for {name}.")
-        if v.response.impossible > 0:
-            most = quantity(v.response.impossible, v.response.units, 2)
-            sentences.append(
-                f"The curve fitted to {name} falls up to {most} below what is possible; the bounds "
-                "do not."
-            )
-    if data.overlap > SOFT:
-        most = quantity(data.overlap, "rad", 2)
+    """What must be said of a campaign's numbers."""
+    doubts = {response.name: response.doubt for response in data.responses if response.doubt}
+    rows = data.answers.get("quantities", [])
+    doubts |= {row["name"]: row["doubt"] for row in rows if "doubt" in row}
+    sentences = [*(f"{text}." for text in doubt_texts(doubts)), *of_all(data)]
+    return sentences + [text for each in data.responses for text in of_one(data, each)]
+
+
+def of_all(data: PageData) -> list[str]:
+    """What must be said of all numbers."""
+    if data.overlap <= SOFT:
+        return []
+    most = quantity(data.overlap, "rad", 2)
+    return [
+        f"Faces that touch pass through each other by up to {most}: the contacts are too soft to "
+        "be contacts, and what follows a closure means little. What to do: make them stiffer, "
+        "which takes shorter steps."
+    ]
+
+
+def of_one(data: PageData, response: Response) -> list[str]:
+    """What must be said of a response whose estimated error is large or unknown."""
+    v, sentences = verdict(data, response), []
+    if v.grade == "large":
         sentences.append(
-            f"Faces that touch pass through each other by up to {most}: the contacts are too soft "
-            "to be contacts, and what follows a closure means little. What to do: make them "
-            "stiffer, which takes shorter steps."
+            f"Do not rely on the number for {response.name}: either bound may be off by {v.error}, "
+            f"{percent(v.share or 0.0)} of the difference. {remedy(data, response)}"
+        )
+    elif v.grade == "unknown":
+        sentences.append(f"There is no error estimate for {response.name}.")
+    if response.impossible > 0:
+        most = quantity(response.impossible, response.units, 2)
+        sentences.append(
+            f"The curve fitted to {response.name} falls up to {most} below what is possible; the "
+            "bounds do not."
         )
     return sentences
+
+
+def beside(data: PageData, response: Response) -> list[str]:
+    """What must be said beside the numbers of a response."""
+    own = {response.name: response.doubt} if response.doubt else {}
+    return [*(f"{text}." for text in doubt_texts(own)), *of_one(data, response)]
 
 
 _ACCURACY = (

@@ -14,8 +14,8 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.results.budget import quantity_errors
 from deployable.campaign.results.decisions import choice_lines, requirement_lines, share_text
 from deployable.campaign.results.units import pretty
-from deployable.campaign.results.words import place, table, units_of, with_unit
-from deployable.fpm.sealed import check
+from deployable.campaign.results.words import doubt_mark, place, table, units_of, with_unit
+from fpm.sealed import check
 
 
 def answer_rows(folder: Folder, requirements: bool, choice: bool) -> dict:
@@ -98,7 +98,7 @@ def quantity_lines(rows: list[Mapping], units: Mapping[str, str]) -> list[str]:
                 interval(row),
                 place(row["argmin"], units),
                 place(row["argmax"], units),
-                with_unit(row["error"], row["units"], 2),
+                with_unit(row["error"], row["units"], 2) + doubt_mark(row),
                 "never happens" if row["lower"] is None else ends(row),
             )
             for row in rows

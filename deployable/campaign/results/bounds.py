@@ -39,10 +39,7 @@ def analyse(folder: Folder, how: BoundsChoice, more: Callable[[Any], Any] | None
         design = (
             _scanned(samples) if is_plain_scan else make_design(experiment.design, experiment.box)
         )
-        options = {"model": how.model}
-        if how.align != "none":
-            options = {"model": "aligned", "alignment": how.align, "enclose": how.enclose}
-        bounds = intervals.bounds_dataset(samples, design, **options)
+        bounds = intervals.bounds_dataset(samples, design, model=how.model)
         if more is not None:
             bounds = more(bounds)
         write_dataset(bounds, folder.bounds, "Bounds of the responses")

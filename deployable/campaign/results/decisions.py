@@ -10,7 +10,7 @@ from deployable.campaign.results.units import pretty
 from deployable.campaign.results.words import place, table, with_unit
 
 _TOLD = 0.05
-"""Per cent of the box from which they are said to be open."""
+"""Per cent of the box from which it is said by how much a share may be off."""
 
 
 def requirement_lines(
@@ -38,7 +38,7 @@ def requirement_lines(
 
 def verdict(together: Mapping) -> str:
     """One sentence about all requirements."""
-    told = met(together).removeprefix("some: ")
+    told = met(together)
     return f"{told[0].upper()}{told[1:]} of the box meets all requirements."
 
 
@@ -66,27 +66,21 @@ def together_lines(together: Mapping, units: Mapping[str, str]) -> list[str]:
 
 
 def share_text(share: float, open_: float = 0.0) -> str:
-    """A share in per cent, never rounded to all or nothing, with what is open of it, and as many
-    digits as that leaves: `81 % (open: 2 %)`."""
-    percent, told = 100 * share, open_text(open_)
-    if told:
-        places = _places(open_)
-        digits, least = f"{percent:.{places}f}", 10.0**-places
-    else:
-        digits, least = f"{percent:.4g}", 0.01
-    if 0 < percent < least or 100 - least < percent < 100:
-        return f"{f'Less than {least:g}' if percent < 50 else f'More than {100 - least:g}'} %{told}"
-    return f"{digits} %{told}"
-
-
-def open_text(open_: float) -> str:
-    """What is open of a share, rounded up to one digit: ` (open: 2 %)`; nothing where next to none
-    is."""
+    """A share in per cent, never rounded to all or nothing, with by how much it may be more or less
+    (rounded up to one digit), and as many digits as that leaves: `81 ± 2 %`, `at least 98 %`."""
+    percent = 100 * share
     if 100 * open_ < _TOLD:
-        return ""
+        if 0 < percent < 0.01 or 99.99 < percent < 100:
+            return "less than 0.01 %" if percent < 50 else "more than 99.99 %"
+        return f"{percent:.4g} %"
     places = _places(open_)
     least = 10.0**-places
-    return f" (open: {np.ceil(100 * open_ / least - 1e-9) * least:.{places}f} %)"
+    off = np.ceil(100 * open_ / least - 1e-9) * least
+    if percent + off >= 100:
+        return f"at least {np.floor((percent - off) / least + 1e-9) * least:.{places}f} %"
+    if percent - off <= 0:
+        return f"at most {np.ceil((percent + off) / least - 1e-9) * least:.{places}f} %"
+    return f"{percent:.{places}f} ± {off:.{places}f} %"
 
 
 def _places(open_: float) -> int:
@@ -95,10 +89,17 @@ def _places(open_: float) -> int:
 
 
 def met(row: Mapping) -> str:
-    """By how much of the box a requirement is met."""
-    if row["met"] == "some":
-        return f"some: {share_text(row['share'], row['open'])}"
-    return row["met"] + open_text(row["open"])
+    """By how much of the box a requirement is met: `all`, `none` or a share."""
+    sure = row["met"] != "some" and 100 * row["open"] < _TOLD
+    return row["met"] if sure else share_text(row["share"], row["open"])
+
+
+def where_it_happens(row: Mapping, happens: Mapping[str, float]) -> str:
+    """`all where t happens`, of a requirement that fails only where its quantity does not happen;
+    happens: shares of the box, by quantity."""
+    limits = {limit["quantity"] for limit in row["limits"] if limit["kind"] != "happens"}
+    only = [name for name in limits if happens[name] == row["share"] < 1]
+    return f"all where {only[0]} happens" if only and row["met"] == "some" else ""
 
 
 def limit_text(row: Mapping) -> str:

@@ -41,7 +41,7 @@ from deployable.campaign.runs.batch import make_again
 from deployable.campaign.runs.progress import Tell
 from deployable.campaign.runs.results import EVENT_VARIABLES, Record, padded, write_dimension
 from deployable.campaign.runs.store import open_store
-from deployable.fpm.trajectory import CONVENTIONS
+from fpm.files.trajectory import CONVENTIONS
 
 ATTRIBUTES = {
     name: {"units": units, "long_name": long_name}
@@ -128,7 +128,7 @@ def write_box(file: Any, plan: Plan) -> list[str]:
             "Conventions": CONVENTIONS,
             "title": f"Responses of all runs of the campaign {experiment.name}",
             "source": "finite particle method",
-            "history": f"deployable gather: {len(plan.unique_runs())} runs of deployable.fpm",
+            "history": f"deployable gather: {len(plan.unique_runs())} runs of fpm",
             "campaign": experiment.name,
             "scene": experiment.scene.name,
             "config_hash": plan.config_hash,

@@ -23,7 +23,7 @@ from deployable.campaign.results.budget import (
 from deployable.campaign.results.scan_words import known_error, scan_facts, scan_text
 from deployable.campaign.results.units import pretty
 from deployable.campaign.results.which import counts, nominal_row
-from deployable.campaign.results.words import runs_text
+from deployable.campaign.results.words import doubt_mark, doubt_texts, escaped, runs_text
 
 
 def summarise(
@@ -47,6 +47,9 @@ def summarise(
         summary["accuracy"] = accuracy_facts(plan)
         for row in (*summary["responses"], *summary.get("quantities", [])):
             row["errors"]["asked"] = plan.experiment.accuracy.shares[row["name"]]
+    for row in (*summary["responses"], *summary.get("quantities", [])):
+        if row["name"] in plan.experiment.doubts:
+            row["doubt"] = plan.experiment.doubts[row["name"]]
     summary["runs"] = _run_counts(summary)
     text = as_text(summary)
     write_result(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
@@ -191,7 +194,7 @@ def as_text(summary: Mapping) -> str:
     lines = [
         f"# {summary['campaign']}",
         "",
-        f"Scene {summary['scene']}; {design['method']}{order}: {design['runs']} runs "
+        f"Scene {escaped(summary['scene'])}; {design['method']}{order}: {design['runs']} runs "
         f"({_runs_text(design)}); time step {summary['time_step']:.4g} s.",
         *([] if told == f"In all {design['runs']} runs" else ["", f"{told}."]),
         "",
@@ -201,8 +204,8 @@ def as_text(summary: Mapping) -> str:
         "|---|---|---|---|---|",
     ]
     lines += [
-        f"| {p['name']} | {p['lower']:.6g} | {p['nominal']:.6g} | {p['upper']:.6g} "
-        f"| {pretty(p['units'])} |"
+        f"| {escaped(p['name'])} | {p['lower']:.6g} | {p['nominal']:.6g} | {p['upper']:.6g} "
+        f"| {escaped(pretty(p['units']))} |"
         for p in summary["parameters"]
     ]
     lines += ["", *_response_table(rows), "", _error_line(summary)]
@@ -217,9 +220,6 @@ def as_text(summary: Mapping) -> str:
     lines += _doubts(summary)
     if "accuracy" in summary:
         lines += accuracy_lines(summary["accuracy"])
-    elif "adaptive" in summary:
-        rounds = summary["adaptive"]["rounds"]
-        lines += ["", f"Order found in {len(rounds)} rounds: {rounds[-1]['reason']}."]
     if "quantities" in summary:
         lines += answer_lines(summary)
     lines += error_lines([*summary["responses"], *summary.get("quantities", [])])
@@ -249,12 +249,13 @@ def _response_table(rows: list[dict]) -> list[str]:
             row["name"],
             f"{row['largest_difference']:.4g} {unit}",
             f"{row['time_of_largest_difference']:.4f}",
-            _quantity(row, "error_at_largest_difference") or "unknown",
+            (_quantity(row, "error_at_largest_difference") or "unknown") + doubt_mark(row),
         ]
         if compared and published is None:
             cells += ["", ""]
         elif compared:
-            cells += [f"{published:.4g} {unit}", f"{row['ratio_to_published']:.2f}"]
+            ratio = row["ratio_to_published"]  # none to a published difference of 0
+            cells += [f"{published:.4g} {unit}", "" if ratio is None else f"{ratio:.2f}"]
         lines.append(f"| {' | '.join(cells)} |")
     return lines
 
@@ -265,7 +266,9 @@ SOFT = 0.05
 
 def _doubts(summary: Mapping) -> list[str]:
     """What speaks against the bounds, a paragraph each."""
-    rows, lines = summary["responses"], []
+    rows = summary["responses"]
+    own = {r["name"]: r["doubt"] for r in (*rows, *summary.get("quantities", [])) if "doubt" in r}
+    lines = [line for text in doubt_texts(own) for line in ("", f"{text}.")]
     if told := [row for row in rows if row.get("outside")]:
         parts = [
             f"{row['name']}: {row['outside']}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 
 from deployable.campaign.results.units import pretty
@@ -16,6 +17,11 @@ def place(values: Mapping[str, float | None], units: Mapping[str, str]) -> str:
 def units_of(summary: Mapping) -> dict[str, str]:
     """The units of a summary's parameters, by name."""
     return {parameter["name"]: parameter["units"] for parameter in summary["parameters"]}
+
+
+def escaped(text: str) -> str:
+    """A name from outside as one line of Markdown that says just that."""
+    return re.sub(r"([|<>`*\[\]\\])", r"\\\1", " ".join(text.split()))
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
@@ -51,3 +57,16 @@ def with_unit(value: float | None, units: str, digits: int, none: str = "unknown
         return none
     unit = pretty(units)
     return f"{value:.{digits}g}" + ("" if unit == "1" else f" {unit}")
+
+
+def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
+    """Sentences that tell of responses and quantities, by name, why mesh and step decide them."""
+    names: dict[str, list[str]] = {}
+    for name, why in doubts.items():
+        names.setdefault(why, []).append(name)
+    return [f"Mesh and step decide {', '.join(own)}: {why}" for why, own in names.items()]
+
+
+def doubt_mark(row: Mapping) -> str:
+    """What stands beside the error of such a number, from its row of the summary."""
+    return "; mesh and step decide it" if "doubt" in row else ""

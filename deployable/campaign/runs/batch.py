@@ -33,8 +33,8 @@ from deployable.campaign.runs.progress import Progress, Tell, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.stopping import import_ahead
-from deployable.fpm.asked import Column, words
-from deployable.fpm.sealed import sweep
+from fpm.asked import Column, words
+from fpm.sealed import sweep
 
 Failure = tuple[Run, str]
 
@@ -125,7 +125,7 @@ def check_structure(plan: Plan) -> None:
     The runs would be others under the names of the planned ones.
     """
     if plan.experiment.scene_type.digest != plan.mechanics:
-        what = plan.experiment.scene.file or f"the code of the scene {plan.experiment.scene.name}"
+        what = plan.experiment.scene.file or f"the structure {plan.experiment.scene.name}"
         raise CampaignError(f"{what} has changed since the runs were planned; start again")
 
 
@@ -232,7 +232,7 @@ def simulate(
     """Simulate runs side by side: those that went well, those that failed with the reason, and the
     seconds, of the clock and of this thread's cpu time, that it took to integrate them. also: what
     is recorded beside what the responses need."""
-    from deployable import fpm
+    import fpm
 
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.named(run)) for run in runs]

@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
-from deployable.fpm.sources import user_cache
+from fpm.sources import user_cache
 
 Tell = Callable[[str], None]
 
@@ -131,7 +131,7 @@ def warm_up(scene: Any, tell: Tell, record: Sequence = ()) -> None:
 
     record: as for `fpm.simulate`.
     """
-    from deployable import fpm
+    import fpm
 
     slow = threading.Timer(5.0, tell, ["compiling the kernels, once; this takes about a minute"])
     slow.daemon = True

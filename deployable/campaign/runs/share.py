@@ -49,7 +49,7 @@ class Share:
 
         ValueError if a number is not finite.
         """
-        from deployable.fpm.trajectory import curves_of, impact_events
+        from fpm.files.trajectory import curves_of, impact_events
 
         outcomes = [result.outcome for result in results]
         values = np.array([[r.evaluate(outcome) for r in self.responses] for outcome in outcomes])

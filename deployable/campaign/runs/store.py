@@ -41,8 +41,8 @@ from deployable.campaign.runs.results import (
     padded,
     write_dimension,
 )
-from deployable.fpm.asked import Column
-from deployable.fpm.sealed import DamagedError, check
+from fpm.asked import Column
+from fpm.sealed import DamagedError, check
 
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
@@ -86,7 +86,7 @@ class Trajectories:
     def write(self, group: Runs, results: Iterable[Result]) -> None:
         """Write the results of runs of a group as they come; ValueError if a number is not
         finite."""
-        from deployable.fpm import trajectory
+        from fpm.files import trajectory
 
         for result in results:
             contents = trajectory.contents(result.outcome, attributes=result.attributes)
@@ -108,7 +108,7 @@ class Trajectories:
     def _curves(self, run: Run) -> Any:
         """The run's `fpm.trajectory.Curves`; None if its file is not there, not whole, or lacks
         what responses need."""
-        from deployable.fpm import trajectory
+        from fpm.files import trajectory
 
         try:
             curves = trajectory.read_curves(self.path(run), run.id)
@@ -173,7 +173,7 @@ class Responses:
         """Write the results of runs of a group; ValueError if a number is not finite."""
         import netCDF4
 
-        from deployable.fpm.trajectory import curves_of, impact_events
+        from fpm.files.trajectory import curves_of, impact_events
 
         results = list(results)
         if not results:

@@ -17,11 +17,10 @@ from ..errors import IntervalError, check_choice, check_integer, check_options
 from .design import Design, Method
 from .scan import SCAN
 from .smolyak import SMOLYAK
-from .split import Part, SplitDesign, parts_of, split_design
 from .tensor import LOBATTO, ROOTS
 from .total_degree import TOTAL_DEGREE
 
-__all__ = ["METHODS", "Design", "Part", "SplitDesign", "make_design", "parts_of", "split_design"]
+__all__ = ["METHODS", "Design", "make_design"]
 
 METHODS: dict[str, Method] = {
     "tensor_roots": ROOTS,
@@ -57,8 +56,7 @@ def make_design(
         Polynomial order n >= 1, or one for each direction (0 keeps a direction constant). A scan
         may have none: then there is no surrogate, only the least and largest sample.
     options
-        ``oversampling`` (total_degree: points per coefficient, >= 1), ``existing`` (total_degree:
-        unit points (R, k) that are already run and are to be used first), ``samples``, ``seed``,
+        ``oversampling`` (total_degree: points per coefficient, >= 1), ``samples``, ``seed``,
         ``sequence`` ("sobol" or "latin_hypercube") and ``corners`` (scan).
 
     Raises

@@ -58,18 +58,12 @@ class Method:
         orders (k), 0 where a direction is not `free` (k), that is has no width; for no order if
         `needs_order` is false. It calls `limit` with the number of its points as soon as that is
         known; its keyword-only arguments are the options that a user has.
-    higher
-        The order to try after this one in one direction, best one that keeps the runs.
     needs_order
         Whether a user must give an order.
-    first
-        The order to begin with where the order is sought in rounds.
     """
 
     make: Callable[..., Design]
-    higher: Callable[[int], int] = lambda order: order + 1
     needs_order: bool = True
-    first: int = 2
 
     @property
     def options(self) -> tuple[str, ...]:
@@ -84,8 +78,3 @@ def check_terms(count: int, most: int) -> None:
         raise IntervalError(
             "order", f"{count} polynomials", f"an order with at most {most} of them"
         )
-
-
-def doubled(order: int) -> int:
-    """The next order of nested Lobatto rules."""
-    return max(2 * order, 2)

@@ -8,7 +8,7 @@ import numpy as np
 
 from .. import chebyshev
 from . import multi_indices
-from .design import Design, Method, check_terms, doubled
+from .design import Design, Method, check_terms
 
 MOST_TERMS = 10_000
 """Polynomials that can be fitted together: their matrix is full."""
@@ -38,4 +38,4 @@ def nested_points(indices: np.ndarray) -> np.ndarray:
     return np.array(nodes)[indices]
 
 
-SMOLYAK = Method(_make, higher=doubled)
+SMOLYAK = Method(_make)

@@ -8,7 +8,7 @@ import numpy as np
 
 from .. import chebyshev
 from . import multi_indices
-from .design import Design, Method, doubled
+from .design import Design, Method
 
 
 def _roots(orders: np.ndarray, free: np.ndarray, limit: Callable[[int], None]) -> Design:
@@ -29,6 +29,5 @@ def _grid(orders, limit, rule, transform) -> Design:
     return Design(points, multi_indices.tensor(orders), transform=transform)
 
 
-# The paper's order is 3.
-ROOTS = Method(_roots, higher=lambda order: order + 2 if order else 1, first=3)
-LOBATTO = Method(_lobatto, higher=doubled)
+ROOTS = Method(_roots)
+LOBATTO = Method(_lobatto)

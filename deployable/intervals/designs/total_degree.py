@@ -25,28 +25,21 @@ def _make(
     limit: Callable[[int], None],
     *,
     oversampling: float = 1.0,
-    existing: np.ndarray | None = None,
 ) -> Design:
     count = multi_indices.count_total_degree(orders)
     limit(count)
     check_terms(count, MOST_TERMS)
     indices = multi_indices.total_degree(orders)
-    points = choose_points(orders, indices, oversampling, existing)
+    points = choose_points(orders, indices, oversampling)
     limit(len(points))
     return Design(points, indices)
 
 
-def choose_points(
-    order: np.ndarray,
-    indices: np.ndarray,
-    oversampling: float = 1.0,
-    existing: np.ndarray | None = None,
-) -> np.ndarray:
+def choose_points(order: np.ndarray, indices: np.ndarray, oversampling: float = 1.0) -> np.ndarray:
     """Choose points (N, k) for the basis `indices` (M, k) from Lobatto candidates.
 
     Pivoted QR of the transposed basis matrix takes, one after the other, the candidate whose row is
     farthest from the span of those taken: approximate Fekete points (Sommariva and Vianello 2009).
-    Points of `existing` (R, k) are taken first, as far as they are independent.
     With `oversampling` > 1 there are ceil(oversampling M) points for a least-squares fit.
     """
     from scipy.linalg import qr
@@ -56,8 +49,6 @@ def choose_points(
     target = int(np.ceil(oversampling * len(indices) - 1e-9))
     candidates = _candidates(order, target)
     chosen = np.zeros((0, indices.shape[1]))
-    if existing is not None and len(existing):
-        chosen = _independent(np.atleast_2d(np.asarray(existing, dtype=float)), indices)
     while len(chosen) < target:
         candidates = candidates[~_is_in(candidates, chosen)]
         if not len(candidates):  # a box without width has one point
@@ -72,17 +63,6 @@ def choose_points(
         want = min(want, len(indices))
         chosen = np.concatenate([chosen, candidates[pivot[:want]]])
     return chosen
-
-
-def _independent(points: np.ndarray, indices: np.ndarray, threshold: float = 0.05) -> np.ndarray:
-    """Those of `points` whose rows are well independent of each other (at most M of them)."""
-    from scipy.linalg import qr
-
-    rows = product_basis(points, indices)
-    r, pivot = qr(rows.T, mode="r", pivoting=True)
-    size = np.abs(np.diag(r))
-    keep = np.flatnonzero(size > threshold * size[0])
-    return points[pivot[keep]]
 
 
 def _is_in(points: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -1,6 +1,5 @@
 """Models of the responses over the box, from which bounds are taken (see `model.Model`)."""
 
-from .aligned import AlignedModel
 from .model import Model
 from .polynomial import PolynomialModel
 from .scan import ScanModel
@@ -11,6 +10,5 @@ __all__ = ["MODELS", "Model", "PolynomialModel"]
 MODELS: dict[str, type[Model]] = {
     "polynomial": PolynomialModel,
     "spline": SplineModel,
-    "aligned": AlignedModel,
     "scan": ScanModel,
 }

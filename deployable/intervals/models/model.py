@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..designs import Design, SplitDesign
+from ..designs import Design
 from ..estimates import ErrorEstimate
 from ..ranges import Range
 from ..samples import Samples
@@ -30,7 +30,7 @@ class Model:
     tested: np.ndarray = np.zeros(0, dtype=int)
     attributes: dict
 
-    def __init__(self, samples: Samples, design: Design | SplitDesign | None) -> None:
+    def __init__(self, samples: Samples, design: Design | None) -> None:
         raise NotImplementedError
 
     def range(self) -> Range:

@@ -16,7 +16,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..designs import Design, SplitDesign
+from ..designs import Design
 from ..errors import IntervalError
 from ..estimates import ErrorEstimate, share_outside
 from ..ranges import Range, attained
@@ -32,7 +32,7 @@ class ScanModel(Model):
 
     kind = "least and largest sample"
 
-    def __init__(self, samples: Samples, design: Design | SplitDesign | None = None) -> None:
+    def __init__(self, samples: Samples, design: Design | None = None) -> None:
         self.unit, found = samples.unit, None
         step = max(_CHUNK // (len(samples.time) * len(samples.names)), 1)
         grown = [found]

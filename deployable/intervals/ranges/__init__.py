@@ -4,7 +4,7 @@
 """
 
 from .line_range import line_range
-from .range import Range, attained, raised, union
+from .range import Range, attained, raised
 from .surrogate_range import surrogate_range
 
-__all__ = ["Range", "attained", "line_range", "raised", "surrogate_range", "union"]
+__all__ = ["Range", "attained", "line_range", "raised", "surrogate_range"]

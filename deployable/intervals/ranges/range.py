@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,19 +43,3 @@ def raised(found: Range, least: np.ndarray) -> Range:
     """The range of a model of something that is never below `least`, whatever the model says."""
     ends = (found.lower, found.upper, found.inner_lower, found.inner_upper)
     return Range(*(np.maximum(end, least) for end in ends), found.argmin, found.argmax)
-
-
-def union(ranges: Sequence[Range]) -> Range:
-    """The range of a model of several parts, from those of its parts."""
-    whole = ranges[0]
-    for part in ranges[1:]:
-        low, high = part.inner_lower < whole.inner_lower, part.inner_upper > whole.inner_upper
-        whole = Range(
-            np.minimum(whole.lower, part.lower),
-            np.maximum(whole.upper, part.upper),
-            np.minimum(whole.inner_lower, part.inner_lower),
-            np.maximum(whole.inner_upper, part.inner_upper),
-            np.where(low[..., None], part.argmin, whole.argmin),
-            np.where(high[..., None], part.argmax, whole.argmax),
-        )
-    return whole

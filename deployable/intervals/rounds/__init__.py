@@ -1,17 +1,6 @@
-"""Rounds of runs: what they have shown, which design comes next, and where to look further."""
+"""Which runs come next: where bounds are decided, and where they may be wider."""
 
-from .decide import Decision, Progress, Specification, decide
-from .measure import measure_round
 from .places import Places, deciding_places
 from .seek import seek_points
 
-__all__ = [
-    "Decision",
-    "Places",
-    "Progress",
-    "Specification",
-    "decide",
-    "deciding_places",
-    "measure_round",
-    "seek_points",
-]
+__all__ = ["Places", "deciding_places", "seek_points"]

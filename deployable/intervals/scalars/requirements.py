@@ -17,11 +17,13 @@ _AT_ONCE = 64  # lines
 @dataclass(frozen=True)
 class Limit:
     """What a number must keep: `kind` "at_most" or "at_least" a `level`, or "happens", whose level
-    is 1 if there must be a number and 0 if there must be none."""
+    is 1 if there must be a number and 0 if there must be none. beyond: what the number may be wrong
+    by in the runs themselves, as by their mesh and step."""
 
     surrogate: ScalarSurrogate | None
     kind: str
     level: float
+    beyond: float = 0.0
 
     def conditions(self, unit: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """What must not be below 0 at unit coordinates (P, k): functions (P), and their errors (P).
@@ -36,7 +38,12 @@ class Limit:
             return [(certain, doubt)]
         sign = 1.0 if self.kind == "at_most" else -1.0
         slack = sign * (self.level - found.foretold(unit))
-        return [(certain, doubt), (slack, np.full(len(unit), found.error))]
+        return [(certain, doubt), (slack, np.full(len(unit), self.error))]
+
+    @property
+    def error(self) -> float:
+        """Estimated error of the number: of its surrogate, and beyond that of its runs."""
+        return self.surrogate.error + self.beyond
 
     def slack_of(self, values: np.ndarray) -> np.ndarray:
         """By how much the limit is kept by values (...) of the number, NaN where there is none:

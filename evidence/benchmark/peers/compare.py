@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from deployable import fpm
+import fpm
 from evidence.benchmark.clock import best
 from evidence.benchmark.peers.description import describe
 from evidence.benchmark.scenes import beam_count, linkages, runner

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm.kinds import Damper, Hinge, SyncLoop, TorsionSpring
+import fpm
+from fpm.elements import Damper, Hinge, SyncLoop, TorsionSpring
 
 TOLD = {"Gravity", "Damping", "Beams", "Hinge", "TorsionSpring", "Damper", "SyncLoop"}
 """Kinds of element that are told."""

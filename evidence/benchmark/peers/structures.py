@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from deployable import fpm
-from deployable.fpm import structures
-from deployable.fpm.scenes import SceneType
+import fpm
 from evidence.benchmark.clock import best
 from evidence.benchmark.peers import compare
 from evidence.benchmark.peers.description import describe
 from evidence.rows import Row, at_least, at_most, skipped, told
+from fpm import structures
+from fpm.scenes.scene_type import SceneType
 
 GROUP = "Structures of the library in Exudyn"
 FOLDER = Path(__file__).parents[3] / "config" / "structures"

@@ -1,4 +1,4 @@
-"""One key for accuracy against presets and scans: what was asked for, what came of it, its cost.
+"""One key for accuracy against designs and scans chosen by hand: what came of it, and its cost.
 
 All of them are whole campaigns without figures, in one process, so that the cost of each is that of
 everything: choosing runs, integrating, writing, bounds, checks.

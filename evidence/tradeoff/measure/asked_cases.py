@@ -1,4 +1,4 @@
-"""The cases in which one key for accuracy is put beside presets and scans.
+"""The cases in which one key for accuracy is put beside designs and scans chosen by hand.
 
 Read by the workflow as well, so that this module imports nothing heavy.
 """
@@ -35,16 +35,28 @@ def scan(samples: int, mesh: Mapping[str, int] | None = None, model: str = "spli
     return found
 
 
+def sparse(order: int, held_out: int, mesh: Mapping[str, int] | None = None) -> dict:
+    """What a sparse grid with a spline adds to a config, on a mesh."""
+    return scan(0, mesh) | {"design": {"method": "smolyak", "order": order}, "held_out": held_out}
+
+
+def _grids(mesh: str = "") -> dict[str, dict]:
+    """Two sparse grids, on 8 and on 16 elements where there is a mesh."""
+    return {
+        f"smolyak {order}": sparse(order, held_out, {mesh: count} if mesh else None)
+        for order, held_out, count in ((2, 4, 8), (4, 3, 16))
+    }
+
+
 def _file(name: str) -> dict:
     return {"file": str(ROOT / "config" / "structures" / f"{name}.yaml")}
 
 
-_PRESETS = {name: {"preset": name} for name in ("draft", "standard")}
 _BENNETT = {"BD": {"distance": ["B", "D"]}, "vBz": {"velocity": "B", "component": "z"}}
 
 
 def _links(count: int) -> dict[str, int]:
-    return {"elements_per_link": count}
+    return {"elements": count}
 
 
 ASKED = (
@@ -57,7 +69,7 @@ ASKED = (
             "responses": _BENNETT,
         },
         {
-            **_PRESETS,
+            **_grids("elements"),
             "scan 8, 6 elements": scan(8, _links(6)),
             "scan 16, 12 elements": scan(16, _links(12)),
         },
@@ -76,7 +88,7 @@ ASKED = (
             "responses": _BENNETT,
         },
         {
-            **_PRESETS,
+            **_grids("elements"),
             "scan 32, 6 elements": scan(32, _links(6)),
             "scan 64, 12 elements": scan(64, _links(12)),
             "scan 256, 12 elements": scan(256, _links(12)),
@@ -99,7 +111,7 @@ ASKED = (
             "responses": _BENNETT,
         },
         {
-            "draft": _PRESETS["draft"],
+            "smolyak 2": _grids("elements")["smolyak 2"],
             "scan 64, 6 elements": scan(64, _links(6)),
             "scan 256, 6 elements": scan(256, _links(6)),
             "scan 256, 12 elements": scan(256, _links(12)),
@@ -118,7 +130,7 @@ ASKED = (
                 "speed": {"velocity": "tip", "component": "norm"},
             },
         },
-        {**_PRESETS, "scan 64": scan(64), "scan 256": scan(256)},
+        {**_grids(), "scan 64": scan(64), "scan 256": scan(256)},
         scan(2000, model="polynomial") | {"solver": {"step": 2e-4}},
     ),
     Asked(
@@ -132,7 +144,7 @@ ASKED = (
                 "vz": {"velocity": "T", "component": "z"},
             },
         },
-        {**_PRESETS, "scan 16, 4 elements": scan(16, {"elements": 4})},
+        {**_grids("elements"), "scan 16, 4 elements": scan(16, {"elements": 4})},
         scan(64, {"elements": 32}),
     ),
     Asked(
@@ -146,7 +158,7 @@ ASKED = (
                 "speed": {"velocity": "tip", "component": "norm"},
             },
         },
-        {**_PRESETS, "scan 16, 2 elements": scan(16, {"elements": 2})},
+        {**_grids("elements"), "scan 16, 2 elements": scan(16, {"elements": 2})},
         scan(64, {"elements": 16}),
     ),
 )  # fmt: skip

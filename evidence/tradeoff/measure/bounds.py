@@ -23,11 +23,8 @@ class Band:
 def take_bounds(choice: Choice, design: intervals.Design, tested: np.ndarray, runs: Runs) -> Band:
     """The bounds as a campaign would take them, from the runs of the design and at `tested`."""
     samples = runs.samples(np.concatenate([design.points, tested]))
-    model = {"model": choice.model}
-    if choice.align != "none":
-        model = {"model": "aligned", "alignment": choice.align, "max_impacts": choice.impacts}
     start = time.process_time()
-    found = intervals.bounds_dataset(samples, design, **model)
+    found = intervals.bounds_dataset(samples, design, model=choice.model)
     cpu = time.process_time() - start
     return Band(found["lower"].values, found["upper"].values, found["error"].values, cpu)
 

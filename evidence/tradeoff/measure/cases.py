@@ -12,33 +12,22 @@ PENDULUM = {"x": {"position": "T", "component": "x"}, "vz": {"velocity": "T", "c
 
 @dataclass(frozen=True)
 class Choice:
-    """How bounds are taken: the design, the model, and whether impacts are aligned.
+    """How bounds are taken: the design and the model.
 
-    `order` is None for a scan, which has `samples` runs; `align` is "none", "stretch" or
-    "shift", the last two for the first impact only or for all (`impacts` None). `model` is
-    "polynomial" (none for a plain scan) or "spline". `preset` names the preset that takes them so,
-    with held-out runs of its own.
+    `order` is None for a scan, which has `samples` runs. `model` is "polynomial" (none for a plain
+    scan) or "spline".
     """
 
     method: str
     order: int | None = None
-    align: str = "none"
-    impacts: int | None = None
     samples: int | None = None
     model: str = "polynomial"
-    preset: str | None = None
 
     @property
     def label(self) -> str:
         """Short name for tables and plots."""
-        if self.preset is not None:
-            return f"{self.preset}, {self.model}"
         text = f"{self.method} {self.samples if self.order is None else self.order}"
-        if self.model != "polynomial":
-            return f"{text}, {self.model}"
-        if self.align == "none":
-            return text
-        return f"{text}, {self.align}" + ("" if self.impacts is None else f" {self.impacts}")
+        return text if self.model == "polynomial" else f"{text}, {self.model}"
 
 
 @dataclass(frozen=True)
@@ -99,14 +88,6 @@ def _splines(*choices: Choice) -> tuple[Choice, ...]:
     return tuple(replace(choice, model="spline") for choice in choices)
 
 
-def _aligned(method: str, orders) -> tuple[Choice, ...]:
-    return tuple(
-        Choice(method, n, align, impacts)
-        for n in orders
-        for align, impacts in (("stretch", None), ("shift", None), ("shift", 1))
-    )
-
-
 _LINE = (
     *_each("tensor_roots", (3, 5, 9, 17, 33)),
     *_each("tensor_lobatto", (2, 4, 8, 16, 32)),
@@ -136,7 +117,7 @@ _SPACE_FEW = (
     *_scans(16, 32, 64),
     *_splines(*_each("total_degree", (5,)), *_each("smolyak", (2, 4)), *_scans(16, 32, 64)),
 )
-_BENNETT = {"scene": "bennett", "mesh": "elements_per_link", "responses": BENNETT}
+_BENNETT = {"scene": "bennett", "mesh": "elements", "responses": BENNETT}
 
 CASES = (
     Case(
@@ -144,7 +125,7 @@ CASES = (
         levels=(
             Level(4, 0.9, 201, _LINE),
             Level(8, 0.45, 0, _FEW),
-            Level(8, 0.9, 401, _LINE + _aligned("tensor_lobatto", (4, 8, 16))),
+            Level(8, 0.9, 401, _LINE),
             Level(16, 0.9, 201, _LINE),
             Level(32, 0.9, 201, _FEW),
         ),
@@ -157,13 +138,13 @@ CASES = (
         intervals={"a": 0.01, "E": 0.05, "K_C": 0.10}, held_out=8,
         levels=(
             Level(4, 0.9, 512, _SPACE_FEW, rounds=2),
-            Level(8, 0.9, 768, _SPACE + _aligned("total_degree", (3,)), rounds=4),
+            Level(8, 0.9, 768, _SPACE, rounds=4),
             Level(16, 0.9, 768, _SPACE_FEW + _each("smolyak", (8,)), rounds=5),
         ),
     ),
     Case(
         "spring", "Bennett linkage, K_F ± 5 %", **_BENNETT, intervals={"K_F": 0.05}, held_out=4,
-        levels=(Level(8, 0.9, 401, _LINE + _aligned("tensor_lobatto", (2, 4, 8, 16))),),
+        levels=(Level(8, 0.9, 401, _LINE),),
     ),
     Case(
         "smooth", "Pendulum of a stiff bar, L ± 1 %, g ± 1 %", "pendulum", "elements", PENDULUM,

@@ -1,47 +1,18 @@
-"""Where the runs of a case are: the points of its designs, scans, held-out runs and presets."""
+"""Where the runs of a case are: the points of its designs, scans, and held-out runs."""
 
 import numpy as np
 
-from deployable import fpm, intervals
-from deployable.campaign.config.presets import METHOD, PRESETS
-from evidence.tradeoff.measure.cases import Case, Choice, Level
-
-MODELS = ("polynomial", "spline")
+from deployable import intervals
+from deployable.campaign.config.scenes import scene_type
+from evidence.tradeoff.measure.cases import Case, Choice
 
 
 def box_of(case: Case) -> intervals.Box:
     """The box of a case."""
-    table = fpm.scenes.get(case.scene).parameters
+    table = scene_type(case.scene).parameters
     middle = np.array([table[name].default for name in case.intervals])
     half = middle * list(case.intervals.values())
     return intervals.Box(list(case.intervals), middle - half, middle + half)
-
-
-def levels_of(case: Case) -> tuple[Level, ...]:
-    """The case's levels, and one without a scan for each preset whose mesh and step has none.
-
-    A preset that is finer than the case's reference cannot be judged by it, and is left out.
-    """
-    *coarser, finest = case.levels
-    for preset in PRESETS.values():
-        own = Level(preset["elements"], preset["safety"], 0, ())
-        known = {level.label for level in (*coarser, finest)}
-        if own.elements <= finest.elements and own.label not in known:
-            coarser.append(own)
-    return (*coarser, finest)
-
-
-def preset_choices(level: Level) -> tuple[Choice, ...]:
-    """What the presets that have the level's mesh and step do, and the same with the other model.
-
-    The nominal run, at the centre of the box, is a point of all their designs.
-    """
-    return tuple(
-        Choice(METHOD, preset["order"], model=model, preset=name)
-        for name, preset in PRESETS.items()
-        if (preset["elements"], preset["safety"]) == (level.elements, level.safety)
-        for model in MODELS
-    )
 
 
 def design_of(case: Case, choice: Choice) -> intervals.Design:
@@ -53,8 +24,6 @@ def design_of(case: Case, choice: Choice) -> intervals.Design:
 def held_out_of(case: Case, choice: Choice, design: intervals.Design) -> np.ndarray:
     """Points (H, k) of the runs that test the surrogate; none for a plain scan."""
     count = 0 if choice.order is None else case.held_out
-    if choice.preset is not None:
-        count = PRESETS[choice.preset]["held_out"]
     return intervals.held_out_points(box_of(case).free, count, design.points)
 
 

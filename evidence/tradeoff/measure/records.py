@@ -1,4 +1,4 @@
-"""Error against cost of one case: over mesh, time step, order, design, alignment, and lanes.
+"""Error against cost of one case: over mesh, time step, order, design, and lanes.
 
 Two errors are told apart. The surrogate's: bounds against a dense scan of the same level, that is
 of the same mesh and step. The total: bounds against the dense scan of the finest level. What single
@@ -9,21 +9,16 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict
 
 import numpy as np
 
-from deployable import fpm
+import fpm
+from deployable.campaign.config.scenes import scene_type
 from evidence.tradeoff.measure import bounds
-from evidence.tradeoff.measure.cases import Case, Choice, Level
-from evidence.tradeoff.measure.points import (
-    design_of,
-    held_out_of,
-    levels_of,
-    points_of,
-    preset_choices,
-)  # fmt: skip
+from evidence.tradeoff.measure.cases import Case, Level
+from evidence.tradeoff.measure.points import design_of, held_out_of, points_of
 from evidence.tradeoff.measure.reference import missing, seek_runs
 from evidence.tradeoff.measure.runs import LANES, Runs, simulate
 
@@ -31,19 +26,18 @@ from evidence.tradeoff.measure.runs import LANES, Runs, simulate
 def measure_case(case: Case, tell: Callable[[str], object] = print) -> dict:
     """Everything that the report needs of a case, as plain numbers."""
     levels = []
-    for level in levels_of(case):
+    for level in case.levels:
         tell(f"{case.name}: {level.label}, {level.scan} runs of the scan and the designs")
-        points = points_of(case, (*level.choices, *preset_choices(level)), level.scan)
+        points = points_of(case, level.choices, level.scan)
         runs = simulate(case, level.elements, level.safety, points)
         runs, rounds = seek_runs(level, runs)
         levels.append((level, runs))
     finest_level, finest = levels[-1]
     reference, phases = bounds.hull(finest), bounds.phases_of(finest)
-    records, presets = [], []
+    records = []
     for level, runs in levels:
         tell(f"{case.name}: {level.label}, bounds of {len(level.choices)} choices")
-        records += _measure_level(case, level, level.choices, runs, reference, phases)
-        presets += _measure_level(case, level, preset_choices(level), runs, reference, phases)
+        records += _measure_level(case, level, runs, reference, phases)
     return {
         "case": case.name,
         "title": case.title,
@@ -57,7 +51,6 @@ def measure_case(case: Case, tell: Callable[[str], object] = print) -> dict:
             "missing": missing(case, finest_level, rounds, phases),
         },
         "records": records,
-        "presets": presets,
         "trajectories": _measure_trajectories(case, phases, tell),
         "lanes": _measure_lanes(case, case.levels[0]),
     }
@@ -66,14 +59,13 @@ def measure_case(case: Case, tell: Callable[[str], object] = print) -> dict:
 def _measure_level(
     case: Case,
     level: Level,
-    choices: Sequence[Choice],
     runs: Runs,
     reference: bounds.Band,
     phases: dict[str, np.ndarray],
 ) -> list[dict]:
     own = bounds.hull(runs) if level.scan else None
     records = []
-    for choice in choices:
+    for choice in level.choices:
         design = design_of(case, choice)
         tested = held_out_of(case, choice, design)
         band = bounds.take_bounds(choice, design, tested, runs)
@@ -128,7 +120,7 @@ def _measure_trajectories(case: Case, phases: dict[str, np.ndarray], tell) -> li
 
 def _measure_lanes(case: Case, level: Level) -> list[dict]:
     """Cpu time of 1 and of LANES runs side by side."""
-    kind = fpm.scenes.get(case.scene)
+    kind = scene_type(case.scene)
     scene = kind.build(**{case.mesh: level.elements}, **case.fixed)
     rows = []
     for count in (1, LANES):

@@ -9,14 +9,16 @@ from functools import cached_property
 
 import numpy as np
 
-from deployable import fpm, intervals
-from deployable.campaign.runs.results import EVENT_VARIABLES
+import fpm
+from deployable import intervals
+from deployable.campaign.config.scenes import scene_type
 from evidence.tradeoff.measure.cases import Case
 from evidence.tradeoff.measure.points import box_of, unique_points
 
 LANES = 8
 """Runs that cost what one costs: double-precision lanes of the widest vector unit."""
 _CHUNK = 8 * LANES
+_GAP = 0.02  # share of the duration
 
 
 @dataclass(frozen=True)
@@ -38,10 +40,7 @@ class Runs:
     @cached_property
     def closures(self) -> list[np.ndarray]:
         """Times of the impacts (closures after a time without contact) of each run."""
-        from deployable.intervals.models.aligned.impacts import GAP, find_impacts
-
-        gap = GAP * float(self.time[-1])
-        return find_impacts(*_padded(self.events), gap=gap, end=float(self.time[-1]))
+        return [_impacts(events, _GAP * float(self.time[-1])) for events in self.events]
 
     def cost(self, runs: int) -> float:
         """Cpu time (s) of so many runs, in whole batches."""
@@ -61,24 +60,30 @@ class Runs:
         import xarray as xr
 
         rows = intervals.match_points(points, self.unit)
-        unit, events = self.unit[rows], _padded([self.events[row] for row in rows])
+        unit = self.unit[rows]
         data = {
             "unit": (("run", "parameter"), unit),
             "value": (("run", "parameter"), box_of(self.case).from_unit(unit)),
             "values": (("run", "response", "time"), self.values[rows]),
         }
-        for name, column in zip(EVENT_VARIABLES, events, strict=True):
-            data[name] = (("run", "event"), column)
         coords = {"response": list(self.case.responses), "time": self.time}
         return xr.Dataset(data, {**coords, "parameter": list(self.case.intervals)})
 
 
-def _padded(events: list[np.ndarray]) -> np.ndarray:
-    """Events (3, R, e) of all runs, their times, contacts and senses, filled up with NaN."""
-    table = np.full((len(events), max(1, max(map(len, events))), 3), np.nan)
-    for row, found in zip(table, events, strict=True):
-        row[: len(found)] = found
-    return np.moveaxis(table, 2, 0)
+def _impacts(events: np.ndarray, gap: float) -> np.ndarray:
+    """Times of the events (e, 3) at which a contact closes after all have been open for longer
+    than `gap` (s): contacts that close together, and chatter, count once."""
+    shut: set[float] = set()
+    last, found = -np.inf, []
+    for when, contact, closes in events[np.argsort(events[:, 0], kind="stable")]:
+        if closes:
+            if not shut and when - last > gap:
+                found.append(when)
+            shut.add(contact)
+        else:
+            shut.discard(contact)
+        last = when
+    return np.array(found)
 
 
 def simulate(case: Case, elements: int, safety: float, unit: np.ndarray) -> Runs:
@@ -86,7 +91,7 @@ def simulate(case: Case, elements: int, safety: float, unit: np.ndarray) -> Runs
 
     RuntimeError if a run breaks down.
     """
-    kind = fpm.scenes.get(case.scene)
+    kind = scene_type(case.scene)
     responses = [fpm.responses.parse(n, d, kind) for n, d in case.responses.items()]
     box = box_of(case)
 

@@ -25,11 +25,11 @@ class Chart {
     return this.curves.filter(({ run }) => run === undefined || SHOWN.has(run));
   }
 
-  // Least and largest value in the span of what is drawn.
+  // Least and largest value in the span of what is drawn; what is not known is cut there.
   range() {
     const [from, to] = spanOf(this.span);
     let low = Infinity, high = -Infinity;
-    for (const values of [...this.drawn().map((c) => c.values), ...this.areas.flatMap((a) => [a.lower, a.upper])]) {
+    for (const values of [...this.drawn().map((c) => c.values), ...this.areas.filter(({ kind }) => kind === "band").flatMap((a) => [a.lower, a.upper])]) {
       for (let i = from; i <= to; i++) {
         if (values[i] < low) low = values[i];
         if (values[i] > high) high = values[i];

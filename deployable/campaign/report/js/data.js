@@ -1,20 +1,27 @@
 // The page's data, and small helpers that all files use.
 
-const KINDS = { f8: Float64Array, f4: Float32Array, i4: Int32Array, i2: Int16Array, u2: Uint16Array };
+// What a script element holds compressed, as an ArrayBuffer.
+function inflate(id) {
+  const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+}
 
-function unpack(value) {
-  if (value && typeof value === "object") {
-    if (typeof value.kind === "string" && typeof value.data === "string") {
-      const text = atob(value.data), bytes = new Uint8Array(text.length);
-      for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
-      return new KINDS[value.kind](bytes.buffer);
-    }
-    for (const key of Object.keys(value)) value[key] = unpack(value[key]);
-  }
+// The library as a script of its own, which declares THREE.
+document.head.append(make("script", {}, new TextDecoder().decode(await inflate("library"))));
+
+const KINDS = { f8: Float64Array, f4: Float32Array, u1: Uint8Array };
+
+// The page's data are text of so many bytes and, after it, the arrays that the text points to.
+function unpack(value, bytes) {
+  if (typeof value?.at === "number") return new KINDS[value.kind](bytes, value.at, value.count);
+  if (value && typeof value === "object") for (const key of Object.keys(value)) value[key] = unpack(value[key], bytes);
   return value;
 }
 
-const DATA = unpack(JSON.parse(document.getElementById("data").textContent));
+const BYTES = await inflate("data");
+const [SIZE] = new Uint32Array(BYTES, 0, 1);
+const DATA = unpack(JSON.parse(new TextDecoder().decode(new Uint8Array(BYTES, 4, SIZE))), BYTES.slice(4 + SIZE));
+const MOTION = DATA.motion;
 const TIME = DATA.time;
 const FIRST = TIME[0];
 const LAST = TIME[TIME.length - 1];

@@ -2,20 +2,20 @@
 
 const root = document.documentElement;
 const darkAsked = matchMedia("(prefers-color-scheme: dark)");
-root.dataset.theme = darkAsked.matches ? "dark" : "light";
 
+// Without WebGL the still picture remains.
 let viewer = null, stills = null;
-if (MOTION) {
-  viewer = new Viewer(byId("view"), new Painter());
+if (MOTION && make("canvas").getContext("webgl2")) {
+  byId("motion").classList.add("moves");
+  viewer = new Viewer(byId("view"), await Promise.all(MOTION.runs.map((bytes) => Played.read(bytes.slice().buffer))));
   viewerControls(viewer);
   stills = new Stills(viewer);
 }
 
-function repaint(ratio = window.devicePixelRatio || 1, ...size) {
+function repaint() {
   if (!viewer) return;
-  viewer.painter.readColours();
-  viewer.drawNow(ratio, ...size);
-  stills.draw(ratio);
+  viewer.recolour();
+  stills.draw();
 }
 
 // Draw all that depends on which runs are shown.
@@ -78,7 +78,7 @@ function drawEvents() {
 }
 
 function stepFrames(count) {
-  const frames = MOTION ? MOTION.time : TIME;
+  const frames = viewer ? viewer.runs[0].frames.map((time) => FIRST + time) : TIME;
   clock.play(false);
   clock.set(frames[Math.min(frames.length - 1, Math.max(0, nearest(frames, clock.time) + count))]);
 }
@@ -107,12 +107,14 @@ byId("theme").addEventListener("click", () => theme(root.dataset.theme === "dark
 darkAsked.addEventListener("change", ({ matches }) => theme(matches ? "dark" : "light"));
 
 // Paper is white, and finer than a screen.
-const PAPER = 690; // pixels between the margins of A4
+const PAPER = 690, PICTURE = 234; // pixels: between the margins of A4, and high (as the style has it)
 let before = null;
 addEventListener("beforeprint", () => {
   before = root.dataset.theme;
   root.dataset.theme = "light";
-  repaint(3, PAPER, 225);
+  repaint();
+  viewer?.drawNow(3, PAPER, PICTURE);
+  viewer?.copyTo(byId("paper"));
   for (const chart of charts) { chart.onPaper = true; chart.draw(PAPER); }
 });
 addEventListener("afterprint", () => {

@@ -44,14 +44,15 @@ class Stills {
     }
   }
 
-  draw(ratio = window.devicePixelRatio || 1) {
-    const { painter } = this.viewer, camera = new Camera(painter.extent);
+  draw() {
+    const { viewer } = this, camera = new THREE.PerspectiveCamera(FIELD), ratio = window.devicePixelRatio || 1;
     for (const { canvas, time } of this.items) {
       const width = canvas.clientWidth, height = canvas.clientHeight;
-      Object.assign(canvas, { width: width * ratio, height: height * ratio });
-      const context = canvas.getContext("2d");
-      context.setTransform(ratio, 0, 0, ratio, 0, 0);
-      painter.paint(context, camera, width, height, time, { ...this.viewer.options, names: false, grid: false, fill: 0.88 });
+      if (!width) return;
+      fit(camera, viewer.places, VIEWS.free, width / height, 0.88);
+      viewer.render(camera, width, height, ratio, time);
+      viewer.copyTo(canvas);
     }
+    viewer.drawNow();
   }
 }

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...designs import Design, SplitDesign
+from ...designs import Design
 from ...errors import IntervalError
 from ...estimates import AVERAGED, ErrorEstimate, error_estimate, usual
 from ...points import other_runs
@@ -62,7 +62,7 @@ class SplineModel(Model):
 
     kind = "attained range of a spline through all runs"
 
-    def __init__(self, samples: Samples, design: Design | SplitDesign | None = None) -> None:
+    def __init__(self, samples: Samples, design: Design | None = None) -> None:
         check_spline_runs(samples.unit)
         # Scales and extremes are sought one direction after the other: by name, so that the order
         # in which a dataset has its parameters does not matter.

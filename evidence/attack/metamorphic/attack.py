@@ -1,0 +1,50 @@
+"""The attack by pairs: structures at random, and each in other words."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+
+import numba
+
+from evidence.attack.ledger import Ledger
+from evidence.attack.metamorphic.ballast import ballasted
+from evidence.attack.metamorphic.families import FAMILIES, LATER
+from evidence.attack.metamorphic.pairs import Trial, Verdict
+from evidence.attack.metamorphic.runs import drawn
+from evidence.attack.metamorphic.written import as_text
+
+ALL = (*FAMILIES, LATER)
+
+LIMIT = 600.0
+"""Seconds (see `time_limit`): the first structure compiles the loop of all kinds."""
+
+OUTCOMES = {"right": "right", "wrong": "wrong", "sensitive": "open", "failed": "refused"}
+
+
+def trial(seed: str) -> Trial:
+    """The pairs of the structure of a seed, beside the ballast where loops are compiled."""
+    structure, duration = drawn(seed)
+    if numba.config.DISABLE_JIT:
+        return Trial(structure, duration, seed)
+    return Trial(structure, duration, seed, ballasted)
+
+
+def verdicts(seed: str, count: int = len(ALL)) -> Iterator[Verdict]:
+    """What so many families come to, drawn by the seed."""
+    return trial(seed).verdicts(random.Random(f"{seed} families").sample(ALL, count))
+
+
+def attack_by_pairs(ledger: Ledger, rng: random.Random) -> None:
+    """Run one structure in all other words; both files of a pair that is wrong are told."""
+    seed, found = f"{rng.getrandbits(32):08x}", []
+
+    def run() -> str:
+        found.extend(verdicts(seed))
+        return "right"
+
+    ledger.attempt("structure drawn", f"seed {seed}", LIMIT, run)
+    for verdict in found:
+        files = as_text(verdict.original), as_text(verdict.image)
+        what = "\n".join([f"seed {seed}: {verdict.what}", *files])
+        ledger.note(verdict.family, OUTCOMES[verdict.outcome], what)

@@ -1,0 +1,210 @@
+"""Structures drawn at random: chains, trees and loops of rigid bodies and bars.
+
+All sizes are of the order of one, in metres, kilograms and seconds, so that what is drawn moves by
+tenths of a radian in `DURATION`. What the language refuses is drawn again by the caller.
+"""
+
+from __future__ import annotations
+
+import random
+from itertools import pairwise
+
+import numpy as np
+
+from evidence.attack.metamorphic.acting import Acting
+from evidence.attack.metamorphic.written import Structure
+
+DURATION = 0.4
+"""Time (s) in which a drawn structure is to show what it does."""
+
+GROUND = "ground"
+TURNS = {"revolute": [""], "universal": ["_axis", "_other"]}
+"""Endings of the names of the openings that are angles, by the type of their joint."""
+
+
+class Draw(Acting):
+    """A whole structure."""
+
+    def __init__(self, rng: random.Random):
+        super().__init__(rng)
+        self.parts: list[str] = []
+
+    # -- the whole ----------------------------------------------------------------------------
+
+    def draw(self) -> Structure:
+        with_bars = self.chance(0.2)
+        for _ in range(self.rng.choice([1, 2, 2, 3, 3, 4])):
+            self.part(with_bars)
+        if self.chance(0.3) and len(self.parts) > 2:
+            self.close()
+        for name, opening in self.openings.items():
+            self.act(name, opening, turns=True)
+        for name, opening in self.slides.items():
+            self.act(name, opening, turns=False)
+        if len(self.openings) > 1 and self.chance(0.25):
+            self.loop()
+        for _ in range(self.rng.choice([0, 0, 1, 2])):
+            self.load()
+        for _ in range(self.rng.choice([0, 0, 1, 2])):
+            self.cable()
+        self.world()
+        return self.structure
+
+    def part(self, with_bars: bool) -> None:
+        """A further part on one that is there, or the first, on the ground or free."""
+        k, is_first = len(self.parts), not self.parts
+        is_free = is_first and self.chance(0.25)
+        parent = GROUND if is_first or self.chance(0.2) else self.rng.choice(self.parts)
+        start = np.zeros(3) if parent == GROUND else self.at(f"t{parent[1:]}")
+        p = self.point(f"p{k}", start + self.vector(0.3))
+        c = self.point(f"c{k}", self.at(p) + self.flatten(self.vector(0.4)))
+        t = self.point(f"t{k}", self.at(c) + self.flatten(self.vector(0.4)))
+        if parent != GROUND:
+            self.give(parent, p)
+        name = f"b{k}"
+        if with_bars and not is_free and self.chance(0.5):
+            self.bar(name, [p, c, t])
+        else:
+            self.body(name, c, [p, t])
+        self.parts.append(name)
+        for point in (c, t):
+            self.add("record", point, part=name, at=point)
+        if is_free:
+            self.hold_or_move(name, c)
+        else:
+            self.joint(parent, name, p)
+
+    def flatten(self, vector: list[float]) -> list[float]:
+        return [*vector[:2], 0.0] if self.flat else vector
+
+    def give(self, part: str, point: str) -> None:
+        """Let a part have a point."""
+        if part in self.structure.get("bodies", {}):
+            self.structure["bodies"][part]["points"].append(point)
+        else:
+            bar = self.structure["bars"][part]
+            bar.setdefault("carries", {})[point] = bar["through"][-1]
+
+    def body(self, name: str, centre: str, points: list[str]) -> None:
+        x = self.axis()
+        edges = [self.number(0.2, 0.6) for _ in range(3)]
+        mass = self.number(0.5, 3.0)
+        moments = [mass * (edges[k - 1] ** 2 + edges[k - 2] ** 2) / 12 for k in range(3)]
+        shape = {"box": edges} if self.chance(0.3) else {"inertia": moments}
+        self.add("bodies", name, mass=mass, centre=centre, points=points, x=x,
+                 up=self.across(x), **shape)  # fmt: skip
+
+    def bar(self, name: str, points: list[str]) -> None:
+        """A bar of so light and soft a material that the stable step is some milliseconds."""
+        self.add("materials", "foam", E=self.number(5e4, 2e5), rho=100.0)
+        self.add("sections", "round", type="tube", diameter=0.2, thickness=0.02)
+        self.add("sections", "flat", type="rectangle", width=0.2, height=0.12)
+        section = self.rng.choice(["round", "flat"])
+        line = self.at(points[2]) - self.at(points[0])
+        self.add("bars", name, through=points, section=section, material="foam", elements=1,
+                 up=self.across(line.tolist()), inertia_scale=20.0)  # fmt: skip
+        self.add("masses", f"m{name}", part=name, at=points[2], mass=0.5, inertia=0.02)
+
+    def joint(self, parent: str, part: str, at: str) -> None:
+        kinds = ["revolute"] * (6 if self.flat else 4) + ["prismatic"]
+        kinds += [] if self.flat else ["universal", "spherical"]
+        type, name, parts = self.rng.choice(kinds), f"j{part[1:]}", [parent, part]
+        opening = self.number(0.1, 0.6) * (1.0 if self.chance(0.5) else self.sign())
+        if self.chance(0.5):
+            parts.reverse()
+        axis = self.axis()
+        if type == "revolute":
+            self.add("joints", name, type=type, parts=parts, at=at, axis=axis, opening=opening)
+            self.openings[name] = opening
+        elif type == "prismatic":
+            axis = self.across(axis) if self.flat else axis
+            self.add("joints", name, type=type, parts=parts, at=at, axis=axis, opening=opening)
+            self.slides[name] = opening
+        elif type == "universal":
+            both = [opening, self.number(-0.5, 0.5)]
+            self.add("joints", name, type=type, parts=parts, at=at, axis=axis,
+                     other=self.across(axis), openings=both)  # fmt: skip
+            ends = TURNS["universal"]
+            self.openings |= {name + end: value for end, value in zip(ends, both, strict=True)}
+        else:
+            self.add("joints", name, type=type, parts=parts, at=at)
+
+    def close(self) -> None:
+        """Tie the last part's end to an earlier part, or to the ground, by a ball."""
+        last = self.parts[-1]
+        other = self.rng.choice([GROUND, *self.parts[:-1]])
+        point = f"t{last[1:]}"
+        if other != GROUND:
+            self.give(other, point)
+        self.add("joints", "j_ball", type="spherical", parts=[last, other], at=point)
+
+    def hold_or_move(self, name: str, centre: str) -> None:
+        """Of a first part without a joint: free and perhaps moving, driven, or held."""
+        how = self.rng.choice(["free", "driven", "held"])
+        if how == "driven":
+            self.add("drives", "d0", part=name, at=centre, velocity=self.vector(1.0),
+                     spin=self.vector(1.0), curve=self.curve())  # fmt: skip
+        elif how == "held":
+            few = self.chance(0.5)
+            self.add("supports", "s0", part=name, at=centre,
+                     translations=self.rng.choice(["xy", "z", "none"]) if few else "xyz",
+                     rotations=self.rng.choice(["x", "yz", "none"]) if few else "xyz")  # fmt: skip
+
+    def loop(self) -> None:
+        """A cable over pulleys on two openings."""
+        joints = self.rng.sample(list(self.openings), 2)
+        preload = self.number(1.0, 10.0) if self.chance(0.5) else None
+        radii = [self.number(0.05, 0.2), self.sign() * self.number(0.05, 0.2)]
+        self.add("actions", "belt", type="loop", joints=joints, radii=radii,
+                 stiffness=self.number(500.0, 3000.0), preload=preload)  # fmt: skip
+
+    def load(self) -> None:
+        part = self.rng.choice(self.parts)
+        curve = self.curve() if self.quiet or self.chance(0.5) else None
+        self.add("loads", self.name("loads", "l"), part=part, at=self.end_of(part),
+                 force=self.vector(5.0), moment=self.vector(1.0), curve=curve)  # fmt: skip
+
+    def end_of(self, part: str) -> str:
+        return self.rng.choice("ct") + part[1:]
+
+    def cable(self) -> None:
+        """A cable between points of parts, and perhaps of the ground."""
+        stations = [{"part": part, "at": self.end_of(part)} for part in self.parts]
+        for _ in range(2):
+            hook = self.point(self.name("points", "g"), self.vector(1.5))
+            stations.append({"part": GROUND, "at": hook})
+        self.rng.shuffle(stations)
+        through = stations[: self.rng.choice([2, 3, 3, 4])]
+        length = sum(
+            float(np.linalg.norm(self.at(one["at"]) - self.at(two["at"])))
+            for one, two in pairwise(through)
+        )
+        rest = length * self.number(1.001 if self.quiet else 0.9, 1.05)
+        friction = self.number(0.02, 0.3) if self.chance(0.6) else None
+        reel = {"reel": self.number(0.0, 0.3), "curve": self.curve()} if self.chance(0.4) else {}
+        self.add("cables", self.name("cables", "k"), through=through, EA=self.number(20.0, 300.0),
+                 rest=rest, friction=friction, **reel)  # fmt: skip
+
+    def world(self) -> None:
+        """Gravity, damping, and motions at the start that no joint forbids."""
+        if not self.quiet and self.chance(0.6):
+            self.structure["gravity"] = self.flatten(self.vector(10.0))
+        if "bars" in self.structure and self.chance(0.3):
+            self.structure["viscosity"] = self.number(0.05, 0.5)
+        if self.chance(0.2):
+            self.structure["damping"] = self.number(0.1, 1.0)
+        held = {"supports", "drives"} & self.structure.keys()
+        if not (self.quiet or held or self.chance(0.4)):
+            self.move()
+
+    def move(self) -> None:
+        """All parts as one where nothing is on the ground, or the last one on its hinge."""
+        joints, last = self.structure.get("joints", {}), self.parts[-1]
+        if not any(GROUND in joint["parts"] for joint in joints.values()):
+            motion = {"velocity": self.vector(1.0), "spin": self.vector(2.0)}
+            for part in self.parts:
+                self.add("motions", f"v{part}", part=part, about="c0", **motion)
+        elif "j_ball" not in joints and joints[f"j{last[1:]}"]["type"] == "revolute":
+            axis = np.array(joints[f"j{last[1:]}"]["axis"])
+            spin = (self.number(-3.0, 3.0) * axis / np.linalg.norm(axis)).tolist()
+            self.add("motions", f"v{last}", part=last, about=f"p{last[1:]}", spin=spin)

@@ -1,0 +1,120 @@
+"""All ways to say a structure otherwise, by name; those of words, units and time."""
+
+from __future__ import annotations
+
+import copy
+import random
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from evidence.attack.metamorphic.image import Image, entries, scale
+from evidence.attack.metamorphic.openings import OPENINGS, openings_of, other_zeros, swapped
+from evidence.attack.metamorphic.parts import reversed_cables, split, with_inert
+from evidence.attack.metamorphic.space import mirrored, rotated
+from evidence.attack.metamorphic.written import Structure, changed
+from fpm.structures.statements import GROUPS
+
+
+def reordered(structure: Structure, rng: random.Random) -> Image:
+    """Everything stated in another order."""
+    out = copy.deepcopy(structure)
+    for group in out.keys() & {"points", *GROUPS}:
+        items = list(out[group].items())
+        rng.shuffle(items)
+        out[group] = dict(items)
+    for body in entries(out, "bodies").values():
+        rng.shuffle(body["points"])
+    return Image(out)
+
+
+def renamed(structure: Structure, rng: random.Random) -> Image:
+    """Everything called something else."""
+    old = {name for group in ("points", *GROUPS) for name in entries(structure, group)}
+    names = {
+        name: f"n{k}" for name, k in zip(sorted(old), rng.sample(range(999), len(old)), strict=True)
+    }
+    names |= {
+        name + end: names[name] + end
+        for name, joint in entries(structure, "joints").items()
+        if joint["type"] == "universal"
+        for end in ("_axis", "_other")
+    }
+
+    def other(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {names.get(key, key): other(entry) for key, entry in value.items()}
+        if isinstance(value, list):
+            return [other(entry) for entry in value]
+        return names.get(value, value) if isinstance(value, str) else value
+
+    out = {key: other(value) if key != "name" else value for key, value in structure.items()}
+    return Image(out, names=names)
+
+
+def rescaled(structure: Structure, rng: random.Random) -> Image:
+    """In other units: lengths, masses and times in numbers that are some times as large."""
+    units = tuple(10.0 ** rng.uniform(-1.0, 1.0) for _ in range(3))
+    return Image(changed(structure, lambda x, of: x * scale(units, of)), units=units)
+
+
+def is_quiet(structure: Structure) -> bool:
+    """Whether nothing happens before a curve or a release."""
+    moved = entries(structure, "motions") or "gravity" in structure
+    curved = all("curve" in load for load in entries(structure, "loads").values())
+    slack = all(_is_slack(structure, cable) for cable in entries(structure, "cables").values())
+    actions = entries(structure, "actions").values()
+    at_rest = all(_is_at_rest(structure, action) for action in actions)
+    return not moved and curved and slack and at_rest
+
+
+def _is_slack(structure: Structure, cable: dict) -> bool:
+    points = np.array([structure["points"][one["at"]] for one in cable["through"]])
+    return cable["rest"] > np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
+
+
+def _is_at_rest(structure: Structure, action: dict) -> bool:
+    kind = action["type"]
+    if kind in ("torsion spring", "spring"):
+        return action.get("rest") in _all_openings(structure)
+    if kind == "tape spring":
+        return not any(action.get("moments", action.get("forces")))
+    return kind != "torque motor" or "curve" in action
+
+
+def _all_openings(structure: Structure) -> list[float]:
+    joints = entries(structure, "joints").values()
+    return [x for joint in joints if joint["type"] in OPENINGS for x in openings_of(joint)]
+
+
+def later(structure: Structure, rng: random.Random, wait: float) -> Image | None:
+    """All that happens a time (s) later, where nothing does before."""
+    if not is_quiet(structure):
+        return None
+    out = copy.deepcopy(structure)
+    for curve in entries(out, "curves").values():
+        curve["times"] = [t + wait for t in curve["times"]]
+    for action in entries(out, "actions").values():
+        if "time" in action:
+            action["time"] += wait
+    # A rate that begins at once is a blow, unless it is there at the start.
+    return Image(out, later=wait, is_exact=False, omits=frozenset({"energy"}), skips=1)
+
+
+FAMILIES: dict[str, Callable[[Structure, random.Random], Image | None]] = {
+    "rotated": rotated,
+    "mirrored": mirrored,
+    "renamed": renamed,
+    "reordered": reordered,
+    "in other units": rescaled,
+    "openings from other zeros": other_zeros,
+    "parts of joints swapped": swapped,
+    "bodies split": split,
+    "with inert parts": with_inert,
+    "cables reversed": reversed_cables,
+}
+"""By name."""
+
+LATER = "later"
+"""The name of `later`, which takes a time besides."""

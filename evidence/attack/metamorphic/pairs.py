@@ -1,0 +1,196 @@
+"""Run a structure and its images, and tell which do not move alike.
+
+What is the same arithmetic but for rounding must agree to `ROUNDING`, and to what numbers of the
+structure that are off by `NUDGE` change, `GROWTH` times: where that is much, the motion hangs on
+rounding (something catches, sticks or slackens just so), and the pair says nothing. What is the
+same to the order of the step must agree within `ORDER` times what half the step changes.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from evidence.attack.metamorphic.ballast import PREFIX
+from evidence.attack.metamorphic.families import FAMILIES, LATER, later
+from evidence.attack.metamorphic.image import Image
+from evidence.attack.metamorphic.runs import INSTANTS, STEPS, Curves, Run, simulate
+from evidence.attack.metamorphic.written import Structure, changed
+
+ROUNDING = 1e-6
+"""Of the largest value: hinges close to 2e-11 m and 2e-10 rad in a step, over some
+hundred steps."""
+
+NUDGE, GROWTH, NUDGES = 1e-9, 100.0, 3
+SENSITIVE = 1e-4
+"""What a nudge may change of the largest value; a pair whose nudges change more says nothing."""
+
+ORDER = 3.0
+"""The error of a first-order method is twice what half the step changes, on both sides."""
+
+LEAST = 0.01
+"""In SI units: smaller curves than this (m, N, J, ...) are compared with it."""
+
+
+@dataclass
+class Verdict:
+    """What a pair came to: `right`, `wrong`, `sensitive` or `failed` (as the original does)."""
+
+    family: str
+    outcome: str
+    what: str
+    original: Structure
+    image: Structure
+
+
+# -- what is to be expected -------------------------------------------------------------------
+
+
+def expected(curves: Curves, image: Image, joints: dict[str, str]) -> Curves:
+    """What an image does if it moves as the original does. joints: of actions, by name."""
+    found: Curves = {}
+    for (what, label), (values, of) in curves.items():
+        if what == "position":
+            values = values @ image.matrix.T + image.shift
+        elif what == "velocity":
+            values = values @ image.matrix.T
+        elif what != "energy":
+            sign, zero = image.turned.get(joints.get(label, label), (1.0, 0.0))
+            values = sign * values + (zero if what in ("opening", "slide_opening") else 0.0)
+        key = what, label if what == "energy" else image.names.get(label, label)
+        found[key] = image.factor(of) * values, of
+    return found
+
+
+Sizes = dict[str, tuple[float, str]]
+"""Of each kind of curve the largest difference, as a share of its largest value, and of what."""
+
+
+def differences(curves: Curves, others: Curves, image: Image) -> Sizes:
+    """How far curves are from others."""
+    found: Sizes = {}
+    for (what, label), (values, of) in curves.items():
+        if what in image.omits or label.startswith(PREFIX):
+            continue
+        alike = [np.abs(v).max() for (w, _), (v, _) in curves.items() if w == what]
+        scale, size = max(LEAST * image.factor(of), *alike), np.inf
+        if (what, label) in others:
+            size = np.abs(values - others[what, label][0])[image.skips :].max() / scale
+        found[what] = max(found.get(what, (0.0, "")), (float(size), label))
+    return found
+
+
+def sums(*many: Sizes) -> dict[str, float]:
+    """The differences of each kind of curve added up."""
+    return {what: sum(sizes[what][0] for sizes in many if what in sizes) for what in many[0]}
+
+
+# -- verdicts ---------------------------------------------------------------------------------
+
+
+def nudged(structure: Structure, rng: random.Random) -> Structure:
+    """All numbers a little off."""
+
+    def change(x: float, of: str) -> float:
+        return x * (1.0 + NUDGE * rng.uniform(-1.0, 1.0)) + NUDGE * rng.uniform(-1.0, 1.0) * (
+            of == "m"
+        )
+
+    return changed(structure, change)
+
+
+@dataclass
+class Trial:
+    """The pairs of one structure. beside: what stands beside every structure that runs."""
+
+    structure: Structure
+    duration: float
+    seed: str
+    beside: Callable[[Structure], Structure] = lambda structure: structure
+
+    def verdicts(self, families: Sequence[str]) -> Iterator[Verdict]:
+        """What the pair of each family came to that has one."""
+        rng = random.Random(f"{self.seed} images")
+        images = {name: image for name in families if (image := self._image(name, rng))}
+        base = self._original()
+        nudges = [replace(base, structure=nudged(self.structure, rng)) for _ in range(NUDGES)]
+        runs = {name: self._run(image) for name, image in images.items()}
+        simulate([base, *nudges, *runs.values()], self.beside)
+        if base.curves is None:
+            yield from (
+                Verdict(name, "failed", base.why, self.structure, self.structure) for name in runs
+            )
+            return
+        growth = self._growth(base, nudges)
+        for name, run in runs.items():
+            found = self._verdict(base, run, images[name], growth)
+            yield Verdict(name, *found, self.structure, run.structure)
+
+    def _growth(self, base: Run, nudges: list[Run]) -> dict[str, float]:
+        """What nudges change, added up; infinite where one fails."""
+        if any(run.curves is None for run in nudges):
+            return {what: np.inf for what, _ in base.curves}
+        plain = Image(self.structure)
+        return sums(*(differences(base.curves, run.curves, plain) for run in nudges))
+
+    def _image(self, name: str, rng: random.Random) -> Image | None:
+        if name == LATER:
+            return later(self.structure, rng, 2 * self.duration / (INSTANTS - 1))
+        return FAMILIES[name](self.structure, rng)
+
+    def _original(self, finer: int = 1) -> Run:
+        return Run(self.structure, self.duration, self.duration / STEPS / finer)
+
+    def _run(self, image: Image, finer: int = 1) -> Run:
+        """The run of an image: as long as the original after it begins, in its units."""
+        second, interval = image.factor("s"), self.duration / (INSTANTS - 1)
+        more = round(image.later / interval)
+        duration = (self.duration + more * interval) * second
+        step = self.duration / STEPS * second / finer
+        return Run(image.structure, duration, step, INSTANTS + more)
+
+    def _verdict(
+        self, base: Run, run: Run, image: Image, growth: dict[str, float]
+    ) -> tuple[str, str]:
+        if not growth["position"] < SENSITIVE:
+            return "sensitive", f"a nudge changes positions by {growth['position']:.2g}"
+        if run.curves is None:
+            return "wrong", run.why
+        wanted = expected(base.curves, image, self._joints())
+        sizes = differences(wanted, run.curves, image)
+        steps = dict.fromkeys(sizes, 0.0)
+        over, text = _most_over(sizes, growth, steps)
+        if over > 1.0 and not image.is_exact:
+            over, text = _most_over(sizes, growth, self._by_step(base, run, image))
+        return "right" if over <= 1.0 else "wrong", text
+
+    def _joints(self) -> dict[str, str]:
+        actions = self.structure.get("actions", {})
+        return {name: action["joint"] for name, action in actions.items() if "joint" in action}
+
+    def _by_step(self, base: Run, run: Run, image: Image) -> dict[str, float]:
+        """What half the step changes on both sides; infinite where that fails."""
+        half, other = self._original(2), self._run(image, 2)
+        simulate([half, other], self.beside)
+        if half.curves is None or other.curves is None:
+            return {what: np.inf for what, _ in base.curves}
+        return sums(
+            *(differences(a.curves, b.curves, image) for a, b in ((base, half), (run, other)))
+        )
+
+
+def _most_over(
+    sizes: Sizes, growth: dict[str, float], steps: dict[str, float]
+) -> tuple[float, str]:
+    """The largest difference as a share of what is allowed, and in words; of what a nudge changes
+    much, none."""
+    worst = 0.0, "all alike"
+    for what, (size, label) in sizes.items():
+        if growth[what] < SENSITIVE:
+            allowed = ROUNDING + GROWTH * growth[what] + ORDER * steps.get(what, 0.0)
+            text = f"{what} of {label} differs by {size:.3g} of its size, {allowed:.2g} allowed"
+            worst = max(worst, (size / allowed, text))
+    return worst

@@ -1,0 +1,128 @@
+"""Structures of other parts that do the same."""
+
+from __future__ import annotations
+
+import copy
+import random
+from typing import Any
+
+import numpy as np
+
+from evidence.attack.metamorphic.drawn import GROUND
+from evidence.attack.metamorphic.image import Image, entries
+from evidence.attack.metamorphic.openings import OPENINGS, ends_of, some_joints
+from evidence.attack.metamorphic.written import Structure
+from fpm.structures.statement import ON_SLIDES, SLIDE
+
+
+def split(structure: Structure, rng: random.Random) -> Image | None:
+    """A body as two that are fixed to each other, each with a share of its mass; together with all
+    their points where that share has the same centre, or side by side along x."""
+    driven = {one["part"] for one in entries(structure, "drives").values()}
+    bodies = [name for name in entries(structure, "bodies") if name not in driven]
+    if not bodies or any(map(_is_damped_for_its_parts, entries(structure, "actions").values())):
+        return None
+    name = rng.choice(bodies)
+    out = copy.deepcopy(structure)
+    one, two, other = out["bodies"][name], copy.deepcopy(out["bodies"][name]), f"{name}s"
+    share = rng.uniform(0.2, 0.8)
+    middle, apart = one["centre"], "inertia" in one and rng.random() < 0.5
+    held = any(part["part"] == name for part in entries(out, "supports").values())
+    apart = apart and not held
+    if apart:
+        share = 0.5
+        _side_by_side(out, one, two, middle)
+    for body, part in ((one, 1.0 - share), (two, share)):
+        body["mass"] *= part
+        if "inertia" in body:
+            body["inertia"] = [part * x for x in body["inertia"]]
+    out["bodies"][other] = two
+    # The joint is where both have a point that is the centre of neither's particle, or of both.
+    out["joints"] = {
+        **entries(out, "joints"),
+        f"{name}s": {"type": "fixed", "parts": [name, other], "at": middle},
+    }
+    moved = {point for point in one["points"] if point != middle and rng.random() < 0.5}
+    for joint_name, joint in out["joints"].items():
+        if joint_name != f"{name}s" and joint["at"] in moved:
+            joint["parts"] = [other if part == name else part for part in joint["parts"]]
+    for group, cables in (("loads", False), ("record", False), ("cables", True)):
+        for entry in entries(out, group).values():
+            for station in entry["through"] if cables else [entry]:
+                if station["part"] == name and station["at"] in moved:
+                    station["part"] = other
+    if name_of := [
+        key for key, motion in entries(out, "motions").items() if motion["part"] == name
+    ]:
+        out["motions"][f"{name}s"] = out["motions"][name_of[0]] | {"part": other}
+    return Image(out, is_exact=not apart)
+
+
+def _is_damped_for_its_parts(action: dict) -> bool:
+    """Whether it is friction whose damping, left out, follows from the two bodies at the joint."""
+    return action["type"] == "friction" and not action.keys() & {"sticks", "damping"}
+
+
+def _side_by_side(out: Structure, one: dict, two: dict, middle: str) -> None:
+    """Move halves of a body apart along its axis x, by a fifth of what its inertia allows."""
+    axis = np.array(one["x"]) / np.linalg.norm(one["x"])
+    inertia = np.array(one["inertia"])
+    room = max(0.0, min(inertia[1], inertia[2], 0.5 * (inertia[1] + inertia[2] - inertia[0])))
+    way = np.sqrt(0.2 * room / one["mass"])
+    for k, (body, sign) in enumerate(((one, 1.0), (two, -1.0))):
+        point = f"{middle}{'ab'[k]}"
+        out["points"][point] = (np.array(out["points"][middle]) + sign * way * axis).tolist()
+        body["centre"], body["points"] = point, [*body["points"], middle]
+        body["inertia"] = (inertia - one["mass"] * way**2 * np.array([0.0, 1.0, 1.0])).tolist()
+
+
+def with_inert(structure: Structure, rng: random.Random) -> Image:
+    """With what does nothing: springs without stiffness, latches and stops out of reach, slack
+    cables, and a body of its own on a hinge to the ground."""
+    out = copy.deepcopy(structure)
+    out["points"] |= {"i0": [3.0, 1.0, 0.0], "i1": [3.0, 1.5, 0.0]}
+    actions = out.setdefault("actions", {})
+    hinged = some_joints(out, OPENINGS, rng)
+    for k, joint in enumerate(n + end for n in hinged for end in ends_of(out["joints"][n])):
+        slides = out["joints"].get(joint, {}).get("type") == SLIDE
+        here = {action["type"] for action in actions.values() if action.get("joint") == joint}
+        for kind in rng.sample([kind for kind in INERT if kind.split(",")[0] not in here], 2):
+            entry = INERT[kind]
+            if slides:
+                entry = {ON_SLIDES.get(key, key): value for key, value in entry.items()}
+            action = "spring" if slides and kind == "torsion spring" else kind.split(",")[0]
+            if not (slides and "sticks" in entry):
+                actions[f"i{kind.split()[0][:3]}{k}"] = {"type": action, "joint": joint, **entry}
+    if rng.random() < 0.5:
+        body = {"mass": 1.0, "centre": "i1", "points": ["i0"], "inertia": [0.1, 0.1, 0.1]}
+        out.setdefault("bodies", {})["ib"] = body
+        joint = {"type": "revolute", "parts": [GROUND, "ib"], "at": "i0", "axis": [0.0, 0.0, 1.0]}
+        out.setdefault("joints", {})["ij"] = joint
+    part, at = next(iter(entries(out, "record").values())).values()
+    stations = [{"part": part, "at": at}, {"part": GROUND, "at": "i0"}]
+    if rng.random() < 0.5:
+        out.setdefault("cables", {})["ik"] = {"through": stations, "EA": 10.0, "rest": 99.0}
+    return Image(out, omits=frozenset({"energy"}))
+
+
+FAR = 40.0
+INERT: dict[str, dict[str, Any]] = {
+    "torsion spring": {"stiffness": 0.0},
+    "damper": {"damping": 0.0},
+    "friction, exact": {"moment": 0.0, "sticks": "exactly"},
+    "stop": {"most": FAR, "stiffness": 10.0},
+    "latch": {"angle": FAR, "stiffness": 10.0},
+    "latch, exact": {"angle": FAR},
+    "torque motor": {"torque": 0.0},
+    "tape spring": {"angles": [0.0, 1.0], "moments": [0.0, 0.0]},
+}
+
+
+def reversed_cables(structure: Structure, rng: random.Random) -> Image | None:
+    """Cables without a winch stated from their other ends."""
+    out = copy.deepcopy(structure)
+    found = [one for one in entries(out, "cables").values() if "reel" not in one]
+    for cable in found:
+        cable["through"].reverse()
+    # That of a cable which rubs is told at its first point.
+    return Image(out, is_exact=False, omits=frozenset({"cable_tension"})) if found else None

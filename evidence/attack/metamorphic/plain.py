@@ -1,0 +1,43 @@
+"""The time loop as plain Python on numpy's arrays: no kind of structure takes time to compile.
+
+A step takes some hundred times as long so; `NUMBA_DISABLE_JIT=1` must be set.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from evidence.benchmark.loop import Vector, run_as_python
+
+
+def load(array, row, field):
+    """Lanes of a row, or of a pair of rows."""
+    if isinstance(row, tuple):
+        return np.concatenate([array[r, field] for r in row])
+    return array[row, field].copy()
+
+
+def store(array, row, field, value):
+    """Write what `load` reads."""
+    if isinstance(row, tuple):
+        half = array.shape[2]
+        both = np.broadcast_to(value, (2 * half,))
+        array[row[0], field], array[row[1], field] = both[:half], both[half:]
+    else:
+        array[row, field] = value
+
+
+def without_compiling() -> None:
+    """Let fpm run its kernels so from here on."""
+    np.seterr(all="ignore")  # as compiled code does
+    operations = {
+        "load": load,
+        "store": store,
+        "vector": Vector,
+        "where_negative": lambda condition, x, y: np.where(condition < 0, x, y),
+        "any_negative": lambda x: bool((x < 0).any()),
+        "sqrt": np.sqrt,
+        "floor": np.floor,
+        "absolute": np.abs,
+    }
+    run_as_python(operations, lambda name, kernel: kernel)

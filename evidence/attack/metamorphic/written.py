@@ -1,0 +1,73 @@
+"""Structures as mappings of plain numbers in SI units, and as text; numbers by their units.
+
+What is known of a number (its unit, and that it is one) is what the language says of its key.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import yaml
+
+from fpm.structures.keys import Key, Many, Number, Opening, Vector
+from fpm.structures.model import overall
+from fpm.structures.statement import SLIDE
+from fpm.structures.statements import GROUPS
+
+Structure = dict[str, Any]
+Change = Callable[[float, str], Any]
+"""Of a number and its unit."""
+
+
+def keys_of(structure: Structure, group: str, entry: dict) -> dict[str, Key]:
+    """The keys that an entry of a group may have, on a slide those of slides."""
+    statement = GROUPS[group][entry.get("type", "")]
+    joints = structure.get("joints", {})
+    slides = [
+        key
+        for key, kind in statement.keys.items()
+        if isinstance(kind, Opening) and joints.get(entry.get(key), {}).get("type") == SLIDE
+    ]
+    return statement.sliding(slides).keys
+
+
+def changed(structure: Structure, change: Change) -> Structure:
+    """The structure with all its numbers changed; `change` is called with each and its unit."""
+    out = dict(structure)
+    for key, kind in overall.keys.items():
+        if key in out:
+            out[key] = _changed(out[key], kind, change)
+    if "points" in out:
+        out["points"] = {n: [change(x, "m") for x in at] for n, at in out["points"].items()}
+    for group in out.keys() & GROUPS.keys():
+        out[group] = {
+            name: {
+                key: _changed(value, keys.get(key), change)
+                for keys in [keys_of(structure, group, entry)]
+                for key, value in entry.items()
+            }
+            for name, entry in out[group].items()
+        }
+    return out
+
+
+def _changed(value: Any, kind: Key | None, change: Change) -> Any:
+    if isinstance(kind, Many) and isinstance(kind.kind, Number):
+        return [change(x, kind.kind.unit) for x in value]
+    if isinstance(kind, Vector):
+        return [change(x, kind.unit) for x in value]
+    return change(value, kind.unit) if isinstance(kind, Number) else value
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes out what stands twice."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+def as_text(structure: Structure) -> str:
+    """The structure as a file; angles say their unit."""
+    said = changed(structure, lambda x, unit: f"{x!r} rad" if unit == "rad" else x)
+    return yaml.dump(said, Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=100)

@@ -1,0 +1,38 @@
+"""Finite particle method: motion of deployable structures of links, hinges, springs and contact.
+
+    import fpm
+    from fpm import structures
+    scene = structures.load("config/structures/bennett.yaml").build(a=0.0352)
+    outcome = fpm.simulate(scene, duration=1.0, instants=2001)[0]
+
+Importing is cheap: numba and xarray are loaded when first needed.
+"""
+
+from fpm.elements.bars.beam import Material, Section
+from fpm.errors import InstabilityError, SceneError
+from fpm.files import trajectory
+from fpm.files.outcome import Outcome
+from fpm.reading import quantities, responses
+from fpm.scenes.scene import Link, Scene
+from fpm.solver.simulate import divide_time, simulate
+from fpm.solver.warming import warm_up
+from fpm.timestep import SAFETY, StableStep, stable_step
+
+__all__ = [
+    "SAFETY",
+    "InstabilityError",
+    "Link",
+    "Material",
+    "Outcome",
+    "Scene",
+    "SceneError",
+    "Section",
+    "StableStep",
+    "divide_time",
+    "quantities",
+    "responses",
+    "simulate",
+    "stable_step",
+    "trajectory",
+    "warm_up",
+]

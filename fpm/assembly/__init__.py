@@ -1,0 +1,191 @@
+"""Assembly: parts whose points do not meet are forced together, and lie in balance, at rest.
+
+Among all positions in which every joint is closed, one is sought in which the strain energy U of
+the beams is least: with the conditions g of the joints, held axes left out,
+
+    dU + G'λ = 0,   g = 0,   G = dg,
+
+solved by Newton's method with exact derivatives (elastic.py, conditions.py):
+
+    (H + μ M) d + G'λ = -dU,   G d - δ λ' = -g,   H = d(dU + G'λ)
+
+λ' being the change of λ. What strains nothing, as a mechanism's own motion, is decided by μ M, a
+small share of the masses and inertias: each round moves no further than it must, the mass being the
+measure, so that a free structure keeps its centre of mass. δ lets conditions be redundant, as in
+loops of rigid bodies; where they contradict each other, nothing converges. (Proximal method of
+multipliers: Rockafellar, Math. Oper. Res. 1 (1976) 97.) Springs, cables, gravity and loads act from
+the start of a run, not before.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fpm.assembly.conditions import Conditions, conditions_of
+from fpm.assembly.elastic import Elastic, elastic_of
+from fpm.assembly.places import Places
+from fpm.elements.bars.beam_limits import BEND, STRAIN
+from fpm.elements.openings.opening import opening_at
+from fpm.errors import SceneError
+from fpm.scenes.scene import Assembly, Scene
+
+ROUNDS = 60
+"""Most rounds; where the misfit is some percent it takes five to ten."""
+
+CLOSED = 1e-11
+"""Largest gap that is left, as a share of the structure's size, or angle (rad)."""
+
+SETTLED = 1e-10
+"""Largest motion of the last round, as a share of the size, or turn (rad)."""
+
+FARTHEST = 0.1
+"""Largest motion of a round, as a share of the size, or turn (rad)."""
+
+OPEN = 1e-6
+"""Gap (m) or angle (rad) from which a joint is said to be open where nothing was found."""
+
+MASS_SHARE, EASE = 1e-8, 1e-13
+"""μ and δ, where the largest entries of H, M and G are one."""
+
+
+class MisfitError(SceneError):
+    """Parts that cannot be forced together; `size`: by how much a joint stays open, in m or rad."""
+
+    def __init__(self, key: str, value: object, allowed: str, size: float = 0.0):
+        super().__init__(key, value, allowed)
+        self.size = size
+
+    def __reduce__(self):
+        return type(self), (self.key, self.value, self.allowed, self.size)
+
+
+def assemble(scene: Scene, hold: Sequence[str] = ()) -> None:
+    """Force the parts of a scene together at its joints, and leave it in balance and at rest.
+
+    The scene's positions and frames become those of the assembled structure, and `scene.assembly`
+    tells what it took; beams keep the lengths and axes that they had, and places that are stated
+    later are those before. hold: names of hinges that keep the opening that is stated. MisfitError
+    where no such position is found.
+    """
+    if not len(scene.position):
+        return
+    start = Places(scene.position.copy(), scene.frame.copy())
+    conditions, elastic = conditions_of(scene, hold), elastic_of(scene)
+    gaps = conditions.gaps(start)
+    worst, gap, tilt = conditions.worst(gaps)
+    with np.errstate(over="ignore", invalid="ignore"):  # what grows beyond all numbers is refused
+        places, rounds = _settle(scene, start, conditions, elastic)
+    if scene.unstrained is None:  # else it was assembled before
+        scene.unstrained, scene.unstrained_position = scene.frame, scene.position
+    scene.position, scene.frame = places.position, places.frame
+    stated = tuple(hinge.opening for hinge in scene.hinges)
+    scene.hinges = [_reopened(scene, hinge) for hinge in scene.hinges]
+    scene.assembly = Assembly(elastic.energy(places), worst, gap, tilt, rounds, stated)
+
+
+def _settle(scene, places: Places, conditions: Conditions, elastic: Elastic):
+    """The places in balance, and the rounds that it took."""
+    size = float(np.ptp(scene.position, axis=0).max()) or 1.0
+    scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
+    free = np.flatnonzero(~scene.fixed.ravel())
+    weight = conditions.weight(size)
+    impulses = np.zeros(len(weight))
+    open_before = conditions.worst(conditions.gaps(places))
+    if not len(free) and np.abs(weight * conditions.gaps(places)).max(initial=0.0) <= CLOSED:
+        return places, 0
+    for done in range(1, ROUNDS + 1) if len(free) else ():
+        step, change = _round(scene, places, conditions, elastic, impulses, scales, free, weight)
+        if not np.isfinite(step).all():
+            break
+        largest = float(np.abs(step).max(initial=0.0))
+        share = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
+        places = places.moved(share * scales * step)
+        impulses = impulses + share * change
+        left = float(np.abs(weight * conditions.gaps(places)).max(initial=0.0))
+        if share == 1.0 and largest <= SETTLED and left <= CLOSED:
+            _check_strains(elastic, places, open_before)
+            return places, done
+    _refuse(conditions, places, open_before)
+
+
+def _round(scene, places, conditions, elastic, impulses, scales, free, weight):
+    """The motion (6n,) of a round, lengths as shares of the size, and the change of the impulses.
+
+    Rows and columns are scaled so that the largest entries are about one.
+    """
+    from scipy.sparse import bmat, diags, identity
+    from scipy.sparse.linalg import splu
+
+    count = len(scales)
+    gradient, stiffness = elastic.derivatives(places)
+    rows, curvature = conditions.derivatives(places, weight * impulses)
+    stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
+    own, mass = diags(scales), _masses(scene, places)
+    stiffness, mass = own @ stiffness @ own, own @ mass @ own
+    largest = abs(stiffness).max() if stiffness.nnz else 0.0
+    unit = largest if largest > 0 else 1.0
+    share = MASS_SHARE if largest > 0 else 1.0
+    inner = (stiffness / unit + mass * (share / mass.max())).tocsc()[free][:, free]
+    rows = (diags(weight) @ rows @ own).tocsc()[:, free]
+    matrix = bmat([[inner, rows.T], [rows, -EASE * identity(len(weight))]], format="csc")
+    gaps = weight * conditions.gaps(places)
+    right = np.concatenate([-(scales * gradient)[free] / unit, -gaps])
+    try:
+        found = splu(matrix).solve(right)
+    except RuntimeError:  # exactly singular
+        found = np.full(len(right), np.nan)
+    step = np.zeros(count)
+    step[free] = found[: len(free)]
+    return step, unit * found[len(free) :]
+
+
+def _masses(scene, places: Places):
+    """Masses and inertias (6n, 6n) in global axes."""
+    from scipy.sparse import block_diag, coo_matrix
+
+    blocks = []
+    for mass, inertia, frame in zip(scene.mass, scene.inertia, places.frame, strict=True):
+        blocks += [coo_matrix(mass * np.eye(3)), coo_matrix(frame * inertia @ frame.T)]
+    return block_diag(blocks, format="csc")
+
+
+def _reopened(scene, hinge):
+    """The hinge with the opening that it has now."""
+    return replace(hinge, opening=opening_at(scene, hinge))
+
+
+def _check_strains(elastic: Elastic, places: Places, before: tuple[str, float, float]) -> None:
+    """MisfitError where beams are strained by more than a run bears."""
+    bend, strain = elastic.largest(places)
+    name, gap, tilt = before
+    for watch, found, what in ((BEND, bend, "bent or twisted"), (STRAIN, strain, "strained")):
+        if found > watch.most:
+            raise MisfitError(
+                f"joint {name}", _opened(gap, tilt), "parts that can be forced together; beams "
+                f"would be {what} by {found:.2g}, at most {watch.most:g} is allowed",
+                max(gap, tilt),
+            )  # fmt: skip
+
+
+def _refuse(conditions: Conditions, places: Places, before: tuple[str, float, float]) -> None:
+    """Say which joint stays open; the one that was farthest open where none does."""
+    gaps = conditions.gaps(places)
+    name, gap, tilt = conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
+    if not max(gap, tilt) > OPEN:
+        name, gap, tilt = before
+        raise MisfitError(
+            f"joint {name}", _opened(gap, tilt), "parts that come to rest when forced together, "
+            f"within {ROUNDS} rounds; a mechanism may need a joint that is held",
+            max(gap, tilt),
+        )  # fmt: skip
+    raise MisfitError(
+        f"joint {name}", _opened(gap, tilt), "parts that can be forced together, with this joint "
+        "closed", max(gap, tilt),
+    )  # fmt: skip
+
+
+def _opened(gap: float, tilt: float) -> str:
+    """By how much a joint is open, in words."""
+    found = [f"{gap:.3g} m"] * (gap > 0) + [f"{tilt:.3g} rad"] * (tilt > 0)
+    return f"{' and '.join(found) or '0 m'} apart"

@@ -1,0 +1,166 @@
+"""The conditions of all joints of a scene, and their derivatives.
+
+Each is one of three: two points agree along a direction, global or carried by the first particle
+(joints of points, supports, sliders), or a direction of the first is normal to one of the second
+(axes, and openings that are held).
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.assembly.places import Places, dofs_of, gathered, slopes
+from fpm.elements.joints.joint import Joint, as_joints
+from fpm.elements.kind import AXES
+from fpm.errors import SceneError
+
+ALONG, CARRIED, NORMAL = 0, 1, 2
+
+
+class Conditions(NamedTuple):
+    """Conditions on pairs (c, 2) of particles; `joint`: the name of each one's joint.
+
+    how: ALONG a global direction, CARRIED by the first, or NORMAL; one, two (c, 3): the direction,
+    and for NORMAL that of the second; arms (c, 2, 3) to the points, each in its particle's frame;
+    second (c,): 1, or 0 where a point is held at a `place` (c, 3).
+    """
+
+    joint: list[str]
+    pairs: np.ndarray
+    how: np.ndarray
+    one: np.ndarray
+    two: np.ndarray
+    arms: np.ndarray
+    second: np.ndarray
+    place: np.ndarray
+
+    def weight(self, size: float) -> np.ndarray:
+        """Factors (c,) that make numbers without unit of all gaps."""
+        return np.where(self.how == NORMAL, 1.0, 1.0 / size)
+
+    def gaps(self, places: Places) -> np.ndarray:
+        """By how much each is off (c,), m or rad."""
+        return self._each(*self._ends(places))[:, 0]
+
+    def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
+        """The joint that is farthest open, its gap (m) and the angle between its directions."""
+        gap: dict[str, float] = {}
+        tilt: dict[str, float] = {}
+        for name, how, off in zip(self.joint, self.how, gaps, strict=True):
+            found = tilt if how == NORMAL else gap
+            found[name] = float(np.hypot(found.get(name, 0.0), off))
+        names = dict.fromkeys(self.joint)
+        name = max(names, key=lambda n: max(gap.get(n, 0.0), tilt.get(n, 0.0)), default="none")
+        return name, gap.get(name, 0.0), tilt.get(name, 0.0)
+
+    def derivatives(self, places: Places, impulses: np.ndarray):
+        """Sparse rows (c, 6n) of the derivatives, and those (6n, 6n) of their sum with impulses."""
+        from scipy.sparse import coo_array
+
+        ends, count = self._ends(places), 6 * len(places.position)
+        rows = self._rows(*ends)
+        number = np.repeat(np.arange(len(rows)), 12)
+        shape = (len(rows), count)
+        entries = (rows.ravel(), (number, dofs_of(self.pairs).ravel()))
+        blocks = impulses[:, None, None] * slopes(self._rows, *ends)
+        curvature = gathered(blocks, self.pairs, len(places.position))
+        return coo_array(entries, shape=shape).tocsc(), curvature
+
+    def _ends(self, places: Places) -> tuple[Places, Places]:
+        return places.of(self.pairs[:, 0]), places.of(self.pairs[:, 1])
+
+    def _parts(self, first: Places, second: Places):
+        """Direction, that of the second, arms of both in global axes, and the way between."""
+        turned = np.einsum("cij,cj->ci", first.frame, self.one)
+        one = np.where((self.how == ALONG)[:, None], self.one, turned)
+        two = np.einsum("cij,cj->ci", second.frame, self.two)
+        arms = [
+            np.einsum("cij,cj->ci", end.frame, self.arms[:, k])
+            for k, end in enumerate((first, second))
+        ]
+        there = self.second[:, None]
+        way = first.position + arms[0] - there * (second.position + arms[1]) - self.place
+        return one, two, arms, way
+
+    def _each(self, first: Places, second: Places) -> np.ndarray:
+        one, two, _, way = self._parts(first, second)
+        other = np.where((self.how == NORMAL)[:, None], two, way)
+        return np.sum(one * other, axis=1, keepdims=True)
+
+    def _rows(self, first: Places, second: Places) -> np.ndarray:
+        """Derivatives (c, 12) by the motions of both particles."""
+        one, two, arms, way = self._parts(first, second)
+        normal, carried = (self.how == NORMAL)[:, None], (self.how == CARRIED)[:, None]
+        there, turn = self.second[:, None], np.cross(one, two)
+        shift = np.where(normal, 0.0, one)
+        own = np.cross(arms[0], one) + np.where(carried, np.cross(one, way), 0.0)
+        return np.hstack(
+            [
+                shift,
+                np.where(normal, turn, own),
+                -there * shift,
+                np.where(normal, -turn, -there * np.cross(arms[1], one)),
+            ]
+        )
+
+
+def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
+    """The conditions of all joints of a scene; hinges named by `hold` keep their opening."""
+    rows: list[tuple] = []
+    for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_stated(scene)):
+        rows += _rows_of(scene, joint)
+    hinges = {hinge.name: hinge for hinge in scene.hinges}
+    for name in hold:
+        if name not in hinges:
+            raise SceneError("hold", name, f"names of hinges: {', '.join(hinges)}")
+        hinge, none = hinges[name], np.zeros((2, 3))
+        if hinge.slides:
+            arms, zero = np.array([beam.arm for beam in hinge.beams]), np.zeros(3)
+            rows.append((name, hinge.particles, CARRIED, hinge.axes[0], zero, arms, 1.0, zero))
+            continue
+        axis, zero = hinge.axes[0], hinge.references[0]
+        ahead = np.cos(hinge.opening) * zero + np.sin(hinge.opening) * np.cross(axis, zero)
+        across = np.cross(axis, ahead)
+        rows.append(
+            (name, hinge.particles, NORMAL, across, hinge.references[1], none, 1.0, none[0])
+        )
+    columns = list(zip(*rows, strict=True)) or [()] * 8
+    shapes = [None, (-1, 2), (-1,), (-1, 3), (-1, 3), (-1, 2, 3), (-1,), (-1, 3)]
+    kinds = [None, int, int, float, float, float, float, float]
+    arrays = [
+        np.array(c, k).reshape(s) for c, k, s in zip(columns, kinds, shapes, strict=True) if k
+    ]
+    return Conditions(list(columns[0]), *arrays)
+
+
+def _stated(scene) -> list[Joint]:
+    """Joints that are stated as such."""
+    return scene.kinds.get(Joint, [])
+
+
+def _rows_of(scene, joint: Joint) -> list[tuple]:
+    """The conditions of a joint, as rows of Conditions."""
+    zero = np.zeros(3)
+    arms = np.array([beam.arm for beam in joint.beams])
+    if joint.type == "held":
+        particle = joint.beams[0].particle
+        place = scene.position[particle] + scene.frame[particle] @ arms[0]
+        pair, arms = (particle, particle), np.array([arms[0], zero])
+        axes = [np.eye(3)[AXES.index(axis)] for axis in joint.held]
+        return [(joint.name, pair, ALONG, axis, zero, arms, 0.0, place) for axis in axes]
+    axis, across = joint.axes[0], joint.references[0]
+    third, along, other = np.cross(axis, across), joint.axes[1], joint.references[1]
+    points = [(CARRIED, e) for e in (across, third)]
+    if joint.type != "prismatic":
+        points = [(ALONG, e) for e in np.eye(3)]
+    tilts = {
+        "spherical": [],
+        "universal": [(axis, along)],
+        "revolute": [(across, along), (third, along)],
+    }.get(joint.type, [(across, along), (third, along), (third, other)])
+    pair = joint.particles
+    return [
+        *((joint.name, pair, how, e, zero, arms, 1.0, zero) for how, e in points),
+        *((joint.name, pair, NORMAL, u, w, np.zeros((2, 3)), 1.0, zero) for u, w in tilts),
+    ]

@@ -1,0 +1,101 @@
+"""Strain energy of the beams of a scene, and its derivatives: the theory of kinds/beam.py."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.assembly.places import Places, dofs_of, gathered, slopes
+from fpm.elements.bars.beam import Beams, elements_of, end_axes
+
+
+class Shape(NamedTuple):
+    """How elements are deformed. chord: its direction (e, 3); length (e,) m; axes a₂, a₃, b₂, b₃
+    (e, 4, 3) of the ends; sines (e, 4) of the angles between them and the chord; twist (e,).
+    """
+
+    chord: np.ndarray
+    length: np.ndarray
+    axes: np.ndarray
+    sines: np.ndarray
+    twist: np.ndarray
+
+
+class Elastic(NamedTuple):
+    """The beam elements of a scene: nodes (e, 2); stiffness (e, 5) as of Beams; axes (e, 4, 3): 2
+    and 3 of either end, in its frame; half (e, 2): half the height of the section in both planes.
+    """
+
+    nodes: np.ndarray
+    stiffness: np.ndarray
+    axes: np.ndarray
+    half: np.ndarray
+
+    def energy(self, places: Places) -> float:
+        """Strain energy, J."""
+        shape = self._shape(*self._ends(places))
+        rest, axial, *bending, torsion = self.stiffness.T
+        turns = shape.sines + shape.sines**3 / 6
+        total = 0.5 * axial * (shape.length - rest) ** 2 + 0.5 * torsion * shape.twist**2
+        for plane, stiff in enumerate(bending):
+            one, two = turns[:, plane], turns[:, 2 + plane]
+            total = total + stiff * (one**2 + one * two + two**2)
+        return float(np.sum(total))
+
+    def largest(self, places: Places) -> tuple[float, float]:
+        """The largest sine of an angle or twist, and the largest strain at a surface."""
+        shape = self._shape(*self._ends(places))
+        turns = shape.sines + shape.sines**3 / 6
+        rest = self.stiffness[:, :1]
+        curved = np.abs(turns[:, 2:] - turns[:, :2]) / rest
+        strain = np.abs(shape.length / rest[:, 0] - 1) + (curved * self.half).sum(axis=1)
+        bend = np.abs(np.column_stack([shape.sines, shape.twist]))
+        return float(bend.max(initial=0.0)), float(strain.max(initial=0.0))
+
+    def derivatives(self, places: Places):
+        """Gradient (6n,) and Hessian, sparse (6n, 6n), of the energy."""
+        count, ends = len(places.position), self._ends(places)
+        gradient = np.zeros(6 * count)
+        np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
+        return gradient, gathered(slopes(self._gradient, *ends), self.nodes, count)
+
+    def _ends(self, places: Places) -> tuple[Places, Places]:
+        return places.of(self.nodes[:, 0]), places.of(self.nodes[:, 1])
+
+    def _shape(self, first: Places, second: Places) -> Shape:
+        chord = second.position - first.position
+        length = np.sqrt(np.sum(chord * chord, axis=1))
+        chord = chord / length[:, None]
+        axes = np.concatenate(
+            [
+                np.einsum("eij,ekj->eki", end.frame, own)
+                for end, own in ((first, self.axes[:, :2]), (second, self.axes[:, 2:]))
+            ],
+            axis=1,
+        )
+        a2, a3, b2, b3 = axes.transpose(1, 0, 2)
+        twist = 0.5 * (np.sum(b2 * a3, axis=1) - np.sum(b3 * a2, axis=1))
+        return Shape(chord, length, axes, np.einsum("ei,eki->ek", chord, axes), twist)
+
+    def _gradient(self, first: Places, second: Places) -> np.ndarray:
+        """Derivatives (e, 12) of each element's energy by the motions of its ends."""
+        n, length, axes, sines, t = self._shape(first, second)
+        rest, axial, in_2, in_3, torsion = self.stiffness.T
+        turns = sines * (1 + sines**2 / 6)
+        stiff = np.stack([in_2, in_3, in_2, in_3], axis=1)
+        by_sine = stiff * (2 * turns + turns[:, [2, 3, 0, 1]]) * (1 + sines**2 / 2)
+        at = by_sine[:, :, None] * axes
+        ga, gb = at[:, 0] + at[:, 1], at[:, 2] + at[:, 3]
+        along = axial * (length - rest) - np.sum(by_sine * sines, axis=1) / length
+        force = (ga + gb) / length[:, None] + along[:, None] * n  # on the first
+        a2, a3, b2, b3 = axes.transpose(1, 0, 2)
+        twist = (0.5 * torsion * t)[:, None] * (np.cross(a3, b2) - np.cross(a2, b3))
+        return np.hstack([-force, twist - np.cross(n, ga), force, -twist - np.cross(n, gb)])
+
+
+def elastic_of(scene) -> Elastic:
+    """The beams of a scene."""
+    nodes, _, half = elements_of(scene.beams)
+    if not len(nodes):
+        return Elastic(nodes, np.zeros((0, 5)), np.zeros((0, 4, 3)), half)
+    stiffness = np.concatenate([beams.stiffness() for beams in Beams.of(scene)])
+    return Elastic(nodes, stiffness, end_axes(scene).reshape(-1, 4, 3), half)

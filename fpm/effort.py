@@ -1,0 +1,117 @@
+"""What a run costs: seconds of a core for its steps and instants, from what a scene has.
+
+Costs are those of eight runs side by side, in nanoseconds, as measured where a register holds 256
+bits (an AMD EPYC without 512), and right to a factor of two or so; `machine` is what they have to
+be multiplied with here. Joints that are solved together are counted out, as it depends on how they
+are coupled: twenty joints on one body cost far more than twenty in a chain.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from fpm.elements import Beams, Cable, Joint, kinds_of
+from fpm.elements.kind import Kind
+from fpm.scenes.scene import Scene
+
+STEP = 400.0
+"""Of a step, whatever is in it."""
+
+INSTANT = 4000.0
+"""Of an instant that is recorded, with the check of the balance."""
+
+PARTICLE, ELEMENT, DAMPED, VISCOUS = 25.0, 105.0, 6.0, 20.0
+"""Of a particle, as a rigid body; of a beam element with one of its particles; of the damping of a
+particle in proportion to its mass; of the bulk viscosity of a beam element."""
+
+EACH: dict[str, float] = {
+    "Gravity": 5.0, "Opening": 30.0, "Hinge": 390.0, "TorsionSpring": 70.0, "Contact": 70.0,
+    "Load": 100.0, "SyncLoop": 100.0, "Motor": 100.0, "TorqueMotor": 100.0, "Release": 100.0,
+    "Latch": 100.0, "Damper": 70.0, "Friction": 100.0, "Stop": 100.0, "TableSpring": 100.0,
+    "Drive": 100.0, "Support": 60.0, "Turn": 200.0, "RigidLatch": 100.0, "RigidRelease": 100.0,
+    "RigidMotor": 100.0, "RigidFriction": 100.0,
+}  # fmt: skip
+"""Of an element by its kind: hinges solved alone, and what acts on an opening, as a rule."""
+
+OTHER = 100.0
+"""Of an element of a kind that is not among them."""
+
+STRETCH, RUBBING = 60.0, 300.0
+"""Of a cable's stretch between two points; the same with friction at its points."""
+
+CONDITION, MULTIPLY_ADD = 240.0, 1.5
+"""Of a condition of joints that are solved together, and of each multiply-add of the elimination:
+from chains, pairs, and platforms on 2 to 30 cranks."""
+
+PACKING, STATED = 0.4e-3, 0.05e-3
+"""Seconds to pack a run and hand it back, and more for each thing that the scene states: a bar, a
+hinge, a spring on it."""
+
+
+def step_seconds(scene: Scene) -> float:
+    """Seconds of a core for a step of eight runs side by side."""
+    found = STEP
+    elements = sum(len(beams.length) for beams in scene.beams)
+    on_beams = {int(p) for beams in scene.beams for p in np.unique(beams.nodes)}
+    found += ELEMENT * elements + PARTICLE * (len(scene.position) - len(on_beams))
+    for kind in kinds_of([scene]):
+        found += _of_kind(kind, scene)
+    return 1e-9 * found
+
+
+def run_seconds(scene: Scene, steps: int, instants: int) -> float:
+    """Seconds of a core for a run of so many steps and recorded instants, one of eight."""
+    packing = PACKING + STATED * sum(map(len, scene.kinds.values()))
+    return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + packing
+
+
+def _of_kind(kind: type[Kind], scene: Scene) -> float:
+    """Nanoseconds for all elements of a kind, but for beams."""
+    if kind.__name__ == "Damping":
+        return DAMPED * len(scene.position)
+    if kind.__name__ == "Viscosity":
+        return VISCOUS * sum(len(beams.length) for beams in scene.beams)
+    if kind is Beams or kind.__name__ == "Probe":
+        return 0.0
+    if kind is Cable:
+        return sum(
+            (STRETCH if cable.friction is None else RUBBING) * (len(cable.beams) - 1)
+            for cable in scene.cables
+        )
+    if kind is Joint:
+        conditions, operations = elimination_of(scene)
+        return CONDITION * conditions + MULTIPLY_ADD * operations
+    share = len(scene.position) if kind.__name__ == "Gravity" else len(kind.of(scene))
+    return EACH.get(kind.__name__, OTHER) * share
+
+
+def elimination_of(scene: Scene) -> tuple[int, float]:
+    """Conditions of the joints that are solved together, and multiply-adds of their elimination.
+
+    A joint of c conditions that is coupled to others of a sum of d, when its turn comes, takes
+    c³/6 for its own block, c² d/2 for those below it, and c d²/2 for those of the others.
+    """
+    from fpm.elements.joints.joint_pattern import elimination, neighbours
+
+    joints = Joint.of(scene)
+    on = sorted({p for joint in joints for p in joint.particles})
+    slot = {particle: number for number, particle in enumerate(on)}
+    slots = np.array([[*(slot[p] for p in joint.particles), -1][:2] for joint in joints])
+    order, below = elimination(neighbours(slots, ~scene.fixed[on].all(axis=1)))
+    counts = np.array([joints[j].conditions for j in order])
+    later = np.array([counts[others].sum() for others in below])
+    operations = counts**3 / 6 + counts**2 * later / 2 + counts * later**2 / 2
+    return int(counts.sum()), float(operations.sum())
+
+
+@cache
+def machine() -> float:
+    """How many times as long this one takes: with 512 bits a step took a 2.9th."""
+    from llvmlite.binding import get_host_cpu_features
+
+    has = get_host_cpu_features()
+    if has.get("avx512f"):
+        return 1 / 2.9
+    return 1.0 if has.get("avx2") else 2.0  # 128 bits: twice the instructions

@@ -1,0 +1,81 @@
+"""What a scene is made of: one kind of element per definition file, with its kernels beside it."""
+
+from fpm.elements.bars.beam import Beams
+from fpm.elements.bars.viscosity import Viscosity
+from fpm.elements.cables.cable import Cable
+from fpm.elements.joints.hinge import Hinge
+from fpm.elements.joints.joint import Joint
+from fpm.elements.joints.rigid_friction import RigidFriction
+from fpm.elements.joints.rigid_latch import RigidLatch
+from fpm.elements.joints.rigid_motor import RigidMotor
+from fpm.elements.joints.rigid_release import RigidRelease
+from fpm.elements.joints.turn import Turn
+from fpm.elements.kind import Kind
+from fpm.elements.openings.contact import Contact
+from fpm.elements.openings.damper import Damper
+from fpm.elements.openings.friction import Friction
+from fpm.elements.openings.latch import Latch
+from fpm.elements.openings.motor import Motor, TorqueMotor
+from fpm.elements.openings.opening import Opening
+from fpm.elements.openings.release import Release
+from fpm.elements.openings.stop import Stop
+from fpm.elements.openings.sync_loop import SyncLoop
+from fpm.elements.openings.table_spring import TableSpring
+from fpm.elements.openings.torsion_spring import TorsionSpring
+from fpm.elements.particles.damping import Damping
+from fpm.elements.particles.drive import Drive
+from fpm.elements.particles.gravity import Gravity
+from fpm.elements.particles.load import Load
+from fpm.elements.particles.probe import Probe
+from fpm.elements.particles.support import Support
+
+KINDS: tuple[type[Kind], ...] = (
+    Gravity,
+    Beams,
+    Opening,
+    Hinge,
+    TorsionSpring,
+    Contact,
+    Load,
+    Cable,
+    SyncLoop,
+    Motor,
+    TorqueMotor,
+    Release,
+    Latch,
+    Damper,
+    Friction,
+    Stop,
+    TableSpring,
+    Turn,
+    RigidMotor,
+    RigidRelease,
+    RigidLatch,
+    RigidFriction,
+    Viscosity,
+    Drive,
+    Support,
+    Damping,
+    Joint,
+    Probe,
+)
+"""The registry. The order is that of sums, hence of the last digits: add new kinds at the end,
+before Drive if they act with forces (drives feel them, supports take them out, damping scales
+them, joints and the probe come last).
+"""
+
+
+def kinds_of(scenes) -> list[type[Kind]]:
+    """The kinds that some of the scenes have, in the order of the registry; others follow."""
+    stated = {kind for scene in scenes for kind in scene.kinds}
+    own = sorted(stated.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
+    return [kind for kind in (*KINDS, *own) if any(kind.of(scene) for scene in scenes)]
+
+
+def energies_of(kinds) -> list:
+    """The energies in the balance of a scene with these kinds, in order, besides kinetic energy and
+    the balance: what is stored, given and taken. Those of the registry are always there.
+    """
+    kinds = [*KINDS, *(kind for kind in kinds if kind not in KINDS)]
+    found = [getattr(k, role) for role in ("stores", "gives", "takes") for k in kinds]
+    return list(dict.fromkeys(energy for energy in found if energy))

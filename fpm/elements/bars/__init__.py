@@ -1,0 +1,1 @@
+"""Beams, and what a bar is made of."""

@@ -1,0 +1,264 @@
+"""Euler-Bernoulli beam elements between two particles.
+
+Theory. The rigid motion of an element is taken out by a fictitious reverse motion: turned back
+with the rotation of particle a, the chord n of the element shows the deflection angles of that end,
+``s = n . a2`` and ``n . a3`` (a1, a2, a3: the triad carried by particle a; undeformed, a1 = n).
+What is left is small, and linear Euler-Bernoulli theory holds for it::
+
+    U = EA/(2 l0) (l - l0)^2 + GJ/(2 l0) t^2
+      + sum over both planes of 2 EI/l0 (th_a^2 + th_a th_b + th_b^2),
+    th = s + s^3/6 (the angle of which s is the sine),   t = (b2 . a3 - b3 . a2) / 2.
+
+The end forces are the exact gradient of U with respect to the particles' positions and rotations.
+So they vanish in any rigid motion, carry no net force or moment (momentum is kept to rounding) and
+are conservative. Source of the concept: Ting, Shih, Wang, J. Mech. 20 (2004) 113 (vector form
+intrinsic finite element); corotational chord frame: Crisfield, Non-linear FEA vol. 2, ch. 17.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.cross import columns, cross, length
+from fpm.elements.bars.beam_limits import BEND, STRAIN
+from fpm.elements.kind import Deformations, Energy, Kind
+from fpm.errors import SceneError
+
+
+@dataclass(frozen=True)
+class Material:
+    """Linear elastic material: `E` Young's modulus (Pa), `nu` Poisson's ratio, `rho` (kg/m3)."""
+
+    E: float
+    nu: float
+    rho: float
+
+    def __post_init__(self):
+        if not self.E > 0:
+            raise SceneError("Young's modulus E", self.E, "a positive number (Pa)")
+        if not -1 < self.nu <= 0.5:
+            raise SceneError("Poisson's ratio nu", self.nu, "-1 < nu <= 0.5")
+        if not self.rho > 0:
+            raise SceneError("density rho", self.rho, "a positive number (kg/m3)")
+
+    @property
+    def G(self) -> float:
+        """Shear modulus (Pa)."""
+        return self.E / (2 * (1 + self.nu))
+
+
+@dataclass(frozen=True)
+class Section:
+    """Cross-section: `A` (m2), `Iy` = ∫z² dA and `Iz` = ∫y² dA (m4), torsion constant `J` (m4).
+
+    outline: what is known of its contour, for stresses (stress.py): "rectangle", "round" or ""
+    with its `width` and `height` (m) along the local y and z axes.
+    """
+
+    A: float
+    Iy: float
+    Iz: float
+    J: float
+    outline: str = ""
+    width: float = 0.0
+    height: float = 0.0
+
+    @staticmethod
+    def rectangle(width: float, height: float) -> "Section":
+        """Solid rectangle, `width` along the local y, `height` along the local z axis (m).
+
+        Torsion constant by the series of Timoshenko and Goodier, Theory of Elasticity, § 109.
+        """
+        if not (width > 0 and height > 0):
+            raise SceneError("section width, height", (width, height), "positive lengths (m)")
+        long, short = max(width, height), min(width, height)
+        odd = np.arange(1, 40, 2)
+        series = np.sum(np.tanh(odd * np.pi * long / (2 * short)) / odd**5)
+        J = long * short**3 * (1 / 3 - 64 / np.pi**5 * short / long * series)
+        Iy, Iz = width * height**3 / 12, height * width**3 / 12
+        return Section(width * height, Iy, Iz, float(J), "rectangle", width, height)
+
+    @staticmethod
+    def square(side: float) -> "Section":
+        """Solid square of the given side (m)."""
+        return Section.rectangle(side, side)
+
+    @staticmethod
+    def circle(radius: float) -> "Section":
+        """Solid circle of the given radius (m)."""
+        return Section.tube(radius, 0.0)
+
+    @staticmethod
+    def tube(outer: float, inner: float) -> "Section":
+        """Round tube between two radii (m)."""
+        inertia = np.pi / 4 * (outer**4 - inner**4)
+        area = np.pi * (outer**2 - inner**2)
+        return Section(area, inertia, inertia, 2 * inertia, "round", 2 * outer, 2 * outer)
+
+
+@dataclass(frozen=True)
+class Beams(Kind):
+    """Beam elements of one section and material.
+
+    nodes (m, 2) particle indices; length (m,) undeformed lengths (m); triad (m, 3, 3) the element's
+    initial axes as columns (first along the chord); name: prefix of the elements' names.
+    """
+
+    nodes: np.ndarray
+    length: np.ndarray
+    triad: np.ndarray
+    section: Section
+    material: Material
+    name: str
+
+    stores = Energy("strain", "strain_energy", "strain energy of the beam elements")
+    watches = (BEND, STRAIN)
+
+    @staticmethod
+    def between(scene, nodes, section, material, normal, name) -> "Beams":
+        """Elements between particles of a scene, unstressed as they lie (Scene.add_beams)."""
+        nodes = np.atleast_2d(np.asarray(nodes, int))
+        if nodes.shape[1] != 2 or nodes.min() < 0 or nodes.max() >= len(scene.position):
+            raise SceneError(f"nodes of {name}", nodes.tolist(), "(m, 2) indices of particles")
+        chord = scene.position[nodes[:, 1]] - scene.position[nodes[:, 0]]
+        length = np.linalg.norm(chord, axis=1)
+        if not np.all(length > 0):
+            raise SceneError(f"length of {name}", length.min(), "two particles apart")
+        normals = np.broadcast_to(np.asarray(normal, float), (len(nodes), 3))
+        axes = np.array([triad(c, z) for c, z in zip(chord, normals, strict=True)])
+        return Beams(nodes, length, axes, section, material, name)
+
+    def stiffness(self) -> np.ndarray:
+        """Rows (m, 5): l0 (m), EA/l0 (N/m), 2 EIz/l0, 2 EIy/l0 and GJ/l0 (N m)."""
+        s, m, n = self.section, self.material, len(self.length)
+        table = np.empty((n, 5))
+        table[:, 0] = self.length
+        table[:, 1:] = [m.E * s.A, 2 * m.E * s.Iz, 2 * m.E * s.Iy, m.G * s.J]
+        table[:, 1:] /= self.length[:, None]
+        return table
+
+    @classmethod
+    def topology_of(cls, scene):
+        """The particles, and whether all elements lie along their particles' axes."""
+        return tuple(tuple(b.nodes.ravel()) for b in cls.of(scene)), framed(scene)
+
+    @classmethod
+    def names(cls, scene):
+        """The name of the link, and the number of the element on it."""
+        return [f"{b.name}[{i}]" for b in cls.of(scene) for i in range(len(b.length))]
+
+    @classmethod
+    def deformations(cls, scene):
+        """Per beam stretch, two bending planes in sum and difference (so that their stiffness is
+        diagonal), twist.
+        """
+        frame = scene.frame if scene.unstrained is None else scene.unstrained
+        found, count = [], 0
+        for beams in cls.of(scene):
+            found += [d._replace(element=d.element + count) for d in beams.modes(frame)]
+            count += len(beams.length)
+        return Deformations(*(np.concatenate(x) for x in zip(*found, strict=True)))
+
+    def modes(self, frame: np.ndarray) -> list[Deformations]:
+        """The deformations of these beams; frame (n, 3, 3) of all particles without strain."""
+        table, (a, b) = self.stiffness(), self.nodes.T
+        six = np.arange(6)
+        dofs = np.concatenate([6 * a[:, None] + six, 6 * b[:, None] + six], axis=1)
+        n, e2, e3 = np.moveaxis(self.triad, 2, 0)
+        zero = np.zeros_like(n)
+
+        def local(v, nodes):
+            return np.einsum("mji,mj->mi", frame[nodes], v)
+
+        def row(xa, ra, xb, rb):
+            return np.concatenate([xa, local(ra, a), xb, local(rb, b)], axis=1)
+
+        rows = [(row(-n, zero, n, zero), table[:, 1]), (row(zero, -n, zero, n), table[:, 4])]
+        for axis, about, k in ((e2, np.cross(e2, n), table[:, 2]),
+                               (e3, np.cross(e3, n), table[:, 3])):  # fmt: skip
+            # th_a^2 + th_a th_b + th_b^2 = 3/4 (th_a + th_b)^2 + 1/4 (th_a - th_b)^2
+            slope = axis / self.length[:, None]
+            rows.append((row(-2 * slope, about, 2 * slope, about), 1.5 * k))
+            rows.append((row(zero, about, zero, -about), 0.5 * k))
+        element = np.arange(len(self.length))
+        return [Deformations(dofs, values, k, element) for values, k in rows]
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.bars.beam_kernels import (
+            AXES,
+            BEAM,
+            SHARES,
+            FramedElements,
+            StraightElements,
+        )
+
+        def stiffness(scene):
+            return np.concatenate([b.stiffness() for b in cls.of(scene)]) * SHARES
+
+        nodes = np.concatenate([b.nodes for b in cls.of(batch.one)])
+        arrays = (
+            batch.integers(nodes, 2),
+            batch.stack(len(nodes), BEAM, stiffness),
+            batch.watched_by(cls),
+            batch.rows_of(cls),
+        )
+        if framed(batch.one):
+            return FramedElements(*arrays, batch.stack(len(nodes), AXES, end_axes))
+        return StraightElements(*arrays)
+
+    @classmethod
+    def rounding(cls, part):
+        """EA l0 of all elements."""
+        from fpm.elements.bars.beam_kernels import AXIAL, LENGTH
+
+        return np.sum(part.beams[:, AXIAL] * part.beams[:, LENGTH] ** 2, 0)
+
+
+ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
+"""Row of `end_axes` of an element whose axes are those of its particles."""
+
+
+def framed(scene) -> bool:
+    """Whether some element's axes are not those of its particles (to rounding).
+
+    The kernels take another path then. It must follow from the scene alone: a choice for a whole
+    batch would let a sample's last digits depend on its neighbours.
+    """
+    return bool(np.abs(end_axes(scene) - ALIGNED).max() >= 1e-12) if Beams.of(scene) else False
+
+
+def end_axes(scene) -> np.ndarray:
+    """Axes 2 and 3 of every element in the frames of its ends (m, 12)."""
+    frame = scene.frame if scene.unstrained is None else scene.unstrained
+    nodes = np.concatenate([beams.nodes for beams in Beams.of(scene)])
+    axes = np.concatenate([beams.triad[:, :, 1:] for beams in Beams.of(scene)])
+    ends = [np.einsum("mji,mjk->mki", frame[end], axes) for end in nodes.T]
+    return np.hstack([end.reshape(-1, 6) for end in ends])
+
+
+def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Right-handed axes (3, 3) as columns: x along `direction`, z in the plane with `normal`."""
+    x = np.asarray(direction, float)
+    x = x / length(x)
+    y = cross(normal, x)
+    size = length(y)
+    if size < 1e-9:
+        raise SceneError("normal", tuple(normal), f"a vector not parallel to the beam, {tuple(x)}")
+    y = y / size
+    return columns(x, y, cross(x, y))
+
+
+def elements_of(groups: Sequence[Beams]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Elements of all groups: nodes (m, 2), lengths (m,) m, half widths and heights (m, 2) m.
+
+    Width and height are those of a rectangle with the section's area and second moments.
+    """
+    nodes, length, half = [np.zeros((0, 2), int)], [np.zeros(0)], [np.zeros((0, 2))]
+    for beams in groups:
+        nodes.append(beams.nodes)
+        length.append(beams.length)
+        radius = np.sqrt(np.array([beams.section.Iz, beams.section.Iy]) / beams.section.A)
+        half.append(np.tile(np.sqrt(3.0) * radius, (len(beams.length), 1)))
+    return np.concatenate(nodes), np.concatenate(length), np.concatenate(half)

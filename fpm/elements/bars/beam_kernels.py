@@ -1,0 +1,215 @@
+"""Forces, strain energy and strains of beam elements (theory: beam.py).
+
+Elements whose axes are those of their particles, as on straight links, have arrays of their own
+type, for which less is computed.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import overload
+
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import absolute, load, sqrt, store
+from fpm.kernels.layout import D2, D3, F, M, X
+from fpm.kernels.rotation import frame
+from fpm.kernels.vectors import INLINED, add3, cross, dot, get3, kernel, larger, put3, to_global
+
+# Constants of an element.
+LENGTH = 0  # undeformed length
+AXIAL = 1  # EA/l0
+BEND_Z = 2  # EIz/(6 l0), for `angle`
+BEND_Y = 3  # EIy/(6 l0)
+TWIST = 4  # GJ/(4 l0), for `twist_of`
+BEAM = 5
+SHARES = (1.0, 1.0, 1 / 12, 1 / 12, 1 / 4)
+"""What they are of the columns of `Beams.stiffness`: no factor is left to be multiplied with."""
+
+# Its axes in the frames of its particles: 2 and 3 at a, then at b (3 each).
+A2, A3, B2, B3 = 0, 3, 6, 9
+AXES = 12
+
+BEND, STRAIN = 0, 1  # watched
+
+
+class StraightElements(NamedTuple):
+    """Elements whose axes are those of their particles."""
+
+    nodes: np.ndarray  # (m, 2) particles
+    beams: np.ndarray  # (m, BEAM, lanes)
+    watched: np.ndarray  # (1, 2, lanes)
+    rows: np.ndarray  # (m, 1, lanes)
+
+
+class FramedElements(NamedTuple):
+    """Elements with axes of their own."""
+
+    nodes: np.ndarray
+    beams: np.ndarray
+    watched: np.ndarray
+    rows: np.ndarray
+    axes: np.ndarray  # (m, AXES, lanes)
+
+
+@kernel
+def angle(s):
+    """Six times the angle of which s is the sine, s + s³/6 to fifth order, and twice its slope."""
+    slope = s * s + 2.0
+    return s * (slope + 4.0), slope
+
+
+@kernel
+def twist_of(a2, a3, b2, b3):
+    """Twice the sine of the twist, b2 . a3 - b3 . a2; the axes of either end are normal."""
+    return dot(b2 - a2, a3 + b3)
+
+
+@kernel
+def _own_axes(part, state, e):
+    a, b = part.nodes[e, 0], part.nodes[e, 1]
+    return get3(state, a, D2), get3(state, a, D3), get3(state, b, D2), get3(state, b, D3)
+
+
+@kernel
+def _framed_axes(part, state, e):
+    one, two = frame(state, part.nodes[e, 0]), frame(state, part.nodes[e, 1])
+    return (
+        to_global(one, get3(part.axes, e, A2)),
+        to_global(one, get3(part.axes, e, A3)),
+        to_global(two, get3(part.axes, e, B2)),
+        to_global(two, get3(part.axes, e, B3)),
+    )
+
+
+def end_axes(part, state, e):
+    """Axes 2 and 3 of element e as its ends a and b carry them: a2, a3, b2, b3."""
+    return _axes_for(type(part))(part, state, e)
+
+
+def _axes_for(arrays: type):
+    return _framed_axes if arrays is FramedElements else _own_axes
+
+
+@overload(end_axes, jit_options=INLINED)
+def _end_axes(part, state, e):
+    chosen = _axes_for(part.instance_class)
+    return lambda part, state, e: chosen(part, state, e)
+
+
+@kernel
+def chord_of(part, state, e):
+    """Direction of the chord of element e, its inverse length and the axial force."""
+    chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
+    length = sqrt(dot(chord, chord))
+    inverse = 1.0 / length
+    stretch = length - load(part.beams, e, LENGTH)
+    return inverse * chord, inverse, load(part.beams, e, AXIAL) * stretch
+
+
+@kernel
+def forces(part, world, now):
+    """End forces and moments of all elements.
+
+    The chord of the next element is found beside the forces of each: its root and quotient take
+    long, and leave the multipliers idle.
+    """
+    state, beams = world.state, part.beams
+    last = part.nodes.shape[0] - 1
+    following = chord_of(part, state, 0)
+    for e in range(last + 1):
+        n, inverse, axial = following
+        following = chord_of(part, state, min(e + 1, last))
+        a, b = part.nodes[e, 0], part.nodes[e, 1]
+        a2, a3, b2, b3 = end_axes(part, state, e)
+        twist = load(beams, e, TWIST) * twist_of(a2, a3, b2, b3)
+        moment = twist * (cross(a3, b2) - cross(a2, b3))
+        sa2, sa3, sb2, sb3 = dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)
+        ta2, da2 = angle(sa2)
+        ta3, da3 = angle(sa3)
+        tb2, db2 = angle(sb2)
+        tb3, db3 = angle(sb3)
+        kz, ky = load(beams, e, BEND_Z), load(beams, e, BEND_Y)
+        # Generalised forces: derivatives of the energy with respect to the four sines.
+        t2, t3 = ta2 + tb2, ta3 + tb3
+        ca2, cb2 = kz * (t2 + ta2) * da2, kz * (t2 + tb2) * db2
+        ca3, cb3 = ky * (t3 + ta3) * da3, ky * (t3 + tb3) * db3
+        ga = ca2 * a2 + ca3 * a3
+        gb = cb2 * b2 + cb3 * b3
+        across = inverse * (ga + gb)
+        force = across + (axial - dot(n, across)) * n
+        add3(state, a, F, force)
+        put3(state, b, F, get3(state, b, F) - force)
+        add3(state, a, M, cross(n, ga) - moment)
+        add3(state, b, M, cross(n, gb) + moment)
+
+
+@kernel
+def shape_of(part, state, e):
+    """The axial force of element e, the sines between its chord and axes 2 and 3 of its ends a and
+    b, and twice the sine of its twist.
+    """
+    a2, a3, b2, b3 = end_axes(part, state, e)
+    n, _, force = chord_of(part, state, e)
+    return force, (dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)), twist_of(a2, a3, b2, b3)
+
+
+@kernel
+def strain_energy(part, e, shape):
+    """Strain energy (J) of element e of a shape (`shape_of`)."""
+    force, sines, twist = shape
+    ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
+    tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
+    return (
+        0.5 * force * force / load(part.beams, e, AXIAL)
+        + 0.5 * load(part.beams, e, TWIST) * twist * twist
+        + load(part.beams, e, BEND_Z) * (ta2 * ta2 + ta2 * tb2 + tb2 * tb2) / 3.0
+        + load(part.beams, e, BEND_Y) * (ta3 * ta3 + ta3 * tb3 + tb3 * tb3) / 3.0
+    )
+
+
+@kernel
+def larger_strains(part, e, shape, bend, strain):
+    """The larger of bend (square of a sine) and strain, and those of element e by its shape.
+
+    The height is that of a rectangle with the element's radius of gyration, sqrt(12 I/A).
+    """
+    beams = part.beams
+    force, (sa2, sa3, sb2, sb3), twist = shape
+    bend = larger(bend, sa2 * sa2 + sa3 * sa3)
+    bend = larger(bend, sb2 * sb2 + sb3 * sb3)
+    bend = larger(bend, 0.25 * twist * twist)
+    # Angles between the ends (six times), by the radii of gyration I/A = (6 BEND) / AXIAL.
+    turn2, turn3 = angle(sb2)[0] - angle(sa2)[0], angle(sb3)[0] - angle(sa3)[0]
+    square = load(beams, e, BEND_Z) * turn2 * turn2 + load(beams, e, BEND_Y) * turn3 * turn3
+    axial, rest = load(beams, e, AXIAL), load(beams, e, LENGTH)
+    inverse = 1.0 / (axial * rest)
+    stretch = absolute(force) * inverse
+    return bend, larger(strain, sqrt(0.5 * axial * square) * inverse + stretch)
+
+
+@kernel
+def stored(part, world):
+    """Strain energy of all elements (J); their bend and strain are watched."""
+    total = 0.0 * load(world.state, 0, X)
+    bend, strain = 0.0 * load(part.watched, 0, BEND), load(part.watched, 0, STRAIN)
+    for e in range(part.nodes.shape[0]):
+        shape = shape_of(part, world.state, e)
+        bend, strain = larger_strains(part, e, shape, bend, strain)
+        total = total + strain_energy(part, e, shape)
+    store(part.watched, 0, BEND, larger(load(part.watched, 0, BEND), sqrt(bend)))
+    store(part.watched, 0, STRAIN, strain)
+    return total
+
+
+@kernel
+def list_energies(part, world):
+    """Strain energy of each element (J)."""
+    for e in range(part.nodes.shape[0]):
+        store(part.rows, e, 0, strain_energy(part, e, shape_of(part, world.state, e)))
+
+
+for _arrays in (StraightElements, FramedElements):
+    hook(_arrays, "forces")(forces)
+    hook(_arrays, "stored")(stored)
+    hook(_arrays, "list_energies")(list_energies)
+    hook(_arrays, "list_excess")(list_energies)  # the one with the most energy is to blame

@@ -1,0 +1,51 @@
+"""Forces of the bulk viscosity of beams, and what they take out (theory: viscosity.py)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import load, sqrt, store
+from fpm.kernels.layout import F, X
+from fpm.kernels.vectors import add3, dot, get3
+
+# Kept of an element: the rate of its length in the middle of the last step (m/s; at first that at
+# the start), its tension at the last positions (N), and its length there (m).
+RATE, TENSION, LENGTH = 0, 1, 2
+PAST = 3
+
+
+class Viscous(NamedTuple):
+    """nodes (m, 2) particles; damping (m, 1, lanes) N s/m; past (m, PAST, lanes); account."""
+
+    nodes: np.ndarray
+    damping: np.ndarray
+    past: np.ndarray
+    account: int
+
+
+@hook(Viscous)
+def forces(part, world, now):
+    """Tensions against the rates of the lengths, extrapolated as those of dampers are; what they
+    take, by the trapezium rule, is what leapfrog does (losses_kernels.py)."""
+    state, past = world.state, part.past
+    taken = load(world.accounts, 0, part.account)
+    for e in range(part.nodes.shape[0]):
+        a, b = part.nodes[e, 0], part.nodes[e, 1]
+        chord = get3(state, b, X) - get3(state, a, X)
+        length = sqrt(dot(chord, chord))
+        last = load(past, e, RATE)
+        rate = last
+        grown = length - load(past, e, LENGTH)
+        if now.time > 0.0:
+            half = grown * (1.0 / now.step)
+            rate = 1.5 * half - 0.5 * last
+            store(past, e, RATE, half)
+        tension = load(part.damping, e, 0) * rate
+        taken = taken + 0.5 * (tension + load(past, e, TENSION)) * grown
+        store(past, e, TENSION, tension)
+        store(past, e, LENGTH, length)
+        force = (tension / length) * chord
+        add3(state, a, F, force)
+        add3(state, b, F, -1.0 * force)
+    store(world.accounts, 0, part.account, taken)

@@ -1,0 +1,256 @@
+"""Scenes to kernel arrays: numbers of several scenes side by side in lanes.
+
+All scenes of a batch share their topology (pack.py); only numbers may differ. The last scene fills
+the lanes that are left over; their results are dropped.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from fpm.kernels import layout as at
+from fpm.kernels.world import Log, Record, World
+
+REST_STRAIN = 1e-10
+"""Rounding strains a scene at rest by less, and moves it by less than that share of its size; the
+energy of so much, and the work of all loads over so far, are the least energy scale.
+"""
+
+
+def blank(*shape_and_dtype) -> np.ndarray:
+    """Zeros of shape (..., width) and the given dtype (last argument), aligned to 64 bytes.
+
+    A register of lanes that straddles two cache lines costs twice.
+    """
+    *shape, dtype = shape_and_dtype
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    buffer = np.zeros(size + 64, np.uint8)
+    offset = -buffer.ctypes.data % 64
+    return buffer[offset : offset + size].view(dtype).reshape(shape)
+
+
+class Scene(Protocol):
+    """What kinds of element use of the scene that they are in (fpm.scene)."""
+
+    position: np.ndarray
+    frame: np.ndarray
+    unstrained: np.ndarray | None
+    velocity: np.ndarray
+    spin: np.ndarray
+    mass: np.ndarray
+    inertia: np.ndarray
+    fixed: np.ndarray
+    kinds: dict[type, list]
+    hinges: list
+    curves: list[tuple[np.ndarray, np.ndarray]]
+    points: dict[str, Any]
+
+
+class Places:
+    """Consecutive places in a shared array: which of them are whose."""
+
+    def __init__(self, sizes: dict):
+        ends = np.cumsum([0, *sizes.values()])
+        self.count = int(ends[-1])
+        self.of = {key: slice(int(a), int(b)) for key, a, b in zip(sizes, ends, ends[1:])}  # noqa: B905
+
+
+class Batch:
+    """Scenes of one topology in the making: what kinds need to pack their arrays.
+
+    scenes, of which `one` stands for all where they agree; kinds in them, in order, and energies
+    of the balance; particles that these have `moved`, the others, `free`; width: number of lanes;
+    instants that are recorded; room: for how many events of each scene.
+    """
+
+    def __init__(
+        self,
+        scenes: Sequence[Scene],
+        kinds: Sequence[type],
+        energies: list,
+        width: int,
+        dtype,
+        instants: int,
+        room: int,
+    ):
+        self.scenes, self.width, self.dtype, self.instants = scenes, width, dtype, instants
+        self.one = scenes[0]
+        self.kinds, self.energies = kinds, energies
+        self.moved = {p for kind in self.kinds for p in kind.moved(self.one)}
+        self.free = [p for p in range(len(self.one.position)) if p not in self.moved]
+        self._parts: dict[type, NamedTuple] = {}
+        self.accounts = self._accounts()
+        self.watches = Places({kind: len(kind.watches) for kind in self.kinds})
+        self.rows = Places({k: len(k.names(self.one)) for k in self.kinds if k.stores or k.watches})
+        eventful = {k: len(k.names(self.one)) for k in self.kinds if k.events}
+        self.eventful = Places(eventful)
+        self._watched = self.blank(1, self.watches.count)
+        self._rows = self.blank(self.rows.count, 1)
+        self.events = np.full((room, 3, width), np.nan, dtype)
+        self.event_count = np.zeros(width, np.int64)
+
+    def _accounts(self) -> list:
+        """Energies given, then taken: one account for all kinds with the same."""
+        given = dict.fromkeys(kind.gives for kind in self.kinds if kind.gives)
+        taken = dict.fromkeys(kind.takes for kind in self.kinds if kind.takes)
+        self.givers = len(given)
+        return [*given, *taken]
+
+    # -- arrays of numbers that differ from scene to scene ----------------------------------------
+
+    def blank(self, rows: int, columns: int) -> np.ndarray:
+        """Zeros (rows, columns, lanes)."""
+        return blank(rows, columns, self.width, self.dtype)
+
+    def stack(self, rows: int, columns: int, function: Callable[[Scene], object]) -> np.ndarray:
+        """Array (rows, columns, lanes) from function(scene) -> (rows, columns), scene by scene."""
+        out = self.blank(rows, columns)
+        if rows:
+            for s in range(self.width):
+                if s < len(self.scenes):
+                    out[:, :, s] = function(self.scenes[s])
+                else:
+                    out[:, :, s] = out[:, :, len(self.scenes) - 1]
+        return out
+
+    def table(self, kind: type, columns: int, row: Callable) -> np.ndarray:
+        """Array (elements, columns, lanes) from row(element) of every element of a kind."""
+        count = len(kind.of(self.one))
+        return self.stack(count, columns, lambda scene: [row(e) for e in kind.of(scene)])
+
+    # -- arrays that are the same for all lanes ---------------------------------------------------
+
+    @staticmethod
+    def integers(values: Iterable, columns: int | None = None) -> np.ndarray:
+        """Whole numbers (n,), or (n, columns)."""
+        shape = (-1,) if columns is None else (-1, columns)
+        return np.array(list(values), np.int64).reshape(shape)
+
+    # -- what kinds share -------------------------------------------------------------------------
+
+    def part(self, kind: type) -> NamedTuple:
+        """The arrays of a kind, packed at the first call."""
+        if kind not in self._parts:
+            self._parts[kind] = kind.pack(self)
+        return self._parts[kind]
+
+    def is_read(self, kind: type) -> bool:
+        """Whether another kind needs the arrays of this one in every step (Kind.reads)."""
+        return any(kind in other.reads for other in self.kinds)
+
+    def given_by(self, kind: type) -> int:
+        """Number of the account of the work that a kind gives."""
+        return self.accounts.index(kind.gives)
+
+    def taken_by(self, kind: type) -> int:
+        """Number of the account of the energy that a kind takes."""
+        return self.accounts.index(kind.takes)
+
+    def watched_by(self, kind: type) -> np.ndarray:
+        """Its own part (1, watches, lanes) of what is watched."""
+        return self._watched[:, self.watches.of[kind]]
+
+    def rows_of(self, kind: type) -> np.ndarray:
+        """Its own part (elements, 1, lanes) of the rows that say how bad an element is."""
+        return self._rows[self.rows.of[kind]]
+
+    def log_of(self, kind: type) -> Log:
+        """Where it notes its events."""
+        return Log(self.events, self.event_count, self.eventful.of[kind].start)
+
+    # -- the whole --------------------------------------------------------------------------------
+
+    def parts(self) -> tuple:
+        """The arrays of all kinds, in order.
+
+        TypeError for a kind whose kernels and statement differ about whether it stores energy: the
+        energies would stand in the wrong columns.
+        """
+        from fpm.kernels.hooks import KERNELS
+
+        for kind in self.kinds:
+            if (kind.stores is None) == ((type(self.part(kind)), "stored") in KERNELS):
+                raise TypeError(
+                    f"kind {kind.__name__} has `stores` or a kernel for energy_of or stored, "
+                    "not both; expected both, or neither"
+                )
+        return tuple(self.part(kind) for kind in self.kinds)
+
+    def world(self) -> World:
+        """Particles at their start, curves, and what the kinds share."""
+        one, n, points = self.one, len(self.one.position), self.one.points
+        lengths = [len(times) for times, _ in one.curves]
+        watching = [(kind, watch) for kind in self.kinds for watch in kind.watches]
+        rows = [self.rows.of[kind] for kind, _ in watching]
+        return World(
+            state=self.stack(n, at.STATE, _state),
+            kept=self.blank(n, at.STATE),
+            particles=self.stack(n, at.PARTICLE, _particles),
+            free=self.integers([] if any(kind.moves_free for kind in self.kinds) else self.free),
+            curve_start=self.integers(np.cumsum([0, *lengths])),
+            curve_time=np.concatenate([np.zeros(0), *(times for times, _ in one.curves)]),
+            curve_value=np.concatenate([np.zeros(0), *(values for _, values in one.curves)]),
+            point_on=self.integers(p.particle for p in points.values()),
+            point_arm=self.stack(len(points), 3, lambda s: [p.arm for p in s.points.values()]),
+            accounts=self.blank(1, len(self.accounts)),
+            givers=self.givers,
+            sums=self.blank(1, at.SUMS),
+            watched=self._watched,
+            most=np.array([watch.most for _, watch in watching]),
+            always=np.array([watch.always for _, watch in watching], bool),
+            watch_rows=self.integers(((r.start, r.stop) for r in rows), 2),
+            rows=self._rows,
+            undecided=self.integers([0]),
+        )
+
+    def record(self) -> Record:
+        """An empty record."""
+        rows, width, dtype = self.instants + 1, self.width, self.dtype
+        energies = at.ACCOUNTS + len(self.accounts) + sum(bool(k.stores) for k in self.kinds)
+        failed = np.full(width, -1, np.int64)
+        failed[len(self.scenes) :] = 0  # the lanes that only fill up are never looked at
+        return Record(
+            points=self.blank(rows * len(self.one.points), at.POINT),
+            energies=self.blank(rows, energies),
+            failed_step=failed,
+            failed_cause=np.zeros(width, np.int64),
+            failed_row=np.zeros(width, np.int64),
+            failed_balance=np.zeros(width, dtype),
+            failed_watched=np.zeros((self.watches.count, width), dtype),
+            scale=self._least_scale(),
+        )
+
+    def _least_scale(self) -> np.ndarray:
+        """Energy (lanes,) that rounding may hold in a scene at rest."""
+        scales = [kind.rounding(self.part(kind)) for kind in self.kinds]
+        least = sum((s for s in scales if s is not None), np.zeros(self.width, self.dtype))
+        found = REST_STRAIN**2 * least
+        for lane, scene in enumerate(self.scenes):
+            size = np.ptp(scene.position, axis=0).max(initial=0.0)
+            found[lane] += REST_STRAIN * size * sum(kind.held_up(scene) for kind in self.kinds)
+            found[lane] += REST_STRAIN * sum(kind.held_round(scene) for kind in self.kinds)
+        return found
+
+
+def _state(scene: Scene) -> np.ndarray:
+    """State (n, STATE) of one scene at its start."""
+    out = np.zeros((len(scene.position), at.STATE))
+    out[:, at.X : at.X + 3] = scene.position
+    out[:, at.D2 : at.D2 + 3] = scene.frame[:, :, 1]
+    out[:, at.D3 : at.D3 + 3] = scene.frame[:, :, 2]
+    free = ~scene.fixed
+    out[:, at.V : at.V + 3] = scene.velocity * free[:, :3]
+    local = np.einsum("nji,nj->ni", scene.frame, scene.spin * free[:, 3:])
+    out[:, at.P : at.P + 3] = np.einsum("nij,nj->ni", scene.frame, scene.inertia * local)
+    return out
+
+
+def _particles(scene: Scene) -> np.ndarray:
+    out = np.zeros((len(scene.position), at.PARTICLE))
+    out[:, at.MASS] = scene.mass
+    out[:, at.IM] = np.where(scene.fixed[:, :3].all(axis=1), 0.0, 1.0 / scene.mass)
+    held = scene.fixed[:, 3:].all(axis=1)[:, None]
+    out[:, at.IJ : at.IJ + 3] = np.where(held, 0.0, 1.0 / scene.inertia)
+    return out

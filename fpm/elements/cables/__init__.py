@@ -1,0 +1,1 @@
+"""Cables through points, with and without friction."""

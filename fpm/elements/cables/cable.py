@@ -1,0 +1,213 @@
+"""Cables: tension only, between two points or running through several without friction.
+
+A cable of unstrained length R and stiffness EA runs straight from each of its points to the next;
+with the length L of them all,
+
+    strain e = (L - R) / R,   tension T = EA max(e, 0),   energy EA R max(e, 0)²/2
+
+Points between its ends are pulleys of no radius: the tension is one all along. The unstrained
+length may change with a curve of time, as when a winch takes cable in; the winch gives
+-T (1 + e/2) dR/dt, the pull on the strained cable less the strain energy that leaves with it; it
+stands at the first point.
+
+A cable that rubs at these points has a strain and a tension in every stretch. Its material slips
+over a point, where the cable turns by the angle a, as soon as T' on one side is more than
+T exp(mu a) on the other (Eytelwein's law of the capstan). A metre that slips from T to T' leaves
+T' (1 + e'/2) - T (1 + e/2) to friction. Cables from point to point have none.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.cables.cable_bounds import bounding_springs
+from fpm.elements.kind import Energy, Kind, Recorded, Watch
+from fpm.errors import SceneError
+
+REEL_WORK = Energy("reel", "reel_work", "work of reeling cables in")
+
+FRICTION_LOSS = Energy("cable_friction", "cable_friction_loss", "energy lost by friction of cables")
+
+
+def _crowded(values: dict[str, float]) -> tuple[str, str]:
+    return (
+        f"a cable is longer than at rest by {values['crowding']:.2g} times its shortest stretch",
+        "points that meet under tension need a pulley's size: keep them apart",
+    )
+
+
+@dataclass(frozen=True)
+class Cable(Kind):
+    """A cable through the free ends of two or more virtual beams.
+
+    stiffness: EA (N); rest: its unstrained length R (m); reel: length (m) taken from that, times
+    the curve of that index (-1: none); friction: coefficient mu at the points between its ends;
+    None: they turn freely.
+    """
+
+    name: str
+    beams: tuple[VirtualBeam, ...]
+    stiffness: float
+    rest: float
+    reel: float = 0.0
+    curve: int = -1
+    friction: float | None = None
+
+    stores = Energy("cable", "cable_energy", "strain energy of the cables")
+    gives = REEL_WORK
+    takes = FRICTION_LOSS
+    events = ("tightens", "slackens")
+    watches = (Watch("crowding", 1.0, True, _crowded),)
+
+    @staticmethod
+    def between(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
+        """A cable through points of a scene, as it stands (Scene.add_cable)."""
+        count = len(scene.position)
+        particles = [particle for particle, _ in points]
+        if len(points) < 2 or not all(0 <= p < count for p in particles):
+            raise SceneError(f"points of cable {name}", particles, "two or more, on particles")
+        if (rest is None) == (preload is None):
+            found = (rest, preload)
+            raise SceneError(f"rest, preload of cable {name}", found, "one of the two")
+        beams = tuple(scene.arm_to(int(p), place) for p, place in points)
+        curve, reel, stiffness = int(curve), float(reel), float(stiffness)
+        if rest is None:
+            if not (stiffness > 0 and 0 <= preload < np.inf):
+                found, allowed = (stiffness, preload), "EA > 0 and a preload >= 0 (N)"
+                raise SceneError(f"EA, preload of cable {name}", found, allowed)
+            taken = reel * np.interp(0.0, *scene.curves[curve]) if curve >= 0 else 0.0
+            rest = length_through(scene, beams) / (1 + preload / stiffness) + taken
+        return Cable(name, beams, stiffness, float(rest), reel, curve, friction)
+
+    def check(self, scene):
+        """Stiffness and lengths, also while it is reeled; names are for messages and files."""
+        what = f"of cable {self.name}"
+        if self.name in Cable.names_of(scene):
+            raise SceneError("cable", self.name, "a name that no other cable has")
+        if not (np.isfinite(self.stiffness) and self.stiffness > 0):
+            raise SceneError(f"EA {what}", self.stiffness, "a finite number > 0 (N)")
+        if not -1 <= self.curve < len(scene.curves):
+            raise SceneError(f"curve {what}", self.curve, f"-1 to {len(scene.curves) - 1}")
+        if not np.isfinite(self.reel) or (self.reel and self.curve < 0):
+            raise SceneError(f"reel {what}", self.reel, "a finite length (m), with a curve")
+        if self.friction is not None and not 0 <= self.friction < np.inf:
+            raise SceneError(f"friction {what}", self.friction, "a finite coefficient >= 0")
+        if self.rubs and not self.lengths(scene).min() > 0:
+            raise SceneError(f"stretches {what}", self.lengths(scene).tolist(), "points apart")
+        if len({beam.particle for beam in self.beams}) < 2:
+            raise SceneError(f"points {what}", self.beams[0].particle, "points of two particles")
+        if not (np.isfinite(self.rest) and self.shortest(scene) > 0):
+            raise SceneError(
+                f"unstrained length {what}", self.shortest(scene), "above 0 m at all times"
+            )
+
+    def rest_at(self, scene, time: float) -> float:
+        """The unstrained length (m) at a time (s)."""
+        factor = np.interp(time, *scene.curves[self.curve]) if self.curve >= 0 else 0.0
+        return float(self.rest - self.reel * factor)
+
+    def shortest(self, scene) -> float:
+        """The least unstrained length (m) at any time."""
+        factors = scene.curves[self.curve][1] if self.curve >= 0 else np.zeros(1)
+        return float(self.rest - np.max(self.reel * factors))
+
+    @property
+    def rubs(self) -> bool:
+        """Whether there is friction at points between its ends."""
+        return self.friction is not None and len(self.beams) > 2
+
+    def lengths(self, scene) -> np.ndarray:
+        """The ways (m) from point to point, as the scene stands."""
+        places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
+        return np.linalg.norm(np.diff(places, axis=0), axis=1)
+
+    def topology(self):
+        """Name, particles, curve, and whether it rubs."""
+        return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.rubs
+
+    @classmethod
+    def names_of(cls, scene) -> tuple[str, ...]:
+        """The cables' own names."""
+        return tuple(cable.name for cable in cls.of(scene))
+
+    @classmethod
+    def names(cls, scene):
+        return [f"cable {name}" for name in cls.names_of(scene)]
+
+    @classmethod
+    def deformations(cls, scene):
+        """Bounds that hold wherever the cables' points move to (cable_bounds.py)."""
+        return bounding_springs(scene, cls.of(scene))
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.cables.cable_kernels import CABLE, STATE, STRETCH, Cables
+
+        cables = cls.of(batch.one)
+        count, ends = len(cables), np.cumsum([0, *(len(cable.beams) for cable in cables)])
+        part = Cables(
+            start=batch.integers(ends),
+            on=batch.integers(beam.particle for cable in cables for beam in cable.beams),
+            curve=batch.integers(cable.curve for cable in cables),
+            arms=batch.stack(ends[-1], 3, lambda s: [b.arm for c in cls.of(s) for b in c.beams]),
+            cables=batch.table(cls, CABLE, lambda c: [c.stiffness, c.rest, c.reel]),
+            stretches=batch.blank(ends[-1], STRETCH),
+            now=batch.blank(count, STATE),
+            account=batch.given_by(cls),
+            watched=batch.watched_by(cls),
+            rows=batch.rows_of(cls),
+            log=batch.log_of(cls),
+            track=batch.blank((batch.instants + 1) * count, 2),
+        )
+        return _with_friction(part, batch) if any(cable.rubs for cable in cables) else part
+
+    @classmethod
+    def rounding(cls, part):
+        """EA R of all cables."""
+        from fpm.elements.cables.cable_kernels import EA, REST
+
+        return np.sum(part.cables[:, EA] * part.cables[:, REST], 0)
+
+    @classmethod
+    def recorded(cls, part, scene, lane):
+        """Tensions and lengths."""
+        names = cls.names_of(scene)
+        tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
+        return {
+            "cable_tension": Recorded(tension, "N", "tension of the cables", "cable", names),
+            "cable_length": Recorded(length, "m", "length of the cables, strained", "cable", names),
+        }
+
+
+def _with_friction(part, batch):
+    """The arrays of cables of which some rub: unstrained lengths of all stretches as well."""
+    from fpm.elements.cables.cable_friction_kernels import RubbingCables
+    from fpm.elements.cables.cable_kernels import UNSTRAINED
+    from fpm.elements.cables.cable_slip_kernels import MATERIAL, RUBBED
+
+    def material(scene) -> np.ndarray:
+        """At one strain all along."""
+        out = np.zeros((len(part.on), RUBBED))
+        for first, cable in zip(part.start, Cable.of(scene), strict=False):
+            lengths = cable.lengths(scene)
+            some = lengths * (cable.rest_at(scene, 0.0) / lengths.sum())
+            out[first : first + len(some), MATERIAL] = some
+        return out
+
+    rests = batch.stack(len(part.now), 1, lambda s: [[c.rest_at(s, 0.0)] for c in Cable.of(s)])
+    part.now[:, UNSTRAINED] = rests[:, 0]
+    return RubbingCables(
+        *part,
+        rubs=batch.integers(cable.rubs for cable in Cable.of(batch.one)),
+        friction=batch.table(Cable, 1, lambda cable: [cable.friction or 0.0]),
+        rubbed=batch.stack(len(part.on), RUBBED, material),
+        lost=batch.taken_by(Cable),
+    )
+
+
+def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
+    """The way (m) from each beam's free end to the next, as the scene stands."""
+    places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
+    return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

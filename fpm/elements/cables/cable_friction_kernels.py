@@ -1,0 +1,228 @@
+"""Cables that rub at the points through which they run (theory: cable.py; how: docs/mechanics.md).
+
+Where such a cable turns tight or slack within a step, all its stretches do so at one time, which
+the lengths at both ends of the step tell, as if they had changed evenly. What slips does so after
+that, or before it, and the forces are corrected as `missing` does those of other cables.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.cables.cable_kernels import (
+    DIRECTION,
+    EA,
+    LENGTH,
+    LONGER,
+    LONGER_BEFORE,
+    PULL,
+    TINY,
+    UNSTRAINED,
+    UNSTRAINED_BEFORE,
+    energy_of_cable,
+    find_pull,
+    lay,
+    list_excess,
+    note_events,
+    pull_points,
+    record_cable,
+    unstrained_now,
+    work_of_winch,
+)
+from fpm.elements.cables.cable_slip_kernels import (
+    ALONE,
+    CLOSE,
+    INVERSE,
+    MATERIAL,
+    RATIO,
+    SLIPPED,
+    START,
+    TENSION,
+    TENSION_BEFORE,
+    find_alone,
+    positive,
+    strain_before,
+)
+from fpm.kernels.angles import arctan2
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import absolute, any_negative, load, sqrt, store, where_negative
+from fpm.kernels.vectors import cross, dot, get3, kernel, larger
+from fpm.kernels.world import Log
+
+
+class RubbingCables(NamedTuple):
+    """Cables, of which those that rub have friction; fields as in Cables."""
+
+    start: np.ndarray
+    on: np.ndarray
+    curve: np.ndarray
+    arms: np.ndarray
+    cables: np.ndarray
+    stretches: np.ndarray
+    now: np.ndarray
+    account: int
+    watched: np.ndarray
+    rows: np.ndarray
+    log: Log
+    track: np.ndarray
+    rubs: np.ndarray  # (c,) whether each has friction
+    friction: np.ndarray  # (c, 1, lanes) its coefficient
+    rubbed: np.ndarray  # (p, RUBBED, lanes)
+    lost: int  # number of the account of what friction takes
+
+
+@kernel
+def exponential(x):
+    """exp(x) to 1e-13 for 0 <= x <= 10: the series at x/256, squared eight times; exp(30) beyond
+    30, which nothing slips against.
+    """
+    y = (1.0 / 256.0) * where_negative(x - 30.0, x, 30.0)
+    found = 1.0 + y * (1.0 + y * (0.5 + y * (1 / 6 + y * (1 / 24 + y * (1 / 120 + y / 720)))))
+    for _ in range(8):
+        found = found * found
+    return found
+
+
+@kernel
+def turned(part, j):
+    """Angle (rad) by which the cable turns at point j."""
+    one, two = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
+    aside = cross(one, two)
+    return arctan2(sqrt(dot(aside, aside)), dot(one, two))
+
+
+@kernel
+def length_at(part, j, soft, share):
+    """Length of stretch j a share of the step after the last forces; soft: 1/EA."""
+    before = load(part.rubbed, j, MATERIAL) * (1.0 + soft * load(part.rubbed, j, TENSION))
+    return before + share * (load(part.stretches, j, LENGTH) - before)
+
+
+@kernel
+def slip(part, c, rest, before, turn):
+    """Find the strains of cable c as far as the law of friction does it from its far end.
+
+    before: by how much it was longer than at rest; turn: part of the step up to where it turns
+    tight, if it was slack.
+    """
+    first, last = part.start[c], part.start[c + 1] - 1
+    soft, others = 1.0 / load(part.cables, c, EA), 0.0 * rest
+    for j in range(first + 1, last):
+        ratio = exponential(load(part.friction, c, 0) * turned(part, j))
+        store(part.rubbed, j, RATIO, ratio)
+        store(part.rubbed, j, INVERSE, 1.0 / ratio)
+        start = length_at(part, j, soft, turn)
+        start = where_negative(before, start, load(part.rubbed, j, MATERIAL))
+        store(part.rubbed, j, START, start)
+        others = others + start
+    store(part.rubbed, first, START, rest - others)
+    find_alone(part, first, last, CLOSE * rest)
+
+
+@kernel
+def pull_on(part, c, after, turn, slack):
+    """Tensions of all stretches of cable c, what slipped into each, and the pulls on its points.
+
+    after: by how much it is longer than at rest; turn: part of the step up to where it turns
+    slack, if it is now; slack: part of the step in which it is slack.
+    """
+    first, last = part.start[c], part.start[c + 1] - 1
+    stiffness = load(part.cables, c, EA)
+    soft, strain, came = 1.0 / stiffness, load(part.rubbed, last - 1, ALONE), 0.0 * after
+    for j in range(last - 1, first - 1, -1):
+        length, before = load(part.stretches, j, LENGTH), load(part.rubbed, j, TENSION)
+        end = where_negative(after, length_at(part, j, soft, turn), length / (1.0 + strain))
+        came = came + (end - load(part.rubbed, j, START))
+        tension = where_negative(after, 0.0, stiffness * strain)
+        store(part.rubbed, j, SLIPPED, came)
+        store(part.rubbed, j, MATERIAL, where_negative(after, length, end))
+        store(part.rubbed, j, TENSION_BEFORE, before)
+        store(part.rubbed, j, TENSION, tension)
+        store(part.stretches, j, PULL, tension - 0.5 * slack * (tension + before))
+        if j > first:
+            strain = strain_before(part, j, strain)
+
+
+@kernel
+def find_tensions(part, world, now, c):
+    """Measure cable c, let it slip, and find the tension of every stretch."""
+    length, rest = lay(part, world.state, c), unstrained_now(part, world, now, c)
+    before, after = load(part.now, c, LONGER), length - rest
+    reeled = rest - load(part.now, c, UNSTRAINED)
+    store(part.now, c, LONGER_BEFORE, before)
+    store(part.now, c, LONGER, after)
+    store(part.now, c, UNSTRAINED_BEFORE, load(part.now, c, UNSTRAINED))
+    store(part.now, c, UNSTRAINED, rest)
+    inverse = 1.0 / (absolute(before) + absolute(after) + TINY)
+    turn, slack = inverse * absolute(before), inverse * (positive(-before) + positive(-after))
+    if any_negative(-larger(before, after)):
+        slip(part, c, rest, before, turn)
+    pull_on(part, c, after, turn, slack)
+    store(part.rubbed, part.start[c], SLIPPED, (1.0 - slack) * reeled)
+
+
+@hook(RubbingCables)
+def forces(part, world, now):
+    """Pull all points towards their neighbours, each stretch with its own tension."""
+    for c in range(part.curve.shape[0]):
+        if part.rubs[c]:
+            find_tensions(part, world, now, c)
+        else:
+            find_pull(part, world, now, c)
+        pull_points(part, world.state, c)
+
+
+@kernel
+def gain(part, j, soft):
+    """Mean over the step of the energy that leaves stretch j with a metre that comes."""
+    now, before = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
+    return 0.5 * (now + before) + 0.25 * soft * (now * now + before * before)
+
+
+@hook(RubbingCables)
+def work_before(part, world, now):
+    """Work of the winches, and what friction took, over the step up to now."""
+    given, lost = load(world.accounts, 0, part.account), load(world.accounts, 0, part.lost)
+    for c in range(part.curve.shape[0]):
+        if not part.rubs[c]:
+            given = given + work_of_winch(part, c)
+            continue
+        first, soft = part.start[c], 1.0 / load(part.cables, c, EA)
+        last_gain = gain(part, first, soft)
+        given = given - load(part.rubbed, first, SLIPPED) * last_gain
+        for j in range(first + 1, part.start[c + 1] - 1):
+            this_gain = gain(part, j, soft)
+            lost = lost + load(part.rubbed, j, SLIPPED) * (this_gain - last_gain)
+            last_gain = this_gain
+    store(world.accounts, 0, part.account, given)
+    store(world.accounts, 0, part.lost, lost)
+
+
+@hook(RubbingCables)
+def energy_of(part, world, c):
+    """Strain energy of cable c (J)."""
+    total = energy_of_cable(part, c)
+    if part.rubs[c]:
+        total = 0.0 * total
+        for j in range(part.start[c], part.start[c + 1] - 1):
+            tension = load(part.rubbed, j, TENSION)
+            total = total + tension * tension * load(part.rubbed, j, MATERIAL)
+        total = 0.5 / load(part.cables, c, EA) * total
+    return total
+
+
+@hook(RubbingCables)
+def record(part, world, row):
+    """Tension of the first stretch, and length."""
+    count = part.curve.shape[0]
+    for c in range(count):
+        if not part.rubs[c]:
+            record_cable(part, c, row * count + c)
+            continue
+        length = load(part.now, c, LONGER) + load(part.now, c, UNSTRAINED)
+        store(part.track, row * count + c, 0, load(part.rubbed, part.start[c], TENSION))
+        store(part.track, row * count + c, 1, length)
+
+
+for _name, _kernel in {"note_events": note_events, "list_excess": list_excess}.items():
+    hook(RubbingCables, _name)(_kernel)

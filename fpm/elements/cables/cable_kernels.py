@@ -1,0 +1,222 @@
+"""Tensions, energies, work and events of cables (theory: cable.py)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.kernels.curves import curve_value
+from fpm.kernels.events import note_crossing
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import absolute, any_negative, load, sqrt, store, where_negative
+from fpm.kernels.layout import F, M, X
+from fpm.kernels.rotation import frame
+from fpm.kernels.vectors import add3, cross, dot, get3, kernel, larger, put3, to_global
+from fpm.kernels.world import Log
+
+# Constants of a cable.
+EA, REST, REEL = 0, 1, 2
+CABLE = 3
+
+# Of the point at which a stretch begins; the last point of a cable has an arm only.
+DIRECTION = 0  # of the stretch (3)
+LENGTH = 3  # of the stretch
+GLOBAL_ARM = 4  # (3)
+PULL = 7  # force of the stretch that moves the points
+STRETCH = 8
+
+# Of a cable, at the last forces and a step before.
+LONGER = 0  # length less unstrained length
+LONGER_BEFORE = 1
+UNSTRAINED = 2  # its length
+UNSTRAINED_BEFORE = 3
+WINCH, WINCH_BEFORE = 4, 5  # force that the winch works against
+STATE = 6
+
+TAUT = 1e-9
+"""Strain from which a cable counts as tight: one at rest without preload has no events."""
+
+TINY = 1e-30
+"""Metres, so that points that coincide have no direction instead of one that is not a number."""
+
+
+class Cables(NamedTuple):
+    """Cables one after the other; those of (c,) are per cable, (p,) per point."""
+
+    start: np.ndarray  # (c + 1,) first point of each
+    on: np.ndarray  # (p,) particles
+    curve: np.ndarray  # (c,)
+    arms: np.ndarray  # (p, 3, lanes)
+    cables: np.ndarray  # (c, CABLE, lanes)
+    stretches: np.ndarray  # (p, STRETCH, lanes)
+    now: np.ndarray  # (c, STATE, lanes)
+    account: int  # number of that of the winches' work
+    watched: np.ndarray  # (1, 1, lanes)
+    rows: np.ndarray  # (c, 1, lanes)
+    log: Log
+    track: np.ndarray  # ((instants + 1) c, 2, lanes) recorded tension (N) and length (m)
+
+
+@kernel
+def lay(part, state, c):
+    """Directions and lengths of the stretches of cable c; its length."""
+    first, last = part.start[c], part.start[c + 1] - 1
+    total = 0.0 * load(part.cables, c, REST)
+    for j in range(first, last + 1):
+        i = part.on[j]
+        arm = to_global(frame(state, i), get3(part.arms, j, 0))
+        put3(part.stretches, j, GLOBAL_ARM, arm)
+        if j > first:
+            before = get3(state, part.on[j - 1], X) + get3(part.stretches, j - 1, GLOBAL_ARM)
+            chord = (get3(state, i, X) + arm) - before
+            length = sqrt(dot(chord, chord))
+            put3(part.stretches, j - 1, DIRECTION, (1.0 / (length + TINY)) * chord)
+            store(part.stretches, j - 1, LENGTH, length)
+            total = total + length
+    return total
+
+
+@kernel
+def unstrained_now(part, world, now, c):
+    """Unstrained length of cable c."""
+    rest = load(part.cables, c, REST)
+    if part.curve[c] >= 0:
+        rest = rest - curve_value(world, part.curve[c], now.time) * load(part.cables, c, REEL)
+    return rest
+
+
+@kernel
+def missing(after, before):
+    """What to add to the stretch `after` for the force, as it was `before` a step ago.
+
+    Where a cable turns tight or slack between two steps, the force of either is not that of the way
+    between them, k s²/2 on the way from -b to s. The half of what is missing is added at the later
+    step, and the energy is then kept through the turn to the third order in the step instead of
+    the second; for that one step, a cable that has turned slack pushes a little.
+    """
+    both = after * before
+    return where_negative(both, 0.5 * both / absolute(after - before), 0.0)
+
+
+@kernel
+def find_pull(part, world, now, c):
+    """Measure cable c, and find the force with which it pulls."""
+    length = lay(part, world.state, c)
+    store(part.now, c, LONGER_BEFORE, load(part.now, c, LONGER))
+    store(part.now, c, UNSTRAINED_BEFORE, load(part.now, c, UNSTRAINED))
+    store(part.now, c, WINCH_BEFORE, load(part.now, c, WINCH))
+    rest = unstrained_now(part, world, now, c)
+    after, before = length - rest, load(part.now, c, LONGER_BEFORE)
+    stiffness = load(part.cables, c, EA) / rest
+    pull = stiffness * (where_negative(after, 0.0, after) + missing(after, before))
+    store(part.now, c, LONGER, after)
+    store(part.now, c, UNSTRAINED, rest)
+    store(part.now, c, WINCH, pull * (1.0 + 0.5 * after / rest))
+    for j in range(part.start[c], part.start[c + 1] - 1):
+        store(part.stretches, j, PULL, pull)
+
+
+@kernel
+def pull_points(part, state, c):
+    """Pull all points of cable c towards their neighbours."""
+    first, last = part.start[c], part.start[c + 1] - 1
+    for j in range(first, last + 1):
+        force = 0.0 * get3(part.stretches, j, DIRECTION)
+        if j < last:
+            force = force + load(part.stretches, j, PULL) * get3(part.stretches, j, DIRECTION)
+        if j > first:
+            pull = load(part.stretches, j - 1, PULL)
+            force = force - pull * get3(part.stretches, j - 1, DIRECTION)
+        add3(state, part.on[j], F, force)
+        add3(state, part.on[j], M, cross(get3(part.stretches, j, GLOBAL_ARM), force))
+
+
+@hook(Cables)
+def forces(part, world, now):
+    """Pull all points of the cables towards their neighbours."""
+    for c in range(part.curve.shape[0]):
+        find_pull(part, world, now, c)
+        pull_points(part, world.state, c)
+
+
+@hook(Cables)
+def note_events(part, world, now):
+    """Note the cables that turned tight or slack since the last step."""
+    for c in range(part.curve.shape[0]):
+        after = load(part.now, c, LONGER) - TAUT * load(part.now, c, UNSTRAINED)
+        before = load(part.now, c, LONGER_BEFORE) - TAUT * load(part.now, c, UNSTRAINED_BEFORE)
+        signs = where_negative(after, -1.0, 0.0 * after + 1.0)
+        if any_negative(signs * where_negative(before, -1.0, 0.0 * before + 1.0)):
+            for s in range(part.now.shape[2]):
+                last = part.now[c, LONGER_BEFORE, s] - TAUT * part.now[c, UNSTRAINED_BEFORE, s]
+                this = part.now[c, LONGER, s] - TAUT * part.now[c, UNSTRAINED, s]
+                note_crossing(part.log, s, c, last, this, now)
+
+
+@kernel
+def work_of_winch(part, c):
+    """Work of cable c's winch over the step up to now."""
+    taken = load(part.now, c, UNSTRAINED_BEFORE) - load(part.now, c, UNSTRAINED)
+    return 0.5 * taken * (load(part.now, c, WINCH) + load(part.now, c, WINCH_BEFORE))
+
+
+@hook(Cables)
+def work_before(part, world, now):
+    """Work of the winches over the step up to now."""
+    given = load(world.accounts, 0, part.account)
+    for c in range(part.curve.shape[0]):
+        if part.curve[c] >= 0:
+            given = given + work_of_winch(part, c)
+    store(world.accounts, 0, part.account, given)
+
+
+@kernel
+def strain_of(part, c):
+    """Strain of cable c, zero where it is slack."""
+    strain = load(part.now, c, LONGER) / load(part.now, c, UNSTRAINED)
+    return where_negative(strain, 0.0, strain)
+
+
+@kernel
+def energy_of_cable(part, c):
+    """Strain energy of cable c (J)."""
+    strain = strain_of(part, c)
+    return 0.5 * load(part.cables, c, EA) * load(part.now, c, UNSTRAINED) * strain * strain
+
+
+@hook(Cables)
+def energy_of(part, world, c):
+    """Strain energy of cable c (J)."""
+    return energy_of_cable(part, c)
+
+
+@kernel
+def crowding(part, c):
+    """By how much cable c is strained, over its shortest stretch; zero where it is slack."""
+    longer = where_negative(load(part.now, c, LONGER), 0.0, load(part.now, c, LONGER))
+    most = 0.0 * longer
+    for j in range(part.start[c], part.start[c + 1] - 1):
+        most = larger(most, longer / (load(part.stretches, j, LENGTH) + TINY))
+    return most
+
+
+@kernel
+def record_cable(part, c, row):
+    """Tension and length of cable c, and how crowded it is."""
+    store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
+    store(part.track, row, 1, load(part.now, c, LONGER) + load(part.now, c, UNSTRAINED))
+    store(part.watched, 0, 0, larger(load(part.watched, 0, 0), crowding(part, c)))
+
+
+@hook(Cables)
+def record(part, world, row):
+    """Tension and length; the most crowded one is watched."""
+    count = part.curve.shape[0]
+    for c in range(count):
+        record_cable(part, c, row * count + c)
+
+
+@hook(Cables)
+def list_excess(part, world):
+    """The crowding of each cable."""
+    for c in range(part.curve.shape[0]):
+        store(part.rows, c, 0, crowding(part, c))

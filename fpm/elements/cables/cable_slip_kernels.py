@@ -1,0 +1,113 @@
+"""How a cable slips over the points through which it runs: Euler and Eytelwein's law as a whole.
+
+Stretch j with its unstrained length n and its length l is strained by e = l/n - 1. After the points
+have moved, s slips over the point at which it begins and which turns the cable by the angle a:
+
+    s > 0: e(j) = r e(j-1),   s < 0: e(j-1) = r e(j),   s = 0: neither more than r = exp(mu a) times
+
+docs/mechanics.md shows that there is one solution, and that these steps find it.
+"""
+
+from fpm.elements.cables.cable_kernels import LENGTH, TINY
+from fpm.kernels.lanes import absolute, any_negative, load, sqrt, store, where_negative
+from fpm.kernels.vectors import kernel, larger
+
+# Of a stretch, and of the point at which it begins.
+START = 0  # unstrained length before anything slips in this step
+ALONE = 1  # strain, if nothing could slip over the point after it
+RATIO, INVERSE = 2, 3  # of the tensions on either side when it slips
+MATERIAL = 4  # unstrained length; the length, where the cable is slack
+TENSION, TENSION_BEFORE = 5, 6
+SLIPPED = 7  # unstrained length that came over the point, or from the winch, while tight
+RUBBED = 8
+
+CLOSE = 1e-13
+"""Of the cable's unstrained length: what may be left over."""
+
+MOST = 60
+"""Steps of Newton's, or halvings, at most; one or two do in a smooth motion."""
+
+
+FLOOR = 1e-200
+"""Of the largest strain that may be: the least, behind points that much friction holds."""
+
+
+@kernel
+def positive(x):
+    """x, or zero where that is negative."""
+    return where_negative(x, 0.0, x)
+
+
+@kernel
+def handed_on(part, first, j, strain):
+    """Unstrained length that stretches `first` to j hand on if j is strained so, and its slope."""
+    more, follows = 0.0 * strain, 0.0 * strain + 1.0
+    slope, linked = more, follows
+    for k in range(j, first - 1, -1):
+        here, share = follows * strain, 1.0 / (1.0 + follows * strain)
+        start, length = load(part.rubbed, k, START), load(part.stretches, k, LENGTH)
+        more = more + linked * (share * (start * here - (length - start)))  # start - length share
+        slope = slope + linked * (follows * length * share * share)
+        if k > first:
+            own, ratio = load(part.rubbed, k - 1, ALONE), load(part.rubbed, k, RATIO)
+            inverse = load(part.rubbed, k, INVERSE)
+            low, high = inverse * here - own, own - ratio * here
+            linked = where_negative(low, where_negative(high, 0.0, linked), linked)
+            follows = follows * where_negative(low, ratio, inverse)
+            if not any_negative(-linked):
+                break
+    return more, slope
+
+
+@kernel
+def strain_alone(part, first, j, tight, slope, close):
+    """Strain of stretch j > first if nothing could slip over the point after it, zero if slack.
+
+    It is where nothing is handed on, which grows with it: by Newton's rule, between bounds, from
+    the solution to first order, with the slope of what the stretches before hand on. Returns that
+    slope with this stretch as well. tight: by how much the stretches up to here are too long.
+    """
+    start, length = load(part.rubbed, j, START), load(part.stretches, j, LENGTH)
+    before, stuck = load(part.rubbed, j - 1, ALONE), positive((length - start) / start)
+    ratio, inverse = load(part.rubbed, j, RATIO), load(part.rubbed, j, INVERSE)
+    least, most = inverse * stuck - before, before - ratio * stuck
+    follows = where_negative(least, ratio, inverse)
+    slope = where_negative(least, where_negative(most, 0.0, slope), slope)
+    strain = (start * stuck + slope * before) / (start + slope * follows)
+    unfinished = where_negative(-tight, 1.0, 0.0)
+    strain = unfinished * strain
+    high = larger(stuck, before)
+    low = FLOOR * high
+    for _ in range(MOST):
+        more, steep = handed_on(part, first, j, strain)
+        low, high = where_negative(more, strain, low), where_negative(more, high, strain)
+        better, halfway = strain - more / steep, sqrt(low * high)
+        better = where_negative(low - better, better, halfway)
+        better = where_negative(better - high, better, halfway)
+        slope = where_negative(-unfinished, steep, slope)
+        unfinished = where_negative(absolute(more) - close, 0.0, unfinished)
+        strain = where_negative(-unfinished, better, strain)
+        if not any_negative(-unfinished):
+            break
+    return strain, slope
+
+
+@kernel
+def strain_before(part, j, strain):
+    """Strain of the stretch before point j, if that after it is strained so."""
+    least, most = load(part.rubbed, j, INVERSE) * strain, load(part.rubbed, j, RATIO) * strain
+    found = load(part.rubbed, j - 1, ALONE)
+    return larger(least, where_negative(most - found, most, found))
+
+
+@kernel
+def find_alone(part, first, last, close):
+    """The strains ALONE of all stretches, from the first point to the last."""
+    start, length = load(part.rubbed, first, START), load(part.stretches, first, LENGTH)
+    tight = length - start
+    strain, slope = positive(tight) / larger(start, 0.0 * start + TINY), length
+    store(part.rubbed, first, ALONE, strain)
+    for j in range(first + 1, last):
+        tight = tight + (load(part.stretches, j, LENGTH) - load(part.rubbed, j, START))
+        strain, slope = strain_alone(part, first, j, tight, slope, close)
+        store(part.rubbed, j, ALONE, strain)

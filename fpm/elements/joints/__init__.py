@@ -1,0 +1,1 @@
+"""Hinges and joints: what keeps parts together, and what holds their openings exactly."""

@@ -1,0 +1,285 @@
+"""Revolute hinges: two particles share a point and an axis, and turn freely about it.
+
+The hinge point lies at the end of a virtual beam of either particle (virtual_beam.py). The five
+conditions (three for the point, two for the axis) hold at the end of every step, by impulses found
+from the positions there: SHAKE (Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23 (1977) 327),
+here for rigid arms and rotations. The impulses are equal and opposite, so momentum is kept, the
+scheme stays symplectic, and no drift builds up. A hinge point may be held along global axes
+(`support`), e.g. "z" lets it slide in a plane.
+
+A slide and both angles of a universal joint are hinges too, in that they have an opening, on which
+all that acts on hinges acts; what they keep together is solved with the coupled joints (joint.py).
+A universal joint is two: the angle about its axis on the first particle, from a reference of the
+first to the axis on the second; and that about the axis on the second, from the axis on the first
+to a reference of the second. The rate of each is the relative spin about its axis, as of any hinge,
+since the two axes stay normal to each other.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from fpm.cross import cross, length
+from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.joints.hinge_limits import MOST_GAP, MOST_TILT
+from fpm.elements.kind import AXES, Kind, Recorded, Watch
+from fpm.elements.openings.opening import opening_angle
+from fpm.elements.particles.probe import Probe
+from fpm.errors import SceneError
+
+ANGLES = "_axis", "_other"
+"""What the names of a universal joint's angles end with."""
+
+
+def _gapes(values: dict[str, float]) -> tuple[str, str]:
+    return (
+        f"a hinge gapes by {values['gap']:.2g} m and {values['tilt']:.2g} rad",
+        "halve solver.step: the particles of the hinge turn too far in a step",
+    )
+
+
+@dataclass(frozen=True)
+class Hinge(Kind):
+    """A hinge between the free ends of two virtual beams.
+
+    axes (2, 3): the axis in each particle's own frame; references (2, 3): directions normal to the
+    axis, one in each frame, that coincide at opening 0; the opening grows when the second turns by
+    the right-hand rule about the axis against the first. opening (rad): at the start, including
+    full turns. support: global axes along which the hinge point is held.
+
+    type: "revolute"; "prismatic": a slide, whose opening (m) is the way of the second beam's end
+    from the first's, along the axis, and `offset` (m); "universal" and "cross": the first and the
+    second angle of a universal joint, whose axis lies fixed in the first of its two particles.
+    """
+
+    name: str
+    beams: tuple[VirtualBeam, VirtualBeam]
+    axes: np.ndarray
+    references: np.ndarray
+    opening: float
+    support: str
+    type: str = "revolute"
+    offset: float = 0.0
+
+    joins = True
+    watches = (Watch("gap", MOST_GAP, True, _gapes), Watch("tilt", MOST_TILT, True, _gapes))
+
+    @staticmethod
+    def between(scene, name, particles, point, axis, references, opening, support) -> "Hinge":
+        """A hinge between two particles of a scene, where it stands (Scene.add_hinge)."""
+        first, second = (int(p) for p in particles)
+        count = len(scene.position)
+        if first == second or not (0 <= first < count and 0 <= second < count):
+            raise SceneError(f"particles of hinge {name}", particles, "two different particles")
+        if set(support) - set(AXES):
+            raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
+        axes = [unit(a, f"axis of hinge {name}") for a in of_both(axis)]
+        axis = axes[0]
+        if references is None:
+            normal = unit(cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), "reference")
+            turned = np.cos(opening) * normal + np.sin(opening) * cross(axis, normal)
+            if np.any(axes[1] != axis):  # the second's reference is normal to its own axis
+                turned = turned - (turned @ axes[1]) * axes[1]
+            references = (normal, turned)
+        references = [unit(r, f"reference of hinge {name}") for r in references]
+        if max(abs(np.dot(r, a)) for r, a in zip(references, axes, strict=True)) > 1e-9:
+            raise SceneError(f"references of hinge {name}", references, "normal to the axis")
+        frames = [scene.frame[p].T for p in (first, second)]
+        return Hinge(
+            name,
+            arms(scene, (first, second), point),
+            axes=np.array([frame @ a for frame, a in zip(frames, axes, strict=True)]),
+            references=np.array([f @ r for f, r in zip(frames, references, strict=True)]),
+            opening=opening_angle(axis, *references, near=opening),
+            support="".join(sorted(support)),
+        )
+
+    @property
+    def slides(self) -> bool:
+        """Whether its opening is a length."""
+        return self.type == "prismatic"
+
+    @property
+    def ends(self) -> np.ndarray:
+        """What the opening is between (2, 3), in the frames of the particles: the references, or
+        the points of a slide, whose distance along the axis it is.
+        """
+        if not self.slides:
+            return self.references
+        one, two = (beam.arm for beam in self.beams)
+        return np.array([one - self.offset * self.axes[0], two])
+
+    @property
+    def particles(self) -> tuple[int, int]:
+        """Indices of the two particles."""
+        return self.beams[0].particle, self.beams[1].particle
+
+    @classmethod
+    def of(cls, scene):
+        """The hinges that are solved alone; the others are joints (joint.py)."""
+        return [hinge for hinge, lone in zip(scene.hinges, alone(scene), strict=True) if lone]
+
+    def check(self, scene):
+        """One name, one hinge or joint."""
+        if {self.name, name_of(self)} & names_taken(scene):
+            raise SceneError("hinge", name_of(self), "a name not yet used")
+
+    def topology(self):
+        """Name, type, particles and held axes."""
+        return self.name, self.type, self.particles, self.support
+
+    @classmethod
+    def names(cls, scene):
+        return [f"hinge {hinge.name}" for hinge in cls.of(scene)]
+
+    @classmethod
+    def moved(cls, scene):
+        """Both particles of each."""
+        return [p for hinge in cls.of(scene) for p in hinge.particles]
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.joints import hinge_kernels  # noqa: F401, its hooks
+        from fpm.elements.joints.hinge_arrays import (
+            BODY,
+            BODY_SCRATCH,
+            HINGE,
+            HINGE_SCRATCH,
+            SUMS,
+            CountedHinges,
+            Hinges,
+        )
+
+        hinges, which = cls.of(batch.one), np.flatnonzero(alone(batch.one))
+        h, rows = len(hinges), batch.instants + 1
+
+        def each(rows_of):  # which are alone is the same in all scenes of a batch
+            return lambda scene: rows_of(scene, [scene.hinges[i] for i in which])
+
+        held = [[axis in hinge.support for axis in AXES] for hinge in hinges]
+        found = Hinges(
+            ends=batch.integers(cls.moved(batch.one)),
+            bodies=batch.stack(2 * h, BODY, each(_bodies)),
+            hinges=batch.stack(h, HINGE, each(_places)),
+            held=batch.integers(held, 3),
+            supported=bool(np.any(held)),
+            body_scratch=batch.blank(2 * h, BODY_SCRATCH),
+            hinge_scratch=batch.blank(h, HINGE_SCRATCH),
+            open=np.zeros(h, bool),
+            watched=batch.watched_by(cls),
+            rows=batch.rows_of(cls),
+            gaps=batch.blank(rows, 2),
+        )
+        if not Probe.asked(batch.one).impulses:
+            return found
+        return CountedHinges(*found, batch.blank(h, SUMS), batch.blank(rows * h, SUMS))
+
+    @classmethod
+    def recorded(cls, part, scene, lane):
+        """The largest gaps."""
+        gap, tilt = part.gaps[:, :, lane].T
+        return {
+            "hinge_gap": Recorded(gap, "m", "largest gap of a hinge, or to where it is held"),
+            "hinge_axis_gap": Recorded(tilt, "rad", "largest angle between hinge axes"),
+        }
+
+
+def name_of(hinge: Hinge) -> str:
+    """The name of a hinge as a joint: of a universal one without that of its angle."""
+    return hinge.name.removesuffix(ANGLES[0]) if hinge.type == "universal" else hinge.name
+
+
+def names_taken(scene) -> set[str]:
+    """Names of joints and hinges, of universal joints also without those of their angles."""
+    joints = [e for found in scene.kinds.values() for e in found if hasattr(e, "references")]
+    names = {joint.name for joint in (*joints, *scene.hinges)}
+    return names | {name_of(hinge) for hinge in scene.hinges}
+
+
+def _bodies(scene, hinges: Sequence[Hinge]) -> np.ndarray:
+    from fpm.elements.joints import hinge_arrays as at
+
+    beams = [beam for hinge in hinges for beam in hinge.beams]
+    axes = np.concatenate([hinge.axes for hinge in hinges])
+    references = np.concatenate([hinge.references for hinge in hinges])
+    p = [beam.particle for beam in beams]
+    out = np.zeros((len(beams), at.BODY))
+    out[:, at.ARM : at.ARM + 3] = [beam.arm for beam in beams]
+    out[:, at.AXIS : at.AXIS + 3] = axes
+    out[:, at.REF : at.REF + 3] = references
+    out[:, at.NORMAL : at.NORMAL + 3] = cross(axes, references)
+    out[:, at.HIM : at.HIM + 3] = ~scene.fixed[p, :3] / scene.mass[p, None]
+    return out
+
+
+def _places(scene, hinges: Sequence[Hinge]) -> np.ndarray:
+    from fpm.elements.joints import hinge_arrays as at
+
+    out = np.zeros((len(hinges), at.HINGE))
+    for row, hinge in zip(out, hinges, strict=True):
+        row[at.HELD : at.HELD + 3] = [axis in hinge.support for axis in AXES]
+        first = hinge.beams[0]
+        place = scene.position[first.particle] + scene.frame[first.particle] @ first.arm
+        row[at.PLACE : at.PLACE + 3] = place
+    return out
+
+
+def alone(scene) -> list[bool]:
+    """Whether each hinge of a scene can be solved alone.
+
+    Its particles, unless held altogether, are in no other hinge or joint and not driven; and its
+    own matrix is regular, whatever arms and axis are and become: no axis is held for both
+    particles, nor for a particle and the hinge point, one of the two may turn, and about all axes
+    or none. Nor does anything hold its opening exactly (turn.py).
+    """
+    joining = [e for kind, found in scene.kinds.items() if kind.joins for e in found]
+    uses = Counter(p for element in joining for p in element.particles)
+    shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
+    shared.update(drive.particle for drive in scene.drives)
+    turning = {e.hinge for kind, found in scene.kinds.items() if kind.holds for e in found}
+    return [
+        hinge.type == "revolute"
+        and h not in turning
+        and shared.isdisjoint(hinge.particles)
+        and is_regular(hinge, scene.fixed)
+        for h, hinge in enumerate(scene.hinges)
+    ]
+
+
+def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
+    """Virtual beams from two particles to a point (3,), or each to its own (2, 3)."""
+    return tuple(scene.arm_to(p, q) for p, q in zip(particles, of_both(point), strict=True))
+
+
+def of_both(vector) -> Sequence[np.ndarray]:
+    """A vector (3,) for both particles, or one for each (2, 3)."""
+    vector = np.asarray(vector, float)
+    return (vector, vector) if vector.ndim == 1 else np.broadcast_to(vector, (2, 3))
+
+
+def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
+    """Whether the impulses of a hinge all move something; fixed (n, 6): axes held by particle."""
+    return _is_regular(hinge.support, *(fixed[p].tobytes() for p in hinge.particles))
+
+
+@lru_cache(1024)  # there are few cases, and each of many runs asks several times
+def _is_regular(support: str, one: bytes, two: bytes) -> bool:
+    """The same for the axes that are held, six truth values each."""
+    one, two = np.frombuffer(one, bool), np.frombuffer(two, bool)
+    point = np.array([axis in support for axis in AXES])
+    twice = (one[:3] & two[:3]) | ((one[:3] | two[:3]) & point)
+    in_part = any(turns.any() and not turns.all() for turns in (one[3:], two[3:]))
+    return not (twice.any() or in_part or (one[3:].all() and two[3:].all()))
+
+
+def unit(vector, what: str) -> np.ndarray:
+    """The vector (3,) at length one; SceneError if it has none."""
+    vector = np.asarray(vector, float)
+    size = length(vector)
+    if not size > 0 or not math.isfinite(size):
+        raise SceneError(what, vector.tolist(), "a finite vector that is not zero")
+    return vector / size

@@ -1,0 +1,101 @@
+"""The arrays of hinges and where each quantity stands in them."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.kernels.lanes import load
+from fpm.kernels.vectors import kernel, put3, vector
+
+# Constants of a body of a hinge; vectors in the particle's frame.
+ARM = 0  # virtual beam (3)
+AXIS = 3  # axis (3)
+REF = 6  # reference direction (3)
+NORMAL = 9  # axis x reference (3)
+HIM = 12  # inverse masses along the global axes (3)
+BODY = 15
+
+# Constants of a hinge.
+HELD = 0  # 1 where the hinge point is held along a global axis (3)
+PLACE = 3  # where it is held (3)
+HINGE = 6
+
+# Scratch of a body (rows, BODY_SCRATCH, lanes).
+OLD_X = 0  # position at the start of the step (3)
+OLD_D2, OLD_D3 = 3, 6  # directors (3 each)
+GLOBAL_ARM = 9  # arm in global components (3)
+INVERSE = 12  # inverse inertia in global components (6)
+RESPONSE = 18  # velocity of the hinge point per unit impulse there (6)
+SPINS = 24  # spins by unit impulses there along the three global axes (3 each)
+DV, DP = 33, 36  # change of velocity (3) and of angular momentum (3) by the hinge's impulses
+BODY_SCRATCH = 39
+
+# Scratch of a hinge (rows, HINGE_SCRATCH, lanes).
+PA, QA = 0, 3  # the two directions normal to the axis
+C = 6  # inverse of the 2 by 2 rotation block (pp, qq, pq)
+E = 9  # that inverse times the coupling: rows p (3) and q (3)
+S = 15  # inverse of the Schur complement of the translation block (6)
+TILTS = 21  # rates of the tilts p and q by unit supports x, y, z: each 2
+Y = 27  # A^-1 times the columns of the supports x, y, z: each 3 + 2
+G = 42  # inverse of the supports' Schur complement (6)
+HOLD = 48  # impulses of the supports (3); zero along axes that are free
+MISSED = 51  # what `aim` asks for besides, as it missed it before, like ASKED
+# Rates to be had by impulses: of the gap (3), of the tilts about p and q, of the held point (3).
+ASKED = 59
+ONE, TWO, MP = 67, 70, 73  # impulses: force on body 1, against body 2 (3 each), moments p, q on 2
+HINGE_SCRATCH = 75
+
+GAP, TILT = 0, 1  # watched, and recorded
+
+
+class Hinges(NamedTuple):
+    """Hinge h has the bodies 2h and 2h + 1."""
+
+    ends: np.ndarray  # (2h,) particles of the bodies
+    bodies: np.ndarray  # (2h, BODY, lanes)
+    hinges: np.ndarray  # (h, HINGE, lanes)
+    held: np.ndarray  # (h, 3) 1 where the hinge point is held along a global axis
+    supported: bool  # whether any is
+    body_scratch: np.ndarray  # (2h, BODY_SCRATCH, lanes)
+    hinge_scratch: np.ndarray  # (h, HINGE_SCRATCH, lanes)
+    open: np.ndarray  # (h,) scratch
+    watched: np.ndarray  # (1, 2, lanes)
+    rows: np.ndarray  # (h, 1, lanes)
+    gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)
+
+
+ON_ONE, ABOUT_ONE, ON_TWO, ABOUT_TWO = 0, 3, 6, 9
+SUMS = 12
+"""Impulses of a joint over a step: force on a body and moment about it, of both (3 each). Divided
+by the length of the kick they are its constraint forces.
+"""
+
+CountedHinges = NamedTuple(
+    "CountedHinges",
+    [
+        *Hinges.__annotations__.items(),
+        ("sums", np.ndarray),  # (h, SUMS, lanes) of this step
+        ("forces", np.ndarray),  # ((instants + 1) h, SUMS, lanes) recorded
+    ],
+)
+"""Hinges whose impulses are counted."""
+
+
+@kernel
+def get6(a, i, k):
+    """The six lanes in fields k .. k+5 of row i."""
+    return (
+        load(a, i, k),
+        load(a, i, k + 1),
+        load(a, i, k + 2),
+        load(a, i, k + 3),
+        load(a, i, k + 4),
+        load(a, i, k + 5),
+    )
+
+
+@kernel
+def put6(a, i, k, s):
+    """Write six lanes to fields k .. k+5 of row i."""
+    put3(a, i, k, vector(s[0], s[1], s[2]))
+    put3(a, i, k + 3, vector(s[3], s[4], s[5]))

@@ -1,0 +1,289 @@
+"""Revolute hinges: impulses that close every hinge at the end of the step (hinge.py).
+
+The matrix of the impulses (hinge_matrix.py) is built at the start of the step and serves three
+times:
+
+1. `aim`: impulses that would close the hinge if the rates of its gaps stayed as they are over the
+   step, less what was missing so in the step before. What is left is the change from step to step
+   of a term of second order in the angle turned.
+2. `move`, in rounds, only where that is much: particles move, and their gaps are closed. Each
+   round gains a factor of about the angle turned in a step: three digits.
+3. `move`, at the end, always: the gaps found then are closed by small turns on top, which gains
+   three digits more, down to rounding.
+
+A sample whose gaps are small is left alone in the rounds that other samples need: its numbers do
+not depend on theirs.
+"""
+
+from fpm.elements.joints.hinge_arrays import (
+    ARM,
+    ASKED,
+    AXIS,
+    DP,
+    DV,
+    GAP,
+    GLOBAL_ARM,
+    HELD,
+    INVERSE,
+    MISSED,
+    NORMAL,
+    OLD_D2,
+    OLD_D3,
+    OLD_X,
+    PA,
+    PLACE,
+    QA,
+    REF,
+    SUMS,
+    TILT,
+    CountedHinges,
+    Hinges,
+    get6,
+)
+from fpm.elements.joints.hinge_limits import COARSE_GAP, COARSE_TILT, MOST_GAP, MOST_TILT, ROUNDS
+from fpm.elements.joints.hinge_matrix import find_impulses, prepare_bodies, prepare_matrices
+from fpm.elements.joints.hinge_supports import prepare_supports
+from fpm.elements.joints.impulse_sums import ALL, clear, count
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
+from fpm.kernels.layout import D2, D3, HALF, P, V, X
+from fpm.kernels.rotation import frame, half_turn, put_turned
+from fpm.kernels.vectors import (
+    add3,
+    cross,
+    dot,
+    get3,
+    kernel,
+    larger,
+    put3,
+    symmetric,
+    times,
+    to_global,
+    to_local,
+)
+
+
+@hook(Hinges)
+def prepare(part, world, now):
+    """Kick the particles of all hinges, and aim the impulses; all forces must be summed."""
+    prepare_bodies(world, part, now.kick)
+    prepare_matrices(part)
+    if part.supported:
+        prepare_supports(part)
+    aim(part, world.state)
+
+
+@kernel
+def aim(part, state):
+    """Impulses that would keep every hinge closed if its rates did not change over the step."""
+    ends, b, w = part.ends, part.body_scratch, part.hinge_scratch
+    part.open[:] = True
+    for h in range(w.shape[0]):
+        one, two = 2 * h, 2 * h + 1
+        i, k = ends[one], ends[two]
+        spin1 = symmetric(get6(b, one, INVERSE), get3(state, i, P))
+        spin2 = symmetric(get6(b, two, INVERSE), get3(state, k, P))
+        point = get3(state, i, V) + cross(spin1, get3(b, one, GLOBAL_ARM))
+        other = get3(state, k, V) + cross(spin2, get3(b, two, GLOBAL_ARM))
+        turn = spin1 - spin2
+        put3(w, h, ASKED, (other - point) + get3(w, h, MISSED))
+        store(w, h, ASKED + 3, dot(turn, get3(w, h, PA)) + load(w, h, MISSED + 3))
+        store(w, h, ASKED + 4, dot(turn, get3(w, h, QA)) + load(w, h, MISSED + 4))
+        put3(w, h, ASKED + 5, get3(w, h, MISSED + 5) - point)
+    find_impulses(part)
+    for h in range(w.shape[0]):
+        push(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b)
+        count(part, h, ALL)
+
+
+@kernel
+def push(state, i, r, b):
+    """Add DV and DP to the momenta of particles i, bodies r (pairs)."""
+    add3(state, i, V, get3(b, r, DV))
+    add3(state, i, P, get3(b, r, DP))
+
+
+@kernel
+def push_where_far(state, i, r, b, far):
+    """The same in the lanes where `far` is negative; the others are not touched."""
+    for k, change in ((V, DV), (P, DP)):
+        for m in range(3):
+            before = load(state, i, k + m)
+            after = where_negative(far, before + load(b, r, change + m), before)
+            store(state, i, k + m, after)
+
+
+@kernel
+def gaps(part, state, h):
+    """Hinge point of body 1, its gap (3) to that of 2, and the axis gap about p and q (rad)."""
+    one, two = 2 * h, 2 * h + 1
+    bodies, i, k = part.bodies, part.ends[one], part.ends[two]
+    first, second = frame(state, i), frame(state, k)
+    point = get3(state, i, X) + to_global(first, get3(bodies, one, ARM))
+    other = get3(state, k, X) + to_global(second, get3(bodies, two, ARM))
+    # The second's axis in the first's frame, where what it is compared with is constant.
+    axis = to_local(first, to_global(second, get3(bodies, two, AXIS)))
+    ep, eq = -dot(get3(bodies, one, NORMAL), axis), dot(get3(bodies, one, REF), axis)
+    return point, point - other, ep, eq
+
+
+@kernel
+def restore(state, on, rows, b):
+    """Bring the particles `on` of the bodies `rows` (pairs) back to the start of the step."""
+    put3(state, on, X, get3(b, rows, OLD_X))
+    put3(state, on, D2, get3(b, rows, OLD_D2))
+    put3(state, on, D3, get3(b, rows, OLD_D3))
+
+
+@kernel
+def move_bodies(state, particles, on, step):
+    """Move the particles `on` (a pair) by a step, with their momenta."""
+    put3(state, on, X, step * get3(state, on, V) + get3(state, on, X))
+    axes = frame(state, on)
+    half = half_turn(to_local(axes, get3(state, on, P)), get3(particles, on, HALF))
+    put_turned(state, on, axes, half)
+
+
+@kernel
+def nudge(state, i, r, b, step):
+    """Change the momenta of particles i, bodies r (pairs), by DV and DP; move them by that."""
+    push(state, i, r, b)
+    put3(state, i, X, step * get3(b, r, DV) + get3(state, i, X))
+    # So small a turn that its square does not show.
+    turn = step * symmetric(get6(b, r, INVERSE), get3(b, r, DP))
+    for k in (D2, D3):
+        axis = get3(state, i, k)
+        put3(state, i, k, axis + cross(turn, axis))
+
+
+@kernel
+def ask(part, state, h, rate):
+    """Ask for what closes the gaps of hinge h within 1 / rate: of the point, the tilts, and from
+    where it is held.
+    """
+    w = part.hinge_scratch
+    point, gap, ep, eq = gaps(part, state, h)
+    put3(w, h, ASKED, -rate * gap)
+    store(w, h, ASKED + 3, -rate * ep)
+    store(w, h, ASKED + 4, -rate * eq)
+    off = point - get3(part.hinges, h, PLACE)
+    put3(w, h, ASKED + 5, -rate * times(get3(part.hinges, h, HELD), off))
+
+
+@hook(Hinges)
+def move(part, world, now):
+    """Move the particles of all hinges by a step, and close the hinges at its end.
+
+    What the last round leaves open is watched.
+    """
+    state, ends, open_ = world.state, part.ends, part.open
+    b, w = part.body_scratch, part.hinge_scratch
+    open_[:] = True
+    rate = 1.0 / now.step
+    for n in range(ROUNDS):
+        for h in range(w.shape[0]):
+            if open_[h]:
+                on = ends[2 * h], ends[2 * h + 1]
+                if n > 0:
+                    restore(state, on, (2 * h, 2 * h + 1), b)
+                move_bodies(state, world.particles, on, now.step)
+        for h in range(w.shape[0]):
+            if open_[h]:
+                ask(part, state, h, rate)
+                if n == 0:
+                    for k in range(8):
+                        store(w, h, MISSED + k, load(w, h, MISSED + k) + load(w, h, ASKED + k))
+        find_impulses(part)
+        left = False
+        for h in range(w.shape[0]):
+            if open_[h]:
+                far = distance(w, h, now.step)
+                open_[h] = any_negative(far)
+                if open_[h] and n + 1 == ROUNDS:
+                    open_[h] = False
+                    watch(part, *opened(part, state, h))
+                if open_[h]:
+                    left = True
+                    for r in (2 * h, 2 * h + 1):
+                        push_where_far(state, ends[r], r, b, far)
+                    count(part, h, far)
+        if not left:
+            break
+    for h in range(w.shape[0]):
+        nudge(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, now.step)
+        count(part, h, ALL)
+
+
+@kernel
+def opened(part, state, h):
+    """Squares of what a hinge is open by: of the gap of its point (m) or, if that is larger, its
+    distance from where it is held, and of the angle between its axes (rad)."""
+    point, gap, ep, eq = gaps(part, state, h)
+    gap2 = dot(gap, gap)
+    if part.supported:
+        off = times(get3(part.hinges, h, HELD), point - get3(part.hinges, h, PLACE))
+        gap2 = larger(gap2, dot(off, off))
+    return gap2, ep * ep + eq * eq
+
+
+@kernel
+def distance(w, h, step):
+    """Negative where what is ASKED of hinge h is too much for `nudge`."""
+    gap, off = get3(w, h, ASKED), get3(w, h, ASKED + 5)
+    ep, eq = load(w, h, ASKED + 3), load(w, h, ASKED + 4)
+    far = 1.0 - (dot(gap, gap) + dot(off, off)) * (step / COARSE_GAP) ** 2
+    tilt = 1.0 - (ep * ep + eq * eq) * (step / COARSE_TILT) ** 2
+    return where_negative(tilt, tilt, far)
+
+
+@kernel
+def watch(part, gap2, tilt2):
+    """Raise what is watched by the squares of a hinge's or joint's gaps; returns these (m, rad)."""
+    gap, tilt = sqrt(gap2), sqrt(tilt2)
+    store(part.watched, 0, GAP, larger(load(part.watched, 0, GAP), gap))
+    store(part.watched, 0, TILT, larger(load(part.watched, 0, TILT), tilt))
+    return gap, tilt
+
+
+@hook(Hinges)
+def record(part, world, row):
+    """Record the largest gaps of all hinges, those to where they are held among them."""
+    count = part.hinges.shape[0]
+    gap2 = 0.0 * load(world.state, 0, X)
+    tilt2 = gap2
+    for h in range(count):
+        gap, tilt = opened(part, world.state, h)
+        gap2, tilt2 = larger(gap2, gap), larger(tilt2, tilt)
+    gap, tilt = watch(part, gap2, tilt2)
+    store(part.gaps, row, GAP, gap)
+    store(part.gaps, row, TILT, tilt)
+
+
+@hook(Hinges)
+def list_excess(part, world):
+    """Squares of either gap as shares of what is allowed."""
+    for h in range(part.hinges.shape[0]):
+        gap2, tilt2 = opened(part, world.state, h)
+        excess = gap2 * (1.0 / MOST_GAP**2) + tilt2 * (1.0 / MOST_TILT**2)
+        store(part.rows, h, 0, excess)
+
+
+@hook(CountedHinges, "prepare")
+def prepare_counted(part, world, now):
+    """Count from zero."""
+    clear(part.sums)
+    prepare(part, world, now)
+
+
+@hook(CountedHinges)
+def record_step(part, world, row, now):
+    """Record the constraint forces of the step."""
+    count = part.sums.shape[0]
+    for h in range(count):
+        for k in range(SUMS):
+            force = (1.0 / now.kick) * load(part.sums, h, k)
+            store(part.forces, row * count + h, k, force)
+
+
+for _name, _kernel in (("move", move), ("record", record), ("list_excess", list_excess)):
+    hook(CountedHinges, _name)(_kernel)

@@ -1,0 +1,212 @@
+"""The matrix of a revolute hinge: how impulses at the hinge change the rates of its gaps.
+
+Per hinge the unknowns are an impulse (3) at the hinge point, a moment impulse (2) normal to the
+axis and, where the point is held, a support impulse (up to 3). Their matrix A = G M^-1 G^T is built
+and factorised by blocks at the start of a step: first the moments, then the impulse (its Schur
+complement), then the supports. hinge.py uses it. The two particles of hinge h are its bodies, rows
+2h and 2h + 1 of the arrays over bodies. The work goes in passes over all bodies or hinges, each
+with a short chain of operations, so that the processor works on several at once. Kernels take a
+named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it.
+"""
+
+from fpm.elements.joints.hinge_arrays import (
+    ARM,
+    ASKED,
+    DP,
+    DV,
+    GLOBAL_ARM,
+    HIM,
+    INVERSE,
+    MP,
+    NORMAL,
+    OLD_D2,
+    OLD_D3,
+    OLD_X,
+    ONE,
+    PA,
+    QA,
+    REF,
+    RESPONSE,
+    SPINS,
+    TWO,
+    C,
+    E,
+    S,
+    get6,
+    put6,
+)
+from fpm.elements.joints.hinge_supports import hold_point, is_held, solve
+from fpm.kernels.lanes import load, store
+from fpm.kernels.layout import IJ, KICK, F, M, P, V, X
+from fpm.kernels.rotation import frame
+from fpm.kernels.vectors import (
+    cross,
+    dot,
+    get3,
+    invert,
+    kernel,
+    opposite,
+    put3,
+    symmetric,
+    times,
+    to_global,
+    to_local,
+    vector,
+)
+
+
+@kernel
+def world_inverse(axes, j):
+    """Inverse inertia in global components (xx, yy, zz, xy, xz, yz); j: along the three axes."""
+    a, b, _ = axes
+    # The dyads of the three axes add up to the unit matrix, which spares the third.
+    ja, jb = (j.x - j.z) * a, (j.y - j.z) * b
+    return (
+        (ja.x * a.x + j.z) + jb.x * b.x,
+        (ja.y * a.y + j.z) + jb.y * b.y,
+        (ja.z * a.z + j.z) + jb.z * b.z,
+        ja.x * a.y + jb.x * b.y,
+        ja.x * a.z + jb.x * b.z,
+        ja.y * a.z + jb.y * b.z,
+    )
+
+
+@kernel
+def spins(j, r):
+    """Spins by unit impulses along the global axes e at arm r: J^-1 (r x e)."""
+    xx, yy, zz, xy, xz, yz = j
+    return (
+        vector(xy * r.z - xz * r.y, yy * r.z - yz * r.y, yz * r.z - zz * r.y),
+        vector(xz * r.x - xx * r.z, yz * r.x - xy * r.z, zz * r.x - xz * r.z),
+        vector(xx * r.y - xy * r.x, xy * r.y - yy * r.x, xz * r.y - yz * r.x),
+    )
+
+
+@kernel
+def point_response(inverse_mass, turned, r):
+    """Velocity of a point at arm r per unit impulse there, of which the spins are known (6)."""
+    ux, uy, uz = turned
+    return (
+        inverse_mass.x + (r.z * ux.y - r.y * ux.z),
+        inverse_mass.y + (r.x * uy.z - r.z * uy.x),
+        inverse_mass.z + (r.y * uz.x - r.x * uz.y),
+        r.z * uy.y - r.y * uy.z,
+        r.z * uz.y - r.y * uz.z,
+        r.x * uz.z - r.z * uz.x,
+    )
+
+
+@kernel
+def prepare_bodies(world, part, kick):
+    """Keep each body's state, kick it, and find its response; of the first of a hinge also the two
+    directions normal to the axis.
+    """
+    state, bodies, w = world.state, part.bodies, part.body_scratch
+    for r in range(part.ends.shape[0]):
+        i = part.ends[r]
+        x = get3(state, i, X)
+        put3(w, r, OLD_X, x)
+        axes = frame(state, i)
+        put3(w, r, OLD_D2, axes[1])
+        put3(w, r, OLD_D3, axes[2])
+        v = load(world.particles, i, KICK) * get3(state, i, F) + get3(state, i, V)
+        put3(state, i, V, v)
+        put3(state, i, P, kick * get3(state, i, M) + get3(state, i, P))
+        for k in range(6):
+            store(state, i, F + k, 0.0)
+        arm = to_global(axes, get3(bodies, r, ARM))
+        inverse_mass = get3(bodies, r, HIM)
+        j = world_inverse(axes, get3(world.particles, i, IJ))
+        lever = arm
+        if r % 2 == 0:
+            put3(part.hinge_scratch, r // 2, PA, to_global(axes, get3(bodies, r, REF)))
+            put3(part.hinge_scratch, r // 2, QA, to_global(axes, get3(bodies, r, NORMAL)))
+        else:
+            # Both impulses act at the first body's point: they make no moment if the hinge gapes.
+            lever = get3(w, r - 1, OLD_X) + get3(w, r - 1, GLOBAL_ARM) - x
+        put3(w, r, GLOBAL_ARM, lever)
+        put6(w, r, INVERSE, j)
+        turned = spins(j, arm)  # the lever differs by the gap, which the rounds close
+        put3(w, r, SPINS, turned[0])
+        put3(w, r, SPINS + 3, turned[1])
+        put3(w, r, SPINS + 6, turned[2])
+        put6(w, r, RESPONSE, point_response(inverse_mass, turned, arm))
+
+
+@kernel
+def both(b, h, field):
+    """Sum of a symmetric matrix of the two bodies of hinge h."""
+    one, two = get6(b, 2 * h, field), get6(b, 2 * h + 1, field)
+    return (
+        one[0] + two[0],
+        one[1] + two[1],
+        one[2] + two[2],
+        one[3] + two[3],
+        one[4] + two[4],
+        one[5] + two[5],
+    )
+
+
+@kernel
+def prepare_matrices(part):
+    """Build and factorise the matrix of every hinge."""
+    b, w = part.body_scratch, part.hinge_scratch
+    for h in range(w.shape[0]):
+        one, two = 2 * h, 2 * h + 1
+        p, q = get3(w, h, PA), get3(w, h, QA)
+        j = both(b, h, INVERSE)
+        jp, jq = symmetric(j, p), symmetric(j, q)
+        pp, qq, pq = dot(p, jp), dot(q, jq), dot(p, jq)
+        det = 1.0 / (pp * qq - pq * pq)
+        cpp, cqq, cpq = det * qq, det * pp, -det * pq
+        # Tilts by unit forces between the bodies: these turn them against each other.
+        ux = get3(b, one, SPINS) + get3(b, two, SPINS)
+        uy = get3(b, one, SPINS + 3) + get3(b, two, SPINS + 3)
+        uz = get3(b, one, SPINS + 6) + get3(b, two, SPINS + 6)
+        bp = opposite(to_local((ux, uy, uz), p))
+        bq = opposite(to_local((ux, uy, uz), q))
+        ep = cpp * bp + cpq * bq
+        eq = cpq * bp + cqq * bq
+        put3(w, h, C, vector(cpp, cqq, cpq))
+        put3(w, h, E, ep)
+        put3(w, h, E + 3, eq)
+        k = both(b, h, RESPONSE)
+        schur = (
+            k[0] - (bp.x * ep.x + bq.x * eq.x),
+            k[1] - (bp.y * ep.y + bq.y * eq.y),
+            k[2] - (bp.z * ep.z + bq.z * eq.z),
+            k[3] - (bp.x * ep.y + bq.x * eq.y),
+            k[4] - (bp.x * ep.z + bq.x * eq.z),
+            k[5] - (bp.y * ep.z + bq.y * eq.z),
+        )
+        put6(w, h, S, invert(schur))
+
+
+@kernel
+def find_impulses(part):
+    """Impulses that change rates of every open hinge by what is ASKED. They go into ONE, TWO and
+    MP, what they do to the bodies into DV and DP.
+    """
+    bodies, b, w, open_ = part.bodies, part.body_scratch, part.hinge_scratch, part.open
+    for h in range(w.shape[0]):
+        if open_[h]:
+            ep, eq = load(w, h, ASKED + 3), load(w, h, ASKED + 4)
+            force, mp, mq = solve(w, h, get3(w, h, ASKED), ep, eq)
+            put3(w, h, ONE, force)
+            put3(w, h, TWO, force)
+            store(w, h, MP, mp)
+            store(w, h, MP + 1, mq)
+    if part.supported:
+        for h in range(w.shape[0]):
+            if open_[h] and is_held(part, h):
+                hold_point(part, h)
+    for h in range(w.shape[0]):
+        if open_[h]:
+            one, two = 2 * h, 2 * h + 1
+            on_one, against_two = get3(w, h, ONE), get3(w, h, TWO)
+            mp, mq = load(w, h, MP), load(w, h, MP + 1)
+            moment = mp * get3(w, h, PA) + mq * get3(w, h, QA)
+            put3(b, one, DV, times(get3(bodies, one, HIM), on_one))
+            put3(b, one, DP, cross(get3(b, one, GLOBAL_ARM), on_one) - moment)
+            put3(b, two, DV, times(get3(bodies, two, HIM), opposite(against_two)))
+            put3(b, two, DP, moment - cross(get3(b, two, GLOBAL_ARM), against_two))

@@ -1,0 +1,120 @@
+"""The arrays of joints that are solved together, and where each quantity stands in them."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.joints.turn_arrays import Turns
+
+# Types of joints: what of two bodies is kept together.
+REVOLUTE = 0  # a point and an axis
+SPHERICAL = 1  # a point
+FIXED = 2  # a point and all directions
+UNIVERSAL = 3  # a point; an axis of the one stays normal to an axis of the other
+PRISMATIC = 4  # all directions, and a line: along its axis the second slides on the first
+HELD = 5  # a point of the first, along global axes, where it was at the start
+OPENING = 6  # the opening of a hinge, where something holds it (turn.py)
+SLID = 7  # the same of a slide
+
+# Constants of a body: a particle that joints act on.
+HIM = 0  # inverse masses along the global axes (3)
+HIJ = 3  # inverse principal inertias (3)
+ROOT = 6  # roots of HIJ (3)
+TURNS = 9  # 1 where it may turn about a global axis, 0 where not (3)
+BODY = 12
+
+# Scratch of a body.
+OLD_X = 0  # position at the start of the step (3)
+OLD_D2, OLD_D3 = 3, 6  # directors (3 each)
+INVERSE = 9  # inverse inertia in global components (6), of what may turn
+SPIN = 15  # angular velocity (3)
+FORCE, MOMENT = 18, 21  # impulse of a round on the body, about its particle (3 each)
+ALL_FORCE, ALL_MOMENT = 24, 27  # of all rounds of the step (3 each)
+LAST_V, LAST_SPIN = 30, 33  # of a driven body, in the step before (3 each)
+DUE = 36  # work of the impulses of the step up to its start
+BODY_SCRATCH = 37
+
+# Constants of a side of a joint; vectors in its particle's frame.
+ARM = 0  # virtual beam (3)
+AXIS = 3  # axis (3)
+REFERENCE = 6  # a direction normal to it (3)
+SIDE = 9
+
+# A row: one condition. Its rate is f (v1 - v2) + m1 w1 - m2 w2 of the two bodies.
+ALONG = 0  # f (3)
+TURN1, TURN2 = 3, 6  # m1, m2 (3 each)
+ROOT1, ROOT2 = 9, 12  # J^-1/2 m1 and J^-1/2 m2 along the bodies' axes (3 each)
+OFF = 15  # what is to be closed
+MISSED = 16  # rate that `aim` has to add for what it missed before
+PIVOT = 17  # inverse of the diagonal of the factor
+IMPULSE = 18
+ROW = 19
+
+GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which share a kernel
+
+
+class Pattern(NamedTuple):
+    """The matrix of the joints' impulses in blocks, in the order in which they are eliminated.
+
+    A block (j, k) is at `offset` in the matrix, row by row. Integers only.
+    """
+
+    first: np.ndarray  # (j,) first row of each joint
+    count: np.ndarray  # (j,) and how many it has
+    diagonal: np.ndarray  # (j,) offsets of the blocks (j, j)
+    meets: np.ndarray  # (m, 5) joint, other, side of either, offset: blocks and what adds to them
+    below_start: np.ndarray  # (j + 1,) of each joint, where in `below` its blocks begin
+    below: np.ndarray  # (b, 2) joint further down that it is coupled to, offset of that block
+    update_start: np.ndarray  # (j + 1,) of each joint, where in `updates` those begin
+    updates: np.ndarray  # (u, 5) joint, other, offsets of both blocks and of the one they change
+
+
+class Joints(NamedTuple):
+    """Joint j has the sides 2j and 2j + 1, in the order of elimination."""
+
+    types: np.ndarray  # (j,)
+    names: np.ndarray  # (j,) number of each in the scene
+    slots: np.ndarray  # (2j,) bodies of the sides; -1: none
+    sides: np.ndarray  # (2j, SIDE, lanes)
+    places: np.ndarray  # (j, 3, lanes) where a held point is
+    held: np.ndarray  # (j, 3) 1 where it is, along a global axis
+    on: np.ndarray  # (b,) particles of the bodies
+    driven: np.ndarray  # (b,) 1 if another kind moves the body
+    bodies: np.ndarray  # (b, BODY, lanes)
+    body_scratch: np.ndarray  # (b, BODY_SCRATCH, lanes)
+    rows: np.ndarray  # (r, ROW, lanes)
+    matrix: np.ndarray  # (entries, 1, lanes)
+    pattern: Pattern
+    ease: float  # share of the diagonal by which the matrix is eased where conditions are redundant
+    account: int  # of the work of what drives bodies
+    watched: np.ndarray  # (1, 2, lanes)
+    excess: np.ndarray  # (j, 1, lanes) rows that say how bad a joint is
+    gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)
+
+
+CountedJoints = NamedTuple(
+    "CountedJoints",
+    [
+        *Joints.__annotations__.items(),
+        ("sums", np.ndarray),  # (r, 1, lanes) impulses of the conditions in this step
+        ("forces", np.ndarray),  # ((instants + 1) j, SUMS of hinges, lanes) recorded
+    ],
+)
+"""Joints whose impulses are counted."""
+
+_TURNS = [
+    ("turns", Turns),
+    ("turn_of", np.ndarray),  # (j,) number of the opening that a joint holds; -1: none
+    ("turn_at", np.ndarray),  # (t,) and the joints that hold openings
+]
+
+TurnedJoints = NamedTuple("TurnedJoints", [*Joints.__annotations__.items(), *_TURNS])
+"""Joints among which some hold openings exactly."""
+
+CountedTurnedJoints = NamedTuple(
+    "CountedTurnedJoints", [*CountedJoints.__annotations__.items(), *_TURNS]
+)
+"""The same whose impulses are counted."""
+
+TURNED = (TurnedJoints, CountedTurnedJoints)
+COUNTED = (CountedJoints, CountedTurnedJoints)

@@ -1,0 +1,350 @@
+"""Coupled joints: impulses that close all of them at the end of the step (joint.py).
+
+As for lone hinges (hinge_kernels.py): `prepare` aims the impulses so that the gaps stay closed if
+their rates do not change over the step, less what was missing so in the step before; `move` moves
+the bodies and, only where a gap is large, goes back and aims better; at its end all gaps are closed
+by small turns on top. All joints of a sample are solved together, and go the same rounds.
+"""
+
+from fpm.elements.joints.hinge_arrays import ABOUT_ONE, ABOUT_TWO, ON_ONE, ON_TWO, get6, put6
+from fpm.elements.joints.hinge_kernels import watch
+from fpm.elements.joints.hinge_limits import COARSE_GAP, COARSE_TILT, MOST_GAP, MOST_TILT, ROUNDS
+from fpm.elements.joints.hinge_matrix import world_inverse
+from fpm.elements.joints.impulse_sums import ALL, clear, count
+from fpm.elements.joints.joint_arrays import (
+    ALL_FORCE,
+    ALL_MOMENT,
+    ALONG,
+    DUE,
+    FORCE,
+    GAP,
+    HIJ,
+    HIM,
+    IMPULSE,
+    INVERSE,
+    LAST_SPIN,
+    LAST_V,
+    MISSED,
+    MOMENT,
+    OFF,
+    OLD_D2,
+    OLD_D3,
+    OLD_X,
+    SPIN,
+    TILT,
+    TURN1,
+    TURN2,
+    TURNS,
+    CountedJoints,
+    Joints,
+)
+from fpm.elements.joints.joint_matrix import build, factorise, substitute
+from fpm.elements.joints.joint_rows import find_gaps, find_rows
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import any_negative, load, store, where_negative
+from fpm.kernels.layout import ACCOUNTS, D2, D3, F, M, P, V, X
+from fpm.kernels.rotation import frame, half_turn, put_turned
+from fpm.kernels.vectors import (
+    add3,
+    add_where,
+    cross,
+    dot,
+    get3,
+    kernel,
+    larger,
+    put3,
+    symmetric,
+    times,
+    to_local,
+)
+
+
+@hook(Joints)
+def prepare(part, world, now):
+    """Kick the bodies of all joints, and aim the impulses; all forces must be summed."""
+    kick_bodies(part, world.state, now.kick)
+    find_rows(part, world.state)
+    build(part)
+    factorise(part)
+    find_rates(part, world.state)
+    find_impulses(part, -1.0)
+    push_all(part, world.state)
+
+
+@kernel
+def kick_bodies(part, state, kick):
+    """Keep the bodies' state, kick those that nothing else moves, and find their inertias."""
+    bodies, b = part.bodies, part.body_scratch
+    for s in range(part.on.shape[0]):
+        i = part.on[s]
+        put3(b, s, OLD_X, get3(state, i, X))
+        axes = frame(state, i)
+        put3(b, s, OLD_D2, axes[1])
+        put3(b, s, OLD_D3, axes[2])
+        put6(b, s, INVERSE, world_inverse(axes, get3(bodies, s, HIJ)))
+        for k in (ALL_FORCE, ALL_MOMENT):
+            put3(b, s, k, 0.0 * axes[1])
+        if not part.driven[s]:
+            v = get3(state, i, V) + kick * times(get3(bodies, s, HIM), get3(state, i, F))
+            put3(state, i, V, v)
+            put3(state, i, P, kick * get3(state, i, M) + get3(state, i, P))
+            for k in range(6):
+                store(state, i, F + k, 0.0)
+
+
+@kernel
+def find_spin(part, state, s):
+    """Angular velocity of body s, about axes about which it may turn; of a driven one the last."""
+    b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
+    if part.driven[s]:
+        return get3(b, s, LAST_SPIN)
+    return times(turns, symmetric(get6(b, s, INVERSE), get3(state, part.on[s], P)))
+
+
+@kernel
+def find_rates(part, state):
+    """Rates in OFF that impulses have to take, if they did not change over the step."""
+    rows, b, pattern = part.rows, part.body_scratch, part.pattern
+    for s in range(part.on.shape[0]):
+        put3(b, s, SPIN, find_spin(part, state, s))
+    for j in range(part.types.shape[0]):
+        one, two = part.slots[2 * j], part.slots[2 * j + 1]
+        v, w1 = get3(state, part.on[one], V), get3(b, one, SPIN)
+        w2 = 0.0 * w1
+        if two >= 0:
+            v = v - get3(state, part.on[two], V)
+            w2 = get3(b, two, SPIN)
+        for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
+            turn = dot(get3(rows, r, TURN1), w1) - dot(get3(rows, r, TURN2), w2)
+            store(rows, r, OFF, dot(get3(rows, r, ALONG), v) + turn + load(rows, r, MISSED))
+
+
+@kernel
+def push_all(part, state):
+    """Push all bodies, by the impulses that were found."""
+    for s in range(part.on.shape[0]):
+        push(part, state, s)
+    count(part, 0, ALL)
+
+
+@kernel
+def find_impulses(part, factor):
+    """Impulses that change what is in OFF, or rates of it, by `factor` times what it is.
+
+    They go into IMPULSE, what they are to the bodies into FORCE and MOMENT.
+    """
+    rows, b, pattern = part.rows, part.body_scratch, part.pattern
+    for r in range(rows.shape[0]):
+        store(rows, r, IMPULSE, factor * load(rows, r, OFF))
+    substitute(part)
+    for s in range(part.on.shape[0]):
+        none = 0.0 * get3(b, s, OLD_X)
+        put3(b, s, FORCE, none)
+        put3(b, s, MOMENT, none)
+    for j in range(part.types.shape[0]):
+        one, two = part.slots[2 * j], part.slots[2 * j + 1]
+        force = 0.0 * get3(b, one, OLD_X)
+        first, second = force, force
+        for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
+            impulse = load(rows, r, IMPULSE)
+            force = force + impulse * get3(rows, r, ALONG)
+            first = first + impulse * get3(rows, r, TURN1)
+            second = second + impulse * get3(rows, r, TURN2)
+        add3(b, one, FORCE, force)
+        add3(b, one, MOMENT, first)
+        if two >= 0:
+            add3(b, two, FORCE, -1.0 * force)
+            add3(b, two, MOMENT, -1.0 * second)
+
+
+@kernel
+def push(part, state, s):
+    """Add the impulses of a round to the momenta of body s, unless it is driven."""
+    b, i = part.body_scratch, part.on[s]
+    force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
+    if not part.driven[s]:
+        add3(state, i, V, times(get3(part.bodies, s, HIM), force))
+        add3(state, i, P, moment)
+    add3(b, s, ALL_FORCE, force)
+    add3(b, s, ALL_MOMENT, moment)
+
+
+@kernel
+def push_where_far(part, state, s, far):
+    """The same in the lanes where `far` is negative; the others are not touched."""
+    b, i = part.body_scratch, part.on[s]
+    inverse_mass = get3(part.bodies, s, HIM)
+    force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
+    if not part.driven[s]:
+        add_where(state, i, V, times(inverse_mass, force), far)
+        add_where(state, i, P, moment, far)
+    add_where(b, s, ALL_FORCE, force, far)
+    add_where(b, s, ALL_MOMENT, moment, far)
+
+
+@kernel
+def move_bodies(part, state, again, step):
+    """Move the bodies by a step with their momenta; again: from where they were at its start."""
+    b = part.body_scratch
+    for s in range(part.on.shape[0]):
+        i = part.on[s]
+        if not part.driven[s]:
+            if again:
+                put3(state, i, X, get3(b, s, OLD_X))
+                put3(state, i, D2, get3(b, s, OLD_D2))
+                put3(state, i, D3, get3(b, s, OLD_D3))
+            put3(state, i, X, step * get3(state, i, V) + get3(state, i, X))
+            axes = frame(state, i)
+            rate = (0.5 * step) * get3(part.bodies, s, HIJ)
+            half = half_turn(to_local(axes, get3(state, i, P)), rate)
+            put_turned(state, i, axes, half)
+
+
+@kernel
+def nudge(part, state, s, step):
+    """Push body s, and move it by that."""
+    b, i = part.body_scratch, part.on[s]
+    push(part, state, s)
+    if not part.driven[s]:
+        shift = step * times(get3(part.bodies, s, HIM), get3(b, s, FORCE))
+        put3(state, i, X, get3(state, i, X) + shift)
+        # So small a turn that its square does not show.
+        turn = step * symmetric(get6(b, s, INVERSE), get3(b, s, MOMENT))
+        for k in (D2, D3):
+            axis = get3(state, i, k)
+            put3(state, i, k, axis + cross(turn, axis))
+
+
+@hook(Joints)
+def move(part, world, now):
+    """Move the bodies of all joints by a step, and close the joints at its end.
+
+    What the last round leaves open is watched.
+    """
+    state, rows = world.state, part.rows
+    inverse_step = 1.0 / now.step
+    for n in range(ROUNDS):
+        move_bodies(part, state, n > 0, now.step)
+        far = 0.0 * load(state, 0, X) + 1.0
+        for j in range(part.types.shape[0]):
+            gap2, tilt2 = find_gaps(part, state, j)
+            this = 1.0 - gap2 * (1.0 / COARSE_GAP**2)
+            far = where_negative(this, this, far)
+            this = 1.0 - tilt2 * (1.0 / COARSE_TILT**2)
+            far = where_negative(this, this, far)
+            if n + 1 == ROUNDS:
+                watch(part, gap2, tilt2)
+        if n == 0:
+            for r in range(rows.shape[0]):
+                missed = inverse_step * load(rows, r, OFF) + load(rows, r, MISSED)
+                store(rows, r, MISSED, missed)
+        find_impulses(part, -inverse_step)
+        if n + 1 == ROUNDS or not any_negative(far):
+            break
+        for s in range(part.on.shape[0]):
+            push_where_far(part, state, s, far)
+        count(part, 0, far)
+    for s in range(part.on.shape[0]):
+        nudge(part, state, s, now.step)
+    count(part, 0, ALL)
+
+
+@hook(Joints)
+def work_after(part, world, now):
+    """Work of what drives bodies, against the impulses of the joints on them."""
+    state, b = world.state, part.body_scratch
+    total = 0.0 * load(state, 0, X)
+    for s in range(part.on.shape[0]):
+        if part.driven[s]:
+            i = part.on[s]
+            v = (1.0 / now.step) * (get3(state, i, X) - get3(b, s, OLD_X))
+            axes = frame(state, i)
+            first = cross(get3(b, s, OLD_D2), get3(b, s, OLD_D3))
+            turned = cross(first, axes[0]) + cross(get3(b, s, OLD_D2), axes[1])
+            turned = turned + cross(get3(b, s, OLD_D3), axes[2])
+            spin = (0.5 / now.step) * turned
+            force, moment = get3(b, s, ALL_FORCE), get3(b, s, ALL_MOMENT)
+            # An impulse acts over the half steps before and after an instant, the first one only
+            # after: what it did before is due at the instant, which is recorded already.
+            work = -1.0 * (dot(force, v) + dot(moment, spin))
+            due = 0.0 * work
+            if now.kick == now.step:
+                due = dot(force, get3(b, s, LAST_V)) + dot(moment, get3(b, s, LAST_SPIN))
+                work, due = 0.5 * work, -0.5 * due
+            total = total + work + due
+            store(b, s, DUE, due)
+            put3(b, s, LAST_V, v)
+            put3(b, s, LAST_SPIN, spin)
+    given = load(world.accounts, 0, part.account)
+    store(world.accounts, 0, part.account, given + total)
+
+
+@hook(Joints)
+def work_due(part, world, energies, row):
+    """What that did up to now by the impulses of this step."""
+    account = ACCOUNTS + part.account
+    for s in range(part.on.shape[0]):
+        if part.driven[s]:
+            due = load(energies, row, account) + load(part.body_scratch, s, DUE)
+            store(energies, row, account, due)
+
+
+@hook(Joints)
+def record(part, world, row):
+    """Record the largest gaps of all joints."""
+    gap2 = 0.0 * load(world.state, 0, X)
+    tilt2 = gap2
+    for j in range(part.types.shape[0]):
+        gap, tilt = find_gaps(part, world.state, j)
+        gap2, tilt2 = larger(gap2, gap), larger(tilt2, tilt)
+    gap, tilt = watch(part, gap2, tilt2)
+    store(part.gaps, row, GAP, gap)
+    store(part.gaps, row, TILT, tilt)
+
+
+@hook(Joints)
+def list_excess(part, world):
+    """Squares of either gap as shares of what is allowed."""
+    for j in range(part.types.shape[0]):
+        gap2, tilt2 = find_gaps(part, world.state, j)
+        excess = gap2 * (1.0 / MOST_GAP**2) + tilt2 * (1.0 / MOST_TILT**2)
+        store(part.excess, part.names[j], 0, excess)
+
+
+@hook(CountedJoints, "prepare")
+def prepare_counted(part, world, now):
+    """Count from zero."""
+    clear(part.sums)
+    prepare(part, world, now)
+
+
+@hook(CountedJoints)
+def record_step(part, world, row, now):
+    """Record the constraint forces of the step, in the order of the scene.
+
+    Of moments only those about axes about which a body may turn.
+    """
+    rows, pattern, count = part.rows, part.pattern, part.types.shape[0]
+    for j in range(count):
+        force = 0.0 * get3(rows, 0, ALONG)
+        first, second = force, force
+        for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
+            impulse = (1.0 / now.kick) * load(part.sums, r, 0)
+            force = force + impulse * get3(rows, r, ALONG)
+            first = first + impulse * get3(rows, r, TURN1)
+            second = second + impulse * get3(rows, r, TURN2)
+        at = row * count + part.names[j]
+        put3(part.forces, at, ON_ONE, force)
+        put3(part.forces, at, ABOUT_ONE, first)
+        put3(part.forces, at, ON_TWO, -1.0 * force)
+        put3(part.forces, at, ABOUT_TWO, -1.0 * second)
+
+
+for _name, _kernel in (
+    ("move", move),
+    ("work_after", work_after),
+    ("work_due", work_due),
+    ("record", record),
+    ("list_excess", list_excess),
+):
+    hook(CountedJoints, _name)(_kernel)

@@ -1,0 +1,115 @@
+"""Coupled joints among which some hold openings exactly (turn.py): what they do otherwise.
+
+`prepare` only kicks the bodies; `solve` finds the impulses, again where it was decided otherwise,
+and tells the rates that the openings would have; `move` begins with the impulses that stand then.
+"""
+
+from fpm.elements.joints import joint_kernels
+from fpm.elements.joints.hinge_arrays import get6
+from fpm.elements.joints.impulse_sums import clear
+from fpm.elements.joints.joint_arrays import (
+    AXIS,
+    FORCE,
+    HIM,
+    INVERSE,
+    MOMENT,
+    OFF,
+    SLID,
+    SPIN,
+    TURNS,
+    CountedTurnedJoints,
+    TurnedJoints,
+)
+from fpm.elements.joints.joint_arrays import IMPULSE as FOUND
+from fpm.elements.joints.joint_kernels import find_impulses, find_rates, kick_bodies, push_all
+from fpm.elements.joints.joint_matrix import build, factorise
+from fpm.elements.joints.joint_rows import find_rows, held_gap, place
+from fpm.elements.joints.turn_arrays import IMPULSE, NEEDED, RATE
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import load, store
+from fpm.kernels.layout import V, X
+from fpm.kernels.rotation import frame
+from fpm.kernels.vectors import add3, cross, dot, get3, kernel, symmetric, times, to_global
+
+
+@hook(TurnedJoints)
+def prepare(part, world, now):
+    """Kick the bodies of all joints; all forces must be summed."""
+    kick_bodies(part, world.state, now.kick)
+    world.undecided[0] = 1
+    for t in range(part.turn_at.shape[0]):
+        store(part.turns.state, t, IMPULSE, 0.0)
+
+
+@hook(TurnedJoints)
+def solve(part, world, now):
+    """Find the impulses of all joints, with the openings that are held now."""
+    find_rows(part, world.state)
+    build(part)
+    factorise(part)
+    find_rates(part, world.state)
+    for t in range(part.turn_at.shape[0]):
+        j = part.turn_at[t]
+        r, gap = part.pattern.first[j], held_gap(part, world.state, j)
+        store(part.rows, r, OFF, load(part.rows, r, OFF) + (1.0 / now.step) * gap)
+    find_impulses(part, -1.0)
+    tell_rates(part, world.state)
+
+
+@kernel
+def tell_rates(part, state):
+    """Rates that the openings will have after the impulses, whether they are held or not."""
+    b = part.body_scratch
+    for s in range(part.on.shape[0]):
+        if not part.driven[s]:
+            turned = symmetric(get6(b, s, INVERSE), get3(b, s, MOMENT))
+            add3(b, s, SPIN, times(get3(part.bodies, s, TURNS), turned))
+    for t in range(part.turn_at.shape[0]):
+        j = part.turn_at[t]
+        one, two = part.slots[2 * j], part.slots[2 * j + 1]
+        axis = to_global(frame(state, part.on[one]), get3(part.sides, 2 * j, AXIS))
+        if part.types[j] == SLID:
+            _, _, end = place(part, state, j, 1)
+            between = velocity(part, state, two, end) - velocity(part, state, one, end)
+            rate = dot(axis, between)
+        else:
+            rate = dot(axis, get3(b, two, SPIN) - get3(b, one, SPIN))
+        store(part.turns.state, t, RATE, rate)
+        store(part.turns.state, t, NEEDED, load(part.rows, part.pattern.first[j], FOUND))
+
+
+@kernel
+def velocity(part, state, s, point):
+    """Velocity that a point of body s will have after the impulses."""
+    b, i = part.body_scratch, part.on[s]
+    v = get3(state, i, V)
+    if not part.driven[s]:
+        v = v + times(get3(part.bodies, s, HIM), get3(b, s, FORCE))
+    return v + cross(get3(b, s, SPIN), point - get3(state, i, X))
+
+
+@hook(TurnedJoints)
+def move(part, world, now):
+    """Push the bodies, move them by a step, and close the joints at its end."""
+    push_all(part, world.state)
+    joint_kernels.move(part, world, now)
+
+
+@hook(CountedTurnedJoints, "prepare")
+def prepare_counted(part, world, now):
+    """Count from zero."""
+    clear(part.sums)
+    prepare(part, world, now)
+
+
+for _name, _kernel in (
+    ("work_after", joint_kernels.work_after),
+    ("work_due", joint_kernels.work_due),
+    ("record", joint_kernels.record),
+    ("list_excess", joint_kernels.list_excess),
+):
+    hook(TurnedJoints, _name)(_kernel)
+    hook(CountedTurnedJoints, _name)(_kernel)
+hook(CountedTurnedJoints, "solve")(solve)
+hook(CountedTurnedJoints, "move")(move)
+hook(CountedTurnedJoints, "record_step")(joint_kernels.record_step)

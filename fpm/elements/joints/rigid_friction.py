@@ -1,0 +1,76 @@
+"""Coulomb friction on hinges that sticks without a bristle: the opening is held (turn.py).
+
+While it sticks, the opening does not move by a hair; what that takes is looked at in every step. If
+it is more than `moment`, M, the joint slips in this step already, braked by M. While it slips at a
+rate r that would fall by d > r in a step, it stands after the share s = r/d of that: M brakes it
+until then, and pushes it from then on, (1 - 2 s) M in all. Where it then goes back, it was a turn.
+Where not, it sticks, at the angle where M brings it to rest: the last way is the rest of the
+parabola, h (r - d/2)²/(2 d), or h r²/(2 d) where it is braked only now.
+So a body of inertia J that slides at w stops after J w²/(2 M), and one that swings loses as much at
+each turn as friction takes, to the second order in the step.
+
+A blow comes at an unknown time within a step, whose middle is taken: friction that stuck with M'
+has (M' ± M)/2 in that step, and one that the blow turns round none.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.elements.joints.turn import HoldsHinge, Turn
+from fpm.elements.openings.opening import (
+    JOINT_LOSS,
+    TURNING,
+    Opening,
+    check_hinge,
+    check_numbers,
+    pack_past,
+    turning_at_start,
+)
+
+STILL = 1e-12
+"""Rate (rad/s) up to which a hinge sticks at the start."""
+
+
+@dataclass(frozen=True)
+class RigidFriction(HoldsHinge):
+    """hinge index; moment M (N m) at which it slips."""
+
+    hinge: int
+    moment: float
+
+    takes = JOINT_LOSS
+    acts_as = "friction"
+    called = "friction"
+
+    def check(self, scene):
+        """Hinge and number."""
+        check_hinge(scene, "friction", self.hinge, TURNING)
+        check_numbers("friction", moment=(self.moment, 0.0, "N m"))
+
+    def held_at_start(self, scene):
+        (rate,) = turning_at_start(scene, [self.hinge])
+        return scene.hinges[self.hinge].opening if abs(rate) <= STILL else None
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.joints.rigid_friction_kernels import STATE, WAY, RigidFrictions
+
+        found = cls.of(batch.one)
+
+        def starts(scene):
+            state = np.zeros((len(found), STATE))
+            rates = turning_at_start(scene, [f.hinge for f in cls.of(scene)])
+            state[:, WAY] = np.where(np.array(rates) < 0, -1.0, 1.0)
+            return state
+
+        return RigidFrictions(
+            on=batch.integers(f.hinge for f in found),
+            turn=batch.integers(Turn.places(batch.one, cls)),
+            moment=batch.table(cls, 1, lambda f: [f.moment]),
+            openings=Opening.seen_by(cls, batch),
+            turns=batch.part(Turn),
+            past=pack_past(batch, cls),
+            state=batch.stack(len(found), STATE, starts),
+            account=batch.taken_by(cls),
+        )

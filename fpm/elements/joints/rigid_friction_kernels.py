@@ -1,0 +1,167 @@
+"""Sticking and slipping of friction without a bristle, and what it loses (rigid_friction.py)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.joints.turn_arrays import HOLDS, NEEDED, RATE, TARGET, Turns
+from fpm.elements.joints.turn_kernels import (
+    HELD,
+    HELD_BY,
+    add_due,
+    begin_work,
+    end_work_of,
+    moment_of,
+    tell_late,
+)
+from fpm.elements.openings.losses_kernels import LOSING as EARLIER  # which holds a rate here
+from fpm.elements.openings.losses_kernels import RATE as LAST
+from fpm.elements.openings.losses_kernels import half_rate
+from fpm.elements.openings.opening_kernels import NOW, Openings, push, turn
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
+from fpm.kernels.vectors import kernel
+
+WORKS = 0  # of turn_kernels
+WAY = WORKS + HELD  # sign of the rate at which it slips, or slipped last
+BRAKE = WAY + 1  # moment while it slips (N m)
+TOLD = BRAKE + 1  # the same as it was before the joints were solved
+LEFT = TOLD + 1  # how often it may change its mind in this step
+STATE = LEFT + 1
+
+CHANGES = 5
+"""How often it may change in a step: turn, stick, let go, stick again, and let go for good."""
+
+
+class RigidFrictions(NamedTuple):
+    """on, turn (f,); moment (f, 1, lanes); past (f, PAST, lanes); state (f, STATE, lanes)."""
+
+    on: np.ndarray
+    turn: np.ndarray
+    moment: np.ndarray
+    openings: Openings
+    turns: Turns
+    past: np.ndarray
+    state: np.ndarray
+    account: int
+
+
+@hook(RigidFrictions)
+def forces(part, world, now):
+    """Brake what slips."""
+    for i in range(part.on.shape[0]):
+        h = part.on[i]
+        if now.time > 0.0:
+            store(part.past, i, EARLIER, load(part.past, i, LAST))
+            store(part.past, i, LAST, half_rate(part.openings, h, now))
+        held = load(part.turns.state, part.turn[i], HOLDS)
+        brake = -1.0 * load(part.state, i, WAY) * load(part.moment, i, 0)
+        brake = where_negative(held, 0.0, brake)
+        store(part.state, i, BRAKE, brake)
+        store(part.state, i, TOLD, brake)
+        store(part.state, i, LEFT, CHANGES)
+        turn(part.openings, world.state, h, brake)
+
+
+@hook(RigidFrictions)
+def work_before(part, world, now):
+    """What it lost in the half step up to now."""
+    begin_work(part, world, WORKS, -1.0)
+
+
+@kernel
+def turning(part, i, now):
+    """Share of the kick until an opening stands, and how far (rad) it goes still until then.
+
+    Its rate would fall in this kick to one below zero. If it fell so before, it stands at the
+    vertex of the parabola; else it is braked only now, from where it is, amid the kick.
+    """
+    way = load(part.state, i, WAY)
+    last = way * load(part.past, i, LAST)
+    last = where_negative(last, 0.0, last)
+    fall = last - way * load(part.turns.state, part.turn[i], RATE)
+    fell = way * load(part.past, i, EARLIER) - last
+    vertex = 0.5 * now.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
+    sudden = 0.5 * now.kick * last * last / fall
+    blow = fell - 0.5 * fall
+    share = last / fall if now.time == 0.0 else where_negative(blow, 0.5, last / fall)
+    return share, where_negative(-last, where_negative(blow, sudden, vertex), 0.0)
+
+
+@hook(RigidFrictions)
+def decide(part, world, now):
+    """Let go where more is needed than it bears, turn round or stick where it comes to stand.
+
+    What would turn round is braked until it stands and pushed the other way from then on; if it
+    would not go back so, it sticks. Every element changes but a few times in a step, the last time
+    to let go: no impulse that it holds is more than it bears.
+    """
+    for i in range(part.on.shape[0]):
+        t, left = part.turn[i], load(part.state, i, LEFT)
+        held, way = load(part.turns.state, t, HOLDS), load(part.state, i, WAY)
+        over = load(part.moment, i, 0) - absolute(needed_by(part, i, now))
+        back = where_negative(held, 1.0, way * load(part.turns.state, t, RATE))
+        changed = left - (CHANGES - 0.5)
+        slips = where_negative(held, over, 1.0)
+        turns = where_negative(changed, 1.0, back)
+        sticks = where_negative(changed, where_negative(left - 1.5, 1.0, back), 1.0)
+        if any_negative(slips) or any_negative(turns) or any_negative(sticks):
+            change(part, world, now, i, slips, turns, sticks)
+
+
+@kernel
+def needed_by(part, i, now):
+    """Moment (N m) that held element i in this step."""
+    return (1.0 / now.kick) * load(part.turns.state, part.turn[i], NEEDED)
+
+
+@kernel
+def slipping(part, i, full, now):
+    """Moment (N m) with which it lets go in this step, from how it was held to the full one.
+
+    Of a load that grows, both are the same to the first order; a blow comes amid the kick.
+    """
+    if now.time == 0.0:
+        return full
+    mean = 0.5 * (full + load(part.state, i, WORKS + HELD_BY))
+    slid = -absolute(load(part.state, i, TOLD))
+    return where_negative(slid, full, mean)
+
+
+@kernel
+def change(part, world, now, i, slips, turns, sticks):
+    """Let go, turn or stick in the lanes in which these are below zero."""
+    t, h, most = part.turn[i], part.on[i], load(part.moment, i, 0)
+    way, before = load(part.state, i, WAY), load(part.state, i, BRAKE)
+    sign = where_negative(needed_by(part, i, now), -1.0, 1.0)
+    share, ahead = turning(part, i, now)
+    brake = where_negative(slips, slipping(part, i, sign * most, now), before)
+    brake = where_negative(turns, (1.0 - 2.0 * share) * way * most, brake)
+    brake = where_negative(sticks, 0.0, brake)
+    push(part.openings, world.state, h, now.kick * (brake - before))
+    store(part.state, i, BRAKE, brake)
+    store(part.state, i, WAY, where_negative(slips, -sign, where_negative(turns, -way, way)))
+    held = where_negative(slips, 1.0, load(part.turns.state, t, HOLDS))
+    store(part.turns.state, t, HOLDS, where_negative(sticks, -1.0, held))
+    target = load(part.openings.angles, h, NOW) + way * ahead
+    target = where_negative(turns, target, load(part.turns.state, t, TARGET))
+    store(part.turns.state, t, TARGET, target)
+    some = where_negative(slips, -1.0, where_negative(turns, -1.0, sticks))
+    left = load(part.state, i, LEFT)
+    store(part.state, i, LEFT, where_negative(some, left - 1.0, left))
+    world.undecided[0] = 1
+
+
+@hook(RigidFrictions)
+def work_after(part, world, now):
+    """What it loses in the half step up to now by the moments of this step."""
+    for i in range(part.on.shape[0]):
+        moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], now)
+        tell_late(part.openings, part.on[i], moment - load(part.state, i, TOLD))
+        end_work_of(part, world, i, moment, WORKS, -1.0)
+
+
+@hook(RigidFrictions)
+def work_due(part, world, energies, row):
+    """What it lost up to now by the moments of this step."""
+    add_due(part, energies, row, WORKS)

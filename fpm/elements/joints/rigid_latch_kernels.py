@@ -1,0 +1,156 @@
+"""Catching, impulses, losses and events of rigid latches (theory: rigid_latch.py)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.joints.turn_arrays import HOLDS, RATE, TARGET, Turns
+from fpm.elements.joints.turn_kernels import HELD, add_due, begin_work, end_work, moment_of
+from fpm.elements.openings.latch_kernels import (
+    ANGLE,
+    CAUGHT,
+    IMPULSE,
+    MOMENT,
+    NEAR,
+    NEWS,
+    RATE_THERE,
+    STATE,
+    TOLERANCE,
+    TRACK,
+    WHEN,
+    pass_by,
+)
+from fpm.elements.openings.latch_kernels import HELD as PLACE
+from fpm.elements.openings.losses_kernels import RATE as LAST
+from fpm.elements.openings.losses_kernels import half_rate
+from fpm.elements.openings.opening_kernels import NOW, Openings
+from fpm.kernels.events import note
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
+from fpm.kernels.vectors import kernel
+from fpm.kernels.world import Log
+
+# State of a rigid latch, behind that of all latches.
+WORKS = STATE  # of turn_kernels
+AGE = WORKS + HELD  # steps in which it has held
+IMPACT = AGE + 1  # impulse with which it caught
+AHEAD = IMPACT + 1  # opening that is foreseen for the end of this step
+SEEN = AHEAD + 1  # opening up to which it has looked, as foreseen in the step before
+RIGID = SEEN + 1
+
+
+class RigidLatches(NamedTuple):
+    """on (l,) hinges; turn (l,); latch (l, LATCH, lanes); past (l, PAST, lanes); state (l, RIGID,
+    lanes).
+    """
+
+    on: np.ndarray
+    turn: np.ndarray
+    latch: np.ndarray
+    openings: Openings
+    turns: Turns
+    past: np.ndarray
+    state: np.ndarray
+    account: int
+    log: Log
+    track: np.ndarray  # ((instants + 1) l, TRACK + 1, lanes)
+
+
+@hook(RigidLatches)
+def note_events(part, world, now):
+    """Note the latches that caught or missed since the last step."""
+    for i in range(part.on.shape[0]):
+        if any_negative(0.5 - load(part.state, i, NEWS)):
+            for s in range(part.state.shape[2]):
+                news = part.state[i, NEWS, s]
+                if news > 0.0:
+                    note(part.log, s, part.state[i, WHEN, s], i, news - 1.0)
+        store(part.state, i, NEWS, 0.0)
+
+
+@hook(RigidLatches)
+def work_before(part, world, now):
+    """What they lost in the half step up to now."""
+    begin_work(part, world, WORKS, -1.0)
+
+
+@hook(RigidLatches)
+def prepare(part, world, now):
+    """Keep the rates of the step before."""
+    if now.time > 0.0:
+        for i in range(part.on.shape[0]):
+            store(part.past, i, LAST, half_rate(part.openings, part.on[i], now))
+
+
+@kernel
+def foreseen(part, i, now):
+    """Opening (rad) of latch i at the end of the step."""
+    rate = load(part.turns.state, part.turn[i], RATE)
+    return load(part.openings.angles, part.on[i], NOW) + now.step * rate
+
+
+@hook(RigidLatches)
+def decide(part, world, now):
+    """Catch the openings that would come by in this step.
+
+    It looks on from where it looked to in the step before: what comes about otherwise, in the last
+    digits, would else slip through.
+    """
+    for i in range(part.on.shape[0]):
+        t = part.turn[i]
+        before, after = load(part.state, i, SEEN), foreseen(part, i, now)
+        store(part.state, i, AHEAD, after)
+        off = absolute(0.5 * (before + after) - load(part.latch, i, ANGLE))
+        reach = off - 0.5 * absolute(after - before) - load(part.latch, i, TOLERANCE) - NEAR
+        open_ = 0.5 - load(part.state, i, CAUGHT) - load(part.state, i, NEWS)
+        if any_negative(where_negative(open_, 1.0, reach)):
+            end = now.time + now.step
+            for s in range(part.state.shape[2]):
+                if part.state[i, CAUGHT, s] + part.state[i, NEWS, s] == 0.0:
+                    seen, ahead = part.state[i, SEEN, s], part.state[i, AHEAD, s]
+                    pass_by(part, i, s, seen, ahead, part.past[i, LAST, s], end, now.step)
+                    if part.state[i, CAUGHT, s] > 0.0:
+                        part.turns.state[t, HOLDS, s] = -1.0
+                        part.turns.state[t, TARGET, s] = part.state[i, PLACE, s]
+                        world.undecided[0] = 1
+
+
+@hook(RigidLatches)
+def work_after(part, world, now):
+    """What they lose in the half step up to now by the impulses of this step, and these.
+
+    The impulse of catching is that of the two steps which share it, less what the moment of the
+    third gives in the time since.
+    """
+    end_work(part, world, now, WORKS, -1.0)
+    for i in range(part.on.shape[0]):
+        moment = moment_of(part.turns, part.turn[i], now)
+        impulse = now.kick * moment
+        store(part.state, i, MOMENT, moment)
+        store(part.state, i, IMPULSE, load(part.state, i, IMPULSE) + impulse)
+        age = load(part.state, i, AGE) + load(part.state, i, CAUGHT)
+        store(part.state, i, AGE, age)
+        store(part.state, i, SEEN, foreseen(part, i, now))
+        since = now.time - 0.5 * now.step - load(part.state, i, WHEN)
+        blow = where_negative(age - 2.5, impulse, -1.0 * since * moment)
+        blow = where_negative(age - 3.5, blow, 0.0)
+        store(part.state, i, IMPACT, load(part.state, i, IMPACT) + blow)
+
+
+@hook(RigidLatches)
+def work_due(part, world, energies, row):
+    """What they lost up to now by the impulses of this step."""
+    add_due(part, energies, row, WORKS)
+
+
+@hook(RigidLatches)
+def record_step(part, world, row, now):
+    """Moment, impulse up to now, rate when it caught, and the impulse of catching."""
+    count = part.on.shape[0]
+    for i in range(count):
+        at, moment = row * count + i, load(part.state, i, MOMENT)
+        ahead = 0.5 * now.step * moment  # of the kick from now on
+        store(part.track, at, 0, moment)
+        store(part.track, at, 1, load(part.state, i, IMPULSE) - ahead)
+        store(part.track, at, 2, load(part.state, i, RATE_THERE))
+        store(part.track, at, TRACK, load(part.state, i, IMPACT))

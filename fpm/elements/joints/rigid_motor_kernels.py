@@ -1,0 +1,67 @@
+"""Openings, moments and work of rigid motors (theory: rigid_motor.py)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.joints.turn_arrays import TARGET, Turns
+from fpm.elements.joints.turn_kernels import HELD_BY, add_due, begin_work, end_work
+from fpm.elements.openings.opening_kernels import Openings
+from fpm.kernels.curves import travel
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import load, store
+
+START, BY = 0, 1  # constants of a motor
+WORKS = 0  # of turn_kernels
+
+
+class RigidMotors(NamedTuple):
+    """on, turn, curve, by_rate (m,); motors (m, 2, lanes): start, turn (rad, or rad/s); state (m,
+    HELD, lanes).
+    """
+
+    on: np.ndarray
+    turn: np.ndarray
+    curve: np.ndarray
+    by_rate: np.ndarray
+    motors: np.ndarray
+    openings: Openings
+    turns: Turns
+    state: np.ndarray
+    account: int
+    track: np.ndarray  # ((instants + 1) m, 1, lanes) recorded moment (N m)
+
+
+@hook(RigidMotors)
+def prepare(part, world, now):
+    """Where the openings have to be at the end of the step."""
+    for i in range(part.on.shape[0]):
+        way = travel(world, part.curve[i], part.by_rate[i], now.time + now.step)
+        target = load(part.motors, i, START) + way * load(part.motors, i, BY)
+        store(part.turns.state, part.turn[i], TARGET, target)
+
+
+@hook(RigidMotors)
+def work_before(part, world, now):
+    """Work of half of the moments before, on the way up to now."""
+    begin_work(part, world, WORKS, 1.0)
+
+
+@hook(RigidMotors)
+def work_after(part, world, now):
+    """Work of half of the moments of this step, on that way."""
+    end_work(part, world, now, WORKS, 1.0)
+
+
+@hook(RigidMotors)
+def work_due(part, world, energies, row):
+    """What they gave up to now by the moments of this step."""
+    add_due(part, energies, row, WORKS)
+
+
+@hook(RigidMotors)
+def record_step(part, world, row, now):
+    """The moments."""
+    count = part.on.shape[0]
+    for i in range(count):
+        store(part.track, row * count + i, 0, load(part.state, i, WORKS + HELD_BY))

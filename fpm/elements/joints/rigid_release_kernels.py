@@ -1,0 +1,87 @@
+"""Moments, work and events of rigid releases (theory: rigid_release.py).
+
+A release within the step before a kick leaves to it a share of the moment that held (see
+release_kernels.py).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.joints.turn_arrays import HOLDS, Turns
+from fpm.elements.joints.turn_kernels import HELD, HELD_BY, add_due, begin_work, end_work
+from fpm.elements.openings.opening_kernels import Openings, turn
+from fpm.elements.openings.release_kernels import let_go
+from fpm.kernels.events import note
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import any_negative, load, store, where_negative
+from fpm.kernels.world import Log
+
+WORKS = 0  # of turn_kernels
+AGO = WORKS + HELD  # when it let go, in steps before the forces at which it did; else below zero
+LEFT = AGO + 1  # moment that was left then (N m)
+STATE = LEFT + 1
+
+
+class RigidReleases(NamedTuple):
+    """on, turn, watch (r,); releases (r, RELEASE, lanes); state (r, STATE, lanes)."""
+
+    on: np.ndarray
+    turn: np.ndarray
+    watch: np.ndarray
+    releases: np.ndarray
+    openings: Openings
+    turns: Turns
+    state: np.ndarray
+    account: int
+    log: Log
+
+
+@hook(RigidReleases)
+def forces(part, world, now):
+    """Let go where it is due; what is left of the moment then."""
+    for i in range(part.on.shape[0]):
+        t = part.turn[i]
+        held = load(part.turns.state, t, HOLDS)
+        ago = let_go(part, now, i)
+        if now.time == 0.0:
+            ago = 0.0 * held - 1.0
+        ago = where_negative(held, ago, -1.0)
+        left = (0.5 - ago) * load(part.state, i, WORKS + HELD_BY)
+        left = where_negative(ago, 0.0, left)
+        store(part.state, i, AGO, ago)
+        store(part.state, i, LEFT, left)
+        store(part.turns.state, t, HOLDS, where_negative(ago, held, 1.0))
+        turn(part.openings, world.state, part.on[i], left)
+
+
+@hook(RigidReleases)
+def note_events(part, world, now):
+    """Note those that let go in this step."""
+    for i in range(part.on.shape[0]):
+        ago = load(part.state, i, AGO)
+        if any_negative(where_negative(ago, 1.0, -1.0)):
+            for s in range(part.state.shape[2]):
+                if part.state[i, AGO, s] >= 0.0:
+                    note(part.log, s, now.time - now.step * part.state[i, AGO, s], i, 0.0)
+
+
+@hook(RigidReleases)
+def work_before(part, world, now):
+    """What they took in the half step up to now, as far as what they hold moved."""
+    begin_work(part, world, WORKS, -1.0)
+
+
+@hook(RigidReleases)
+def work_after(part, world, now):
+    """The same by the impulses of this step."""
+    end_work(part, world, now, WORKS, -1.0)
+    for i in range(part.on.shape[0]):
+        both = load(part.state, i, WORKS + HELD_BY) + load(part.state, i, LEFT)
+        store(part.state, i, WORKS + HELD_BY, both)
+
+
+@hook(RigidReleases)
+def work_due(part, world, energies, row):
+    """What they took up to now by the impulses of this step."""
+    add_due(part, energies, row, WORKS)

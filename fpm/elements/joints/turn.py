@@ -1,0 +1,71 @@
+"""Openings that are held exactly: one more condition, of a joint of its own beside the hinge.
+
+What holds an opening without a spring, as a rigid latch does, takes away the one motion that the
+hinge leaves. While it holds, psi = target is a row of the joints that are solved together
+(joint.py), closed at the end of every step like all others; while it does not, the row is empty, so
+that no impulse can act on it. Its impulse is the moment of what holds times the step.
+
+Whether a row holds is decided in the step, when all forces are known (kernels/run.py): the joints
+are solved without it, the rate that the opening would have is told to the kinds that hold
+(`decide`), and where that changes something, all joints of the step are solved again. So a latch
+catches at its angle and not beyond: in the step from t to t + h in which it is reached after the
+share s, the opening is taken to the angle and no further, by a share 1 - s of the impulse that
+stops it; the step after gives the rest. Their mean is at t + s h: the order of the scheme is kept.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from fpm.elements.kind import Kind
+from fpm.elements.openings.opening import OnHinge, Opening
+
+
+@dataclass(frozen=True)
+class Turn(Kind):
+    """The condition on an opening; nothing states it, every element that holds one has it."""
+
+    @classmethod
+    def of(cls, scene):
+        """The elements that hold openings, of all kinds that do."""
+        return [e for kind, found in scene.kinds.items() if kind.holds for e in found]
+
+    @classmethod
+    def topology_of(cls, scene):
+        """Kinds and hinges."""
+        return tuple((type(holder), holder.hinge) for holder in cls.of(scene))
+
+    @classmethod
+    def places(cls, scene, kind: type[Kind]) -> list[int]:
+        """Where the elements of a kind are among them."""
+        return [i for i, holder in enumerate(cls.of(scene)) if type(holder) is kind]
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.joints.turn_arrays import TURN, Turns
+
+        def starts(scene):
+            held = [holder.held_at_start(scene) for holder in cls.of(scene)]
+            return [
+                [1.0 if opening is None else -1.0, opening or 0.0, *[0.0] * (TURN - 2)]
+                for opening in held
+            ]
+
+        return Turns(
+            state=batch.stack(len(cls.of(batch.one)), TURN, starts),
+        )
+
+
+class HoldsHinge(OnHinge):
+    """What the kinds that hold the opening of one hinge exactly have in common."""
+
+    holds = True
+    reads: ClassVar = (Opening, Turn)
+
+    def held_at_start(self, scene) -> float | None:
+        """The opening (rad) that it holds from the start; None: it is free then."""
+        return None
+
+    def rate_at_start(self, scene) -> float | None:
+        """The rate (rad/s) that it gives the opening at the start, whatever that takes; None: any
+        may be."""
+        return None

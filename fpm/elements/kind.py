@@ -1,0 +1,177 @@
+"""What every kind of element has in common: the contract that the rest of the mechanics relies on.
+
+A kind is a frozen dataclass by which a scene states its elements, one object each (for beams, one
+for a group of elements), and a kernel file (kernels/hooks.py). What it does not override, it
+does not have. `docs/mechanics.md` shows how to add one.
+"""
+
+from collections.abc import Callable, Hashable
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from fpm.elements.batch import Batch, Scene
+
+AXES = "xyz"
+"""Names of the global axes."""
+
+
+class Energy(NamedTuple):
+    """An energy of the balance (J): its name, its variable in a trajectory file, and in words."""
+
+    name: str
+    variable: str
+    long_name: str
+
+
+class Watch(NamedTuple):
+    """A quantity that is watched, and above which value (`most`) a run fails.
+
+    always: it counts also where the energy does not balance, as nothing else would explain that.
+    failure(values) -> (found, remedy): in words, from the largest values of the kind's watches.
+    """
+
+    name: str
+    most: float
+    always: bool
+    failure: Callable[[dict[str, float]], tuple[str, str]]
+
+
+class Recorded(NamedTuple):
+    """Something recorded: values (t,), or (t, k) along a dimension with k labels, in a unit."""
+
+    values: np.ndarray
+    unit: str
+    long_name: str
+    dimension: str | None = None
+    labels: tuple[str, ...] = ()
+
+    def beside(self, other: "Recorded") -> "Recorded":
+        """The same of the elements of another kind, and of these."""
+        values = np.concatenate([other.values, self.values], axis=1)
+        return self._replace(values=values, labels=other.labels + self.labels)
+
+
+class Eventful(NamedTuple):
+    """An element that has events: its name, theirs in the order of their numbers, and the name of
+    the joint that it is on, "" for none."""
+
+    name: str
+    events: tuple[str, ...]
+    joint: str = ""
+
+
+class Deformations(NamedTuple):
+    """Rows of the deformations of elements at the start, in the particles' own axes (timestep.py).
+
+    dofs (r, 12): degrees of freedom of two particles, 6 p .. 6 p + 5 for particle p; values (r, 12)
+    for the deformation's derivatives by them; stiffness (r,), of energy 1/2 k d²; element (r,).
+    """
+
+    dofs: np.ndarray
+    values: np.ndarray
+    stiffness: np.ndarray
+    element: np.ndarray
+
+
+class Kind:
+    """A kind of element. Everything has a default: what is not stated, the kind does not have."""
+
+    stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
+    gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
+    takes: ClassVar[Energy | None] = None  # the energy it takes out
+    events: ClassVar[tuple[str, ...]] = ()  # names of its events, in the order of their numbers
+    watches: ClassVar[tuple[Watch, ...]] = ()  # of several that are too large, the last counts
+    reads: ClassVar[tuple[type["Kind"], ...]] = ()  # kinds whose arrays it needs in every step
+    acts_as: ClassVar[str] = ""  # which part of the moment on openings is its own (opening.py)
+    joins: ClassVar[bool] = False  # whether its elements hold their `particles` together
+    holds: ClassVar[bool] = False  # whether they hold the opening of their `hinge` (turn.py)
+    moves_free: ClassVar[bool] = False  # whether it moves all particles that no other kind does
+    always_acts: ClassVar[bool] = True  # False: only in the position that `shut` describes
+
+    # -- of one element -----------------------------------------------------------------------
+
+    def add_to(self, scene: Scene) -> None:
+        """Add the element to a scene; SceneError if it does not fit (`check`)."""
+        self.check(scene)
+        scene.kinds.setdefault(type(self), []).append(self)
+
+    def check(self, scene: Scene) -> None:
+        """SceneError if the element does not fit into the scene as it is."""
+
+    def topology(self) -> Hashable:
+        """What of it must be equal in all scenes that run side by side."""
+        return None
+
+    # -- of all elements of the kind in a scene -------------------------------------------------
+
+    @classmethod
+    def of(cls, scene: Scene) -> list[Any]:
+        """The scene's elements of this kind."""
+        return scene.kinds.get(cls, [])
+
+    @classmethod
+    def topology_of(cls, scene: Scene) -> Hashable:
+        """What of all of them must be equal; None: even whether there are any may differ."""
+        return tuple(element.topology() for element in cls.of(scene))
+
+    @classmethod
+    def names(cls, scene: Scene) -> list[str]:
+        """Names of the elements, for messages; those of a group one by one."""
+        return [f"{cls.__name__} {i}" for i in range(len(cls.of(scene)))]
+
+    @classmethod
+    def moved(cls, scene: Scene) -> list[int]:
+        """Particles that the kind moves itself (hooks `prepare` and `move`)."""
+        return []
+
+    @classmethod
+    def deformations(cls, scene: Scene) -> Deformations | None:
+        """Their part in the stable step."""
+        return None
+
+    @classmethod
+    def dampings(cls, scene: Scene) -> Deformations | None:
+        """The part of their dampers, with damping (N m s/rad) in place of stiffness.
+
+        For dampers whose rate is extrapolated from the last two steps (losses_kernels.py).
+        """
+        return None
+
+    @classmethod
+    def shut(cls, scene: Scene, inverse: np.ndarray):
+        """Orthonormal sparse columns (dofs, c): motions that are ruled out where the kind acts.
+
+        For kinds that do not always act. inverse (dofs,): inverse masses; the columns are in
+        coordinates scaled with their roots.
+        """
+        raise NotImplementedError(f"{cls.__name__} does not always act, and has no `shut`")
+
+    @classmethod
+    def pack(cls, batch: Batch) -> NamedTuple:
+        """The named tuple of arrays that the kind's kernels work on."""
+        raise NotImplementedError(f"{cls.__name__} has no `pack`")
+
+    @classmethod
+    def rounding(cls, part: Any) -> np.ndarray | None:
+        """Energy (lanes,) at a strain of one (J), of which rounding strains a scene at rest."""
+        return None
+
+    @classmethod
+    def held_up(cls, scene: Scene) -> float:
+        """Force (N) that the scene may have to bear at rest, where rounding moves it a little."""
+        return 0.0
+
+    @classmethod
+    def held_round(cls, scene: Scene) -> float:
+        """The same of moments (N m), which what holds openings exactly may bear."""
+        return 0.0
+
+    @classmethod
+    def recorded(cls, part: Any, scene: Scene, lane: int) -> dict[str, Recorded]:
+        """What was recorded of one lane, by the names of its variables in a trajectory file."""
+        return {}
+
+    @classmethod
+    def prescribe(cls, scene: Scene, time: float, motion: Any) -> None:
+        """Put what the kind prescribes at a time (s) into a Motion (fpm.simulate), in place."""

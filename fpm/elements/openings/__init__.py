@@ -1,0 +1,1 @@
+"""What acts on openings of hinges and slides: springs, dampers, stops, latches, motors."""

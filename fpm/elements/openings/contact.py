@@ -1,0 +1,81 @@
+"""Face-to-face contact: the end faces of two hinged links touch where the opening is below zero.
+
+The faces share the hinge line as an edge, so overlap grows linearly with the distance from it; its
+resultant is a moment k |psi| that opens the hinge, k = K_C times the length of the hinge line.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.elements.kind import Energy
+from fpm.elements.openings.opening import OnHinge, Opening, check_hinge, check_stiffness
+
+
+@dataclass(frozen=True)
+class Contact(OnHinge):
+    """hinge index; stiffness k (N m/rad)."""
+
+    hinge: int
+    stiffness: float
+
+    stores = Energy("contact", "contact_energy", "energy of the face-to-face contacts")
+    events = ("opens", "closes")
+    acts_as = "contact"
+    called = "contact"
+    always_acts = False
+
+    def check(self, scene):
+        """Hinge and stiffness."""
+        check_hinge(scene, "contact", self.hinge, ("revolute",))
+        check_stiffness(scene, "contact", self.hinge, self.stiffness)
+
+    @classmethod
+    def shut(cls, scene, inverse):
+        """Closed hinges with contacts: the relative position of two links is that of opening zero.
+
+        So it is wherever the scene starts. Hinges that share no particle, unless it is held and has
+        no inverse mass, have columns that do not overlap; others are made orthonormal together.
+        """
+        from scipy.sparse import csc_matrix, identity
+
+        columns, dofs = [], []
+        frame = scene.frame if scene.unstrained is None else scene.unstrained
+        for hinge in {c.hinge for c in cls.of(scene)}:
+            h = scene.hinges[hinge]
+            shut = [
+                np.column_stack([a, r, np.cross(a, r)])
+                for a, r in zip(h.axes, h.references, strict=True)
+            ]
+            rows = []
+            for sign, beam, axes in zip((1.0, -1.0), h.beams, shut, strict=True):
+                turn = -np.array([np.cross(beam.arm, e) for e in np.eye(3)]).T
+                point = np.hstack([axes.T @ frame[beam.particle].T, axes.T @ turn])
+                tilt = np.hstack([np.zeros((2, 3)), axes.T[1:]])
+                rows.append(sign * np.vstack([point, tilt]))
+            on = np.concatenate([6 * p + np.arange(6) for p in h.particles])
+            scaled = (np.hstack(rows) * np.sqrt(inverse[on])).T
+            u, size, _ = np.linalg.svd(scaled, full_matrices=False)
+            u = u[:, size > 1e-10 * size.max(initial=0.0)]
+            columns.append(u.T)
+            dofs.append(np.tile(on, (u.shape[1], 1)))
+        rows, values = np.concatenate(dofs), np.concatenate(columns)
+        column = np.repeat(np.arange(len(rows)), 12)
+        shape = (len(inverse), len(rows))
+        found = csc_matrix((values.ravel(), (rows.ravel(), column)), shape=shape)
+        if abs(found.T @ found - identity(len(rows))).max() > 1e-9:
+            u, size, _ = np.linalg.svd(found.toarray(), full_matrices=False)
+            found = csc_matrix(u[:, size > 1e-10])
+        return found
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.openings.contact_kernels import Contacts
+
+        return Contacts(
+            batch.integers(c.hinge for c in cls.of(batch.one)),
+            batch.table(cls, 1, lambda c: [c.stiffness]),
+            Opening.seen_by(cls, batch),
+            batch.rows_of(cls),
+            batch.log_of(cls),
+        )

@@ -1,0 +1,60 @@
+"""Moments, energies and events of face-to-face contacts."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
+from fpm.kernels.events import note_crossing
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import any_negative, load, where_negative
+from fpm.kernels.world import Log
+
+STIFFNESS = 0
+
+TOUCH = 1e-9
+"""Overlap (rad) from which faces count as shut: what the hinges leave open is below it, so a
+linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it within 1 ns.
+"""
+
+
+class Contacts(NamedTuple):
+    """on (c,) hinges; contact (c, 1, lanes): stiffness (N m/rad); rows (c, 1, lanes)."""
+
+    on: np.ndarray
+    contact: np.ndarray
+    openings: Openings
+    rows: np.ndarray
+    log: Log
+
+
+@hook(Contacts)
+def forces(part, world, now):
+    """Moments that open the hinges whose faces overlap."""
+    for i in range(part.on.shape[0]):
+        h = part.on[i]
+        psi = load(part.openings.angles, h, NOW)
+        overlap = where_negative(psi, -psi, 0.0 * psi)
+        turn(part.openings, world.state, h, load(part.contact, i, STIFFNESS) * overlap)
+
+
+@hook(Contacts)
+def note_events(part, world, now):
+    """Note the contacts that shut or opened since the last step."""
+    angles = part.openings.angles
+    for c in range(part.on.shape[0]):
+        h = part.on[c]
+        after = where_negative(load(angles, h, NOW) + TOUCH, -1.0, 1.0)
+        before = where_negative(load(angles, h, BEFORE) + TOUCH, -1.0, 1.0)
+        if any_negative(after * before):
+            for s in range(angles.shape[2]):
+                last, this = angles[h, BEFORE, s] + TOUCH, angles[h, NOW, s] + TOUCH
+                note_crossing(part.log, s, c, last, this, now)
+
+
+@hook(Contacts)
+def energy_of(part, world, i):
+    """Energy of contact i (J)."""
+    psi = load(part.openings.angles, part.on[i], NOW)
+    overlap = where_negative(psi, psi, 0.0 * psi)
+    return 0.5 * load(part.contact, i, STIFFNESS) * overlap * overlap

@@ -1,0 +1,33 @@
+"""Moments of viscous dampers, and what they lose."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.openings.losses_kernels import follow_rate, lose
+from fpm.elements.openings.opening_kernels import Openings, turn
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import load
+
+DAMPING = 0
+
+
+class Dampers(NamedTuple):
+    """on (d,) hinges; damper (d, 1, lanes): N m s/rad; past (d, PAST, lanes); number of account."""
+
+    on: np.ndarray
+    damper: np.ndarray
+    openings: Openings
+    past: np.ndarray
+    account: int
+
+
+@hook(Dampers)
+def forces(part, world, now):
+    """Moments against the rates of the openings."""
+    for i in range(part.on.shape[0]):
+        h = part.on[i]
+        rate = follow_rate(part.openings, part.past, i, h, now)
+        moment = -1.0 * load(part.damper, i, DAMPING) * rate
+        turn(part.openings, world.state, h, moment)
+        lose(world, part.account, part.openings, part.past, i, h, moment)

@@ -1,0 +1,74 @@
+"""Moments, energies and losses of friction (theory: friction.py)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.openings.losses_kernels import LOSING, edge, follow_rate, lose
+from fpm.elements.openings.opening_kernels import NOW, Openings, turn
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import absolute, load, store, where_negative
+
+STIFFNESS, BEND, DAMPING = 0, 1, 2
+BRISTLE = 3
+
+FOOT = 0  # opening at which the bristle is straight
+BENT = 1  # by how much it is bent
+STATE = 2
+
+
+class Frictions(NamedTuple):
+    """on (f,) hinges; the others (f, BRISTLE, PAST or STATE, lanes)."""
+
+    on: np.ndarray
+    bristle: np.ndarray
+    openings: Openings
+    past: np.ndarray
+    state: np.ndarray
+    account: int
+    rows: np.ndarray
+
+
+@hook(Frictions)
+def forces(part, world, now):
+    """Moments of the bristles; those that would bear too much slip.
+
+    On the way into slipping the forces of both steps do not do the work of the way between; `edge`
+    mends that as for a spring that begins where the bristle yields.
+    """
+    for i in range(part.on.shape[0]):
+        h, last = part.on[i], load(part.state, i, BENT)
+        stiffness, most = load(part.bristle, i, STIFFNESS), load(part.bristle, i, BEND)
+        psi, foot = load(part.openings.angles, h, NOW), load(part.state, i, FOOT)
+        rate = follow_rate(part.openings, part.past, i, h, now)
+        trial = psi - foot
+        sign = where_negative(trial, -1.0, 0.0 * trial + 1.0)
+        slips = most - absolute(trial)  # < 0 where it does
+        bent = where_negative(slips, sign * most, trial)
+        moved = where_negative(slips, psi - bent, foot)
+        extra = -1.0 * stiffness * edge(-slips, sign * last - most)
+        spring = -1.0 * (stiffness * bent + sign * extra)
+        # The damper acts while it sticks, and takes the moment to M at most.
+        damper = -1.0 * load(part.bristle, i, DAMPING) * rate
+        room = stiffness * most
+        up, down = room - spring, -1.0 * room - spring
+        damper = where_negative(up - damper, up, damper)
+        damper = where_negative(damper - down, down, damper)
+        # Where the damper helped to bear M in the step before, less is missing.
+        helped = -0.5 * sign * load(part.past, i, LOSING)
+        helped = where_negative(helped, 0.0, helped)
+        helped = where_negative(extra - helped, extra, helped)
+        damper = where_negative(slips, sign * helped, damper)
+        turn(part.openings, world.state, h, spring + damper)
+        lose(world, part.account, part.openings, part.past, i, h, damper)
+        lost = room * absolute(moved - foot)
+        store(world.accounts, 0, part.account, load(world.accounts, 0, part.account) + lost)
+        store(part.state, i, FOOT, moved)
+        store(part.state, i, BENT, bent)
+
+
+@hook(Frictions)
+def energy_of(part, world, i):
+    """Energy of bristle i (J)."""
+    bent = load(part.state, i, BENT)
+    return 0.5 * load(part.bristle, i, STIFFNESS) * bent * bent

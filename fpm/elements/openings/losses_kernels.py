@@ -1,0 +1,81 @@
+"""What elements that lose energy on openings share: rates, losses, and edges that are crossed."""
+
+from fpm.elements.openings.opening_kernels import BEFORE, NOW
+from fpm.kernels.lanes import absolute, load, store, where_negative
+from fpm.kernels.vectors import kernel
+
+# Kept for each element from one step to the next.
+RATE = 0  # of the opening, in the middle of the last step (rad/s); at first that at the start
+LOSING = 1  # the moment that loses energy at the last positions (N m)
+PAST = 2
+
+
+@kernel
+def half_rate(openings, h, now):
+    """Rate (rad/s) of opening h in the middle of the step up to now."""
+    angles = openings.angles
+    return (load(angles, h, NOW) - load(angles, h, BEFORE)) * (1.0 / now.step)
+
+
+@kernel
+def follow_rate(openings, past, i, h, now):
+    """Rate (rad/s) of opening h now, to the second order in the step, from the last two steps.
+
+    The middles of the steps lie half a step and one and a half behind (Adams and Bashforth).
+    """
+    last = load(past, i, RATE)
+    rate = last
+    if now.time > 0.0:
+        half = half_rate(openings, h, now)
+        rate = 1.5 * half - 0.5 * last
+        store(past, i, RATE, half)
+    return rate
+
+
+@kernel
+def lose(world, account, openings, past, i, h, moment):
+    """Count what a moment on the second particle of hinge h loses in the step up to now.
+
+    The trapezium rule is what leapfrog does: kinetic energy of the half steps before and after
+    (record.py) changes by just that, so that no order of the step is left in the balance.
+    """
+    angles = openings.angles
+    turned = load(angles, h, NOW) - load(angles, h, BEFORE)
+    lost = -0.5 * (moment + load(past, i, LOSING)) * turned
+    store(past, i, LOSING, moment)
+    store(world.accounts, 0, account, load(world.accounts, 0, account) + lost)
+
+
+@kernel
+def edge(after, before):
+    """What a spring that begins at zero must have on top of `after` where zero was crossed.
+
+    On the way from -b to s it does k s²/2, but the forces k s and 0 at its ends do k s (s + b)/2.
+    Half of the difference is taken off at the later step, and again by the step that follows.
+    """
+    both = after * before
+    return where_negative(both, 0.5 * both / absolute(after - before), 0.0)
+
+
+@kernel
+def onset(after, before):
+    """Share of a kick for a force that begins, whole, where zero was crossed from below.
+
+    A kick is for half a step on either side; this one is for half a step and s/(s + b) of one.
+    """
+    both = after * before
+    return where_negative(both, 0.5 + absolute(after) / absolute(after - before), 1.0)
+
+
+@kernel
+def press(after, before, rate, stiffness, damping):
+    """Force (>= 0) of a one-sided spring and of its damper, where the overlap is above zero.
+
+    after, before: the overlap now and a step ago; rate: its growth. The damper never pulls: it
+    takes off at most what the spring has.
+    """
+    spring = stiffness * where_negative(after, 0.0, after)
+    damper = damping * rate * onset(after, before)
+    damper = where_negative(damper + spring, -spring, damper)
+    damper = where_negative(-after, damper, 0.0)
+    return spring + stiffness * edge(after, before), damper

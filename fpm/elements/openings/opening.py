@@ -1,0 +1,328 @@
+"""Openings of hinges: the angles, and ways of slides, that springs, stops and their like act on.
+
+An opening is the angle about a hinge's axis between a reference direction of either particle. It
+grows when the second turns by the right-hand rule about the axis against the first, and it counts
+full turns: of all angles that differ by them it is the one closest to the last. Universal joints
+have two such angles (hinge.py). The opening of a slide is a length: the way of a point of
+the second particle from one of the first, along the axis. What acts on hinges acts on it likewise,
+with forces for moments, m for rad: SLIDING has the units.
+"""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import ClassVar
+
+import numpy as np
+
+from fpm.cross import cross
+from fpm.elements.kind import Deformations, Energy, Kind, Recorded
+from fpm.elements.particles.probe import Probe
+from fpm.errors import SceneError
+
+JOINT_LOSS = Energy("joint_loss", "joint_loss", "energy lost on joints: friction, dampers, impacts")
+"""The account of all kinds that lose energy on openings."""
+
+ONSET = 1.5
+"""Largest share of a kick with which a damper begins (losses_kernels.onset): counted in the stable
+step, so that an impact is not thrown back by its damper alone.
+"""
+
+
+PARTS = (
+    "spring", "contact", "damper", "friction", "stop", "latch", "motor", "release", "loop", "other",
+)  # fmt: skip
+"""Parts of the moment on an opening, by the kinds that act on it (Kind.acts_as)."""
+
+SLIDING = {
+    "rad": "m", "rad/s": "m/s", "rad s-1": "m s-1", "N m": "N", "N m s": "N s",
+    "N m/rad": "N/m", "N m s/rad": "N s/m",
+}  # fmt: skip
+"""Units of what acts on hinges, and those of the same on slides."""
+
+TURNING = ("revolute", "universal", "cross")
+"""Types of hinges whose opening is an angle."""
+
+
+@dataclass(frozen=True)
+class Opening(Kind):
+    """The opening of a hinge; nothing states it, every hinge of a scene has one, with its index."""
+
+    @classmethod
+    def of(cls, scene):
+        return scene.hinges
+
+    @classmethod
+    def topology_of(cls, scene):
+        """Names and particles of all hinges, as openings go by their index."""
+        return tuple((hinge.name, hinge.particles) for hinge in scene.hinges)
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.openings import opening_kernels as at
+
+        hinges = batch.one.hinges
+        rows = batch.instants + 1
+        openings = at.Openings(
+            ends=batch.integers(p for hinge in hinges for p in hinge.particles),
+            sides=batch.stack(2 * len(hinges), at.SIDE, _sides),
+            axes=batch.blank(len(hinges), 3),
+            angles=batch.table(cls, 2, lambda hinge: [hinge.opening] * 2),
+            followed=batch.is_read(cls),
+            track=batch.blank(rows * len(hinges), 1),
+        )
+        slides = [hinge.slides for hinge in hinges]
+        more = (batch.integers(slides),) if any(slides) else ()
+        if not Probe.asked(batch.one).moments:
+            return at.SlidingOpenings(*openings, *more) if more else openings
+        count = len(hinges) * len(PARTS)
+        told = (
+            PARTS.index("other"),
+            len(PARTS),
+            batch.blank(count, at.TOLD),
+            batch.blank(rows * count, 2),
+        )
+        kind = at.ToldSlidingOpenings if more else at.ToldOpenings
+        return kind(*openings, *told, *more)
+
+    @classmethod
+    def seen_by(cls, kind: type[Kind], batch):
+        """The arrays of all openings as a kind that acts on them gets them."""
+        openings = batch.part(cls)
+        if Probe.asked(batch.one).moments and kind.acts_as:
+            return openings._replace(which=PARTS.index(kind.acts_as))
+        return openings
+
+    @classmethod
+    def recorded(cls, part, scene, lane):
+        """The openings."""
+        values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
+        found = Recorded(values, "rad", "opening of the hinges", "hinge", ())
+        return by_unit({"opening": found}, scene.hinges, [h.name for h in scene.hinges])
+
+
+class OnHinge(Kind):
+    """What the kinds that act on the opening of one hinge, of index `hinge`, have in common."""
+
+    called: ClassVar[str]  # in messages, before the hinge's name
+    reads = (Opening,)
+
+    def topology(self):
+        """The hinge."""
+        return self.hinge
+
+    @classmethod
+    def names(cls, scene):
+        return [f"{cls.called} {scene.hinges[e.hinge].name}" for e in cls.of(scene)]
+
+    def stiffness_in(self, scene) -> float | None:
+        """Stiffness (N m/rad) that counts in the stable step; None: the kind has no springs."""
+        return getattr(self, "stiffness", None)
+
+    def damping_in(self, scene) -> float | None:
+        """Damping (N m s/rad) that counts in the stable step; None: the kind has no dampers."""
+        return getattr(self, "damping", None)
+
+    @classmethod
+    def deformations(cls, scene):
+        """The openings of their hinges, as if all acted."""
+        return cls._turns(scene, [e.stiffness_in(scene) for e in cls.of(scene)])
+
+    @classmethod
+    def dampings(cls, scene):
+        """The same for their dampers."""
+        return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
+
+    @classmethod
+    def _turns(cls, scene, values: list) -> Deformations | None:
+        on = [e.hinge for e in cls.of(scene)]
+        return None if None in values else relative_turn(scene, on, values)
+
+
+def by_unit(found: dict[str, Recorded], hinges, labels) -> dict[str, Recorded]:
+    """What was recorded of elements on hinges, one a column, with labels: what is on slides has
+    variables and a dimension of its own, whose names begin with `slide`.
+    """
+    out = {}
+    slides = np.array([hinge.slides for hinge in hinges], bool)
+    for which, before in ((~slides, ""), (slides, "slide_")):
+        names = tuple(label for label, own in zip(labels, which, strict=True) if own)
+        for name, (values, unit, text, dimension, _) in found.items() if names else ():
+            if before:
+                unit = SLIDING[unit]
+                dimension = "slide" if dimension == "hinge" else before + dimension
+                text = text.replace("hinges", "slides").replace("moment", "force")
+                text = text.replace("angular impulse", "impulse")
+                name = before + name.replace("moment", "force")
+            out[name] = Recorded(values[:, which], unit, text, dimension, names)
+    return out
+
+
+def unit_of(scene, hinge: int, unit: str) -> str:
+    """The unit of something on a hinge of that index, or on a slide."""
+    return SLIDING[unit] if scene.hinges[hinge].slides else unit
+
+
+def _sides(scene) -> np.ndarray:
+    """Axis, reference and their product (2h, 9) of either side of every hinge."""
+    axes = np.concatenate([hinge.axes for hinge in scene.hinges])
+    ends = np.concatenate([hinge.ends for hinge in scene.hinges])
+    return np.hstack([axes, ends, cross(axes, ends)])
+
+
+def relative_turn(scene, on, stiffness) -> Deformations:
+    """The deformations of elements that are strained by the openings `on` (indices)."""
+    dofs, values, factors, element = [], [], [], []
+    for number, h in enumerate(on):
+        hinge = scene.hinges[h]
+        own = np.concatenate([6 * p + np.arange(6) for p in hinge.particles])
+        for row, factor in _strains(scene, hinge):
+            dofs.append(own)
+            values.append(row)
+            factors.append(factor * stiffness[number])
+            element.append(number)
+    shape = (-1, 12)
+    rows = np.array(dofs, int).reshape(shape), np.array(values, float).reshape(shape)
+    return Deformations(*rows, np.array(factors, float), np.array(element, int))
+
+
+def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
+    """Derivatives (12,) of an opening by the motions of both particles, the turns in their own
+    axes, with factors on the stiffness.
+
+    The particles of a slide turn together, so that what their turn does to the opening may be taken
+    as that of either, or of both in any shares: those that bound the frequency best.
+
+    In the second particle the axis of a universal joint's angle lies in a plane, anywhere in the
+    course of a motion; so does a spring's stiffest direction. By Cauchy and Schwarz springs from
+    both sides to the ground, on the second about all axes of the plane, bound it then.
+    """
+    one, two = hinge.axes
+    zero = np.zeros(3)
+    if hinge.type == "revolute":
+        return [(np.concatenate([zero, -one, zero, two]), 1.0)]
+    first, second = (~scene.fixed[p, 3:] / scene.inertia[p] for p in hinge.particles)
+    if hinge.slides:
+        p, q = hinge.particles
+        turn = np.cross(scene.position[p] - scene.position[q], scene.frame[p] @ one)
+        turns = [scene.frame[particle].T @ turn for particle in (p, q)]
+        soft, other = turns[0] ** 2 @ first, turns[1] ** 2 @ second
+        share = other / (soft + other) if soft + other > 0 else 0.0
+        frame = scene.frame if scene.unstrained is None else scene.unstrained
+        one, two = frame[p] @ one, frame[q] @ two
+        return [(np.concatenate([-one, share * turns[0], two, (1 - share) * turns[1]]), 1.0)]
+    plane = np.linalg.svd(hinge.references[1][None])[2][1:]  # normal to the axis on the second
+    soft = one**2 @ first
+    softest = float(np.linalg.eigvalsh(plane * second @ plane.T)[-1])
+    rows = [(np.concatenate([zero, -one, zero, zero]), soft)]
+    rows += [(np.concatenate([zero, zero, zero, axis]), softest) for axis in plane]
+    return [(row, (soft + softest) / own) for row, own in rows if own > 0]
+
+
+def check_stiffness(scene, what: str, hinge: int, stiffness: float, unit="N m/rad") -> None:
+    """SceneError unless `what` of a stiffness in a unit can act on a hinge of that index."""
+    check_hinge(scene, what, hinge)
+    if not (np.isfinite(stiffness) and stiffness >= 0):
+        unit = unit_of(scene, hinge, unit) if unit in SLIDING else unit
+        raise SceneError(f"{what} stiffness", stiffness, f"a finite number >= 0 ({unit})")
+
+
+def check_hinge(scene, what: str, hinge: int, types: tuple[str, ...] = ()) -> None:
+    """SceneError unless there is a hinge of that index, and of one of some types, for `what`."""
+    count = len(scene.hinges)
+    if not 0 <= hinge < count:
+        raise SceneError(f"hinge of {what}", hinge, f"0 to {count - 1}")
+    if types and scene.hinges[hinge].type not in types:
+        found = f"{scene.hinges[hinge].name} ({scene.hinges[hinge].type})"
+        raise SceneError(f"hinge of {what}", found, f"one that is {' or '.join(types)}")
+
+
+def softness(scene, hinge: int) -> float:
+    """Inverse inertia (1/kg m²) against which a moment about a hinge of that index turns it; of a
+    slide the inverse mass (1/kg).
+    """
+    found = scene.hinges[hinge]
+    if found.slides:
+        rows = relative_turn(scene, [hinge], [1.0])
+        mass = np.tile(scene.mass, (3, 1)).T
+        inverse = ~scene.fixed / np.column_stack([mass, scene.inertia])
+        return float(rows.values[0] ** 2 @ inverse.ravel()[rows.dofs[0]])
+    free = [~scene.fixed[p, 3:] / scene.inertia[p] for p in found.particles]
+    return float(sum(axis**2 @ inverse for axis, inverse in zip(found.axes, free, strict=True)))
+
+
+def moving_at_start(scene) -> SimpleNamespace:
+    """Velocities and spins (n, 3) of all particles at the start, also of driven and held ones; and
+    their positions and frames.
+    """
+    spin = np.where(scene.fixed[:, 3:], 0.0, scene.spin)
+    motion = SimpleNamespace(velocity=np.where(scene.fixed[:, :3], 0.0, scene.velocity), spin=spin)
+    motion.position, motion.frame = scene.position.copy(), scene.frame.copy()
+    for kind in scene.kinds:
+        kind.prescribe(scene, 0.0, motion)
+    return motion
+
+
+def turning_at_start(scene, on) -> list[float]:
+    """Rates (rad/s, m/s) of the openings `on` (indices) at the start, also of driven particles."""
+    motion = moving_at_start(scene)
+    return [_rate_at(scene, scene.hinges[h], motion) for h in on]
+
+
+def _rate_at(scene, hinge, motion) -> float:
+    """Rate of an opening with the velocities and spins of a motion."""
+    one, two = hinge.particles
+    axis = scene.frame[one] @ hinge.axes[0]
+    if not hinge.slides:
+        return float(axis @ (motion.spin[two] - motion.spin[one]))
+    point = scene.position[two] + scene.frame[two] @ hinge.beams[1].arm
+    velocities = [
+        motion.velocity[p] + np.cross(motion.spin[p], point - scene.position[p]) for p in (one, two)
+    ]
+    return float(axis @ (velocities[1] - velocities[0]))
+
+
+def pack_past(batch, kind) -> np.ndarray:
+    """What is kept of the motion for losses (losses_kernels.py) of a kind's elements."""
+    from fpm.elements.openings.losses_kernels import PAST
+
+    count = len(kind.of(batch.one))
+
+    def past(scene):
+        rates = turning_at_start(scene, [element.hinge for element in kind.of(scene)])
+        return np.column_stack([rates, np.zeros((count, PAST - 1))])
+
+    return batch.stack(count, PAST, past)
+
+
+def check_numbers(what: str, scene=None, hinge: int = 0, **limits) -> None:
+    """SceneError unless each number, by key=(value, least, unit), is finite and >= least.
+
+    scene, hinge: of something on that hinge, whose units are others if it is a slide.
+    """
+    for key, (value, least, unit) in limits.items():
+        if not (np.isfinite(value) and value >= least):
+            allowed = f"a finite number >= {least:g}" if least > -np.inf else "a finite number"
+            unit = unit if scene is None else unit_of(scene, hinge, unit)
+            raise SceneError(f"{key.replace('_', ' ')} of {what}", value, f"{allowed} ({unit})")
+
+
+def opening_at(scene, hinge) -> float:
+    """The opening (rad, of slides m) of a hinge of a scene as it stands."""
+    axis, *ends = (
+        scene.frame[p] @ own[k]
+        for p, own, k in (
+            (hinge.particles[0], hinge.axes, 0),
+            (hinge.particles[0], hinge.ends, 0),
+            (hinge.particles[1], hinge.ends, 1),
+        )
+    )
+    if hinge.slides:
+        one, two = (scene.position[p] + e for p, e in zip(hinge.particles, ends, strict=True))
+        return float(axis @ (two - one))
+    return opening_angle(axis, *ends, near=hinge.opening)
+
+
+def opening_angle(axis, first, second, near: float) -> float:
+    """Angle (rad) from `first` to `second` about `axis`, on the turn closest to `near`."""
+    angle = np.arctan2(np.dot(axis, cross(first, second)), np.dot(first, second))
+    return float(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))

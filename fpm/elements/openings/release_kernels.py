@@ -1,0 +1,118 @@
+"""Moments, energies and events of releases (theory: release.py).
+
+A kick at time t stands for the moment from half a step before t to half a step after. A release
+within the step before t leaves a share between -1/2 and 1/2 of the moment to the kick at t: what
+the kick before had too much is taken back. The motion then depends smoothly on the time of release.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.openings.losses_kernels import follow_rate
+from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
+from fpm.kernels.events import note
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import any_negative, load, store, where_negative
+from fpm.kernels.vectors import kernel, larger
+from fpm.kernels.world import Log
+
+# Constants of a release.
+STIFFNESS, DAMPING, HOLD, TIME, LEVEL = 0, 1, 2, 3, 4
+RELEASE = 5
+
+# Of a release, at the last forces and a step before.
+HELD, HELD_BEFORE = 0, 1  # -1 while it holds, then 1
+AGO = 2  # when it let go, in steps before the forces at which it did
+MOMENT, MOMENT_BEFORE = 3, 4
+ENERGY, ENERGY_BEFORE = 5, 6
+STATE = 7
+
+
+class Releases(NamedTuple):
+    """on, watch (r,) hinges; releases (r, RELEASE, lanes); past (r, PAST, lanes); now (r, STATE,
+    lanes); account: number of that of the loss; rows (r, 1, lanes).
+    """
+
+    on: np.ndarray
+    watch: np.ndarray
+    releases: np.ndarray
+    past: np.ndarray
+    now: np.ndarray
+    openings: Openings
+    account: int
+    rows: np.ndarray
+    log: Log
+
+
+@kernel
+def let_go(part, now, i):
+    """How many steps ago release i was due to let go; below zero: not yet."""
+    late = now.time - load(part.releases, i, TIME)
+    ago = where_negative(late, -1.0, late / now.step)
+    if part.watch[i] >= 0:
+        level, angles = load(part.releases, i, LEVEL), part.openings.angles
+        after = load(angles, part.watch[i], NOW) - level
+        before = load(angles, part.watch[i], BEFORE) - level
+        sides = where_negative(after, -1.0, 1.0) * where_negative(before, -1.0, 1.0)
+        ago = larger(ago, where_negative(sides, after / (after - before), -1.0))
+    return ago
+
+
+@hook(Releases)
+def forces(part, world, now):
+    """Moments of those that hold; of those that let go in this step, what is left of it."""
+    for i in range(part.on.shape[0]):
+        for k in (HELD, MOMENT, ENERGY):
+            store(part.now, i, k + 1, load(part.now, i, k))
+        h = part.on[i]
+        psi = load(part.openings.angles, h, NOW)
+        ago, held = let_go(part, now, i), load(part.now, i, HELD)
+        if now.time == 0.0:
+            ago, held = 0.0 * psi - 1.0, 0.0 * psi - 1.0
+        off = load(part.releases, i, HOLD) - psi
+        way = psi - load(part.openings.angles, h, BEFORE)
+        then = off + where_negative(ago, 0.0, ago) * way  # when it let go, or now
+        speed = follow_rate(part.openings, part.past, i, h, now)
+        moment = load(part.releases, i, STIFFNESS) * then - load(part.releases, i, DAMPING) * speed
+        moment = moment * where_negative(ago, 1.0, 0.5 - ago)
+        moment = where_negative(held, moment, 0.0)
+        held = where_negative(held, where_negative(ago, -1.0, 1.0), 1.0)
+        energy = 0.5 * load(part.releases, i, STIFFNESS) * off * off
+        store(part.now, i, HELD, held)
+        store(part.now, i, AGO, ago)
+        store(part.now, i, MOMENT, moment)
+        store(part.now, i, ENERGY, where_negative(held, energy, 0.0))
+        turn(part.openings, world.state, h, moment)
+
+
+@hook(Releases)
+def note_events(part, world, now):
+    """Note those that let go in this step."""
+    for i in range(part.on.shape[0]):
+        if any_negative(load(part.now, i, HELD) * load(part.now, i, HELD_BEFORE)):
+            for s in range(part.now.shape[2]):
+                if part.now[i, HELD, s] * part.now[i, HELD_BEFORE, s] < 0.0:
+                    time = now.time - now.step * part.now[i, AGO, s]
+                    note(part.log, s, time, i, 0.0)
+
+
+@hook(Releases)
+def work_before(part, world, now):
+    """What the dampers lost in the step up to now, and those that let go.
+
+    That is what is no longer stored and was not done as work on the hinge either.
+    """
+    taken = load(world.accounts, 0, part.account)
+    for i in range(part.on.shape[0]):
+        moment = load(part.now, i, MOMENT) + load(part.now, i, MOMENT_BEFORE)
+        angles, h = part.openings.angles, part.on[i]
+        work = 0.5 * (load(angles, h, NOW) - load(angles, h, BEFORE)) * moment
+        taken = taken + (load(part.now, i, ENERGY_BEFORE) - load(part.now, i, ENERGY) - work)
+    store(world.accounts, 0, part.account, taken)
+
+
+@hook(Releases)
+def energy_of(part, world, i):
+    """Energy of the spring of release i (J)."""
+    return load(part.now, i, ENERGY)

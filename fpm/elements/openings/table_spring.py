@@ -1,0 +1,85 @@
+"""Torsion springs by a table: the moment over the opening, straight between the points given.
+
+What tape springs need: a moment that rises to a peak, falls, and stays on a plateau. The moment
+turns the hinge open where it is positive, on the second particle as all openings count; beyond the
+ends of the table it keeps its last value. The energy is the exact integral, zero where it is least
+within the table. One curve for both ways: the hysteresis of a snapping tape is not in it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.elements.kind import Energy
+from fpm.elements.openings.opening import OnHinge, Opening, check_hinge
+from fpm.errors import SceneError
+
+
+@dataclass(frozen=True)
+class TableSpring(OnHinge):
+    """hinge index; increasing angles (rad) and the moments (N m) there, two or more."""
+
+    hinge: int
+    angles: tuple[float, ...]
+    moments: tuple[float, ...]
+
+    stores = Energy("table_spring", "table_spring_energy", "energy of the springs by tables")
+    acts_as = "spring"
+    called = "spring"
+
+    def check(self, scene):
+        """The hinge and the table."""
+        check_hinge(scene, "spring by a table", self.hinge)
+        both = len(self.angles) == len(self.moments) >= 2
+        if not (both and np.isfinite([self.angles, self.moments]).all()):
+            found = (len(self.angles), len(self.moments))
+            allowed = "as many moments as angles, two or more, all finite"
+            raise SceneError("angles, moments of spring by a table", found, allowed)
+        if not np.all(np.diff(self.angles) > 0):
+            raise SceneError("angles of spring by a table", list(self.angles), "increasing angles")
+
+    def topology(self):
+        """The hinge and the number of points."""
+        return self.hinge, len(self.angles)
+
+    @property
+    def slopes(self) -> np.ndarray:
+        """Slopes (N m/rad) of the moment between the points."""
+        return np.diff(self.moments) / np.diff(self.angles)
+
+    @property
+    def bends(self) -> np.ndarray:
+        """By how much the slope changes at each point."""
+        return np.diff(self.slopes, prepend=0.0, append=0.0)
+
+    @property
+    def lift(self) -> float:
+        """Energy (J) at the first point, so that the least one within the table is zero."""
+        angles, moments = np.array(self.angles), np.array(self.moments)
+        given = np.concatenate([[0.0], np.cumsum(np.diff(angles) * (moments[1:] + moments[:-1]))])
+        least = [-given / 2]
+        crossed = np.flatnonzero(moments[1:] * moments[:-1] < 0)
+        to_zero = -moments[crossed] / self.slopes[crossed]
+        least.append(-given[crossed] / 2 - moments[crossed] * to_zero / 2)
+        return -float(np.concatenate(least).min())
+
+    def stiffness_in(self, scene):
+        """The steepest fall of the moment."""
+        return max(0.0, -float(self.slopes.min()))
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.openings.table_spring_kernels import TableSprings
+
+        springs = cls.of(batch.one)
+        ends = np.cumsum([0, *(len(s.angles) for s in springs)])
+        return TableSprings(
+            on=batch.integers(s.hinge for s in springs),
+            start=batch.integers(ends),
+            points=batch.stack(ends[-1], 2, lambda scene: np.concatenate(
+                [np.column_stack([s.angles, s.bends]) for s in cls.of(scene)]
+            )),
+            spring=batch.table(cls, 2, lambda s: [s.moments[0], s.lift]),
+            openings=Opening.seen_by(cls, batch),
+            rows=batch.rows_of(cls),
+        )  # fmt: skip

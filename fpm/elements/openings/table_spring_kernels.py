@@ -1,0 +1,53 @@
+"""Moments and energies of springs by tables: a sum of ramps, one from each point of a table."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.openings.losses_kernels import edge
+from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import load, where_negative
+
+ANGLE, BEND = 0, 1  # of a point: where, and by how much the slope of the moment changes there
+
+FIRST, LIFT = 0, 1  # of a spring: moment up to the first point, and energy there
+
+
+class TableSprings(NamedTuple):
+    """on (s,) hinges, spring (s, 2, lanes); points (p, 2, lanes), `start` (s + 1,)."""
+
+    on: np.ndarray
+    start: np.ndarray
+    points: np.ndarray
+    spring: np.ndarray
+    openings: Openings
+    rows: np.ndarray
+
+
+@hook(TableSprings)
+def forces(part, world, now):
+    """Moments; where a point of the table is passed, the work of the way is mended by `edge`."""
+    angles = part.openings.angles
+    for i in range(part.on.shape[0]):
+        h = part.on[i]
+        moment = load(part.spring, i, FIRST)
+        for j in range(part.start[i], part.start[i + 1]):
+            after = load(angles, h, NOW) - load(part.points, j, ANGLE)
+            before = load(angles, h, BEFORE) - load(part.points, j, ANGLE)
+            ramp = where_negative(after, 0.0, after) + edge(after, before)
+            moment = moment + load(part.points, j, BEND) * ramp
+        turn(part.openings, world.state, h, moment)
+
+
+@hook(TableSprings)
+def energy_of(part, world, i):
+    """Energy of spring i (J): less what the moment has given since the first point."""
+    psi = load(part.openings.angles, part.on[i], NOW)
+    first = psi - load(part.points, part.start[i], ANGLE)
+    energy = load(part.spring, i, LIFT) - load(part.spring, i, FIRST) * first
+    for j in range(part.start[i], part.start[i + 1]):
+        after = psi - load(part.points, j, ANGLE)
+        ramp = where_negative(after, 0.0, after)
+        energy = energy - 0.5 * load(part.points, j, BEND) * ramp * ramp
+    return energy

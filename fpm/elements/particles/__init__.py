@@ -1,0 +1,1 @@
+"""What acts on particles, gravity to supports, and the probe that keeps what responses need."""

@@ -1,0 +1,45 @@
+"""Mass-proportional damping: the force -rate * mass * velocity, and its like for rotation."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.elements.kind import Energy, Kind
+from fpm.errors import SceneError
+
+
+@dataclass(frozen=True)
+class Damping(Kind):
+    """rate (1/s); several add up. What is held or driven entirely is not damped."""
+
+    rate: float
+
+    takes = Energy("damping_work", "damping_work", "energy taken out by damping")
+    moves_free = True
+
+    def check(self, scene):
+        """The rate must be finite and not negative."""
+        if not (np.isfinite(self.rate) and self.rate >= 0):
+            raise SceneError("damping", self.rate, "a finite number >= 0 (1/s)")
+
+    @classmethod
+    def of(cls, scene):
+        """None where the rates add up to nothing."""
+        return scene.kinds.get(cls, []) if scene.damping > 0 else []
+
+    @classmethod
+    def topology_of(cls, scene):
+        """A scene may be undamped beside others that are."""
+        return None
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.particles.damping_kernels import Damped
+
+        held = set(np.flatnonzero(batch.one.fixed.all(axis=1)))
+        return Damped(
+            batch.stack(1, 1, lambda s: [[s.damping]]),
+            batch.integers(batch.free),
+            batch.integers(sorted(batch.moved - held)),
+            batch.taken_by(cls),
+        )

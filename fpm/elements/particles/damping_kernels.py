@@ -1,0 +1,89 @@
+"""Damping forces as a central difference, and the energy that they take out.
+
+(1 + c) v+ = (1 - c) v- + kick F/m with c = rate * kick / 2, and so momenta. Free particles are
+damped as they are kicked; of those that another kind kicks, momenta and forces are scaled before.
+The work over a step is the rate times the sum of every momentum times the way that it takes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import load, store
+from fpm.kernels.layout import IJ, KICK, MASS, F, M, P, V
+from fpm.kernels.rotation import frame
+from fpm.kernels.run import carry, turn
+from fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
+
+
+class Damped(NamedTuple):
+    """rate (1, 1, lanes) 1/s; free (f,): particles that no other kind moves; joined (j,): those
+    that another one does; account: the number of that of the energy it takes.
+    """
+
+    rate: np.ndarray
+    free: np.ndarray
+    joined: np.ndarray
+    account: int
+
+
+@kernel
+def factors(part, kick):
+    """Factors of the momenta before a kick, (1 - c)/(1 + c), and of the kick, 1/(1 + c)."""
+    force = 1.0 / (1.0 + 0.5 * kick * load(part.rate, 0, 0))
+    return 2.0 * force - 1.0, force
+
+
+@kernel
+def take(part, world, way):
+    """Count the work over momenta times their ways (J s)."""
+    taken = load(world.accounts, 0, part.account) + load(part.rate, 0, 0) * way
+    store(world.accounts, 0, part.account, taken)
+
+
+@hook(Damped)
+def restrain(part, world, now):
+    """Scale momenta and forces of the joined particles, whose plain kick does the rest."""
+    state = world.state
+    before, force = factors(part, now.kick)
+    for n in range(part.joined.shape[0]):
+        i = part.joined[n]
+        for k in (V, P):
+            put3(state, i, k, before * get3(state, i, k))
+        for k in (F, M):
+            put3(state, i, k, force * get3(state, i, k))
+
+
+@hook(Damped)
+def move(part, world, now):
+    """Kick, damp and move the free particles."""
+    state, particles = world.state, world.particles
+    before, force = factors(part, now.kick)
+    kick = now.kick * force
+    linear = 0.0 * kick
+    angular = vector(linear, linear, linear)
+    for n in range(part.free.shape[0]):
+        i = part.free[n]
+        # The kick first: of two products it is the one that is fused, as without damping.
+        v = force * load(particles, i, KICK) * get3(state, i, F) + before * get3(state, i, V)
+        carry(state, i, v, now.step)
+        linear = linear + load(particles, i, MASS) * dot(v, v)
+        p = kick * get3(state, i, M) + before * get3(state, i, P)
+        body, half = turn(state, particles, i, p)
+        angular = angular + times(body, half)
+    take(part, world, now.step * linear + 2.0 * (angular.x + angular.y + angular.z))
+
+
+@hook(Damped)
+def work_after(part, world, now):
+    """Work on the joined particles, once their joints have corrected the momenta."""
+    state, particles = world.state, world.particles
+    total = 0.0 * load(part.rate, 0, 0)
+    for n in range(part.joined.shape[0]):
+        i = part.joined[n]
+        v = get3(state, i, V)
+        total = total + load(particles, i, MASS) * dot(v, v)
+        local = to_local(frame(state, i), get3(state, i, P))
+        total = total + dot(local, times(get3(particles, i, IJ), local))
+    take(part, world, now.step * total)

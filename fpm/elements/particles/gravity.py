@@ -1,0 +1,39 @@
+"""Gravity: the weight of every particle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.elements.kind import Energy, Kind
+
+LOAD_WORK = Energy("load_work", "load_work", "work of loads, weight and drives")
+
+
+@dataclass(frozen=True)
+class Gravity(Kind):
+    """acceleration (3,) m/s²; several add up."""
+
+    acceleration: np.ndarray
+
+    gives = LOAD_WORK
+
+    @classmethod
+    def of(cls, scene):
+        """None where it all adds up to nothing."""
+        return scene.kinds.get(cls, []) if np.any(scene.gravity != 0) else []
+
+    @classmethod
+    def topology_of(cls, scene):
+        """A scene may lack weight beside others that have it."""
+        return None
+
+    @classmethod
+    def held_up(cls, scene):
+        """The weight of all."""
+        return float(scene.mass.sum() * np.linalg.norm(scene.gravity))
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.particles.gravity_kernels import Weight
+
+        return Weight(batch.stack(1, 3, lambda s: s.gravity[None]), batch.given_by(cls))

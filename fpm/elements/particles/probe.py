@@ -1,0 +1,43 @@
+"""What is recorded of a run only when it is asked (recording.py says for what).
+
+A scene without a probe has a time loop without it. With one, the loop keeps at every instant the
+frames of some particles; of some of them momenta, forces and how the momenta change in the step
+around the instant; the moments on openings, told apart by who acts; and the impulses of joints.
+"""
+
+from dataclasses import dataclass
+
+from fpm.elements.kind import Kind
+
+
+@dataclass(frozen=True)
+class Probe(Kind):
+    """What is kept: `frames` of particles, `forces` on particles (which are among the former), and
+    whether `moments` on openings and `impulses` of joints.
+    """
+
+    frames: tuple[int, ...] = ()
+    forces: tuple[int, ...] = ()
+    moments: bool = False
+    impulses: bool = False
+
+    @staticmethod
+    def asked(scene) -> "Probe":
+        """The probe of a scene; one that keeps nothing where there is none."""
+        return next(iter(Probe.of(scene)), Probe())
+
+    def topology(self):
+        """All of it."""
+        return self.frames, self.forces, self.moments, self.impulses
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.particles.probe_kernels import FORCES, FRAME, Probes
+
+        probe, rows = cls.asked(batch.one), batch.instants + 1
+        return Probes(
+            frames_of=batch.integers(probe.frames),
+            forces_of=batch.integers(probe.forces),
+            frames=batch.blank(rows * len(probe.frames), FRAME),
+            forces=batch.blank(rows * len(probe.forces), FORCES),
+        )

@@ -1,0 +1,59 @@
+"""Frames of particles, their momenta and forces, kept at instants (probe.py)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.kernels.hooks import hook
+from fpm.kernels.layout import D2, D3, F, M, P, V, X
+from fpm.kernels.vectors import get3, put3
+
+# Of a particle whose frame is kept.
+PLACE, SECOND, THIRD = 0, 3, 6  # position and directors (3 each)
+FRAME = 9
+
+# Of one whose forces are kept (3 each).
+VELOCITY, MOMENTUM = 0, 3  # means of the half steps before and after the instant
+ACCELERATION, CHANGE = 6, 9  # their changes over the step around it, of velocity and momentum
+FORCE, MOMENT = 12, 15  # at the instant, before those of supports, damping and joints
+FORCES = 18
+
+
+class Probes(NamedTuple):
+    """frames_of (p,), forces_of (q,) particles; recorded, row after row of instants + 1: frames
+    (rows p, FRAME, lanes) and forces (rows q, FORCES, lanes).
+    """
+
+    frames_of: np.ndarray
+    forces_of: np.ndarray
+    frames: np.ndarray
+    forces: np.ndarray
+
+
+@hook(Probes)
+def record(part, world, row):
+    """Forces and moments at the instant; what follows in the step uses them up."""
+    count = part.forces_of.shape[0]
+    for n in range(count):
+        i, at = part.forces_of[n], row * count + n
+        put3(part.forces, at, FORCE, get3(world.state, i, F))
+        put3(part.forces, at, MOMENT, get3(world.state, i, M))
+
+
+@hook(Probes)
+def record_step(part, world, row, now):
+    """Frames, and momenta on both sides of the instant."""
+    kept, state = world.kept, world.state
+    count = part.frames_of.shape[0]
+    for n in range(count):
+        i, at = part.frames_of[n], row * count + n
+        put3(part.frames, at, PLACE, get3(kept, i, X))
+        put3(part.frames, at, SECOND, get3(kept, i, D2))
+        put3(part.frames, at, THIRD, get3(kept, i, D3))
+    count = part.forces_of.shape[0]
+    for n in range(count):
+        i, at = part.forces_of[n], row * count + n
+        for k, mean, change in ((V, VELOCITY, ACCELERATION), (P, MOMENTUM, CHANGE)):
+            before, after = get3(kept, i, k), get3(state, i, k)
+            put3(part.forces, at, mean, 0.5 * (before + after))
+            put3(part.forces, at, change, (1.0 / now.step) * (after - before))

@@ -1,0 +1,51 @@
+"""Supports: particles held along and about global axes.
+
+Which axes are held is a property of the particles (`Scene.fixed`); what is held entirely has no
+inverse mass and costs nothing. Only particles held along some axes need a kernel.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.elements.kind import AXES, Kind
+from fpm.errors import SceneError
+
+
+@dataclass(frozen=True)
+class Support(Kind):
+    """Particles that are held along `translations` and about `rotations`, letters out of xyz."""
+
+    particles: Sequence[int]
+    translations: str = "xyz"
+    rotations: str = "xyz"
+
+    def add_to(self, scene):
+        """Hold the particles."""
+        if set(self.translations + self.rotations) - set(AXES):
+            found = (self.translations, self.rotations)
+            raise SceneError("fixed axes", found, "letters out of 'xyz'")
+        columns = [AXES.index(c) for c in self.translations]
+        columns += [3 + AXES.index(c) for c in self.rotations]
+        for particle in self.particles:
+            scene.fixed[particle, columns] = True
+
+    @classmethod
+    def of(cls, scene):
+        """The particles that are held along or about some axes, but not all three."""
+        held = scene.fixed.reshape(-1, 2, 3).sum(axis=2)
+        return np.flatnonzero(((held > 0) & (held < 3)).any(axis=1)).tolist()
+
+    @classmethod
+    def topology_of(cls, scene):
+        """The particles' own: all held axes are part of the scene's topology."""
+        return None
+
+    @classmethod
+    def pack(cls, batch):
+        from fpm.elements.particles.support_kernels import Held
+
+        partly = cls.of(batch.one)
+        free = batch.stack(len(partly), 6, lambda s: ~s.fixed[partly])
+        return Held(batch.integers(partly), free)

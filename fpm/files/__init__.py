@@ -1,0 +1,1 @@
+"""Runs as files: outcomes of samples, and trajectories as netCDF."""

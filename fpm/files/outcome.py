@@ -1,0 +1,131 @@
+"""What a run gives back: the curves of one sample, its events, and why it failed if it did."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from itertools import zip_longest
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from fpm.asked import VARIABLES, Column
+from fpm.elements import kinds_of
+from fpm.elements.kind import Energy, Eventful, Kind, Recorded
+from fpm.errors import InstabilityError
+from fpm.files.trajectory import LATCHES, to_dataset
+from fpm.scenes.scene import Scene
+from fpm.timestep import StableStep
+
+if TYPE_CHECKING:
+    import xarray
+
+KINETIC = Energy("kinetic", "kinetic_energy", "kinetic energy")
+BALANCE = Energy("balance", "energy_balance", "energy that came from nowhere since the start")
+
+
+class Motion(NamedTuple):
+    """Where all particles are and how they move, in the form in which a Scene keeps its start.
+
+    position (n, 3) m; frame (n, 3, 3) axes as columns; velocity (n, 3) m/s; spin (n, 3) rad/s.
+    """
+
+    position: np.ndarray
+    frame: np.ndarray
+    velocity: np.ndarray
+    spin: np.ndarray
+
+
+def eventful(scene: Scene, kinds: Iterable[type[Kind]] | None = None) -> tuple[Eventful, ...]:
+    """The elements of a scene that have events, or those of these kinds of it."""
+    kinds = kinds_of([scene]) if kinds is None else kinds
+
+    def joint(element: object) -> str:
+        on = getattr(element, "hinge", None)
+        return "" if on is None else scene.hinges[on].name
+
+    return tuple(
+        Eventful(name, kind.events, joint(element))
+        for kind in kinds
+        if kind.events
+        for name, element in zip_longest(kind.names(scene), kind.of(scene))
+        if name is not None  # a group of elements has more names than objects
+    )
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one sample did.
+
+    time (t,) s; points: name -> (position (t, 3) m, velocity (t, 3) m/s); energies: name -> (t,) J;
+    recorded: what else was recorded, by the names of the variables in a trajectory file; events
+    (e, 3): time (s), index into `eventful`, number of the event (a contact's: 1 if it closes);
+    events_dropped: how many more there were; largest: of everything that is watched (`bend`, the
+    largest sine of the angle between an element's chord and its ends, or of its twist; `strain` at
+    the surface of an element; ...); final: the motion of all particles at the end; failure: None or
+    the InstabilityError of this sample, whose curves and final motion mean nothing then.
+    """
+
+    scene: Scene
+    time: np.ndarray
+    points: dict[str, tuple[np.ndarray, np.ndarray]]
+    energies: dict[str, np.ndarray]
+    energy_kinds: tuple[Energy, ...]
+    recorded: dict[str, Recorded]
+    events: np.ndarray
+    eventful: tuple[Eventful, ...]
+    events_dropped: int
+    step: float
+    steps: int
+    limit: StableStep | None
+    failure: InstabilityError | None
+    largest: dict[str, float]
+    final: Motion = field(repr=False)
+
+    @property
+    def openings(self) -> dict[str, np.ndarray]:
+        """Openings (t,) in rad, or of slides in m, by the names of the hinges."""
+        return {**self._by_name("opening"), **self._by_name("slide_opening")}
+
+    @property
+    def tensions(self) -> dict[str, np.ndarray]:
+        """Tensions (t,) in N by the names of the cables."""
+        return self._by_name("cable_tension")
+
+    @property
+    def asked(self) -> dict[Column, np.ndarray]:
+        """What was recorded because it was asked (fpm.asked): values (t,) by column."""
+        return {
+            (name, label): values
+            for name in VARIABLES
+            for label, values in self._by_name(name).items()
+        }
+
+    @property
+    def latches(self) -> dict[Column, np.ndarray]:
+        """What was recorded of latches (t,), by variable and latch."""
+        return {(n, label): x for n in LATCHES for label, x in self._by_name(n).items()}
+
+    @property
+    def gap(self) -> np.ndarray:
+        """Largest gap (t,) in m of all hinges."""
+        return self._recorded_or_zero("hinge_gap")
+
+    @property
+    def axis_gap(self) -> np.ndarray:
+        """Largest angle (t,) in rad between the axes of a hinge."""
+        return self._recorded_or_zero("hinge_axis_gap")
+
+    def _by_name(self, name: str) -> dict[str, np.ndarray]:
+        if name not in self.recorded:
+            return {}
+        found = self.recorded[name]
+        return {label: found.values[:, i] for i, label in enumerate(found.labels)}
+
+    def _recorded_or_zero(self, name: str) -> np.ndarray:
+        return self.recorded[name].values if name in self.recorded else np.zeros(len(self.time))
+
+    def dataset(self, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
+        """The trajectory as an xarray Dataset; raises the failure if there is one.
+
+        responses: sequence of fpm.responses.Response; the others as in fpm.trajectory.contents.
+        """
+        return to_dataset(self, responses, attributes, parameters)

@@ -1,0 +1,375 @@
+"""Trajectory files: one netCDF file per run, complete or absent, and sealed (`fpm.sealed`).
+
+Written in the classic format, which is quick for files of this kind (`fpm.classic`); to be read by
+any netCDF library, and by `read_curves`. The format has no empty arrays: a run without events has
+no variables of events. Energies and what else the kinds in a scene record have the names that the
+kinds give them; all others are fixed.
+"""
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from fpm import sealed
+from fpm.asked import VARIABLES, Column
+from fpm.cross import columns
+from fpm.elements.kind import Eventful
+from fpm.elements.openings.latch import RECORDED
+from fpm.files import classic
+
+if TYPE_CHECKING:
+    import xarray
+
+CONVENTIONS = "CF-1.8"
+"""Those that files follow as far as they fit: simulated time begins at no date (docs/data.md)."""
+
+_PARAMETER = "parameter_"
+
+LATCHES = {
+    slide + name.replace("moment", load): slide + dimension
+    for slide, load in (("", "moment"), ("slide_", "force"))
+    for name, (_, _, dimension, _) in RECORDED.items()
+}
+"""Variables of latches, and their dimensions (kinds/latch.py)."""
+
+
+class Contents(NamedTuple):
+    """What a trajectory file holds: global attributes, and variables by name."""
+
+    attributes: dict[str, Any]
+    variables: dict[str, classic.Variable]
+
+
+class Curves(NamedTuple):
+    """What responses are functions of, as an `fpm.Outcome` has it: time (t,) s; points: name ->
+    (position (t, 3) m, velocity (t, 3) m/s); openings: hinge -> (t,) rad, slide -> (t,) m;
+    tensions: cable -> (t,) N; energies: kind -> (t,) J; latches: what was recorded of latches (t,),
+    by variable (LATCHES) and latch.
+
+    Also events (e, 3) of contacts: time (s), index among the contacts, 1 if it closes; contacts:
+    names of their hinges. happened: times (s) by element and event, of all that have events;
+    events_dropped: how many more there were; step: of the time loop (s). asked: values (t,) of the
+    columns that were asked for (fpm.asked).
+    """
+
+    time: np.ndarray
+    points: dict[str, tuple[np.ndarray, np.ndarray]]
+    openings: dict[str, np.ndarray]
+    tensions: dict[str, np.ndarray]
+    energies: dict[str, np.ndarray]
+    events: np.ndarray
+    contacts: list[str]
+    happened: dict[tuple[str, str], np.ndarray]
+    events_dropped: int
+    step: float
+    asked: Mapping[Column, np.ndarray] = MappingProxyType({})
+    latches: Mapping[Column, np.ndarray] = MappingProxyType({})
+
+
+def contents(outcome, responses=(), attributes=None, parameters=None) -> Contents:
+    """The trajectory of one outcome (fpm.Outcome) with its responses, CF-style names and units.
+
+    attributes: of the file; parameters: name -> (value, unit), each a scalar coordinate named
+    `parameter_<name>`. Raises the outcome's failure if there is one.
+    """
+    if outcome.failure is not None:
+        raise outcome.failure
+    variables = {
+        "time": _variable("time", outcome.time, "s", "time", standard_name="time", axis="T"),
+        **_points(outcome),
+        **_energies(outcome),
+        **_recorded(outcome),
+        **_events(outcome),
+        **_responses(outcome, responses),
+        **{
+            f"{_PARAMETER}{name}": _variable((), np.array(value), unit, name)
+            for name, (value, unit) in (parameters or {}).items()
+        },
+    }
+    limit = outcome.limit
+    known = {
+        "Conventions": CONVENTIONS,
+        "title": f"trajectory of scene {outcome.scene.name}",
+        "source": "finite particle method",
+        "history": f"fpm.solver.simulate: {outcome.steps} steps of {outcome.step:.9g} s",
+        "scene": outcome.scene.name,
+        "responses": " ".join(response.name for response in responses),
+        "time_step": outcome.step,
+        "steps": outcome.steps,
+        "events_dropped": outcome.events_dropped,
+    }
+    if outcome.scene.assembly is not None:
+        assembly = outcome.scene.assembly
+        known |= {"assembly_energy": assembly.energy, "assembly_gap": assembly.gap}
+    if limit is not None:
+        known |= {"time_step_limit": limit.step, "limiting_element": limit.element}
+    return Contents({**known, **(attributes or {})}, variables)
+
+
+def _variable(dims, values, unit, long_name, **more) -> classic.Variable:
+    dims = (dims,) if isinstance(dims, str) else dims
+    return classic.Variable(dims, values, {"units": unit, "long_name": long_name, **more})
+
+
+def _names(dimension: str, values, long_name: str, name: str | None = None) -> dict:
+    """Text along a dimension: its coordinate, or a variable of another name."""
+    text = np.array(list(values), dtype=str)
+    return {name or dimension: classic.Variable((dimension,), text, {"long_name": long_name})}
+
+
+def _points(outcome) -> dict[str, classic.Variable]:
+    names, dims = list(outcome.points), ("time", "point", "axis")
+    tracks = np.zeros((2, len(outcome.time), len(names), 3))
+    for i, name in enumerate(names):
+        tracks[:, :, i] = outcome.points[name]
+    return {
+        **_names("point", names, "named point"),
+        **_names("axis", "xyz", "global axis"),
+        "position": _variable(dims, tracks[0], "m", "position of the named points"),
+        "velocity": _variable(dims, tracks[1], "m s-1", "velocity of the named points"),
+    }
+
+
+def _energies(outcome) -> dict[str, classic.Variable]:
+    return {
+        variable: _variable("time", outcome.energies[name], "J", long_name, energy=name)
+        for name, variable, long_name in outcome.energy_kinds
+    }
+
+
+def _recorded(outcome) -> dict[str, classic.Variable]:
+    """What the kinds in the scene have recorded, and the coordinates of it."""
+    variables = {}
+    for name, (values, unit, long_name, dimension, labels) in outcome.recorded.items():
+        dims = ("time",) if dimension is None else ("time", dimension)
+        variables[name] = _variable(dims, values, unit, long_name)
+        if dimension is not None:
+            variables |= _names(dimension, labels, dimension)
+    return variables
+
+
+def _events(outcome) -> dict[str, classic.Variable]:
+    time, element, which = outcome.events.T
+    eventful = outcome.eventful
+    return {
+        **_names("event_element", (e.name for e in eventful), "element that has events"),
+        **_names(
+            "event_element", (" ".join(e.events) for e in eventful), "its events by number",
+            "event_names",
+        ),
+        "event_time": _variable("event", time, "s", "time of an event"),
+        "event_of": _variable(
+            "event", element.astype(np.int32), "1", "index of the event's element"
+        ),
+        "event_number": _variable("event", which.astype(np.int8), "1", "number of the event"),
+    }  # fmt: skip
+
+
+def _responses(outcome, responses) -> dict[str, classic.Variable]:
+    """All responses in one variable: no name that a response may have meets another's."""
+    values = np.array([response.evaluate(outcome) for response in responses])
+    return {
+        **_names("response", (r.name for r in responses), "response"),
+        **_names("response", (r.unit for r in responses), "its unit", "response_units"),
+        **_names("response", (r.long_name for r in responses), "in words", "response_long_name"),
+        "response_values": _variable(
+            ("response", "time"), values.reshape(-1, len(outcome.time)), "1",
+            "responses, in their units",
+        ),
+    }  # fmt: skip
+
+
+def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
+    """The `contents` of an outcome as an xarray Dataset."""
+    import xarray
+
+    attributes, variables = contents(outcome, responses, attributes, parameters)
+    return xarray.Dataset(
+        {name: v for name, v in variables.items() if not _is_coordinate(name, v)},
+        coords={name: v for name, v in variables.items() if _is_coordinate(name, v)},
+        attrs=attributes,
+    )
+
+
+def _is_coordinate(name: str, variable: classic.Variable) -> bool:
+    text = variable.values.dtype.kind in "UO"
+    return variable.dims == (name,) or text or name.startswith(_PARAMETER)
+
+
+def check_finite(variables: Mapping[str, classic.Variable]) -> None:
+    """ValueError that names the first variable with a value that is not finite."""
+    for name, variable in variables.items():
+        if variable.values.dtype.kind == "f" and not np.isfinite(variable.values).all():
+            raise ValueError(f"{name} has values that are not finite; nothing is written")
+
+
+def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> None:
+    """Write a trajectory, under a temporary name until it is complete, and sealed.
+
+    Its attribute `run_id`, if it has one, is its name. ValueError if any value is not
+    finite; then, and when the write breaks off, no file is left.
+    """
+    if not isinstance(trajectory, Contents):
+        variables = {
+            name: classic.Variable(v.dims, v.values, v.attrs)
+            for name, v in trajectory.variables.items()
+        }
+        trajectory = Contents(dict(trajectory.attrs), variables)
+    check_finite(trajectory.variables)
+    # By this attribute xarray tells coordinates that are no dimensions.
+    more = [n for n, v in trajectory.variables.items() if _is_coordinate(n, v) and v.dims != (n,)]
+    trajectory.attributes["coordinates"] = " ".join(more)
+    with sealed.whole_file(path, {"name": _name(trajectory.attributes.get("run_id"))}) as temporary:
+        classic.write(temporary, *trajectory)
+
+
+def _name(run: str | None) -> str:
+    """What a trajectory is called in its seal."""
+    return f"run {run}" if run else "a trajectory"
+
+
+def read(path: str | os.PathLike) -> "xarray.Dataset":
+    """Read a trajectory into memory; DamagedError if it is not as it was written."""
+    import xarray
+
+    sealed.check(path)
+    with xarray.open_dataset(path) as dataset:
+        return dataset.load()
+
+
+def contact_events(events: np.ndarray, elements: Sequence[str]) -> dict[str, Any]:
+    """Of the events (e, 3) of all elements those of contacts, with indices among these.
+
+    elements: names of all that have events. Returns `events` and `contacts`, as `Curves` has them.
+    """
+    places = [i for i, name in enumerate(elements) if name.startswith("contact ")]
+    found = events[np.isin(events[:, 1], places)]
+    found[:, 1] = np.searchsorted(places, found[:, 1])
+    return {"events": found, "contacts": [elements[i].removeprefix("contact ") for i in places]}
+
+
+IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
+"""Events at which velocities change all at once, and those that end what they begin."""
+
+
+def impact_events(events: np.ndarray, eventful: Iterable[Eventful]) -> dict[str, Any]:
+    """Of the events (e, 3) of all elements those of impacts: where responses bend or jump.
+
+    eventful: elements with their events. Returns `events` and `contacts`, as `Curves` has them;
+    others than contacts go by their whole names. A latch closes and opens at once: it does not
+    stand in the way of the impacts that follow.
+    """
+    names, index, begins, ends = [], [], [], []  # of each element, -1 where it has no impacts
+    for name, own, _ in eventful:
+        impact = next((event for event in own if event in IMPACTS), None)
+        index.append(-1 if impact is None else len(names))
+        begins.append(-1 if impact is None else own.index(impact))
+        ends.append(-1 if impact is None else own.index(IMPACTS[impact]))
+        if impact is not None:
+            names.append(name.removeprefix("contact "))
+    time, number, element = events[:, 0], events[:, 2], events[:, 1].astype(int)
+    found = []
+    for numbers, closing in ((begins, 1.0), (ends, 0.0)):
+        its = np.flatnonzero(number == np.array(numbers, int)[element])
+        found.append(columns(time[its], np.array(index, int)[element[its]], closing))
+    rows = np.concatenate(found)
+    # In order of time; what closes and opens at once closes first.
+    return {"events": rows[np.lexsort((rows[:, 1], -rows[:, 2], rows[:, 0]))], "contacts": names}
+
+
+def happened(events: np.ndarray, eventful: Iterable[Eventful]) -> dict[tuple[str, str], np.ndarray]:
+    """Times (s) by element and event, of events (e, 3); eventful: elements with their events."""
+    return {
+        (name, event): events[(events[:, 1] == i) & (events[:, 2] == number), 0]
+        for i, (name, own, _) in enumerate(eventful)
+        for number, event in enumerate(own)
+    }
+
+
+def curves_of(outcome) -> Curves:
+    """The curves of an outcome (fpm.Outcome), as `read_curves` finds them in its file."""
+    eventful = outcome.eventful
+    return Curves(
+        time=outcome.time,
+        points=outcome.points,
+        openings=outcome.openings,
+        tensions=outcome.tensions,
+        energies=outcome.energies,
+        **impact_events(outcome.events, eventful),
+        happened=happened(outcome.events, eventful),
+        events_dropped=outcome.events_dropped,
+        step=outcome.step,
+        asked=outcome.asked,
+        latches=outcome.latches,
+    )
+
+
+def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
+    """The curves of a trajectory, a hundred times faster than `read`; `run`: which it must be.
+
+    Raises OSError if the file is not there, `sealed.DamagedError` (which is one) if it is not as
+    `write` left it, or of another run.
+    """
+    content = Path(path).read_bytes()
+    sealed.check_content(path, content, run and _name(run))
+    attributes, variables = classic.read(path, content)
+
+    def names(name: str) -> list[str]:
+        # What has an empty dimension is not in the file.
+        found = variables[name].values if name in variables else ()
+        return [row.tobytes().rstrip(b"\0").decode() for row in found]
+
+    def values(name: str) -> np.ndarray:
+        return variables[name].values
+
+    def events() -> np.ndarray:
+        columns = ("event_time", "event_of", "event_number")
+        if columns[0] not in variables:
+            return np.zeros((0, len(columns)))
+        return np.stack([values(name) for name in columns], axis=1)
+
+    try:
+        eventful = [
+            Eventful(name, tuple(events.split(" ")))
+            for name, events in zip(names("event_element"), names("event_names"), strict=True)
+        ]
+        found = events()
+        return Curves(
+            time=values("time"),
+            points={
+                name: (values("position")[:, i], values("velocity")[:, i])
+                for i, name in enumerate(names("point"))
+            },
+            openings={
+                name: values(variable)[:, i]
+                for variable, own in (("opening", "hinge"), ("slide_opening", "slide"))
+                for i, name in enumerate(names(own))
+            },
+            tensions={n: values("cable_tension")[:, i] for i, n in enumerate(names("cable"))},
+            energies={
+                v.attributes["energy"]: v.values
+                for v in variables.values()
+                if "energy" in v.attributes
+            },
+            **impact_events(found, eventful),
+            happened=happened(found, eventful),
+            events_dropped=int(attributes.get("events_dropped", 0)),
+            step=float(attributes["time_step"]),
+            asked={
+                (name, label): values(name)[:, i]
+                for name, (_, _, dimension) in VARIABLES.items()
+                for i, label in enumerate(names(dimension))
+            },
+            latches={
+                (name, label): values(name)[:, i]
+                for name, dimension in LATCHES.items()
+                if name in variables
+                for i, label in enumerate(names(dimension))
+            },
+        )
+    except KeyError as missing:
+        raise OSError(f"{os.fspath(path)} has no variable {missing}") from None

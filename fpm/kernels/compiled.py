@@ -1,0 +1,182 @@
+"""The compiled time loop: one for every set of kinds, cached on disk.
+
+Numba's cache looks at the file of the cached function only; the loop is made of many files. So the
+cache folder is named after a digest of all kernel sources, and of the files of kinds from
+elsewhere with what they import from beside them: an edited kernel never meets old code. Every set
+has a folder of its own, so that no kind is needed to load a loop without it, and so has every kind
+of processor, so that machines can share a cache.
+"""
+
+import fcntl
+import functools
+import hashlib
+import json
+import logging
+import os
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+
+import numba
+from numba.core.dispatcher import Dispatcher
+
+from fpm import sources
+from fpm.kernels import run as loop
+from fpm.kernels.hooks import KERNELS
+from fpm.kernels.vectors import OPTIONS
+
+PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def kernel_sources() -> list[Path]:
+    """All files of the mechanics that hold kernels."""
+    return sorted([*(PACKAGE / "kernels").glob("*.py"), *(PACKAGE / "elements").rglob("*.py")])
+
+
+def own_sources(parts: tuple[type, ...]) -> set[Path]:
+    """The files outside of the mechanics on which the code of kinds with these tuples depends.
+
+    Those of the tuples and their kernels, and those beside them that they import.
+    """
+    kernels = [kernel.py_func for (arrays, _), kernel in KERNELS.items() if arrays in parts]
+    files = {sources.file_of(thing) for thing in (*parts, *kernels)}
+    return sources.own_sources(*(path for path in files if PACKAGE not in path.parents))
+
+
+@functools.cache
+def source_digest(parts: tuple[type, ...] = ()) -> str:
+    """Hexadecimal digest of numba's version, the kernel sources, and those of kinds elsewhere."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in [*kernel_sources(), *sorted(own_sources(parts))]:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+@functools.cache
+def processor() -> str:
+    """Hexadecimal digest of what numba compiles for: the processor's name and features.
+
+    Machines that share a file system may differ in it.
+    """
+    from numba.core.registry import cpu_target
+
+    target = repr(cpu_target.target_context.codegen().magic_tuple())
+    return hashlib.sha256(target.encode()).hexdigest()[:8]
+
+
+LONGEST = 200
+"""Letters of a folder's name; file systems take some 255, with what is added to it."""
+
+
+def cache_folder(parts: tuple[type, ...] = ()) -> Path:
+    """Where compiled code is kept: where NUMBA_CACHE_DIR says, beside the sources, or at home.
+
+    parts: the named tuples of the kinds in the loop.
+    """
+    loop_name = "-".join(["loop", *(p.__name__ for p in parts)])
+    if len(loop_name) > LONGEST:  # else nothing could be kept of a scene of nearly all kinds
+        loop_name = f"{loop_name[:LONGEST]}-{hashlib.sha256(loop_name.encode()).hexdigest()[:16]}"
+    name = Path(f"numba-{source_digest(parts)}-{processor()}", loop_name)
+    if numba.config.CACHE_DIR:
+        return Path(numba.config.CACHE_DIR) / name
+    beside = Path(__file__).parent / "__pycache__"
+    try:
+        beside.mkdir(exist_ok=True)
+        writable = os.access(beside, os.W_OK)
+    except OSError:
+        writable = False
+    return (beside if writable else sources.user_cache()) / name
+
+
+LOOPS: dict[tuple[type, ...], Dispatcher] = {}
+"""The loop for every set of kinds met so far, by the named tuples of the kinds."""
+
+READY: set[tuple] = set()
+"""The sets of kinds and precisions for which that was compiled or loaded."""
+
+THREADS = threading.Lock()
+"""Held by the thread that makes a loop ready."""
+
+
+def _loop(parts: tuple[type, ...], is_cached: bool) -> Dispatcher:
+    """The loop for a set of kinds, cached in its folder without changing numba's own setting."""
+    if parts not in LOOPS:
+        before, folder = numba.config.CACHE_DIR, cache_folder(parts)
+        numba.config.CACHE_DIR = str(folder)
+        try:
+            LOOPS[parts] = numba.njit(cache=is_cached, **OPTIONS)(loop.run.py_func)
+        finally:
+            numba.config.CACHE_DIR = before
+    return LOOPS[parts]
+
+
+def loop_for(arguments: tuple) -> Callable:
+    """The time loop, compiled or loaded from the cache for these arguments.
+
+    numba's cache can break when several processes write it at once, so the first that arrives
+    compiles and the others wait for its lock; so do threads, which share numba's setting as well.
+    """
+    parts, world = arguments[:2]
+    kinds = tuple(map(type, parts))
+    if (kinds, world.state.dtype) not in READY:  # to find the whole signature takes milliseconds
+        with THREADS, _one_at_a_time(folder := cache_folder(kinds)) as is_locked:
+            run = _loop(kinds, is_cached=is_locked)
+            if is_locked and (damaged := _damaged(folder)):
+                logging.getLogger(__name__).warning(
+                    "%s: compiled code that is not as it was written; it is made again",
+                    ", ".join(str(folder / name) for name in damaged),
+                )
+                for path in _kept(folder):
+                    path.unlink(missing_ok=True)
+            run.compile(tuple(map(numba.typeof, arguments)))
+            if is_locked:
+                with suppress(OSError):  # a full disk, say
+                    (folder / DIGESTS).write_text(json.dumps(_digests(folder)), encoding="utf-8")
+            READY.add((kinds, world.state.dtype))
+    return LOOPS[kinds]
+
+
+DIGESTS = "digests.json"
+"""In a cache folder, digests of the files in it: numba loads, and runs, whatever is there."""
+
+
+def _kept(folder: Path) -> list[Path]:
+    """numba's files: indices and compiled code."""
+    return sorted(folder.rglob("*.nb[ci]"))
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in _kept(folder)
+    }
+
+
+def _damaged(folder: Path) -> list[str]:
+    """Names of files of compiled code that are not as they were written; none where there are none
+    yet."""
+    found, written = _digests(folder), {}
+    with suppress(OSError, ValueError, TypeError):
+        written = dict(json.loads((folder / DIGESTS).read_text(encoding="utf-8")))
+    return [name for name in found | written if found and found.get(name) != written.get(name)]
+
+
+@contextmanager
+def _one_at_a_time(folder: Path) -> Iterator[bool]:
+    """Hold a lock for a folder among all processes, on all machines that share its file system.
+
+    Gives False where there is no lock to have, as the folder cannot be written or its file system
+    knows no locks; then nothing can be kept there safely.
+    """
+    with ExitStack() as stack:
+        try:
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            # In its parent, since a lock is beside what it guards, and stays.
+            file = stack.enter_context(open(folder.with_name(f"{folder.name}.lock"), "a"))
+            fcntl.flock(file, fcntl.LOCK_EX)
+        except OSError:
+            is_locked = False
+        else:
+            is_locked = True
+        yield is_locked

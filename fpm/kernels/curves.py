@@ -1,0 +1,44 @@
+"""Piecewise linear curves of time, by which loads and drives are scaled."""
+
+from fpm.kernels.vectors import kernel
+
+
+@kernel
+def curve_value(world, curve, t):
+    """Value of a curve at time t (s), constant outside; curve -1 is always 1."""
+    if curve < 0:
+        return 1.0
+    times, values = world.curve_time, world.curve_value
+    first, last = world.curve_start[curve], world.curve_start[curve + 1] - 1
+    if t <= times[first]:
+        return values[first]
+    for k in range(first, last):
+        if t < times[k + 1]:
+            share = (t - times[k]) / (times[k + 1] - times[k])
+            return values[k] + share * (values[k + 1] - values[k])
+    return values[last]
+
+
+@kernel
+def curve_integral(world, curve, t):
+    """Integral of a curve from 0 to time t (s): parabolas between its points, so it is exact."""
+    if curve < 0:
+        return t
+    times, values = world.curve_time, world.curve_value
+    first, last = world.curve_start[curve], world.curve_start[curve + 1] - 1
+    before, after = max(times[first], 0.0), max(times[last], 0.0)
+    total = values[first] * min(t, before) + values[last] * max(t - after, 0.0)
+    for k in range(first, last):
+        begin, end = max(times[k], 0.0), min(times[k + 1], t)
+        if begin < end:
+            middle = (0.5 * (begin + end) - times[k]) / (times[k + 1] - times[k])
+            total += (end - begin) * (values[k] + middle * (values[k + 1] - values[k]))
+    return total
+
+
+@kernel
+def travel(world, curve, by_rate, t):
+    """How far something is by time t (s): the value of its curve, or by_rate its integral."""
+    if by_rate:
+        return curve_integral(world, curve, t)
+    return curve_value(world, curve, t)

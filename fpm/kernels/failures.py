@@ -1,0 +1,69 @@
+"""The search for lanes whose numbers can not be trusted, and for the element to blame."""
+
+from fpm.kernels import hooks
+from fpm.kernels.lanes import store
+from fpm.kernels.layout import BALANCE, STORED
+from fpm.kernels.vectors import kernel
+
+UNBALANCED = -1
+"""Cause of a failure: no watched quantity, but the energy balance."""
+
+
+@kernel
+def find_failures(parts, world, record, row, n, tolerance):
+    """Mark the lanes that fail at step n; True when no lane is left.
+
+    A lane fails when energy came from nowhere (or went there) by more than `tolerance` times the
+    largest energy it has held so far, when a number is not finite, or when something watched is
+    larger than it may be.
+    """
+    left = 0
+    for s in range(record.scale.shape[0]):
+        if record.failed_step[s] >= 0:
+            continue
+        left += 1
+        stored = world.sums[0, STORED, s]
+        if stored > record.scale[s]:
+            record.scale[s] = stored
+        balanced = abs(record.energies[row, BALANCE, s]) <= tolerance * record.scale[s]
+        within, cause = balanced, UNBALANCED
+        for k in range(world.most.shape[0]):
+            if not world.watched[0, k, s] <= world.most[k]:
+                within = False
+                # Mostly, only what happens while the energy balances is the cause.
+                if balanced or world.always[k]:
+                    cause = k
+        if not within:
+            record.failed_step[s] = n
+            record.failed_cause[s] = cause
+            record.failed_balance[s] = record.energies[row, BALANCE, s]
+            # They grow on while other lanes run.
+            for k in range(world.most.shape[0]):
+                record.failed_watched[k, s] = world.watched[0, k, s]
+            record.failed_row[s] = worst_row(parts, world, record.failed_cause[s], s)
+            left -= 1
+    return left == 0
+
+
+@kernel
+def worst_row(parts, world, cause, s):
+    """Row of the first element of lane s whose measure is not finite, else of the largest one.
+
+    The measure is the energy, of elements of all kinds, or what the watching kind has for one.
+    """
+    rows = world.rows
+    for e in range(rows.shape[0]):
+        store(rows, e, 0, -1.0)
+    first, end = 0, rows.shape[0]
+    if cause == UNBALANCED:
+        hooks.list_energies(parts, world)
+    else:
+        hooks.list_excess(parts, world)
+        first, end = world.watch_rows[cause, 0], world.watch_rows[cause, 1]
+    worst = UNBALANCED
+    for e in range(first, end):
+        if not abs(rows[e, 0, s]) < float("inf"):
+            return e
+        if rows[e, 0, s] >= 0.0 and (worst < 0 or rows[e, 0, s] > rows[worst, 0, s]):
+            worst = e
+    return worst

@@ -1,0 +1,209 @@
+"""Hooks: what the time loop asks of the kinds in a scene.
+
+A kind's kernel file has a named tuple of its arrays and, for what it does, kernels marked with
+`@hook(ItsTuple)` that are named as the hooks below. The loop calls a hook with the tuples of all
+kinds in the scene; when it is compiled, that becomes one call after the other of the kernels there
+are, in the order of the kinds. A kind that a scene lacks, or a hook that a kind lacks, leaves
+nothing behind.
+"""
+
+import functools
+import inspect
+from collections.abc import Callable
+
+from numba.extending import overload
+
+from fpm.kernels.lanes import load, store
+from fpm.kernels.layout import ACCOUNTS, X
+from fpm.kernels.vectors import INLINED, kernel
+
+KERNELS: dict[tuple[type, str], Callable] = {}
+"""The kernel for a named tuple and the name of a hook."""
+
+NAMES: list[str] = []
+"""Names of all hooks."""
+
+
+def hook(arrays: type, name: str | None = None) -> Callable:
+    """Compile a kernel as what kind `arrays` (a NamedTuple) does at the hook of its name."""
+
+    def register(function):
+        what = name or function.__name__
+        if what not in NAMES:
+            raise ValueError(f"{what} is no hook; expected one of {', '.join(NAMES)}")
+        compiled = function if hasattr(function, "py_func") else kernel(function)
+        kernels = {what: compiled}
+        if what == "energy_of":
+            kernels |= {"stored": _sum(compiled), "list_energies": _list(compiled)}
+        for each, made in kernels.items():
+            if (arrays, each) in KERNELS:
+                raise ValueError(f"{arrays.__name__} has a kernel for {each} already")
+            KERNELS[arrays, each] = made
+        return compiled
+
+    return register
+
+
+def _sum(energy_of: Callable) -> Callable:
+    @kernel
+    def stored(part, world):
+        total = 0.0 * load(world.state, 0, X)
+        for e in range(part.rows.shape[0]):
+            total = total + energy_of(part, world, e)
+        return total
+
+    return stored
+
+
+def _list(energy_of: Callable) -> Callable:
+    @kernel
+    def list_energies(part, world):
+        for e in range(part.rows.shape[0]):
+            store(part.rows, e, 0, energy_of(part, world, e))
+
+    return list_energies
+
+
+def _unrolled(line: str | None = None) -> Callable:
+    """Make a hook of an empty function of (parts, ...).
+
+    line: what is done for each kind, if not just the call of its `kernel` with its `part` in place
+    of the parts; {j} counts the kinds that have a kernel.
+    """
+
+    def declare(stub):
+        name, (_, *arguments) = stub.__name__, inspect.signature(stub).parameters
+        template = line or f"{{kernel}}({', '.join(['{part}', *arguments])})"
+        NAMES.append(name)
+
+        def unroll(kinds):
+            """The function of (parts, ...) for parts of these kinds."""
+            namespace, lines = {"store": store, "ACCOUNTS": ACCOUNTS}, []
+            for i, kind in enumerate(kinds):
+                if found := KERNELS.get((kind, name)):
+                    namespace[f"kernel_{i}"] = found
+                    names = {"kernel": f"kernel_{i}", "part": f"parts[{i}]", "j": len(lines)}
+                    lines.append(template.format(**names))
+            body = "\n    ".join(lines or ["pass"])
+            exec(f"def unrolled(parts, {', '.join(arguments)}):\n    {body}", namespace)
+            return namespace["unrolled"]
+
+        @functools.wraps(stub)
+        def call(parts, *rest):  # where nothing is compiled (NUMBA_DISABLE_JIT)
+            return unroll([type(part) for part in parts])(parts, *rest)
+
+        # Numba wants to see the same arguments in both functions.
+        namespace = {"choose": lambda parts: unroll([part.instance_class for part in parts.types])}
+        exec(f"def typed(parts, {', '.join(arguments)}): return choose(parts)", namespace)
+        overload(call, jit_options=INLINED)(namespace["typed"])
+        return call
+
+    return declare
+
+
+# In the order of a step. `now` is the step's Now, `world` the World.
+
+
+@_unrolled()
+def forces(parts, world, now):
+    """Add forces (F) and moments (M) at now.time to the particles'."""
+
+
+@_unrolled()
+def note_events(parts, world, now):
+    """Note what happened since the positions before, with `events.note` (not at the start)."""
+
+
+@_unrolled()
+def work_before(parts, world, now):
+    """Work of the half step up to now.time: forces there, velocities of its middle (not at 0)."""
+
+
+@_unrolled()
+def restrain(parts, world, now):
+    """Change the summed forces and the momenta before the kick; work of the half step after."""
+
+
+@_unrolled()
+def prepare(parts, world, now):
+    """Kick the particles that the kind moves itself (Kind.moved), now.kick long."""
+
+
+@_unrolled()
+def decide(parts, world, now):
+    """Change which openings are held in this step, by what `solve` found (kinds/turn.py).
+
+    World.undecided then asks for another round; every kind lets that come to an end.
+    """
+
+
+@_unrolled()
+def solve(parts, world, now):
+    """Find the impulses of the step, while World.undecided asks for them."""
+
+
+@_unrolled()
+def move(parts, world, now):
+    """Move these particles over now.step, whether or not others have moved."""
+
+
+@_unrolled()
+def work_after(parts, world, now):
+    """Work of the half step after now.time, or of the whole step; velocities of its middle."""
+
+
+# At checks and instants, with the positions of now.time.
+
+
+@_unrolled(
+    "store(energies, row, ACCOUNTS + world.accounts.shape[1] + {j}, {kernel}({part}, world))"
+)
+def stored(parts, world, energies, row):
+    """A kernel of (part, world) returns the energy (lanes, J) that all elements of the kind store.
+
+    `energy_of` is simpler.
+    """
+
+
+@_unrolled()
+def work_of_place(parts, world, energies, row):
+    """Add work (J) that depends on the positions only to the kind's column of `energies`."""
+
+
+@_unrolled()
+def record(parts, world, row):
+    """Write row `row` of what is recorded of the kind, and watch it."""
+
+
+@_unrolled()
+def record_points(parts, world, points, row, now):
+    """Correct the recorded velocities of points on particles that the kind moves itself."""
+
+
+@_unrolled()
+def work_due(parts, world, energies, row):
+    """Add to an account (J) in `energies` what impulses of the step from now on did up to now."""
+
+
+@_unrolled()
+def record_step(parts, world, row, now):
+    """Write row `row` of what the step from now.time on did; World.kept has its start."""
+
+
+def energy_of(part, world, e):
+    """Return the energy (lanes, J) of element e; it stands for `stored` and `list_energies`."""
+
+
+NAMES.append("energy_of")
+
+# When a lane fails.
+
+
+@_unrolled()
+def list_energies(parts, world):
+    """Store every element's energy (J) in the kind's rows of World.rows."""
+
+
+@_unrolled()
+def list_excess(parts, world):
+    """Store by how much every element exceeds what is watched in the kind's rows."""

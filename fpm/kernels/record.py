@@ -1,0 +1,113 @@
+"""Recording: points, energies, and the balance of the energies."""
+
+from fpm.kernels import hooks
+from fpm.kernels.lanes import load, store
+from fpm.kernels.layout import (
+    ACCOUNTS,
+    BALANCE,
+    IJ,
+    IM,
+    KEPT,
+    KINETIC,
+    MASS,
+    POSITION,
+    STORED,
+    TOTAL,
+    VELOCITY,
+    P,
+    V,
+    X,
+)
+from fpm.kernels.rotation import frame
+from fpm.kernels.vectors import cross, dot, get3, kernel, put3, times, to_global, to_local
+
+
+@kernel
+def keep(world):
+    """Copy what recording needs from the start of a step."""
+    for i in range(world.state.shape[0]):
+        for k in range(KEPT):
+            store(world.kept, i, k, load(world.state, i, k))
+
+
+@kernel
+def reflect(world):
+    """Momenta half a step before the start, by reflection of those after it."""
+    for i in range(world.state.shape[0]):
+        for k in (V, P):
+            before = 2.0 * get3(world.kept, i, k) - get3(world.state, i, k)
+            put3(world.kept, i, k, before)
+
+
+@kernel
+def kinetic_energy(world):
+    """Kinetic energy (J) between the half steps before (`kept`) and after an instant.
+
+    The product of the two half-step velocities is the form that leapfrog conserves exactly,
+    together with the potential energy at the instant, for linear systems.
+    """
+    state, kept, particles = world.state, world.kept, world.particles
+    total = 0.0 * load(kept, 0, X)
+    for i in range(kept.shape[0]):
+        # Held particles have no inverse mass; their given motion carries no energy of the scene.
+        moving = load(particles, i, IM) * load(particles, i, MASS)
+        linear = dot(get3(kept, i, V), get3(state, i, V))
+        axes = frame(kept, i)
+        before = to_local(axes, get3(kept, i, P))
+        after = times(get3(particles, i, IJ), to_local(axes, get3(state, i, P)))
+        total = total + 0.5 * (load(particles, i, MASS) * moving * linear + dot(before, after))
+    return total
+
+
+@kernel
+def record_before(parts, world, record, row):
+    """Record what belongs to the positions at an instant: energies, and what the kinds have."""
+    hooks.stored(parts, world, record.energies, row)
+    for k in range(world.accounts.shape[1]):
+        store(record.energies, row, ACCOUNTS + k, load(world.accounts, 0, k))
+    hooks.work_of_place(parts, world, record.energies, row)
+    hooks.record(parts, world, row)
+
+
+@kernel
+def record_after(parts, world, record, row, now):
+    """Record what needs the momenta on both sides of an instant: points, kinetic energy, balance.
+
+    kept: the state at the instant, with the momenta half a step before it.
+    """
+    kept, state, points = world.kept, world.state, record.points
+    count = world.point_on.shape[0]
+    for n in range(count):
+        i, at = world.point_on[n], row * count + n
+        axes = frame(kept, i)
+        arm = to_global(axes, get3(world.point_arm, n, 0))
+        put3(points, at, POSITION, get3(kept, i, X) + arm)
+        v = 0.5 * (get3(kept, i, V) + get3(state, i, V))
+        p = 0.5 * (get3(kept, i, P) + get3(state, i, P))
+        turn = to_global(axes, times(get3(world.particles, i, IJ), to_local(axes, p)))
+        put3(points, at, VELOCITY, v + cross(turn, arm))
+    hooks.record_points(parts, world, points, row, now)
+    hooks.record_step(parts, world, row, now)
+    hooks.work_due(parts, world, record.energies, row)
+    store(record.energies, row, KINETIC, kinetic_energy(world))
+    balance(world, record.energies, row)
+
+
+@kernel
+def balance(world, energies, row):
+    """Energy that came from nowhere since the start: stored, less given, and taken."""
+    stored = load(energies, row, KINETIC)
+    accounts = ACCOUNTS + world.accounts.shape[1]
+    for k in range(accounts, energies.shape[1]):
+        stored = stored + load(energies, row, k)
+    total = stored
+    for k in range(ACCOUNTS, ACCOUNTS + world.givers):
+        total = total - load(energies, row, k)
+    for k in range(ACCOUNTS + world.givers, accounts):
+        total = total + load(energies, row, k)
+    if row == 0:
+        store(energies, row, BALANCE, 0.0)
+        store(world.sums, 0, TOTAL, total)
+    else:
+        store(energies, row, BALANCE, total - load(world.sums, 0, TOTAL))
+    store(world.sums, 0, STORED, stored)

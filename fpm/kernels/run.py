@@ -1,0 +1,102 @@
+"""The time loop: leapfrog steps, recording, and the watch over the energy balance.
+
+Positions stand at whole steps, momenta at half steps (central differences; Verlet 1967). The first
+kick is half a step long, so that the given velocities are those at t = 0.
+"""
+
+from fpm.kernels import hooks
+from fpm.kernels.failures import find_failures
+from fpm.kernels.lanes import load, store
+from fpm.kernels.layout import HALF, IJ, IM, KICK, F, M, P, V, X
+from fpm.kernels.record import keep, record_after, record_before, reflect
+from fpm.kernels.rotation import frame, half_turn, normalise, put_turned
+from fpm.kernels.vectors import get3, kernel, put3, to_local
+from fpm.kernels.world import Now
+
+NORMALISE_EVERY = 16
+"""Steps between two corrections of the directors. Rounding changes them, and, where they turn by
+tenths of a radian in a step, the ends of the series; the third as a product adds to that.
+"""
+
+
+@kernel
+def time_particles(particles, now):
+    """What a kick and a step make of the particles' constants, once for all steps alike."""
+    for i in range(particles.shape[0]):
+        store(particles, i, KICK, now.kick * load(particles, i, IM))
+        put3(particles, i, HALF, (0.5 * now.step) * get3(particles, i, IJ))
+
+
+@kernel
+def kick_and_move(state, particles, i, now):
+    """Kick particle (or pair) i, and move it by a step."""
+    carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), now.step)
+    turn(state, particles, i, now.kick * get3(state, i, M) + get3(state, i, P))
+
+
+@kernel
+def carry(state, i, v, step):
+    """Move particle (or pair) i by a step (s) with velocity v."""
+    put3(state, i, V, v)
+    put3(state, i, X, step * v + get3(state, i, X))
+
+
+@kernel
+def turn(state, particles, i, p):
+    """Turn particle (or pair) i by a step with angular momentum p; its forces are used up.
+
+    Returns the angular momentum and half the turn, along the particle's axes.
+    """
+    put3(state, i, P, p)
+    for k in range(6):
+        store(state, i, F + k, 0.0)
+    axes = frame(state, i)
+    body = to_local(axes, p)
+    half = half_turn(body, get3(particles, i, HALF))
+    put_turned(state, i, axes, half)
+    return body, half
+
+
+@kernel
+def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
+    """Integrate `steps` steps of `step` s; returns the number of steps done.
+
+    parts: the named tuples of the kinds in the scene; world, record: world.py. Every `per_check`
+    steps the energy balance is checked against `tolerance` times the largest energy so far, every
+    `per_instant` steps an instant is recorded. The run ends early when all lanes have failed.
+    """
+    state, free = world.state, world.free
+    spare = record.energies.shape[0] - 1
+    for n in range(steps + 1):
+        now = Now(n * step, step, 0.5 * step if n == 0 else step)
+        hooks.forces(parts, world, now)
+        if n > 0:
+            hooks.note_events(parts, world, now)
+            hooks.work_before(parts, world, now)
+        check = n % per_check == 0
+        row = n // per_instant if n % per_instant == 0 else spare
+        if n % NORMALISE_EVERY == 0:
+            normalise(state)
+        if check:
+            keep(world)
+            record_before(parts, world, record, row)
+        # Momenta to half a step later, positions to a step later; the forces are used up.
+        if n < 2:  # the first kick is shorter than the others
+            time_particles(world.particles, now)
+        hooks.restrain(parts, world, now)
+        hooks.prepare(parts, world, now)
+        while world.undecided[0] != 0:
+            world.undecided[0] = 0
+            hooks.solve(parts, world, now)
+            hooks.decide(parts, world, now)
+        for k in range(free.shape[0]):
+            kick_and_move(state, world.particles, free[k], now)
+        hooks.move(parts, world, now)
+        hooks.work_after(parts, world, now)
+        if check:
+            if n == 0:
+                reflect(world)
+            record_after(parts, world, record, row, now)
+            if find_failures(parts, world, record, row, n, tolerance):
+                return n
+    return steps

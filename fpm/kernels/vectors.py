@@ -1,0 +1,213 @@
+"""Three-vectors of lanes: kernels are written in them as formulas are, `c * a + cross(b, d)`.
+
+A vector has the components x, y, z; the sum, the difference and the product with a scalar or with
+lanes are operators, applied component by component.
+"""
+
+import operator
+
+from llvmlite import ir
+from numba import njit, types
+from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
+from numba.extending import (
+    intrinsic,
+    lower_builtin,
+    make_attribute_wrapper,
+    models,
+    register_model,
+)
+
+from fpm.kernels.lanes import ALL_LANES, Lane, load, store, where_negative
+
+OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True, "_nrt": False}
+"""Compiler options of every kernel: no branches for division by zero, no GIL, no allocation.
+
+Without allocation nothing counts references: a look into a tuple of arrays costs nothing.
+"""
+
+INLINED = {**OPTIONS, "forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""Options of what is compiled into its callers only, and never called from Python."""
+
+kernel = njit(**INLINED)
+"""Compile a kernel into its callers. A call would spill all vector registers; and a kernel that
+stood alone as well could be rounded otherwise there than in the cached time loop.
+"""
+
+
+class Vector(types.Type):
+    """Numba type of three lanes."""
+
+    def __init__(self, lane: Lane):
+        self.lane = lane
+        super().__init__(name=f"Vector({lane})")
+
+
+@register_model(Vector)
+class _VectorModel(models.StructModel):
+    def __init__(self, dmm, fe_type):
+        super().__init__(dmm, fe_type, [(name, fe_type.lane) for name in "xyz"])
+
+
+for _name in "xyz":
+    make_attribute_wrapper(Vector, _name, _name)
+
+VECTORS = [Vector(lane) for lane in ALL_LANES]
+_FACTORS = (types.float64, types.int64)
+
+
+def _components(builder, value):
+    return [builder.extract_value(value, k) for k in range(3)]
+
+
+def _packed(context, builder, vector, components):
+    value = ir.Constant(context.get_value_type(vector), ir.Undefined)
+    for k, component in enumerate(components):
+        value = builder.insert_value(value, component, k)
+    return value
+
+
+def _register_sum(op):
+    """Component by component, both sides vectors."""
+    for vector in VECTORS:
+
+        @lower_builtin(op, vector, vector)
+        def lower(context, builder, sig, args, vector=vector):
+            lane = vector.lane
+            function = context.get_function(op, lane(lane, lane))
+            pairs = zip(*(_components(builder, arg) for arg in args), strict=True)
+            return _packed(context, builder, vector, [function(builder, pair) for pair in pairs])
+
+    cases = [signature(vector, vector, vector) for vector in VECTORS]
+    infer_global(op)(type(f"Vector_{op.__name__}", (ConcreteTemplate,), {"cases": cases}))
+
+
+def _register_product():
+    """A number or lanes on the left, a vector on the right."""
+    cases = []
+    for vector in VECTORS:
+        for factor in (vector.lane, *_FACTORS):
+            cases.append(signature(vector, factor, vector))
+
+            @lower_builtin(operator.mul, factor, vector)
+            def lower(context, builder, sig, args, vector=vector, factor=factor):
+                function = context.get_function(operator.mul, vector.lane(factor, vector.lane))
+                values = [function(builder, (args[0], v)) for v in _components(builder, args[1])]
+                return _packed(context, builder, vector, values)
+
+    infer_global(operator.mul)(type("Vector_mul", (ConcreteTemplate,), {"cases": cases}))
+
+
+_register_sum(operator.add)
+_register_sum(operator.sub)
+_register_product()
+
+
+@intrinsic
+def vector(typingctx, x, y, z):
+    """The vector with components x, y, z (lanes)."""
+    if not isinstance(x, Lane):
+        return None
+
+    def codegen(context, builder, sig, args):
+        return _packed(context, builder, sig.return_type, args)
+
+    return Vector(x)(x, x, x), codegen
+
+
+@kernel
+def larger(x, y):
+    """The larger of two lanes; x where y is not a number."""
+    return where_negative(x - y, y, x)
+
+
+@kernel
+def get3(a, i, k):
+    """The vector in fields k, k+1, k+2 of row i."""
+    return vector(load(a, i, k), load(a, i, k + 1), load(a, i, k + 2))
+
+
+@kernel
+def put3(a, i, k, v):
+    """Write a vector to fields k, k+1, k+2 of row i."""
+    store(a, i, k, v.x)
+    store(a, i, k + 1, v.y)
+    store(a, i, k + 2, v.z)
+
+
+@kernel
+def add3(a, i, k, v):
+    """Add a vector to what is in fields k, k+1, k+2 of row i."""
+    put3(a, i, k, get3(a, i, k) + v)
+
+
+@kernel
+def add_where(a, i, k, v, where):
+    """Add a vector to fields k, k+1, k+2 of row i in the lanes where `where` is negative."""
+    before = get3(a, i, k)
+    after = before + v
+    store(a, i, k, where_negative(where, after.x, before.x))
+    store(a, i, k + 1, where_negative(where, after.y, before.y))
+    store(a, i, k + 2, where_negative(where, after.z, before.z))
+
+
+@kernel
+def opposite(v):
+    """The vector -v."""
+    return vector(-v.x, -v.y, -v.z)
+
+
+@kernel
+def dot(a, b):
+    """Scalar product."""
+    return a.x * b.x + a.y * b.y + a.z * b.z
+
+
+@kernel
+def cross(a, b):
+    """Vector product."""
+    return vector(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+
+
+@kernel
+def times(a, b):
+    """Component by component."""
+    return vector(a.x * b.x, a.y * b.y, a.z * b.z)
+
+
+@kernel
+def to_global(frame, v):
+    """Global components of the vector v given along the three axes of a frame (three vectors)."""
+    return v.x * frame[0] + (v.y * frame[1] + v.z * frame[2])
+
+
+@kernel
+def to_local(frame, v):
+    """Components of v along the three axes of a frame (three vectors)."""
+    return vector(dot(frame[0], v), dot(frame[1], v), dot(frame[2], v))
+
+
+@kernel
+def symmetric(s, v):
+    """Product of a symmetric matrix (xx, yy, zz, xy, xz, yz) and a vector."""
+    return vector(
+        s[0] * v.x + s[3] * v.y + s[4] * v.z,
+        s[3] * v.x + s[1] * v.y + s[5] * v.z,
+        s[4] * v.x + s[5] * v.y + s[2] * v.z,
+    )
+
+
+@kernel
+def invert(s):
+    """Inverse of a symmetric 3 by 3 matrix (xx, yy, zz, xy, xz, yz), by cofactors."""
+    xx = s[1] * s[2] - s[5] * s[5]
+    xy = s[4] * s[5] - s[3] * s[2]
+    xz = s[3] * s[5] - s[4] * s[1]
+    r = 1.0 / (s[0] * xx + s[3] * xy + s[4] * xz)
+    return (
+        r * xx,
+        r * (s[0] * s[2] - s[4] * s[4]),
+        r * (s[0] * s[1] - s[3] * s[3]),
+        r * xy,
+        r * xz,
+        r * (s[3] * s[4] - s[0] * s[5]),
+    )

@@ -1,0 +1,64 @@
+"""The arrays a run works on, but for those of the kinds in it, as named tuples.
+
+Integer arrays are the same for all lanes; the others are (rows, fields, lanes), fields as in
+layout.py.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Now(NamedTuple):
+    """The moment of a step: time (s) of the positions, step (s), and the time of its kick (s).
+
+    The first kick is half a step long.
+    """
+
+    time: float
+    step: float
+    kick: float
+
+
+class World(NamedTuple):
+    """Particles, curves, and what the kinds share."""
+
+    state: np.ndarray  # (n, STATE, lanes)
+    kept: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded
+    particles: np.ndarray  # (n, PARTICLE, lanes)
+    free: np.ndarray  # (f,) particles that no kind moves
+    curve_start: np.ndarray  # (curves + 1,) first point of each curve
+    curve_time: np.ndarray  # (points,) s
+    curve_value: np.ndarray  # (points,)
+    point_on: np.ndarray  # (p,) particles of the named points
+    point_arm: np.ndarray  # (p, 3, lanes)
+    accounts: np.ndarray  # (1, a, lanes) energy given by the first ones, taken by the others (J)
+    givers: int  # number of accounts that give
+    sums: np.ndarray  # (1, SUMS, lanes)
+    watched: np.ndarray  # (1, w, lanes) largest so far of what kinds watch
+    most: np.ndarray  # (w,) above which a lane fails
+    always: np.ndarray  # (w,) whether also where the energy does not balance
+    watch_rows: np.ndarray  # (w, 2) first and end of the rows below of the kind that watches
+    rows: np.ndarray  # (e, 1, lanes) how bad each element is, for the report of a failure
+    undecided: np.ndarray  # (1,) 1 where the impulses of the step have to be found (again)
+
+
+class Log(NamedTuple):
+    """Events of all kinds; `first` is the number of the first element of the kind that writes."""
+
+    events: np.ndarray  # (most events, 3, lanes) time, element, which of its events
+    count: np.ndarray  # (lanes,) noted so far, also those that find no place
+    first: int
+
+
+class Record(NamedTuple):
+    """What a run writes; one more row than instants, the last one for checks in between."""
+
+    points: np.ndarray  # ((instants + 1) p, POINT, lanes)
+    energies: np.ndarray  # (instants + 1, ACCOUNTS + accounts + kinds that store, lanes)
+    failed_step: np.ndarray  # (lanes,) step of the first failed check; -1: none
+    failed_cause: np.ndarray  # (lanes,) what was watched and is too large; -1: the balance
+    failed_row: np.ndarray  # (lanes,) the worst element, a row of World.rows; -1: none
+    failed_balance: np.ndarray  # (lanes,) J
+    failed_watched: np.ndarray  # (w, lanes) World.watched then
+    scale: np.ndarray  # (lanes,) largest energy so far

@@ -1,0 +1,1 @@
+"""The whole motion of a run: all particles, frames and strains."""

@@ -1,0 +1,171 @@
+"""The whole motion of a run: every particle with its frame, every element's strain and stress.
+
+A trajectory holds a few named points. Here the run is made again with a named point at every
+particle and at two arms of one metre along its axes; points do not influence the motion, so that it
+is the trajectory's bit for bit. Strains follow outside the time loop.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import copy
+
+import numpy as np
+
+from fpm.asked import Column
+from fpm.elements.bars.beam import elements_of
+from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.errors import SceneError
+from fpm.files.outcome import Outcome
+from fpm.motions.motion_dataset import BOX_CORNERS, Recorded, to_dataset
+from fpm.scenes.scene import Scene
+from fpm.solver.simulate import simulate
+
+MOST_RECORDED = 1e8  # numbers of one pass; larger scenes are run in several passes
+
+_ARMS = {"place": (0.0, 0.0, 0.0), "second axis": (0.0, 1.0, 0.0), "third axis": (0.0, 0.0, 1.0)}
+_STEEPEST_MITRE = 0.3  # least cosine between a bar and the normal of the face that cuts it
+
+
+def whole_motion(
+    scenes: Sequence[Scene],
+    *,
+    duration: float,
+    instants: int,
+    step: float,
+    frames: int = 401,
+    times: Sequence[float] = (),
+    energy_tolerance: float = 0.02,
+    record: Iterable[Column] = (),
+    attributes: Sequence[dict] | None = None,
+    more: Callable[[int, Outcome], Mapping] = lambda number, outcome: {},
+) -> list:
+    """The whole motion of scenes of one topology, an xarray.Dataset each.
+
+    duration (s), instants, step (s), energy_tolerance, record as in `simulate`: those of the
+    trajectory that is to be had again. Kept are `frames` of its instants, evenly spread, and those
+    nearest to `times` (s). attributes: further global ones of each; more(number, outcome): further
+    variables of one. Raises the failure of a run that fails.
+    """
+    arguments = {"duration": duration, "instants": instants, "step": step}
+    arguments |= {"energy_tolerance": energy_tolerance, "record": tuple(record)}
+    count = len(scenes[0].position)
+    points = len(_ARMS) * 6 * instants * 8  # numbers of one particle, with 8 runs side by side
+    passes = max(1, round(np.ceil(count * points / MOST_RECORDED)))
+    recorded: list[list[tuple]] = [[] for _ in scenes]
+    kept = kept_instants(duration, instants, frames, times)
+    for particles in np.array_split(np.arange(count), min(passes, count)):
+        outcomes = simulate([_with_points(s, particles) for s in scenes], **arguments)
+        for parts, outcome in zip(recorded, outcomes, strict=True):
+            if outcome.failure is not None:
+                raise outcome.failure
+            parts.append((_tracks(outcome, particles), outcome))
+    datasets = []
+    for i, (scene, parts) in enumerate(zip(scenes, recorded, strict=True)):
+        position, velocity, frame = (
+            np.concatenate([tracks[k] for tracks, _ in parts], axis=1) for k in range(3)
+        )
+        strains = element_strains(scene, position[kept], frame[kept])
+        found = Recorded(scene, parts[0][1], kept, position, velocity[kept], frame, *strains)
+        extra = attributes[i] if attributes else {}
+        data = to_dataset(found, section_corners(scene), extra)
+        datasets.append(data.assign(more(i, found.outcome)))
+    return datasets
+
+
+def kept_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
+    """Indices of `frames` of `instants` evenly spaced instants, and of those nearest to times."""
+    even = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
+    nearest = np.round(np.asarray(times, float) / duration * (instants - 1)).astype(int)
+    return np.unique(np.concatenate([even, nearest.clip(0, instants - 1)]))
+
+
+def element_strains(
+    scene: Scene, position: np.ndarray, frame: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Axial strain (t, m) and the largest bending strain at the surface (t, m) of all elements.
+
+    position (t, n, 3) m and frame (t, n, 3, 3) of the particles. The moments at an element's ends
+    are the gradient of its energy (kinds/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image;
+    the larger end counts, at the corner of a rectangle with the section's area and second moments.
+    """
+    if not scene.beams:
+        return np.zeros((len(position), 0)), np.zeros((len(position), 0))
+    nodes, length, half = elements_of(scene.beams)
+    chord = position[:, nodes[:, 1]] - position[:, nodes[:, 0]]
+    stretched = np.linalg.norm(chord, axis=2)
+    chord /= stretched[:, :, None]
+    start = scene.frame if scene.unstrained is None else scene.unstrained
+    triads = np.concatenate([beams.triad for beams in scene.beams])
+    curvature = np.zeros((2, *stretched.shape, 2))  # at both ends, in both planes
+    turns = []
+    for end in (0, 1):
+        local = np.einsum("mji,mjk->mik", start[nodes[:, end]], triads[:, :, 1:])
+        # The sine between the chord and the axis is the chord's component in the end's own frame.
+        seen = np.einsum("tmji,tmj->tmi", frame[:, nodes[:, end]], chord)
+        sine = np.einsum("tmi,mik->tmk", seen, local)
+        turns.append(sine * (1.0 + sine**2 / 6.0))
+    for end in (0, 1):
+        curvature[end] = 2.0 * (2.0 * turns[end] + turns[1 - end]) / length[:, None]
+    bending = np.einsum("etmk,mk->etm", np.abs(curvature), half).max(axis=0)
+    return stretched / length - 1.0, bending
+
+
+def section_corners(scene: Scene) -> np.ndarray:
+    """Corners (m, 2, 4, 3) of each element's section at both ends, in the frames of its particles.
+
+    Metres. The section is drawn as the rectangle with its area and second moments. Ends of bars
+    whose hinge has a contact are cut along the contact's face, as mitred bars are.
+    """
+    if not scene.beams:
+        return np.zeros((0, 2, 4, 3))
+    nodes, _, half = elements_of(scene.beams)
+    triads = np.concatenate([beams.triad for beams in scene.beams])
+    start = scene.frame if scene.unstrained is None else scene.unstrained
+    faces = _contact_faces(scene)
+    out = np.zeros((len(nodes), 2, 4, 3))
+    for e, ends in enumerate(nodes):
+        for k, particle in enumerate(ends):
+            axes = start[particle].T @ triads[e]
+            corners = (2.0 * half[e] * BOX_CORNERS) @ axes[:, 1:].T
+            for point, normal in faces.get(int(particle), ()):
+                slope = normal @ axes[:, 0]
+                if abs(slope) > _STEEPEST_MITRE:
+                    shift = (point - corners) @ normal / slope
+                    corners = corners + shift[:, None] * axes[:, 0]
+            out[e, k] = corners
+    return out
+
+
+def _contact_faces(scene: Scene) -> dict[int, list[tuple[np.ndarray, np.ndarray]]]:
+    """By particle: a point and the normal of each contact's face, in the particle's frame."""
+    faces: dict[int, list] = {}
+    for contact in scene.contacts:
+        hinge = scene.hinges[contact.hinge]
+        for beam, axis, reference in zip(hinge.beams, hinge.axes, hinge.references, strict=True):
+            faces.setdefault(beam.particle, []).append((beam.arm, np.cross(axis, reference)))
+    return faces
+
+
+def _with_points(scene: Scene, particles: np.ndarray) -> Scene:
+    """The scene with named points at particles and at arms along their axes."""
+    out = copy(scene)
+    named = {
+        f"{name} of particle {p}": VirtualBeam(int(p), np.array(arm))
+        for p in particles
+        for name, arm in _ARMS.items()
+    }
+    if taken := set(named) & set(scene.points):
+        raise SceneError("point", sorted(taken)[0], "a name that is not one of a particle's axes")
+    out.points = {**scene.points, **named}
+    return out
+
+
+def _tracks(outcome: Outcome, particles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions and velocities (t, n, 3) and frames (t, n, 3, 3) of particles."""
+    of = {name: [outcome.points[f"{name} of particle {p}"] for p in particles] for name in _ARMS}
+    place, second, third = (
+        np.stack([position for position, _ in found], axis=1) for found in of.values()
+    )
+    second -= place
+    third -= place
+    velocity = np.stack([velocity for _, velocity in of["place"]], axis=1)
+    return place, velocity, np.stack([np.cross(second, third), second, third], axis=-1)

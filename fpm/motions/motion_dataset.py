@@ -1,0 +1,203 @@
+"""The whole motion of a run as a dataset: CF-like names and units (motion.py makes it).
+
+Its elements are those of bars and, each with one particle at both ends and no strain, rigid bodies.
+"""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from fpm.elements.bars.beam import elements_of
+from fpm.files.outcome import Outcome
+from fpm.files.trajectory import CONVENTIONS, contact_events
+from fpm.reading.stress import element_stress
+from fpm.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray
+
+
+BOX_CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+"""Corners of a section along its width and height, as shares of them."""
+
+
+class Recorded(NamedTuple):
+    """A run with n particles and m elements: at all its instants (t), and at those kept (k,).
+
+    position (t, n, 3) m and frame (t, n, 3, 3), axes as columns; velocity (k, n, 3) m/s; axial,
+    bending (k, m): strains. outcome holds the scene's own points and the events.
+    """
+
+    scene: Scene
+    outcome: Outcome
+    kept: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    frame: np.ndarray
+    axial: np.ndarray
+    bending: np.ndarray
+
+
+class Shapes(NamedTuple):
+    """What can be seen of a scene: its m elements of bars, then its rigid bodies.
+
+    names (m,); nodes (m, 2): the particles at their ends, a body's own twice; length (m,) and
+    half (m, 2) m: half widths and heights; corners (m, 2, 4, 3) m, in the particles' frames.
+    """
+
+    names: list[str]
+    nodes: np.ndarray
+    length: np.ndarray
+    half: np.ndarray
+    corners: np.ndarray
+
+
+def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
+    """The shapes of a scene, of whose elements the sections have these corners (m, 2, 4, 3), m.
+
+    A rigid body is a particle that is on no bar, and free to move in some way, or has a name of a
+    body. It is drawn as the box that has its mass and principal inertias: with edges a, b, c,
+    b² + c² = 12 I/m and so on.
+    """
+    nodes, length, half = elements_of(scene.beams)
+    names = [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))]
+    free = np.flatnonzero(~scene.fixed.all(axis=1))
+    bodies = np.setdiff1d([*free, *scene.bodies.values()], nodes).astype(int)
+    inertia = scene.inertia[bodies]
+    squares = 6.0 * (inertia.sum(axis=1, keepdims=True) - 2.0 * inertia)
+    edges = np.sqrt(np.maximum(squares / scene.mass[bodies, None], 0.0))
+    ends = np.zeros((len(bodies), 2, 4, 3))
+    ends[..., 0] = 0.5 * edges[:, None, None, 0] * np.array([-1.0, 1.0])[:, None]
+    ends[..., 1:] = (edges[:, None, 1:] * BOX_CORNERS)[:, None]
+    return Shapes(
+        [*names, *(f"body {particle}" for particle in bodies)],
+        np.concatenate([nodes, np.stack([bodies, bodies], axis=1)]),
+        np.concatenate([length, edges[:, 0]]),
+        np.concatenate([half, 0.5 * edges[:, 1:]]),
+        np.concatenate([corners, ends]),
+    )
+
+
+def to_dataset(found: Recorded, corners: np.ndarray, attributes: dict) -> "xarray.Dataset":
+    """The motion at the instants kept; corners (m, 2, 4, 3) m of the sections at their ends."""
+    import xarray
+
+    scene, outcome, kept = found.scene, found.outcome, found.kept
+    shapes = shapes_of(scene, corners)
+    still = np.zeros((len(kept), len(shapes.names) - found.axial.shape[1]))
+    found = found._replace(  # rigid bodies are not strained
+        axial=np.hstack([found.axial, still]), bending=np.hstack([found.bending, still])
+    )
+    names = {
+        "element": shapes.names,
+        "point": list(scene.points),
+        "hinge": [hinge.name for hinge in scene.hinges],
+        "contact": [scene.hinges[contact.hinge].name for contact in scene.contacts],
+    }
+    time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
+    variables = _moving(found, len(shapes.names)) | _fixed(scene, shapes) | _events(outcome)
+    if scene.cables:
+        names["cable"] = [cable.name for cable in scene.cables]
+        variables |= _cables(found)
+    return xarray.Dataset(
+        {
+            name: (dims, values, {"units": unit, "long_name": text})
+            for name, (dims, values, unit, text) in variables.items()
+        },
+        coords={
+            "time": ("time", outcome.time[kept], time),
+            "axis": ("axis", list("xyz"), {"long_name": "axis, global or of the particle"}),
+            **{n: (n, np.array(v, dtype=str), {"long_name": n}) for n, v in names.items()},
+        },
+        attrs={
+            "Conventions": CONVENTIONS,
+            "title": f"whole motion of scene {scene.name}",
+            "source": "finite particle method",
+            "history": f"fpm.motions.motion.whole_motion: steps of {outcome.step:.9g} s",
+            "scene": scene.name,
+            "time_step": outcome.step,
+            **attributes,
+        },
+    )
+
+
+def _moving(found: Recorded, elements: int) -> dict[str, tuple]:
+    """What changes in time: name -> dimensions, values, units, long name."""
+    kept = found.kept
+    stress = np.zeros((len(found.position), elements))  # none in rigid bodies, which come last
+    if beams := found.scene.beams:
+        found_stress = element_stress(
+            found.scene, beams, lambda p: found.position[:, p], lambda p: found.frame[:, p]
+        )
+        stress[:, : found_stress.shape[1]] = found_stress
+    vector, element = ("time", "particle", "axis"), ("time", "element")
+    points = [found.outcome.points[name][0][kept] for name in found.scene.points]
+    places = np.stack(points, axis=1) if points else np.zeros((len(kept), 0, 3))
+    when = found.outcome.time[stress.argmax(axis=0)]
+    return {
+        "position": (vector, found.position[kept], "m", "position of the particles"),
+        "velocity": (vector, found.velocity, "m s-1", "velocity of the particles"),
+        "frame": ((*vector, "director"), found.frame[kept], "1", "axes of the particle, columns"),
+        "point_position": (("time", "point", "axis"), places, "m", "position of named points"),
+        "axial_strain": (element, found.axial, "1", "stretch over unstrained length"),
+        "bending_strain": (element, found.bending, "1", "largest bending strain at surface"),
+        "stress": (element, stress[kept], "Pa", "largest equivalent stress (von Mises)"),
+        "largest_stress": ("element", stress.max(axis=0), "Pa", "largest stress of all instants"),
+        "largest_stress_time": ("element", when, "s", "instant of the largest stress"),
+    }
+
+
+def _fixed(scene: Scene, shapes: Shapes) -> dict[str, tuple]:
+    """Connections and sizes; vectors in the frames of the particles."""
+    points, hinges = list(scene.points.values()), scene.hinges
+
+    def rows(values: list, *shape: int) -> np.ndarray:
+        return np.array(values, float).reshape(-1, *shape)
+
+    def whole(values: object) -> np.ndarray:
+        return np.asarray(values).astype(np.int32)
+
+    joined = whole(rows([hinge.particles for hinge in hinges], 2))
+    arms, axes = [hinge.beams[0].arm for hinge in hinges], [hinge.axes[0] for hinge in hinges]
+    corner = ("element", "end", "corner", "axis")
+    return {
+        "element_particle": (("element", "end"), whole(shapes.nodes), "1", "particles at its ends"),
+        "element_length": ("element", shapes.length, "m", "unstrained length"),
+        "section_size": (
+            ("element", "side"),
+            2.0 * shapes.half,
+            "m",
+            "width and height of the section",
+        ),
+        "section_corner": (corner, shapes.corners, "m", "corner of the section from the particle"),
+        "point_particle": ("point", whole([p.particle for p in points]), "1", "its particle"),
+        "point_arm": (("point", "axis"), rows([p.arm for p in points], 3), "m", "from particle"),
+        "hinge_particle": (("hinge", "end"), joined, "1", "particles that it joins"),
+        "hinge_arm": (("hinge", "axis"), rows(arms, 3), "m", "point from the first particle"),
+        "hinge_axis": (("hinge", "axis"), rows(axes, 3), "1", "axis in the first particle's frame"),
+    }
+
+
+def _cables(found: Recorded) -> dict[str, tuple]:
+    """Tensions, and the points of all cables one after the other."""
+    cables = found.scene.cables
+    beams = [beam for cable in cables for beam in cable.beams]
+    of = np.repeat(np.arange(len(cables)), [len(cable.beams) for cable in cables])
+    on, arms = np.array([beam.particle for beam in beams]), np.array([beam.arm for beam in beams])
+    tension = found.outcome.recorded["cable_tension"].values[found.kept]
+    return {
+        "cable_tension": (("time", "cable"), tension, "N", "tension of the cables"),
+        "cable_point_cable": ("cable_point", of.astype(np.int32), "1", "cable of the point"),
+        "cable_point_particle": ("cable_point", on.astype(np.int32), "1", "its particle"),
+        "cable_point_arm": (("cable_point", "axis"), arms, "m", "from the particle, in its frame"),
+    }
+
+
+def _events(outcome: Outcome) -> dict[str, tuple]:
+    names = [element.name for element in outcome.eventful]
+    time, contact, closing = contact_events(outcome.events, names)["events"].T
+    return {
+        "contact_event_time": ("event", time, "s", "time at which a contact closes or opens"),
+        "contact_event_contact": ("event", contact.astype(np.int32), "1", "index of the contact"),
+        "contact_event_closing": ("event", closing.astype(np.int8), "1", "1: closes, 0: opens"),
+    }

@@ -1,0 +1,135 @@
+"""Forces and moments by which joints, supports and drives keep parts where they are.
+
+A joint's are the impulses that its solver applied over the step around an instant, divided by the
+length of that step (over the half step after it at the first instant). With leapfrog they stand at
+the instant like all other forces, to the second order in the step (the first instant: to the
+first). Conditions that others imply bear what the solver gives them: of all impulses that keep
+the joints closed the smallest.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.joints.hinge import Hinge
+from fpm.elements.joints.joint import Joint
+from fpm.elements.particles.drive import Drive
+from fpm.reading.kept import Kept
+from fpm.scenes.scene import Scene
+
+SUPPORT = " (its support)"  # what joints are called that hold the point of a hinge
+
+
+def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
+    """All joints of two parts by name."""
+    found = {}
+    for joint in (*Hinge.of(scene), *Joint.of(scene)):
+        if len(joint.beams) == 2 and not getattr(joint, "holds_opening", False):
+            found[joint.name] = joint
+    return found
+
+
+def point_of(kept: Kept, joint: Hinge | Joint) -> np.ndarray:
+    """Where the forces of a joint act (t, 3) m: its point on the first part, on the second of a
+    slider."""
+    beam = joint.beams[1 if getattr(joint, "type", "") == "prismatic" else 0]
+    return kept.place(beam.particle) + kept.arm(beam)
+
+
+def couple_on_two(kept: Kept, joint: Hinge | Joint, sides) -> np.ndarray:
+    """Moment (t, 3) N m of a joint on its second part about its point.
+
+    About axes about which the second does not turn it is the opposite of that on the first.
+    """
+    point = point_of(kept, joint)
+    one, two = (kept.place(beam.particle) for beam in joint.beams)
+    found = sides.about_two - np.cross(point - two, sides.on_two)
+    other = np.cross(point - one, sides.on_one) - sides.about_one
+    second = joint.beams[1].particle
+    turns = ~kept.scene.fixed[second, 3:] | (second in Drive.moved(kept.scene))
+    return np.where(turns, found, other)
+
+
+def on_particle(kept: Kept, particle: int) -> tuple[np.ndarray, np.ndarray]:
+    """Force (t, 3) N of all joints on a particle, and their moment (t, 3) N m about it."""
+    force, moment = np.zeros((2, len(kept.time), 3))
+    for joint, sides in kept.joints:
+        for k, beam in enumerate(joint.beams):
+            if beam.particle != particle:
+                continue
+            on, sign = ((sides.on_one, -1.0), (sides.on_two, 1.0))[k]
+            force = force + on
+            if len(joint.beams) == 1:
+                moment = moment + np.cross(kept.arm(beam), on)
+                continue
+            lever = point_of(kept, joint) - kept.place(particle)
+            moment = moment + np.cross(lever, on) + sign * couple_on_two(kept, joint, sides)
+    return force, moment
+
+
+class Reaction(NamedTuple):
+    """What holds or drives a point: the end of `beam`; turns: whether there is a moment of it."""
+
+    beam: VirtualBeam
+    holders: tuple[str, ...]  # names of joints that hold the point itself
+    particle: bool  # whether the particle is held or driven
+
+    @property
+    def turns(self) -> bool:
+        """Whether there may be a moment about the point."""
+        return self.particle
+
+
+def reactions_of(scene: Scene) -> dict[str, Reaction]:
+    """Supports and drives by name, points on particles that are held or driven, and hinges whose
+    point is held; of the same name the first counts."""
+    holding = {joint.name: joint for joint in Joint.of(scene) if len(joint.beams) == 1}
+    held = scene.fixed.any(axis=1)
+    found = {}
+    for name, beam in {**scene.points, **scene.supports}.items():
+        holders = (name,) if name in holding and name in scene.supports else ()
+        if held[beam.particle] or holders:
+            found[name] = Reaction(beam, holders, bool(held[beam.particle]))
+    for hinge in scene.hinges:
+        if hinge.support:
+            found.setdefault(hinge.name, Reaction(hinge.beams[0], (hinge.name,), False))
+    return found
+
+
+def reaction(kept: Kept, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Force (t, 3) N of a support or drive on the structure, and its moment (t, 3) N m about its
+    point.
+
+    Of a particle that is held: what all other forces, and those of joints, lack to its own change
+    of momentum, along and about the axes that are held. Several supports on one particle are one.
+    What is held altogether and is neither on a bar nor a body with a name is the ground: it has no
+    weight.
+    """
+    found = reactions_of(kept.scene)[name]
+    force, moment = np.zeros((2, len(kept.time), 3))
+    for joint, sides in kept.joints:
+        if joint.name in found.holders and len(joint.beams) == 2:
+            force = force + (sides.on_one + sides.on_two)
+        elif joint.name.removesuffix(SUPPORT) in found.holders and len(joint.beams) == 1:
+            force = force + sides.on_one
+    if found.particle:
+        particle = found.beam.particle
+        fixed = kept.scene.fixed[particle]
+        terms = zip(
+            kept.inertia(particle), kept.force(particle), on_particle(kept, particle), strict=True
+        )
+        held, turned = (change - applied - joined for change, applied, joined in terms)
+        held, turned = held * fixed[:3], turned * fixed[3:]
+        if _is_ground(kept.scene, particle):
+            held = held + kept.scene.mass[particle] * kept.scene.gravity
+        force = force + held
+        moment = turned - np.cross(kept.arm(found.beam), held)
+    return force, moment
+
+
+def _is_ground(scene: Scene, particle: int) -> bool:
+    """Whether a particle stands for what does not move."""
+    on_bars = any(particle in beams.nodes for beams in scene.beams)
+    other = on_bars or particle in scene.bodies.values() or particle in Drive.moved(scene)
+    return bool(scene.fixed[particle].all()) and not other

@@ -1,0 +1,154 @@
+"""What a probe has kept of one sample (kinds/probe.py), by particle, hinge and joint."""
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.joints.hinge import Hinge
+from fpm.elements.joints.joint import Joint
+from fpm.elements.openings.opening import PARTS, Opening
+from fpm.elements.particles.drive import Drive
+from fpm.elements.particles.probe import Probe
+from fpm.reading.bars import Bar, Sections, bars_of, sections_of
+from fpm.scenes.scene import Scene
+
+
+class Sides(NamedTuple):
+    """What a joint does to the particles of its sides: forces and moments about them, (t, 3)."""
+
+    on_one: np.ndarray
+    about_one: np.ndarray
+    on_two: np.ndarray
+    about_two: np.ndarray
+
+
+class Kept:
+    """What the loop kept of one lane at t instants, `time` (t,) s, with steps of `step` (s)."""
+
+    def __init__(self, batch, parts, lane: int, time: np.ndarray, step: float):
+        self.scene: Scene = batch.scenes[lane]
+        self.time, self.step, self._lane = time, step, lane
+        self._parts = dict(zip(batch.kinds, parts, strict=True))
+        self.probe = Probe.asked(self.scene)
+        self._sections: dict[str, tuple[Bar, Sections]] = {}
+
+    def _rows(self, array: np.ndarray, count: int) -> np.ndarray:
+        """What was recorded of `count` things: (t, count, fields)."""
+        rows = array[:, :, self._lane].reshape(len(self.time) + 1, count, array.shape[1])
+        return rows[:-1]  # the last row is for checks between instants
+
+    @cached_property
+    def _frames(self) -> np.ndarray:
+        return self._rows(self._parts[Probe].frames, len(self.probe.frames))
+
+    @cached_property
+    def _forces(self) -> np.ndarray:
+        return self._rows(self._parts[Probe].forces, len(self.probe.forces))
+
+    @cached_property
+    def _driven(self) -> dict[int, np.ndarray]:
+        """Velocity and spin (3, t, 2, 3) of driven particles half a step before the instants, at
+        them, and half a step after."""
+        if not Drive.of(self.scene):
+            return {}
+        half = 0.5 * self.step
+        ways = [[Drive.motion(self.scene, t + s) for t in self.time] for s in (-half, 0.0, half)]
+        found = np.array([[motion[1:] for motion in way] for way in ways])  # (3, t, 2, d, 3)
+        return {int(p): found[:, :, :, k] for k, p in enumerate(ways[0][0][0])}
+
+    def place(self, particle: int) -> np.ndarray:
+        """Position (t, 3) m."""
+        return self._frames[:, self.probe.frames.index(particle), :3]
+
+    def axes(self, particle: int) -> np.ndarray:
+        """Axes (t, 3, 3), as columns."""
+        second, third = np.split(self._frames[:, self.probe.frames.index(particle), 3:], 2, axis=1)
+        return np.stack([np.cross(second, third), second, third], axis=2)
+
+    def arm(self, beam) -> np.ndarray:
+        """From a virtual beam's particle to its end, (t, 3) m."""
+        return self.axes(beam.particle) @ beam.arm
+
+    def _of(self, particle: int, name: str) -> np.ndarray:
+        from fpm.elements.particles import probe_kernels
+
+        at, k = getattr(probe_kernels, name), self.probe.forces.index(particle)
+        return self._forces[:, k, at : at + 3]
+
+    def force(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
+        """Force (t, 3) N and moment (t, 3) N m on a particle, but for those that hold it."""
+        return self._of(particle, "FORCE"), self._of(particle, "MOMENT")
+
+    def spin(self, particle: int) -> np.ndarray:
+        """Angular velocity (t, 3) rad/s."""
+        if particle in self._driven:
+            return self._driven[particle][1, :, 1]
+        return self._turned(particle, self._of(particle, "MOMENTUM"))
+
+    def velocity(self, particle: int) -> np.ndarray:
+        """Velocity (t, 3) m/s."""
+        if particle in self._driven:
+            return self._driven[particle][1, :, 0]
+        return self._of(particle, "VELOCITY")
+
+    def acceleration(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
+        """Acceleration (t, 3) m/s² and angular acceleration (t, 3) rad/s²: changes over the step
+        around each instant, and over the half step after the first."""
+        if particle in self._driven:
+            before, now, after = self._driven[particle]
+            change = (after - before) / self.step
+            change[0] = (after[0] - now[0]) / (0.5 * self.step)
+            return change[:, 0], change[:, 1]
+        momentum, change = self._of(particle, "MOMENTUM"), self._of(particle, "CHANGE")
+        # Euler's equation: J w' = p' - w x p.
+        gyroscopic = np.cross(self.spin(particle), momentum)
+        turning = self._turned(particle, change - gyroscopic)
+        return self._of(particle, "ACCELERATION"), turning
+
+    def _turned(self, particle: int, momentum: np.ndarray) -> np.ndarray:
+        """Inverse inertia times (t, 3), about the axes about which the particle may turn."""
+        axes = self.axes(particle)
+        local = np.einsum("tij,ti->tj", axes, momentum) / self.scene.inertia[particle]
+        return np.einsum("tij,tj->ti", axes, local) * ~self.scene.fixed[particle, 3:]
+
+    def inertia(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
+        """Rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a particle as it
+        moves, driven or not."""
+        change, turning = self.acceleration(particle)
+        axes, spin = self.axes(particle), self.spin(particle)
+
+        def times_inertia(vector):
+            local = np.einsum("tij,ti->tj", axes, vector) * self.scene.inertia[particle]
+            return np.einsum("tij,tj->ti", axes, local)
+
+        gyroscopic = np.cross(spin, times_inertia(spin))
+        return self.scene.mass[particle] * change, times_inertia(turning) + gyroscopic
+
+    @cached_property
+    def _told(self) -> np.ndarray:
+        count = len(self.scene.hinges) * len(PARTS)
+        return self._rows(self._parts[Opening].told_track, count)
+
+    def told(self, hinge: int, part: str) -> tuple[np.ndarray, np.ndarray]:
+        """Moment (t,) N m of a part on a hinge of that index, or force (t,) N on a slide, and its
+        work so far (t,) J."""
+        return tuple(self._told[:, hinge * len(PARTS) + PARTS.index(part)].T)
+
+    def sections(self, bar: str) -> tuple[Bar, Sections]:
+        """A bar, and what the sections of its elements bear."""
+        if bar not in self._sections:
+            found = bars_of(self.scene)[bar]
+            self._sections[bar] = found, sections_of(self.scene, found, self.place, self.axes)
+        return self._sections[bar]
+
+    @cached_property
+    def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
+        """All joints, lone hinges and others, and what they do to their sides."""
+        found = []
+        for kind in (Hinge, Joint):
+            if elements := kind.of(self.scene):
+                rows = self._rows(self._parts[kind].forces, len(elements))
+                for k, element in enumerate(elements):
+                    found.append((element, Sides(*np.split(rows[:, k], 4, axis=1))))
+        return found

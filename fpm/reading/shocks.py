@@ -1,0 +1,72 @@
+"""Which responses tell of forces that mesh and step alone decide, since nothing softens a shock.
+
+Two cases: a latch that holds exactly stops its joint within one step, and what is applied at once
+runs through elastic bars as a wave whose front is a few elements long, whatever their length.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fpm.elements.bars.viscosity import Viscosity
+from fpm.elements.joints.rigid_latch import RigidLatch
+from fpm.elements.particles.load import Load
+
+if TYPE_CHECKING:
+    from fpm.reading.responses import Response
+    from fpm.scenes.scene import Scene
+
+FORCES = (
+    "acceleration", "constraint_force", "constraint_moment", "joint_moment", "joint_power",
+    "latch_moment", "reaction_force", "reaction_moment", "section_force", "section_moment",
+    "stress",
+)  # fmt: skip
+"""Kinds of responses that a shock makes jump, or that are as large as it is short."""
+
+_HOLDING = ("sum", "latch", "motor", "release")
+"""Parts of the moment on a joint by which it may be held, which bear what the motion asks for; all
+others follow from openings and their rates."""
+
+
+def doubt(scene: "Scene", response: "Response") -> str:
+    """Why the peaks of a response mean nothing in a scene, and what to do, as a sentence; nothing
+    where they mean something."""
+    kind = response.kind
+    if kind not in FORCES:
+        return ""
+    if kind in ("joint_moment", "joint_power") and response.about[1] not in _HOLDING:
+        return ""
+    if latches := [latch.label(scene) for latch in RigidLatch.of(scene)]:
+        return (
+            f"{_listed(latches)} without `stiffness` stops the joint within one step, a blow as "
+            "large as mesh and step make it: state the `stiffness` of the latch, or of what "
+            "bears it"
+        )
+    sudden = any(_sudden(scene, load) for load in Load.of(scene))
+    if scene.beams and sudden and not any(one.share for one in Viscosity.of(scene)):
+        return (
+            "a load begins at once, and the wave that it sends through the bars rings in the last "
+            "mode of the mesh, a quarter too high and more the finer it is: state "
+            "`viscosity: 0.2`, or let the load rise over a few times that a wave takes through a "
+            "bar, by a `curve`"
+        )
+    return ""
+
+
+def _listed(latches: list[str]) -> str:
+    """`latch a`, `latches a and b`, `latches a, b and 4 more`."""
+    if len(latches) == 1:
+        return f"latch {latches[0]}"
+    more = len(latches) - 2
+    return f"latches {', '.join(latches[:2]) if more else ' and '.join(latches)}" + (
+        f" and {more} more" if more else ""
+    )
+
+
+def _sudden(scene: "Scene", load: Load) -> bool:
+    """Whether a load is there from the start on."""
+    first = 1.0
+    if load.curve >= 0:
+        times, values = scene.curves[load.curve]
+        first = np.interp(0.0, times, values)
+    return bool(first * (np.abs(load.force).max() + np.abs(load.moment).max()))

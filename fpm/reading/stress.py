@@ -1,0 +1,71 @@
+"""The largest stress in the sections of bars.
+
+Normal stress of axial force and bending, N/A + M_y z/Iy - M_z y/Iz, and the shear stress of torsion
+make the equivalent stress sqrt(s² + 3 t²) (von Mises; Timoshenko, Strength of Materials II, § 83),
+of which the largest over points of the contour counts, at both ends of every element: along an
+element forces are constant and bending is linear.
+
+round        any point: |N|/A + r sqrt((M_y/Iy)² + (M_z/Iz)²), with t = |T| r/J; exact
+rectangle    corners, where torsion has no stress, and the middles of the sides, with t = |T| w: the
+             exact series of Timoshenko and Goodier, Theory of Elasticity, § 109
+unknown      corners of the rectangle with the same area and second moments, with t = |T| R/J and R
+             the distance of its corners from the middle; of closed and full sections an estimate
+             that is mostly too large
+
+The shear stress of transverse forces is left out: in slender bars it is smaller by height/length.
+"""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from fpm.elements.bars.beam import Beams, Section
+from fpm.reading.bars import half_sizes, sections
+from fpm.scenes.scene import Scene
+
+
+def torsion_stresses(width: float, height: float, J: float) -> tuple[float, float]:
+    """Shear stress per torque (1/m³) of a solid rectangle with the torsion constant J (m4), in the
+    middles of the sides at y = ±width/2 and at z = ±height/2."""
+    a, b = sorted((width / 2, height / 2))
+    n = np.arange(1, 60, 2)
+    argument = np.minimum(n * np.pi * b / (2 * a), 500.0)  # beyond, cosh overflows
+    at_long = 2 * a * (1 - 8 / np.pi**2 * np.sum(1 / (n**2 * np.cosh(argument))))
+    signs = (-1.0) ** ((n - 1) // 2)
+    at_short = 16 * a / np.pi**2 * np.sum(signs * np.tanh(argument) / n**2)
+    # The long sides are a away from the middle.
+    found = (at_long, at_short) if width <= height else (at_short, at_long)
+    return found[0] / J, found[1] / J
+
+
+def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.ndarray:
+    """Largest equivalent stress (...,) Pa of a section that bears forces (..., 3) N and moments
+    (..., 3) N m along its own axes."""
+    normal = np.abs(force[..., 0]) / section.A
+    torque, about_y, about_z = np.abs(np.moveaxis(moment, -1, 0))
+    y, z = half_sizes(section)
+    if section.outline == "round":
+        bent = y * np.hypot(about_y / section.Iy, about_z / section.Iz)
+        return von_mises(normal + bent, torque * y / section.J)
+    by_y, by_z = about_y * z / section.Iy, about_z * y / section.Iz
+    corner = normal + by_y + by_z
+    if not section.outline:
+        return von_mises(corner, torque * np.hypot(y, z) / section.J)
+    at_y, at_z = torsion_stresses(section.width, section.height, section.J)
+    sides = von_mises(normal + by_z, torque * at_y), von_mises(normal + by_y, torque * at_z)
+    return np.maximum(corner, np.maximum(*sides))
+
+
+def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
+    """Equivalent stress of a normal and a shear stress."""
+    return np.sqrt(normal**2 + 3.0 * shear**2)
+
+
+def element_stress(scene: Scene, groups: Iterable[Beams], place, axes) -> np.ndarray:
+    """Largest equivalent stress (t, m) Pa in each element of groups of them; place and axes as for
+    `bars.sections`."""
+    found = []
+    for beams in groups:
+        force, moment = sections(scene, beams, place, axes)
+        found.append(equivalent(beams.section, force[:, :, None], moment).max(axis=2))
+    return np.concatenate(found, axis=1)

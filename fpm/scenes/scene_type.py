@@ -1,0 +1,135 @@
+"""A structure that scenes are built from, and what may be set in it."""
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from fpm import sources
+from fpm.elements import energies_of
+from fpm.errors import SceneError
+from fpm.scenes.scene import Scene
+
+
+def one_line(text: str) -> str:
+    """A description as one line without control characters: it goes into comments and tables."""
+    return "".join(c for c in " ".join(text.split()) if c.isprintable())
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What a scene's parameter is and which values it takes.
+
+    kind: "real", "integer", "boolean" or "choice"; only real ones may be intervals. The range is
+    closed unless `lower_open`, `upper_open`. A default of None means: follows from the others.
+    """
+
+    default: float | int | bool | str | None
+    unit: str
+    description: str
+    lower: float = float("-inf")
+    upper: float = float("inf")
+    kind: str = "real"
+    choices: tuple[str, ...] = ()
+    lower_open: bool = False
+    upper_open: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "description", one_line(self.description))
+
+    @property
+    def allowed(self) -> str:
+        """The allowed values in words."""
+        if self.kind == "choice":
+            return f"one of {', '.join(self.choices)}"
+        if self.kind == "boolean":
+            return "true or false"
+        what = "a whole number" if self.kind == "integer" else "a number"
+        bounds = []
+        if self.lower > float("-inf"):
+            bounds.append(f"{'>' if self.lower_open else '>='} {self.lower:g}")
+        if self.upper < float("inf"):
+            bounds.append(f"{'<' if self.upper_open else '<='} {self.upper:g}")
+        unit = f" ({self.unit})" if self.unit not in ("", "1") else ""
+        return " ".join([what, " and ".join(bounds)]).strip() + unit
+
+    def check(self, name: str, value: object) -> None:
+        """SceneError unless `value` is allowed."""
+        if value is None and self.default is None:
+            return
+        if self.kind == "choice":
+            right = value in self.choices
+        elif self.kind == "boolean":
+            right = isinstance(value, bool)
+        else:
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            right = number and float("-inf") < value < float("inf")
+            right = right and (self.kind == "real" or int(value) == value)
+            if right:
+                above = value > self.lower if self.lower_open else value >= self.lower
+                below = value < self.upper if self.upper_open else value <= self.upper
+                right = above and below
+        if not right:
+            raise SceneError(name, value, self.allowed)
+
+
+@dataclass(frozen=True)
+class SceneType:
+    """A structure whose scenes are built from named parameters.
+
+    mesh: the parameter that sets the mesh, or None; content: digest of the structure's own files;
+    values: those of parameters for its `sample`.
+    """
+
+    name: str
+    description: str
+    parameters: dict[str, Parameter]
+    points: tuple[str, ...]
+    hinges: tuple[str, ...]
+    function: Callable[..., Scene]
+    cables: tuple[str, ...] = ()
+    values: Mapping[str, Any] = field(default_factory=dict)
+    mesh: str | None = None
+    content: str = ""
+
+    @cached_property
+    def sample(self) -> Scene:
+        """The scene at `values`: what there is, whatever the other parameters are."""
+        return self.build(**self.values)
+
+    @cached_property
+    def energies(self) -> tuple[str, ...]:
+        """Names of the energies that its runs have."""
+        own = (energy.name for energy in energies_of(self.sample.kinds))
+        return ("kinetic", *own, "balance")
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "description", one_line(self.description))
+
+    @property
+    def digest(self) -> str:
+        """16 hex digits that change with the code that computes this scene's runs.
+
+        It covers all of the mechanics that can change their numbers, and the structure's content.
+        """
+        mechanics = sources.syntax_digest(sources.mechanics_sources())
+        return hashlib.sha256(f"{mechanics} {self.content}".encode()).hexdigest()[:16]
+
+    def build(self, **parameters) -> Scene:
+        """The scene; defaults fill in what is not given. SceneError names what is wrong."""
+        for name, value in parameters.items():
+            if name not in self.parameters:
+                raise SceneError(
+                    f"parameter {name} of scene {self.name}", value,
+                    f"one of {', '.join(self.parameters)}",
+                )  # fmt: skip
+            self.parameters[name].check(name, value)
+        defaults = {name: p.default for name, p in self.parameters.items()}
+        try:
+            return self.function(**{**defaults, **parameters})
+        except SceneError:
+            raise
+        except (ArithmeticError, ValueError) as error:  # a quotient by zero, a root of less
+            allowed = f"values at which it can be built, not {type(error).__name__}: {error}"
+            raise SceneError(f"parameters of scene {self.name}", parameters, allowed) from error

@@ -1,0 +1,194 @@
+"""Files that tell what they are, and whether they are still as they were written.
+
+A sealed file ends with a line of facts as JSON: a digest of all the bytes before it and of the
+facts, and what the file is (`name`, and what its writer adds). Readers of netCDF, PNG and PDF
+overlook that line; in Markdown, HTML and SVG it is a comment, in JSON it is the first key. Files
+appear whole or not at all: they are written under a temporary name, which says whose it is, and
+renamed.
+"""
+
+import hashlib
+import json
+import os
+import re
+import socket
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from functools import lru_cache
+from pathlib import Path
+
+_CHUNK = 1 << 20
+_LARGE = 16 << 20  # bytes that take a while to read
+_LONGEST = 4096  # bytes of a seal, at most
+_COMMENT = {".md", ".html", ".svg"}
+_KEY = re.compile(rb'^\{\n "seal": (\{[^\n]*\}),\n')
+_LINE = re.compile(rb'(?:\A|\n)(?:<!-- )?(\{"seal": [^\n]*\})(?: -->)?\n\Z')
+_TEMPORARY = re.compile(r"^\..*\.(?P<host>[^.]+)-(?P<process>\d+)\.part(\.\w+)?$")
+
+
+class DamagedError(OSError):
+    """A file that is there, but not as it was written, or not what it should be.
+
+    Attributes: `path`, and `reason` in words.
+    """
+
+    def __init__(self, path: str | os.PathLike, reason: str):
+        self.path, self.reason = Path(path), reason
+        super().__init__(f"{os.fspath(path)} cannot be used: {reason}")
+
+    def __reduce__(self):
+        return type(self), (self.path, self.reason)
+
+
+def seal(path: str | os.PathLike, facts: Mapping[str, str]) -> None:
+    """Seal a complete file; `facts` are `name` and whatever else a reader shall be told.
+
+    A JSON file must be an object over several lines.
+    """
+    path = Path(path)
+    if path.suffix == ".json":
+        content = path.read_bytes()
+        told = json.dumps(_with_digest(hashlib.sha256(content), facts))
+        path.write_bytes(f'{{\n "seal": {told},\n'.encode() + content.removeprefix(b"{\n"))
+        return
+    told = json.dumps({"seal": _with_digest(_digest(path, path.stat().st_size), facts)})
+    line = f"\n<!-- {told} -->\n" if path.suffix in _COMMENT else f"\n{told}\n"
+    with open(path, "ab") as file:
+        file.write(line.encode())
+
+
+def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
+    """The facts of a sealed file that is whole and, if that is given, of this name.
+
+    Raises DamagedError if it is not, FileNotFoundError if it is not there.
+    """
+    path = Path(path)
+    if path.suffix == ".json":
+        return check_content(path, path.read_bytes(), name)
+    size = path.stat().st_size
+    with open(path, "rb") as file:
+        file.seek(max(0, size - _LONGEST))
+        found = _LINE.search(file.read())
+    facts = _facts(path, found and found[1])
+    _compare(path, facts, _digest(path, size - len(found[0])), name)
+    return facts
+
+
+def unsealed(path: str | os.PathLike) -> bytes:
+    """The content of a sealed file as it was before; DamagedError if it is not whole."""
+    content = Path(path).read_bytes()
+    check_content(path, content)
+    return _split(path, content)[1]
+
+
+def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
+    """The same for the whole content of a file that was read already; `path` names it."""
+    facts, rest = _split(path, content)
+    _compare(path, facts, hashlib.sha256(rest), name)
+    return facts
+
+
+def _split(path: str | os.PathLike, content: bytes) -> tuple[dict[str, str], bytes]:
+    """Facts and rest of a file's content."""
+    if Path(path).suffix == ".json":
+        found = _KEY.match(content)
+        facts = _facts(path, found and b'{"seal": ' + found[1] + b"}")
+        return facts, b"{\n" + content[found.end() :]
+    found = _LINE.search(content, max(0, len(content) - _LONGEST))
+    return _facts(path, found and found[1]), content[: -len(found[0])] if found else b""
+
+
+def _facts(path: str | os.PathLike, text: bytes | None) -> dict[str, str]:
+    if text is not None:
+        with suppress(ValueError):
+            facts = json.loads(text)["seal"]
+            if isinstance(facts, dict) and {"name", "digest"} <= facts.keys():
+                return facts
+    raise DamagedError(path, "it was cut off or edited, or is no file of this program")
+
+
+def _compare(path: str | os.PathLike, facts: dict[str, str], content, name: str | None) -> None:
+    told = {key: value for key, value in facts.items() if key != "digest"}
+    if _with_digest(content, told)["digest"] != facts["digest"]:
+        raise DamagedError(path, "its contents are not those that were written")
+    if name is not None and facts["name"] != name:
+        raise DamagedError(path, f"it is {facts['name']}, not {name}")
+
+
+def _with_digest(content, facts: Mapping[str, str]) -> dict[str, str]:
+    content.update(json.dumps(dict(facts), sort_keys=True).encode())
+    return {**facts, "digest": content.hexdigest()[:32]}
+
+
+def _digest(path: Path, size: int):
+    """Hash of the first `size` bytes of a file, which may be larger than memory.
+
+    A large one is read once for several checks by one process, as long as it is the same.
+    """
+    if size < _LARGE:
+        return _hash(path, size)
+    now = path.stat()
+    return _known(path, size, now.st_dev, now.st_ino, now.st_mtime_ns, now.st_ctime_ns).copy()
+
+
+@lru_cache(8)
+def _known(path: Path, size: int, *state: int):
+    return _hash(path, size)
+
+
+def _hash(path: Path, size: int):
+    digest = hashlib.sha256()
+    with open(path, "rb") as file:
+        while size > 0 and (part := file.read(min(size, _CHUNK))):
+            digest.update(part)
+            size -= len(part)
+    return digest
+
+
+@contextmanager
+def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) -> Iterator[Path]:
+    """A temporary path beside `path` that takes its name when the block ends without an error.
+
+    With `facts` it is sealed before.
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # Some writers look at the ending; but who lists netCDF files shall not meet half a one.
+    ending = "" if path.suffix == ".nc" else path.suffix
+    temporary = path.with_name(f".{path.stem}.{_host()}-{os.getpid()}.part{ending}")
+    try:
+        yield temporary
+        if facts is not None:
+            seal(temporary, facts)
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def sweep(folder: str | os.PathLike) -> list[Path]:
+    """Remove what processes of this machine that are no more have left half written in a folder."""
+    removed = []
+    with suppress(FileNotFoundError, NotADirectoryError):
+        for entry in os.scandir(folder):
+            found = _TEMPORARY.match(entry.name)
+            if found and found["host"] == _host() and not _is_alive(int(found["process"])):
+                with suppress(FileNotFoundError):
+                    os.unlink(entry.path)
+                    removed.append(Path(entry.path))
+    return removed
+
+
+def _host() -> str:
+    return socket.gethostname().replace(".", "_") or "host"
+
+
+def _is_alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:  # somebody else's
+        return True
+    with suppress(OSError, IndexError):  # one that was killed, which its parent has not noticed yet
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    return True

@@ -1,0 +1,1 @@
+"""Time integration: scenes to arrays of lanes, the start, the run, and back to each sample."""

@@ -1,0 +1,46 @@
+"""Scenes that can run side by side, as one batch: those that differ in numbers only."""
+
+from collections.abc import Sequence
+
+from fpm.elements import energies_of, kinds_of
+from fpm.elements.batch import Batch
+from fpm.errors import SceneError
+from fpm.scenes.scene import Scene
+
+MOST_EVENTS = 512
+"""Room for events of a sample; where there are more, the run is repeated with room for them."""
+
+MOST_ROOM = 1 << 16
+"""Events kept per sample at most; more are counted but not kept."""
+
+
+def topology(scene: Scene) -> tuple:
+    """What must be equal in all scenes of a batch, as a hashable tuple."""
+    of_kinds = {kind: kind.topology_of(scene) for kind in kinds_of([scene])}
+    return (
+        len(scene.position),
+        tuple((kind, found) for kind, found in of_kinds.items() if found is not None),
+        tuple((name, p.particle) for name, p in scene.points.items()),
+        scene.fixed.tobytes(),
+        tuple((tuple(t), tuple(v)) for t, v in scene.curves),
+    )
+
+
+def check_topology(scenes: Sequence[Scene]) -> None:
+    """SceneError unless all scenes can run side by side."""
+    first = topology(scenes[0])
+    for i, scene in enumerate(scenes[1:], start=1):
+        if topology(scene) != first:
+            raise SceneError(
+                f"topology of scene {i}", scene.name, "the same particles, connections and "
+                "supports as scene 0, and beams along their particles' axes where its are; "
+                "scenes of a batch may differ in numbers only"
+            )  # fmt: skip
+
+
+def pack(
+    scenes: Sequence[Scene], width: int, dtype, instants: int, room: int = MOST_EVENTS
+) -> Batch:
+    """The batch of scenes of one topology (`check_topology`): arrays of `width` lanes."""
+    kinds = kinds_of(scenes)
+    return Batch(scenes, kinds, energies_of(kinds), width, dtype, instants, room)

@@ -1,0 +1,118 @@
+"""Run scenes side by side in lanes, and hand each sample's outcome back on its own."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.asked import Column
+from fpm.errors import SceneError
+from fpm.files.outcome import Outcome
+from fpm.scenes.scene import Scene
+from fpm.solver.start import started
+from fpm.solver.unpack import outcome_of
+from fpm.timestep import SAFETY, stable_step
+
+CHECK_EVERY = 50
+"""The energy balance is checked at least every this many steps."""
+
+
+class Division(NamedTuple):
+    """How the time between two instants is divided: step (s), steps per instant and per check."""
+
+    step: float
+    per_instant: int
+    per_check: int
+
+
+def divide_time(duration: float, instants: int, wanted: float) -> Division:
+    """The step that `simulate` takes: at most `wanted` (s), whole steps between two instants."""
+    interval = duration / (instants - 1)
+    # The tiny allowance keeps a step that was given as an exact share of the interval.
+    steps = max(1, math.ceil(interval / wanted * (1 - 1e-12)))
+    checks = math.ceil(steps / CHECK_EVERY)
+    per_check = math.ceil(steps / checks)
+    return Division(interval / (per_check * checks), per_check * checks, per_check)
+
+
+def simulate(
+    scenes: Scene | Sequence[Scene],
+    *,
+    duration: float,
+    instants: int,
+    step: float | None = None,
+    safety: float = SAFETY,
+    energy_tolerance: float = 0.02,
+    dtype=np.float64,
+    record: Iterable[Column] = (),
+) -> list[Outcome]:
+    """Integrate scenes of one topology over `duration` s; one Outcome per scene, in order.
+
+    instants: number of recorded instants, evenly spaced from 0 to duration, both included.
+    step (s): the time step, shortened if need be so that whole steps make up the time between two
+    instants; None: `safety` times the smallest stable step of the scenes given. A sample's
+    numbers depend on its scene and the step only, bit for bit, not on the scenes beside it.
+    energy_tolerance: a sample fails when its energy balance is off by more than this share of the
+    largest energy it held. record: columns that are recorded as well (fpm.asked); the motion and
+    what is always recorded do not depend on them. SceneError for bad arguments or topologies that
+    differ.
+    """
+    from fpm.kernels.lanes import width as lanes_of
+    from fpm.solver.pack import check_topology
+
+    scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
+    if not scenes:
+        return []
+    record = tuple(dict.fromkeys(record))
+    if record:
+        from fpm.reading.recording import prepared
+
+        scenes = [prepared(scene, record) for scene in scenes]
+    if not (np.isfinite(duration) and duration > 0):
+        raise SceneError("duration", duration, "a positive number (s)")
+    if instants < 2:
+        raise SceneError("instants", instants, "at least 2")
+    if step is not None and not (np.isfinite(step) and step > 0):
+        raise SceneError("step", step, "a positive number (s), or None")
+    check_topology(scenes)
+    scenes = [started(scene) for scene in scenes]
+    limits = [stable_step(scene) for scene in scenes] if step is None else [None] * len(scenes)
+    wanted = safety * min(limit.step for limit in limits) if step is None else step
+    division = divide_time(duration, instants, wanted)
+    times = duration / (instants - 1) * np.arange(instants)
+
+    outcomes = []
+    width = lanes_of(dtype)
+    for first in range(0, len(scenes), width):
+        some = slice(first, first + width)
+        run = _integrate(scenes[some], width, dtype, instants, division, energy_tolerance)
+        for lane, limit in enumerate(limits[some]):
+            outcomes.append(outcome_of(run, lane, times, division, limit, record))
+    return outcomes
+
+
+def _integrate(scenes, width, dtype, instants, division, tolerance):
+    """Integrate one batch: the Batch, the arrays of its kinds, its World and its Record."""
+    from fpm.solver.pack import MOST_EVENTS, MOST_ROOM
+
+    run = _integrate_once(scenes, width, dtype, instants, division, tolerance, MOST_EVENTS)
+    noted = int(run[0].event_count[: len(scenes)].max())
+    if noted > MOST_EVENTS:
+        room = min(noted, MOST_ROOM)
+        run = _integrate_once(scenes, width, dtype, instants, division, tolerance, room)
+    return run
+
+
+def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
+    from fpm.kernels.compiled import loop_for
+    from fpm.solver.pack import pack
+
+    batch = pack(scenes, width, dtype, instants, room)
+    parts, world, record = batch.parts(), batch.world(), batch.record()
+    step, per_instant, per_check = division
+    steps = per_instant * (instants - 1)
+    # A whole number would be another type, for which the loop would be compiled again.
+    arguments = parts, world, record, step, steps, per_instant, per_check, float(tolerance)
+    loop_for(arguments)(*arguments)
+    return batch, parts, world, record

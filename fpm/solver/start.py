@@ -1,0 +1,144 @@
+"""The motion with which a run begins: one that joints, motors and drives allow.
+
+What a motor or drive moves from the start on, and what a structure states of the motion of its
+parts, need not fit together: a motor that turns at once has a blow before it. Of all velocities
+that do fit, those are taken at which that blow changes the motion least, with masses as weights:
+
+    M d + G'p = 0,   G (v + d) = b
+
+G being the conditions of joints, supports and what holds openings, b what these prescribe, p the
+impulses. That is the motion after an inelastic blow (Gauss's principle; Moreau 1988). Friction
+bears no more than a finite moment, and nothing in a blow, so it is no condition. Conditions may
+imply each other: see assembly, which solves in the same way.
+"""
+
+from __future__ import annotations
+
+import copy
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fpm.assembly.conditions import Conditions, conditions_of
+from fpm.assembly.places import Places
+from fpm.elements.joints.turn import Turn
+from fpm.elements.openings.opening import moving_at_start
+from fpm.errors import SceneError
+
+if TYPE_CHECKING:
+    from fpm.scenes.scene import Scene
+
+AGREES = 1e-12
+"""Share of the fastest condition's rate by which a motion may be off and is left as it is."""
+
+CONTINUES = 1e-3
+"""The same of a motion that nothing prescribes. That with which a run ended agrees to the second
+order in its step only; to change it would be another motion, which does not lead back.
+"""
+
+EASE, ROUNDS = 1e-13, 30
+"""By which redundant conditions are eased, and how often at most the equations are solved."""
+
+APART = 1e6
+"""How many times as heavy as another a body may be without a closer look."""
+
+RESOLVED, REDUNDANT = 1e-8, 1e-24
+"""Eigenvalues of the matrix of all conditions, its diagonal being one: above the first they are a
+hundred times what eases the joints (EASE in kinds/joint.py), so that a first solution is right to
+1 % and the correction after it to 1e-4; below the second they are those of conditions that others
+imply.
+"""
+
+
+def started(scene: Scene) -> Scene:
+    """The scene, or a copy with velocities and spins that agree with all that holds and moves it.
+
+    Where none do, as where motors contradict each other, those are taken that are off least: joints
+    gape then, by which the run fails. SceneError as of `check_masses`.
+    """
+    check_masses(scene)
+    # One for each that has any: of a motor and a latch on one hinge, the motor alone.
+    held = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.of(scene)]
+    held = [(hinge, rate) for hinge, rate in held if rate is not None]
+    is_led = any(rate for _, rate in held) or bool(scene.drives)
+    if not (is_led or scene.velocity.any() or scene.spin.any()):
+        return scene
+    motion = moving_at_start(scene)
+    now = np.hstack([motion.velocity, motion.spin]).ravel()
+    conditions = conditions_of(scene, [hinge.name for hinge, _ in held])
+    count, rows = len(conditions.joint), _rows(scene, conditions)
+    wanted = np.zeros(count)
+    # The condition on a slide is that its first point is not behind the second.
+    wanted[count - len(held) :] = [-rate if hinge.slides else rate for hinge, rate in held]
+    off = rows @ now - wanted
+    fastest = (abs(rows) @ abs(now) + abs(wanted)).max(initial=0.0)
+    most = (AGREES if is_led else CONTINUES) * fastest
+    if np.abs(off).max(initial=0.0) <= most:
+        return scene
+    change = _least_change(scene, rows, off, most)
+    found = copy.copy(scene)
+    found.velocity, found.spin = scene.velocity + change[:, :3], scene.spin + change[:, 3:]
+    return found
+
+
+def check_masses(scene: Scene) -> None:
+    """SceneError where light bodies between heavy ones hide from the joints what these do."""
+    masses = scene.mass[~scene.fixed.all(axis=1)]
+    if masses.max(initial=0.0) <= APART * masses.min(initial=np.inf):
+        return
+    rows = _scaled(scene, _rows(scene, conditions_of(scene)))[0]
+    values = np.linalg.svd(rows.toarray(), compute_uv=False) ** 2
+    if np.any((values > REDUNDANT) & (values < RESOLVED)):
+        raise SceneError(
+            "masses of joined bodies (kg)",
+            [float(masses.min()), float(masses.max())],
+            "masses less far apart: of bodies that join others, double precision resolves some "
+            "1e-7 of these; give the lightest more mass, or join its neighbours without it",
+        )
+
+
+def _rows(scene: Scene, conditions: Conditions):
+    """Sparse rows (c, 6n) of conditions at the start."""
+    places = Places(scene.position, scene.frame)
+    return conditions.derivatives(places, np.zeros(len(conditions.joint)))[0]
+
+
+def _scaled(scene: Scene, rows):
+    """Rows of length one, by the motions times the roots of their masses; those roots' inverse
+    (6n, 6n), and what each row was divided by, as factors (c,).
+    """
+    from scipy.sparse import block_diag, diags
+
+    free = ~scene.fixed
+    linear = free[:, None, :3] * np.eye(3) / np.sqrt(scene.mass)[:, None, None]
+    about = (scene.frame / np.sqrt(scene.inertia)[:, None, :]) @ np.swapaxes(scene.frame, 1, 2)
+    turning = free[:, 3:, None] * about
+    blocks = np.stack([linear, turning], axis=1).reshape(-1, 3, 3)
+    root = block_diag(list(blocks), format="csc")
+    rows = (rows @ root).tocsc()
+    sizes = np.sqrt(rows.power(2).sum(axis=1))
+    scale = np.divide(1.0, sizes, out=np.zeros(len(sizes)), where=sizes > 0)
+    return (diags(scale) @ rows).tocsc(), root, scale
+
+
+def _least_change(scene: Scene, rows, off: np.ndarray, most: float) -> np.ndarray:
+    """The change (n, 6) of velocities and spins by which the rates of conditions change by -off.
+
+    Where masses lie far apart, what joins light bodies says little about the heavy ones: so the
+    unknowns are d times the root of M, and the residuals are solved for, again and again.
+    """
+    from scipy.sparse import bmat, identity
+    from scipy.sparse.linalg import splu
+
+    rows, root, scale = _scaled(scene, rows)
+    count, off = len(off), scale * off
+    matrix = bmat([[identity(root.shape[0]), rows.T], [rows, -EASE * identity(count)]])
+    solver = splu(matrix.tocsc())
+    change, impulses = np.zeros(root.shape[0]), np.zeros(count)
+    for _ in range(ROUNDS):
+        left = -off - rows @ change
+        if np.all(np.abs(left) <= most * scale):
+            break
+        more = solver.solve(np.concatenate([-change - rows.T @ impulses, left]))
+        change, impulses = change + more[: len(change)], impulses + more[len(change) :]
+    return (root @ change).reshape(-1, 6)

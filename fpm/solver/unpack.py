@@ -1,0 +1,114 @@
+"""Lanes of a run back to each sample's outcome."""
+
+import numpy as np
+
+from fpm.cross import columns, cross
+from fpm.errors import InstabilityError
+from fpm.files.outcome import BALANCE, KINETIC, Motion, Outcome, eventful
+from fpm.kernels import layout as at
+from fpm.reading.kept import Kept
+from fpm.reading.recording import recorded as columns_of
+from fpm.scenes.scene import Scene
+from fpm.timestep import StableStep, stable_step
+
+
+def outcome_of(
+    run, lane: int, times: np.ndarray, division, limit: StableStep | None, asked=()
+) -> Outcome:
+    """The outcome of one lane of a run, (Batch, parts, World, Record); asked: further columns."""
+    batch, parts, world, record = run
+    scene, instants = batch.scenes[lane], len(times)
+    steps = division.per_instant * (instants - 1)
+    tracks = record.points[:, :, lane].reshape(instants + 1, len(scene.points), 6)[:instants]
+    points = {name: (tracks[:, n, :3], tracks[:, n, 3:]) for n, name in enumerate(scene.points)}
+    kinds = (KINETIC, *batch.energies, BALANCE)
+    recorded = {}
+    for kind, part in zip(batch.kinds, parts, strict=True):
+        for name, found in kind.recorded(part, scene, lane).items():
+            found = found._replace(values=found.values[:instants])
+            recorded[name] = found.beside(recorded[name]) if name in recorded else found
+    failed = record.failed_step[lane] >= 0
+    if asked and not failed:
+        recorded |= columns_of(Kept(batch, parts, lane, times, division.step), asked)
+    watches = [watch for kind in batch.kinds for watch in kind.watches]
+    values = record.failed_watched[:, lane] if failed else world.watched[0, :, lane]
+    largest = {watch.name: float(x) for watch, x in zip(watches, values, strict=True)}
+    failure = None
+    if failed:
+        limit = limit or stable_step(scene)
+        failure = _failure(run, lane, largest, division.step, limit)
+    noted = int(batch.event_count[lane])
+    return Outcome(
+        scene=scene,
+        time=times,
+        points=points,
+        energies=_energies(batch, record, lane, instants),
+        energy_kinds=kinds,
+        recorded=recorded,
+        events=batch.events[: min(noted, len(batch.events)), :, lane],
+        eventful=eventful(scene, batch.eventful.of),
+        events_dropped=max(0, noted - len(batch.events)),
+        step=division.step,
+        steps=steps,
+        limit=limit,
+        failure=failure,
+        largest=largest,
+        final=_final(scene, batch.kinds, world, lane, steps * division.step),
+    )
+
+
+def _energies(batch, record, lane: int, instants: int) -> dict[str, np.ndarray]:
+    """Energies (t,) by name; those that no kind in the scene has are zero."""
+    table = record.energies[:instants, :, lane]
+    found = {energy.name: np.zeros(instants, table.dtype) for energy in batch.energies}
+    for k, energy in enumerate(batch.accounts):
+        values = table[:, at.ACCOUNTS + k]
+        # The work of the weight starts at the height of the scene.
+        found[energy.name] = values - values[0] if k < batch.givers else values
+    first = at.ACCOUNTS + len(batch.accounts)
+    for k, energy in enumerate(kind.stores for kind in batch.kinds if kind.stores):
+        # Kinds may share a name, as cables and beams may store strain energy.
+        found[energy.name] = found[energy.name] + table[:, first + k]
+    return {"kinetic": table[:, at.KINETIC], **found, "balance": table[:, at.BALANCE]}
+
+
+def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityError:
+    """Why a lane failed, and what to change."""
+    batch, _, _, record = run
+    scene, balance = batch.scenes[lane], float(record.failed_balance[lane])
+    names = [name for kind in batch.rows.of for name in kind.names(scene)]
+    row, cause = record.failed_row[lane], record.failed_cause[lane]
+    element = names[row] if row >= 0 else "none"
+    if step > limit.step and not np.isfinite(balance):
+        element = limit.element  # all elements broke down since the last check; this began it
+    watches = [watch for kind in batch.kinds for watch in kind.watches]
+    watch = watches[cause] if cause >= 0 else None
+    return InstabilityError(
+        time=record.failed_step[lane] * step,
+        element=element,
+        step=step,
+        limit=limit.step,
+        balance=balance,
+        scale=float(record.scale[lane]),
+        cause=watch and watch.name,
+        largest=largest,
+        words=watch and watch.failure(largest),
+    )
+
+
+def _final(scene: Scene, kinds, world, lane: int, time: float) -> Motion:
+    """The motion at the last instant; the momenta stand half a step before (kept) and after it.
+
+    What kinds prescribe is that at `time` (s).
+    """
+    state, kept = world.state[:, :, lane], world.kept[:, :, lane]
+    second, third = kept[:, at.D2 : at.D2 + 3], kept[:, at.D3 : at.D3 + 3]
+    frame = columns(cross(second, third), second, third)
+    momentum = 0.5 * (kept[:, at.P : at.P + 3] + state[:, at.P : at.P + 3])
+    local = np.einsum("nji,nj->ni", frame, momentum) / scene.inertia
+    velocity = 0.5 * (kept[:, at.V : at.V + 3] + state[:, at.V : at.V + 3])
+    spin = np.einsum("nij,nj->ni", frame, local) * ~scene.fixed[:, 3:]
+    motion = Motion(kept[:, at.X : at.X + 3].copy(), frame, velocity, spin)
+    for kind in kinds:
+        kind.prescribe(scene, time, motion)
+    return motion

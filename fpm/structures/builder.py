@@ -1,0 +1,116 @@
+"""What statements see of the sample that is being built: its numbers, points, parts and scene."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fpm.errors import SceneError
+from fpm.scenes.scene import Scene
+from fpm.structures.expressions import ExpressionError
+from fpm.structures.names import Bound
+from fpm.structures.problems import Problems, SkippedError
+
+APART = 1e-9
+"""Points that differ by less, as a share of the structure's size, are one."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """A named point: where it is at the start, (3,) m."""
+
+    name: str
+    position: np.ndarray
+
+
+class Part:
+    """A bar or a body: which particle carries each of its points."""
+
+    def __init__(self, name: str, points: Mapping[str, int]):
+        self.name, self.points = name, dict(points)
+        self.particles: np.ndarray = np.zeros(0, int)
+
+    def particle(self, point: str) -> int:
+        """The particle that carries a point; SceneError for a point that is not the part's."""
+        if point not in self.points:
+            raise SceneError(
+                "at", point, f"a point of {self.name}: {', '.join(self.points)} (or let it carry "
+                f"{point})"
+            )  # fmt: skip
+        return self.points[point]
+
+
+class Ground(Part):
+    """What does not move; every point can be one of it."""
+
+    def particle(self, point: str) -> int:
+        return 0
+
+
+class RefusedError(SceneError):
+    """A value that a statement refuses. `size`: how far it is off, to tell the worst sample."""
+
+    size: float = 0.0
+
+
+class Builder:
+    """One sample in the making; `sample.build` adds to it statement by statement.
+
+    scene: complete when no problem was found; numbers: all named numbers in SI units; size (m): the
+    largest extent of the structure; joined: the joints at each particle; hold: joints that are held
+    while parts are forced together, None where they are not.
+    """
+
+    hold: list[tuple[str, int]] | None = None
+    scene: Scene
+    size: float = 0.0
+
+    def __init__(self, problems: Problems):
+        self.problems = problems
+        self.numbers: dict[str, float] = {}
+        self.joined: dict[int, list[str]] = {}
+        self._made: dict[tuple[str, str], Any] = {}
+
+    def number(self, bound: Bound, key: str) -> float:
+        """The value of an expression; SkippedError if what it refers to has none."""
+        try:
+            return bound.value(self.numbers)
+        except KeyError:
+            raise SkippedError(key) from None
+        except ExpressionError as error:
+            raise SceneError(
+                key, bound.expression.text, f"arithmetic that is not {error}"
+            ) from None
+
+    def point(self, name: str) -> np.ndarray:
+        """Where a point is at the start, (3,) m."""
+        return self.made("points", name).position
+
+    def keep(self, group: str, name: str, made: Any) -> None:
+        """Keep what was built for a name."""
+        self._made[group, name] = made
+
+    def made(self, group: str, name: str) -> Any:
+        """What was built for a name; SkippedError if it could not be."""
+        try:
+            return self._made[group, name]
+        except KeyError:
+            raise SkippedError(name) from None
+
+    def only_part_with(self, point: str, key: str) -> Part:
+        """The part that has a point, and is the only one."""
+        parts = [made for (group, _), made in self._made.items() if group == "parts"]
+        found = [part for part in parts if point in part.points]
+        if len(found) != 1:
+            allowed = "a point that one part has, or {part: ..., at: " + f"{point}}}"
+            if found:
+                allowed += f" with one of {', '.join(part.name for part in found)}"
+            self.refuse(key, point, allowed)
+        return found[0]
+
+    def refuse(self, key: str, value: object, allowed: str, size: float = 0.0) -> None:
+        """Raise that a value is not allowed. size: how far it is off."""
+        error = RefusedError(key, value, allowed)
+        error.size = size
+        raise error

@@ -1,0 +1,199 @@
+"""A structure in words: what may be set in it, what it is made of, and what a run costs."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import fields
+
+import numpy as np
+
+from fpm.elements import kinds_of
+from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.cables.cable import Cable, length_through
+from fpm.elements.joints.hinge import Hinge
+from fpm.elements.joints.joint import Joint
+from fpm.elements.kind import Kind
+from fpm.elements.openings.opening import SLIDING
+from fpm.reading.bars import bars_of
+from fpm.scenes.scene import Scene
+from fpm.scenes.scene_type import Parameter, SceneType
+from fpm.structures import report
+from fpm.structures.statement import ON_SLIDES
+
+
+def describe(found: SceneType, duration: float = 1.0) -> str:
+    """All that there is to know before a run, at the default values; a run lasts `duration` s."""
+    scene = found.build()
+    cost, mobility = report.cost(scene, duration), report.mobility(scene)
+    mesh = getattr(found, "mesh", None)
+    rows = [[name, *_row(p, name == mesh)] for name, p in found.parameters.items()]
+    stated = scene.assembly.stated if scene.assembly else [h.opening for h in scene.hinges]
+    openings = zip(scene.hinges, stated, strict=True)
+    joints = [f"{hinge.name} ({_opening(hinge, before)})" for hinge, before in openings]
+    joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
+    redundant = report.redundant(scene)
+    cables = [_cable(scene, cable) for cable in scene.cables]
+    actions = acting(scene)
+    points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
+    lines = [
+        f"{found.name}: {found.description}" if found.description else found.name,
+        "",
+        *_table([["parameter", "default", "unit", "allowed", "description"], *rows]),
+        "",
+        *_listed("points", points),
+        *(_listed("bars", bars_of(scene)) if scene.beams else ()),
+        *(_listed("bodies", scene.bodies) if scene.bodies else ()),
+        *(_listed("supports", scene.supports) if scene.supports else ()),
+        *_listed("joints", joints),
+        *(_listed("cables", cables) if cables else ()),
+        *(_listed("on joints", actions) if actions else ()),
+        "",
+        f"mass          {report.mass(scene):.6g} kg",
+        f"its centre    {_vector(report.centre(scene))}",
+        f"mobility      {_several(mobility.degrees, 'way')} to move: "
+        f"{_several(mobility.parts, 'moving part')}, {mobility.conditions} conditions, "
+        f"{mobility.redundant} of them redundant",
+        *([f"redundant     {', '.join(redundant)}"] if redundant else []),
+        *([f"assembled     {_forced(scene)}"] if scene.assembly is not None else []),
+        f"stable step   {_step(cost)}",
+        *([f"              {remedy}"] if (remedy := _remedy(found, scene, cost)) else []),
+        f"a run         {len(scene.elements)} elements, {cost.steps} steps for {duration:g} s, "
+        f"{cost.element_steps:.3g} steps of elements, about {cost.seconds:.2g} s of a core "
+        "(one of eight side by side)",
+    ]
+    return "\n".join(lines)
+
+
+def _opening(hinge: Hinge, stated: float) -> str:
+    """The opening of a hinge at the start, and the stated one if parts were forced to another."""
+    kind = {"prismatic": "slide, ", "universal": "universal, ", "cross": "universal, "}
+    now, before = (_angle(opening, hinge) for opening in (hinge.opening, stated))
+    other = f", stated as {before}" if now != before else ""
+    return f"{kind.get(hinge.type, '')}opening {now}{other}"
+
+
+def _angle(opening: float, hinge: Hinge) -> str:
+    """An opening of a hinge, in degrees, or of a slide; what rounding leaves is none."""
+    opening = round(opening, 9) + 0.0
+    return f"{opening:.4g} m" if hinge.slides else f"{np.degrees(opening):.4g} deg"
+
+
+def _several(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def _step(cost: report.Cost) -> str:
+    """The stable step, and what sets it."""
+    if cost.step == np.inf:
+        return "none, as nothing is elastic: a step is at most the time between two instants"
+    return f"{cost.step:.4g} s, set by {cost.element}"
+
+
+def _remedy(found: SceneType, scene: Scene, cost: report.Cost) -> str:
+    """What would make the stable step longer."""
+    if cost.step == np.inf:
+        return ""
+    ways = [
+        f"{name} = {_number(value)} (x {share:.3g})"
+        for name, value, share in report.longer_steps(found, cost.step)
+    ]
+    if cost.element.startswith(ON_JOINTS) and scene.beams:
+        ways.append("`masses` with the fittings' inertia at its joint, where bars are light")
+    return f"longer with {'; '.join(ways)}" if ways else ""
+
+
+ON_JOINTS = ("torsion spring ", "spring ", "latch ", "stop ", "friction ", "damper ", "release ")
+"""With what the names of elements begin that may be stiff on light ends of bars."""
+
+_UNITS = {
+    "stiffness": "N m/rad", "damping": "N m s/rad", "moment": "N m", "torque": "N m",
+    "rest": "rad", "angle": "rad", "tolerance": "rad", "hold": "rad", "turn": "rad",
+    "fastest": "rad/s", "no_load": "rad/s", "time": "s", "preload": "N",
+}  # fmt: skip
+"""Units of what is told of an element that acts on a joint, if that is no slide."""
+
+
+def acting(scene: Scene) -> list[str]:
+    """What acts on joints, with its numbers, in the order of the joints."""
+    found = []
+    for kind in kinds_of([scene]):
+        pairs = zip(kind.names(scene), kind.of(scene), strict=True) if kind.acts_as else ()
+        for name, element in pairs:
+            on = getattr(element, "hinges", (getattr(element, "hinge", None),))
+            hinges = [scene.hinges[hinge] for hinge in on]
+            joints = " and ".join(hinge.name for hinge in hinges)
+            numbers = [*_numbers(element, hinges[0].slides, loop=len(on) > 1)]
+            if (watch := getattr(element, "watch", -1)) >= 0:
+                watched = scene.hinges[watch]
+                numbers.append(f"until {watched.name} passes {_angle(element.level, watched)}")
+            found.append((on[0], f"{name} ({', '.join([f'on {joints}', *numbers])})"))
+    return [text for _, text in sorted(found, key=lambda pair: pair[0])]
+
+
+def _numbers(element: Kind, slides: bool, loop: bool) -> Iterator[str]:
+    """The numbers of an element on joints, those that do nothing left out."""
+    for field in fields(element):
+        value, unit = getattr(element, field.name), _UNITS.get(field.name)
+        if unit is None or not isinstance(value, int | float) or not np.isfinite(value):
+            continue
+        if value == 0.0 and field.name in ("damping", "tolerance"):
+            continue
+        if loop and field.name == "stiffness":
+            unit = "N/m"
+        unit = SLIDING.get(unit, unit) if slides else unit
+        if unit.startswith("rad"):
+            value, unit = np.degrees(value), unit.replace("rad", "deg")
+        name = ON_SLIDES.get(field.name, field.name) if slides else field.name
+        yield f"{name.replace('_', ' ')} {value:.4g} {unit}"
+
+
+def _forced(scene: Scene) -> str:
+    """What forced the parts together."""
+    joint, gap, tilt = scene.assembly[1:4]
+    parts = [f"{gap:.4g} m"] * (gap > 0) + [f"{tilt:.4g} rad"] * (tilt > 0)
+    found = f"joint {joint} was open by {' and '.join(parts)}" if parts else "nothing was open"
+    return f"{found}; {scene.assembly.energy:.4g} J of strain energy are left"
+
+
+def _row(parameter: Parameter, is_mesh: bool) -> list[str]:
+    """Default, unit, what is allowed and description of a parameter."""
+    default = "(from others)" if parameter.default is None else _number(parameter.default)
+    unit = "" if parameter.unit == "1" else parameter.unit
+    kind = "" if parameter.kind == "real" else "no interval"
+    notes = "; ".join(filter(None, [parameter.description, "the mesh" if is_mesh else "", kind]))
+    return [default, unit, parameter.allowed.removesuffix(f" ({unit})"), notes]
+
+
+def _number(value: object) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def _cable(scene: Scene, cable: Cable) -> str:
+    """Length and tension of a cable at the start."""
+    length, rest = length_through(scene, cable.beams), cable.rest_at(scene, 0.0)
+    tension = cable.stiffness * max(length / rest - 1, 0.0)
+    state = f"tension {tension:.4g} N" if tension else f"slack by {rest - length:.4g} m"
+    return f"{cable.name} ({length:.4g} m, {state})"
+
+
+def _place(scene: Scene, beam: VirtualBeam) -> str:
+    """Where a named point is at the start."""
+    at = beam.particle
+    return _vector(scene.position[at] + scene.frame[at] @ beam.arm)
+
+
+def _vector(values: np.ndarray) -> str:
+    """Metres, those that are rounding as zero."""
+    return f"({', '.join(f'{x:.4g}' for x in np.round(values, 9) + 0.0)}) m"
+
+
+def _table(rows: list[list[str]]) -> list[str]:
+    """Rows in columns of equal width."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
+def _listed(title: str, names: Iterable[str]) -> list[str]:
+    """Names under a title, one a line."""
+    return [title, *(f"  {name}" for name in names or ["none"])]

@@ -1,0 +1,138 @@
+"""One sample of a structure: the values of its parameters become a scene."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fpm.assembly import MisfitError, assemble
+from fpm.errors import SceneError
+from fpm.scenes.scene import Scene
+from fpm.solver.start import check_masses
+from fpm.structures.builder import Builder, Ground, Part, Point
+from fpm.structures.model import Model
+from fpm.structures.problems import Problems, SkippedError
+from fpm.structures.statement import PARTS, Entry
+
+BEFORE = ("materials", "sections", *PARTS, "masses", "supports", "joints")
+"""Groups that are built before parts are forced together."""
+
+
+def build_sample(model: Model, values: Mapping[str, float], problems: Problems) -> Builder:
+    """Build a model at given values; its `scene` is complete where no problem was found."""
+    build = Builder(problems)
+    with np.errstate(all="ignore"):
+        _number(build, model, values)
+        _place(build, model)
+        build.scene = _scene(build, model)
+        for entry in model.entries:
+            if entry.statement.group in BEFORE:
+                _build(build, entry)
+        _assemble(build, model)
+        for entry in model.entries:
+            if entry.statement.group not in BEFORE:
+                _build(build, entry)
+        _finish(build, model)
+    return build
+
+
+def _number(build: Builder, model: Model, values: Mapping[str, float]) -> None:
+    for name in model.names.order:
+        number = model.names.numbers[name]
+        if name in values:
+            build.numbers[name] = float(values[name])
+        elif number.given is not None:
+            build.numbers[name] = number.given
+        elif number.bound is not None:
+            try:
+                build.numbers[name] = build.number(number.bound, number.key)
+            except SceneError as error:
+                _note(build, number.line, number.key, error)
+            except SkippedError:
+                pass
+
+
+def _place(build: Builder, model: Model) -> None:
+    placed = []
+    for name in model.points:
+        axes = [build.numbers.get(f"{name}.{axis}") for axis in "xyz"]
+        if None not in axes:
+            placed.append(np.array(axes))
+            build.keep("points", name, Point(name, placed[-1]))
+    if placed:
+        build.size = float(np.ptp(placed, axis=0).max())
+
+
+def _scene(build: Builder, model: Model) -> Scene:
+    try:
+        scene = model.overall.statement.build(build, model.overall.values(build))
+    except SkippedError:
+        scene = Scene(model.overall.name)
+    except SceneError as error:
+        _note(build, model.overall.lines.get(error.key, 0), error.key, error)
+        scene = Scene(model.overall.name)
+    if "parts:ground" in model.names.used:
+        ground = int(scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)[0])
+        scene.fix(ground)
+        build.keep("parts", "ground", Ground("ground", {}))
+    return scene
+
+
+def _build(build: Builder, entry: Entry) -> None:
+    before = len(build.scene.position)
+    try:
+        made = entry.statement.build(build, entry.values(build))
+    except SkippedError:
+        return
+    except SceneError as error:
+        key = error.key.split(".")[0]
+        joint = "." if key in entry.statement.keys else ", "
+        line = entry.lines.get(key, entry.line)
+        _note(build, line, f"{entry.key}{joint}{error.key}", error)
+        return
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        _note(build, entry.line, entry.key, SceneError("", str(error), "possible numbers"))
+        return
+    if isinstance(made, Part):
+        made.particles = np.arange(before, len(build.scene.position))
+        build.keep("parts", entry.name, made)
+    build.keep(entry.statement.group, entry.name, made)
+
+
+def _assemble(build: Builder, model: Model) -> None:
+    """Force parts together that do not meet, if the file asks for it."""
+    if build.hold is None or build.problems:
+        return
+    line = model.overall.lines.get("assemble", 0)
+    held = [build.made("joints", name) + which for name, which in build.hold]
+    try:
+        assemble(build.scene, [build.scene.hinges[hinge].name for hinge in held])
+    except MisfitError as error:
+        _note(build, line, f"assemble: {error.key}", error)
+    except SceneError as error:
+        _note(build, line, error.key, error)
+
+
+def _finish(build: Builder, model: Model) -> None:
+    scene = build.scene
+    numbers = (scene.position, scene.mass, scene.inertia, scene.velocity, scene.gravity)
+    if not all(np.isfinite(x).all() for x in numbers):
+        build.problems.say(0, "the structure has masses or lengths that are not finite")
+    if build.problems:
+        return
+    try:
+        check_masses(scene)
+    except SceneError as error:
+        _note(build, 0, f"bodies: {error.key}", error)
+    parts = [entry for entry in model.entries if entry.statement.group in PARTS]
+    for entry in parts if len(parts) > 1 else ():
+        particles = build.made("parts", entry.name).particles
+        if not (build.joined.keys() & particles.tolist() or scene.fixed[particles].any()):
+            build.problems.say(
+                entry.line, f"{entry.key}: nothing joins it to anything; allowed: parts with a "
+                "joint, a cable, a support or a drive"
+            )  # fmt: skip
+
+
+def _note(build: Builder, line: int, key: str, error: SceneError) -> None:
+    """Turn an error into a problem of the file."""
+    build.problems.refuse(line, key, error.value, error.allowed, getattr(error, "size", 0.0))

@@ -1,0 +1,131 @@
+"""Units as they are written behind a number, and the dimensions that they stand for.
+
+All is computed in SI units. Angles count as numbers (rad = 1), so that N m/rad and N m agree.
+"""
+
+import math
+import re
+from typing import NamedTuple
+
+from fpm.errors import did_you_mean
+
+
+class Dimension(NamedTuple):
+    """Powers of kg, m and s. `bare`: of a plain number, which is in SI units whatever it is for."""
+
+    mass: float = 0
+    length: float = 0
+    time: float = 0
+    bare: bool = False
+
+    @property
+    def powers(self) -> tuple[float, float, float]:
+        """Without the mark of a bare number."""
+        return self[:3]
+
+    def __str__(self) -> str:
+        known = next((n for n, u in _UNITS.items() if u[2] == self.powers and u[0] == u[1]), None)
+        if not any(self.powers):
+            return "a number without unit" if self.bare else "a number or an angle"
+        parts = [
+            name if power == 1 else f"{name}{power:g}"
+            for name, power in zip(("kg", "m", "s"), self.powers, strict=True)
+            if power
+        ]
+        return known or " ".join(parts)
+
+
+NUMBER = Dimension()
+BARE = Dimension(bare=True)
+
+
+def power(one: Dimension, exponent: float) -> Dimension:
+    """The dimension of a power of something."""
+    return Dimension(*(exponent * p for p in one.powers), one.bare)
+
+
+def product(one: Dimension, two: Dimension, sign: int = 1) -> Dimension:
+    """The dimension of a product, or of a quotient with sign -1."""
+    powers = (p + sign * q for p, q in zip(one.powers, two.powers, strict=True))
+    return Dimension(*powers, one.bare and two.bare)
+
+
+class Unit(NamedTuple):
+    """`value * numerator / denominator` is in SI units; `udunits`: as netCDF files spell it."""
+
+    numerator: float
+    denominator: float
+    dimension: Dimension
+    udunits: str
+
+    def si(self, value: float) -> float:
+        """A value in this unit, in SI units."""
+        return value * self.numerator / self.denominator
+
+
+_UNITS = {  # name: numerator, denominator, powers of kg, m, s
+    "m": (1, 1, (0, 1, 0)),
+    "mm": (1, 1000, (0, 1, 0)),
+    "cm": (1, 100, (0, 1, 0)),
+    "um": (1, 10**6, (0, 1, 0)),
+    "km": (1000, 1, (0, 1, 0)),
+    "kg": (1, 1, (1, 0, 0)),
+    "s": (1, 1, (0, 0, 1)),
+    "ms": (1, 1000, (0, 0, 1)),
+    "N": (1, 1, (1, 1, -2)),
+    "kN": (1000, 1, (1, 1, -2)),
+    "MN": (10**6, 1, (1, 1, -2)),
+    "Pa": (1, 1, (1, -1, -2)),
+    "kPa": (1000, 1, (1, -1, -2)),
+    "MPa": (10**6, 1, (1, -1, -2)),
+    "GPa": (10**9, 1, (1, -1, -2)),
+    "J": (1, 1, (1, 2, -2)),
+    "rad": (1, 1, (0, 0, 0)),
+    "mrad": (1, 1000, (0, 0, 0)),
+    "deg": (math.pi / 180, 1, (0, 0, 0)),
+    "Hz": (1, 1, (0, 0, -1)),
+    "rpm": (2 * math.pi, 60, (0, 0, -1)),
+}
+NAMES = tuple(_UNITS)
+
+_NAME = "|".join(sorted(_UNITS, key=len, reverse=True))
+_ONE = rf"(?:{_NAME})[234]?(?![\w.(])"
+CHAIN = rf"/?\s*{_ONE}(?:(?:\s*/\s*|\s+){_ONE})*"
+"""Regular expression of a unit behind a number: `mm`, `N m/rad`, `m/s2`, `/s`."""
+
+_FACTOR = re.compile(rf"\s*(/?)\s*({_NAME})(-?[1-4])?(?![A-Za-z])")
+
+
+class UnitError(ValueError):
+    """Something that is no unit."""
+
+
+def is_unit(name: str) -> bool:
+    """Whether a name reads as a unit, so that nothing else may be called so."""
+    return re.fullmatch(rf"(?:{_NAME})[234]?", name) is not None
+
+
+def unit(text: str) -> Unit:
+    """The unit written as `N m/rad` or `N m rad-1`; "" and "1" for none. UnitError otherwise."""
+    rest = re.sub(r"^\s*1?\s*(?=/|$)", "", text)
+    top = bottom = 1.0
+    dimension, spelt = NUMBER, []
+    while rest.strip():
+        found = _FACTOR.match(rest)
+        if not found:
+            word = re.match(r"\s*/?\s*([A-Za-z]*)", rest)[1] or rest.strip()
+            raise UnitError(
+                f"{text!r} is not a unit{did_you_mean(word, NAMES)}; allowed: products and "
+                f"quotients such as N m/rad of {', '.join(NAMES)}"
+            )
+        slash, name, digits = found.groups()
+        exponent = int(digits or 1) * (-1 if slash else 1)
+        numerator, denominator, powers = _UNITS[name]
+        if exponent < 0:
+            numerator, denominator = denominator, numerator
+        top, bottom = top * numerator ** abs(exponent), bottom * denominator ** abs(exponent)
+        dimension = product(dimension, power(Dimension(*powers), exponent))
+        name = "degree" if name == "deg" else name
+        spelt.append(name if exponent == 1 else f"{name}{exponent}")
+        rest = rest[found.end() :]
+    return Unit(top, bottom, dimension, " ".join(spelt) or "1")

@@ -1,0 +1,149 @@
+"""The stable time step: a bound on the highest frequency of a scene.
+
+Leapfrog is stable for ``step <= 2 / omega_max``. A hinge is a constraint, and constraints only
+lower the highest frequency (Rayleigh's quotient on a subspace; Courant and Hilbert I, ch. VI). With
+a hinge cut, the elements keep their stiffness in their own axes however the links move, so one
+eigenvalue holds for the whole motion, as long as the elements' own strains are small. These cases
+are looked at, and the fastest one counts:
+
+- all that always acts, with all hinges cut;
+- for a kind that acts in one position only, as contacts do at opening zero: the same with its
+  elements, there, without the motions that are ruled out there (Kind.shut). To cut these hinges too
+  would double the frequency of a stiff contact: the particles beside it turn about the hinge line,
+  not about their own axes.
+
+Dampers C whose rate is extrapolated, 3/2 of that of the last half step less 1/2 of the one before,
+count as springs of 4 C/h. A mode z^n u, with a = h u*Cu and b = h² u*Ku for u*Mu = 1, has
+
+    z - 2 + 1/z + a (3/2 - 2/z + 1/(2 z²)) + b = 0.
+
+On the unit circle, z = exp(i q), the imaginary part is a sin q (2 - cos q), which leaves z = -1,
+where b + 4 a = 4. Below that all modes decay (they do for small a, and roots move with a and b),
+and that is so if the largest eigenvalue of K + 4 C/h is below 4/h².
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements import kinds_of
+from fpm.elements.kind import Deformations
+from fpm.scenes.scene import Scene
+
+SAFETY = 0.9
+"""Share of the stable step that is taken where no step is given."""
+
+DENSE = 100
+"""Up to this many degrees of freedom the eigenvalue problem is solved as a full matrix."""
+
+
+class StableStep(NamedTuple):
+    """Limit of the time step (s), the highest angular frequency (rad/s), the limiting element."""
+
+    step: float
+    frequency: float
+    element: str
+
+
+def deformation_modes(
+    scene: Scene, step: float = np.inf
+) -> tuple[Deformations, np.ndarray, list[str]]:
+    """Deformations of all elements, the kind (r,) of each row, and the elements' names.
+
+    step (s): dampers are among them, as the springs that they are at such a step.
+    """
+    found, kind_of, names = [], [], []
+    for number, kind in enumerate(kinds_of([scene])):
+        parts = [kind.deformations(scene)]
+        if step < np.inf and (part := kind.dampings(scene)) is not None:
+            parts.append(part._replace(stiffness=4.0 * part.stiffness / step))
+        parts = [part for part in parts if part is not None]
+        for part in parts:
+            found.append(part._replace(element=part.element + len(names)))
+            kind_of.append(np.full(len(part.element), number))
+        if parts:
+            names += kind.names(scene)
+    if not found:
+        none, no_index = np.zeros((0, 12)), np.zeros(0, int)
+        return Deformations(none.astype(int), none, none[:, 0], no_index), no_index, []
+    merged = Deformations(*(np.concatenate(x) for x in zip(*found, strict=True)))
+    return merged, np.concatenate(kind_of), names
+
+
+def scaled_modes(scene: Scene):
+    """Sparse matrix (r, dofs) of sqrt(k) times the deformation rows times M^-1/2; element (r,).
+
+    Its singular values are the angular frequencies (rad/s) of the scene with its hinges cut. Third:
+    the inverse masses (dofs,).
+    """
+    deformations = deformation_modes(scene)[0]
+    return _scaled(scene, deformations)
+
+
+def _scaled(scene: Scene, deformations: Deformations):
+    from scipy.sparse import csr_matrix
+
+    dofs, values, stiffness, element = deformations
+    inverse = np.where(
+        scene.fixed, 0.0, 1.0 / np.column_stack([np.tile(scene.mass, (3, 1)).T, scene.inertia])
+    ).ravel()
+    entries = values * np.sqrt(stiffness)[:, None] * np.sqrt(inverse)[dofs]
+    rows = np.repeat(np.arange(len(dofs)), 12)
+    shape = (len(dofs), len(inverse))
+    return csr_matrix((entries.ravel(), (rows, dofs.ravel())), shape=shape), element, inverse
+
+
+def fastest(modes) -> tuple[float, np.ndarray]:
+    """Square of the highest frequency and the share (r,) of each row in its mode's energy."""
+    from scipy.sparse.linalg import eigsh
+
+    if modes.shape[0] == 0 or modes.nnz == 0:
+        return 0.0, np.zeros(modes.shape[0])
+    matrix = modes.T @ modes
+    if matrix.shape[0] <= DENSE:
+        values, vectors = np.linalg.eigh(matrix.toarray())
+    else:
+        start = np.ones(matrix.shape[0])  # fixed, so that the result is always the same
+        values, vectors = eigsh(matrix, k=1, which="LA", v0=start, tol=1e-8)
+    return values[-1], (modes @ vectors[:, -1]) ** 2
+
+
+def stable_step(scene: Scene) -> StableStep:
+    """Largest stable step of a scene, before any safety factor.
+
+    A scene without stiffness (free bodies) has no limit: infinity, frequency 0, element "none".
+    With dampers the limit is approached from below, to 1 %.
+    """
+    limit = _limit(scene)
+    if all(kind.dampings(scene) is None for kind in kinds_of([scene])):
+        return limit
+    # As K + 4 C/h grows at most like 1/h where h falls, the limit is not below `last` here; nor is
+    # it below what is found with a step that is not above it.
+    trial = min(limit.step, 1.0)
+    last = min(trial, _limit(scene, trial).step ** 2 / trial)
+    limit = _limit(scene, last)
+    while limit.step > 1.01 * last:
+        last, limit = limit.step, _limit(scene, limit.step)
+    return limit
+
+
+def _limit(scene: Scene, step: float = np.inf) -> StableStep:
+    """The limit, if the dampers are the springs that they are at a step (s)."""
+    deformations, kind_of, names = deformation_modes(scene, step)
+    modes, element, inverse = _scaled(scene, deformations)
+    kinds = kinds_of([scene])
+    always = np.array([kind.always_acts for kind in kinds], bool)
+    acting = always[kind_of]
+    cases = [(modes[acting], element[acting])]
+    for number, kind in enumerate(kinds):
+        if not kind.always_acts:
+            acts = acting | (kind_of == number)
+            shut, there = kind.shut(scene, inverse), modes[acts]
+            cases.append((there - (there @ shut) @ shut.T, element[acts]))
+    found = [(*fastest(case), of) for case, of in cases]
+    square, shares, element = max(found, key=lambda case: case[0])
+    if not square > 0:
+        return StableStep(np.inf, 0.0, "none")
+    energy = np.bincount(element, shares, minlength=len(names))
+    frequency = float(np.sqrt(square))
+    return StableStep(2.0 / frequency, frequency, names[int(np.argmax(energy))])

@@ -1,0 +1,81 @@
+"""A structure in other words moves as it did: random ones, of all kinds, without compiling."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from evidence.attack.metamorphic import families
+from evidence.attack.metamorphic.attack import ALL
+from evidence.attack.metamorphic.ballast import ballasted
+from evidence.attack.metamorphic.image import Image
+from evidence.attack.metamorphic.pairs import Trial
+from evidence.attack.metamorphic.runs import scene_of
+from evidence.attack.metamorphic.space import rotated
+from fpm.elements import KINDS, Probe, kinds_of
+
+PENDULUM = {
+    "points": {"p0": [0.0, 0.0, 0.0], "t0": [0.6, 0.1, 0.2]},
+    "materials": {"foam": {"E": 1e6, "rho": 100.0}},
+    "sections": {"round": {"type": "tube", "diameter": 0.2, "thickness": 0.02}},
+    "bars": {
+        "b0": {"through": ["p0", "t0"], "section": "round", "material": "foam", "elements": 2}
+    },
+    "joints": {
+        "j0": {
+            "type": "revolute", "parts": ["ground", "b0"], "at": "p0", "axis": [0.1, 1.0, -0.2],
+            "opening": 0.3,
+        }
+    },
+    "gravity": [0.5, 1.0, -9.0],
+    "record": {"t0": {"part": "b0", "at": "t0"}},
+}  # fmt: skip
+
+
+def outcomes(names):
+    """What families come to for the pendulum, whose loop other quick tests need as well."""
+    return {one.family: one.outcome for one in Trial(PENDULUM, 0.02, "0").verdicts(names)}
+
+
+def test_a_pair_that_is_alike_is_right_and_any_other_wrong(monkeypatch):
+    def without_gravity(structure, rng):
+        image = rotated(structure, rng)
+        return Image(
+            {**image.structure, "gravity": structure["gravity"]}, image.matrix, image.shift
+        )
+
+    def nearly(structure, rng):
+        gravity = [(1.0 + 1e-4) * x for x in structure["gravity"]]
+        return Image({**structure, "gravity": gravity}, np.eye(3))
+
+    monkeypatch.setitem(families.FAMILIES, "without gravity", without_gravity)
+    monkeypatch.setitem(families.FAMILIES, "nearly", nearly)
+    right = ["rotated", "mirrored", "renamed", "reordered", "parts of joints swapped"]
+    found = outcomes([*right, "without gravity", "nearly"])
+    assert found == dict.fromkeys(right, "right") | {"without gravity": "wrong", "nearly": "wrong"}
+
+
+def test_the_ballast_has_all_kinds():
+    """So that one loop serves all structures of the attack; a probe is there where it is asked."""
+    assert set(kinds_of([scene_of(ballasted({}))])) == set(KINDS) - {Probe}
+
+
+@pytest.mark.slow
+def test_random_structures_move_alike_in_other_words():
+    """A minute of it; `python -m evidence attack --only pairs` does more."""
+    words = ["-m", "evidence.attack.metamorphic", "--count", "22", "--families", "5"]
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run(
+        [sys.executable, *words], env=environment, capture_output=True, text=True, check=True
+    )
+    verdicts = [json.loads(line) for line in done.stdout.splitlines()]
+    count = Counter(one["outcome"] for one in verdicts)
+    assert not count["wrong"], [one for one in verdicts if one["outcome"] == "wrong"]
+    assert {one["family"] for one in verdicts if one["outcome"] == "right"} == set(ALL)
+    assert count["right"] > 2 * (count["sensitive"] + count["failed"])

@@ -1,0 +1,101 @@
+"""The Bennett scene: the geometry's numbers in particles, links, hinges, springs and supports."""
+
+import math
+
+import numpy as np
+import pytest
+
+from evidence.linkage.geometry import HINGES, bennett_geometry
+from evidence.linkage.runs import build
+from fpm.errors import SceneError
+
+FRAMES = [(45.0, 45.0), (30.0, 60.0), (65.0, 35.0)]  # (lambda, mu) in degrees
+EACH_FRAME = pytest.mark.parametrize("angles", FRAMES, ids=lambda a: f"lambda{a[0]:g}-mu{a[1]:g}")
+
+
+def scene_of(angles=(45.0, 45.0), **parameters):
+    return build(roll=angles[0], mu=angles[1], **parameters)
+
+
+def end_of(scene, beam):
+    """World position of a virtual beam's free end."""
+    return scene.position[beam.particle] + scene.frame[beam.particle] @ beam.arm
+
+
+@EACH_FRAME
+@pytest.mark.parametrize("start", [0.0, 0.01, 5.0, 40.0])
+def test_hinges_start_closed_up_and_open_by_the_pose(angles, start):
+    scene = scene_of(angles, start=start, elements=3)
+    geometry = bennett_geometry(0.45, 0.035, *angles)
+    pose = geometry.pose(geometry.opening_from_fold(start))
+    assert [hinge.name for hinge in scene.hinges] == list(HINGES)
+    for i, (hinge, local) in enumerate(zip(scene.hinges, geometry.hinges(), strict=True)):
+        # The virtual beams are the short arms at the joined ends, in the frames of the links.
+        for beam, arm in zip(hinge.beams, (local.arm1, local.arm2), strict=True):
+            np.testing.assert_allclose(beam.arm, arm, rtol=0, atol=1e-14)
+        ends = [end_of(scene, beam) for beam in hinge.beams]
+        np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-14)
+        np.testing.assert_allclose(ends[0], pose.point[i], rtol=0, atol=1e-14)
+        frames = [scene.frame[p] for p in hinge.particles]
+        axes = [frame @ axis for frame, axis in zip(frames, hinge.axes, strict=True)]
+        np.testing.assert_allclose(axes[0], axes[1], rtol=0, atol=1e-14)
+        # More than half a turn at A and C: the continuous opening, not the principal angle.
+        assert hinge.opening == pytest.approx(pose.opening[i], abs=1e-13)
+        point = scene.points[hinge.name]
+        np.testing.assert_allclose(end_of(scene, point), pose.point[i], rtol=0, atol=1e-14)
+
+
+def test_links_have_the_bars_mass_and_length():
+    scene = scene_of(elements=5)
+    assert scene.mass.sum() == pytest.approx(4 * 800.0 * 0.035**2 * 0.45)
+    assert [beams.length.sum() for beams in scene.beams] == pytest.approx([0.45] * 4)
+    assert len(scene.elements) == 4 * 5 + 4 + 4
+    assert not scene.velocity.any()
+    assert not scene.spin.any()
+
+
+@EACH_FRAME
+def test_stiffnesses_are_per_length_of_hinge_line(angles):
+    geometry = bennett_geometry(0.45, 0.035, *angles)
+    scene = scene_of(angles, K_F=7.0, K_C=900.0)
+    lengths = [geometry.hinge_length_a, geometry.hinge_length_b] * 2
+    assert [spring.stiffness for spring in scene.springs] == pytest.approx(7.0 * np.array(lengths))
+    assert [contact.stiffness for contact in scene.contacts] == pytest.approx(
+        900.0 * np.array(lengths)
+    )
+    assert [spring.rest for spring in scene.springs] == [0.0] * 4
+
+
+@pytest.mark.parametrize(
+    ("supports", "held"),
+    [("plane", ["z", "", "z", ""]), ("pinned", ["xyz", "", "", ""]), ("free", ["", "", "", ""])],
+)
+def test_supports_hold_hinge_points(supports, held):
+    scene = scene_of(supports=supports)
+    assert [hinge.support for hinge in scene.hinges] == held
+    assert not scene.fixed.any()
+
+
+def test_the_linkage_may_start_deployed():
+    scene = scene_of(start=120.0)
+    np.testing.assert_allclose([hinge.opening for hinge in scene.hinges], 0.0, atol=1e-12)
+    assert np.ptp(scene.position[:, 2]) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        ({"start": 121.0}, ["let.left", "sqrt(psi"]),
+        ({"start": -1.0}, ["start", "-1", ">= 0"]),
+        ({"start": math.nan}, ["start", "nan"]),
+        ({"start": 110.0, "roll": 30.0}, ["let.left"]),
+        ({"a": -0.035}, ["a", "-0.035"]),
+        ({"L": 0.04}, ["let.edge", "sqrt(L"]),
+        ({"elements": 1}, ["elements", "1", ">= 2"]),
+    ],
+)
+def test_impossible_parameters_are_refused(parameters, words):
+    with pytest.raises(SceneError) as refusal:
+        build(**parameters)
+    for word in words:
+        assert word in str(refusal.value)

@@ -1,0 +1,97 @@
+"""Which forces mesh and step alone decide: told of just those responses, and true of them."""
+
+import numpy as np
+import pytest
+from flaps import J, flap
+from rigid_holds import bars
+
+import fpm
+from fpm.elements import Latch
+from fpm.elements.bars.beam import Material, Section
+from fpm.reading import asked_responses
+from fpm.reading.recording import labels
+from fpm.reading.responses import ALWAYS, Response
+from fpm.reading.shocks import FORCES, doubt
+
+_FINITE = {"loss", "clearance", "opening_rate", "angular_velocity", *ALWAYS} - {"latch_moment"}
+
+
+def response(kind, *about) -> Response:
+    return Response("x", kind, about or ("knee", "sum"), "", "N", "x")
+
+
+def rod(curve=None, latch=False) -> fpm.Scene:
+    """A bar that a force pulls at its end, from the start on or by a curve of (times, values)."""
+    scene = fpm.Scene("rod")
+    bar = scene.add_link(
+        (0, 0, 0), (1, 0, 0), (0, 0, 1), Section.square(0.01), Material(70e9, 0.3, 2700), 10, "rod"
+    )
+    scene.fix(int(bar.particles[0]))
+    at = scene.add_curve(*curve) if curve else -1
+    scene.add_load(int(bar.particles[-1]), force=(1.0, 0, 0), curve=at)
+    return scene
+
+
+def test_every_kind_of_response_is_a_force_or_is_not():
+    """A kind that is new has to be put on one of both sides."""
+    kinds = {*ALWAYS, *asked_responses.KINDS}
+    assert set(FORCES) | _FINITE == kinds | {"tension"}
+    assert not set(FORCES) & _FINITE
+
+
+def test_an_exact_latch_is_told_with_every_force_and_nothing_else():
+    scene = bars(latch=0.4, name="pin")
+    for kind in FORCES:
+        assert "latch pin without `stiffness`" in doubt(scene, response(kind))
+    for kind in _FINITE:
+        assert doubt(scene, response(kind)) == ""
+    for part, told in (("latch", True), ("spring", False), ("damper", False), ("stop", False)):
+        assert bool(doubt(scene, response("joint_moment", "knee", part))) == told
+    assert doubt(flap(latch={"angle": 1.0, "stiffness": 5.0}), response("joint_moment")) == ""
+
+
+@pytest.mark.parametrize(
+    ("curve", "sudden"),
+    [
+        (None, True),
+        (([0.0, 1.0], [0.5, 1.0]), True),
+        (([0.0, 1.0], [0.0, 1.0]), False),
+        (([-1.0, 1.0], [0.0, 1.0]), True),
+        (([0.5, 1.0], [0.0, 1.0]), False),
+    ],
+)
+def test_a_load_that_begins_at_once_is_told_where_there_are_bars(curve, sudden):
+    assert ("a load begins at once" in doubt(rod(curve), response("stress", "all"))) == sudden
+    assert doubt(rod(curve), response("velocity", "tip")) == ""
+    rigid = bars()
+    rigid.add_load(1, force=(1.0, 0, 0))
+    rigid.kinds = {kind: own for kind, own in rigid.kinds.items() if kind.__name__ == "Load"}
+    assert doubt(rigid, response("acceleration", "tip")) == ""
+
+
+def _peak(scene, hinge, step) -> float:
+    label = f"{scene.hinges[hinge].name} latch"
+    assert label in labels(scene, "joint_moment")
+    (outcome,) = fpm.simulate(
+        scene, duration=0.8, instants=round(0.8 / step) + 1, step=step,
+        record=[("joint_moment", label)],
+    )  # fmt: skip
+    return float(np.abs(outcome.asked["joint_moment", label]).max())
+
+
+@pytest.mark.slow
+def test_the_peak_of_an_exact_latch_is_that_of_the_step():
+    """The impulse comes in two steps, half of it or more in one: an eighth of the step, four to
+    sixteen times the moment."""
+    coarse, fine = (_peak(bars(rates=(0.3, 1.0), latch=0.4), 1, step) for step in (1e-3, 1.25e-4))
+    assert 4 <= fine / coarse <= 16
+
+
+@pytest.mark.slow
+def test_the_peak_of_a_latch_with_stiffness_is_the_rate_times_the_root_of_stiffness_and_inertia():
+    """As the docs say to choose it: w sqrt(k J), for pi sqrt(J / k), at any step that follows."""
+    rate, stiffness = 2.0, 200.0
+    for step in (1e-3, 5e-4):
+        scene = flap(rate=rate, latch={"angle": 1.0, "stiffness": stiffness})
+        assert Latch.of(scene)
+        assert _peak(scene, 0, step) == pytest.approx(rate * np.sqrt(stiffness * J), rel=2e-3)

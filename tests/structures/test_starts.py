@@ -1,0 +1,158 @@
+"""How runs begin: motors that turn at once, light bodies in loops, rates as curves."""
+
+import numpy as np
+import pytest
+
+import fpm
+from fpm.solver.start import check_masses, started
+from fpm.structures import loads
+
+LIFT = """
+name: lift
+description: a mass that an exact motor accelerates evenly, by its rate
+points: {O: [0, 0, 0]}
+bodies:
+  load: {mass: 10, centre: O, box: [0.1, 0.1, 0.1]}
+joints:
+  rail: {type: prismatic, parts: [ground, load], at: O, axis: x}
+curves:
+  ramp: {times: [0, 1, 2], values: [0, 1, 0]}
+actions:
+  drive: {type: motor, joint: rail, rate: 1 m/s, curve: ramp}
+record:
+  load: {part: load, at: O}
+"""
+
+RSSR = """
+name: rssr
+description: Crank, coupler with two ball ends, rocker
+parameters:
+  coupler: {value: 1.5, unit: kg, range: [0, 10], description: mass of the coupler}
+let:
+  dx: 0.7 m - P.x
+  dy: 0.3 m - P.y
+  dz: 0.4 m
+  psi: atan2(dz, dy) - acos((1 m2 - dx**2 - dy**2 - dz**2 - 0.25 m2)/(1 m*sqrt(dy**2 + dz**2)))
+points:
+  O: [0, 0, 0]
+  P: [0.2, 0, 0]
+  R: [0.7, 0.3, 0.4]
+  Q: [0.7, "0.3 m + 0.5 m*cos(psi)", "0.4 m + 0.5 m*sin(psi)"]
+  middle: [(P.x + Q.x)/2, (P.y + Q.y)/2, (P.z + Q.z)/2]
+bodies:
+  crank: {mass: 1, centre: O, points: [P], inertia: [0.01, 0.01, 0.01]}
+  rod:
+    {mass: coupler, centre: middle, points: [P, Q], box: [1, 1 mm, 1 mm], x: {from: P, to: Q},
+     up: [0, Q.z - P.z, P.y - Q.y]}
+  rocker: {mass: 1, centre: R, points: [Q], inertia: [0.8, 0.8, 0.8]}
+joints:
+  crank: {type: revolute, parts: [ground, crank], at: O, axis: z}
+  pin: {type: spherical, parts: [crank, rod], at: P}
+  ball: {type: spherical, parts: [rod, rocker], at: Q}
+  rocker: {type: revolute, parts: [ground, rocker], at: R, axis: x, opening: psi}
+curves:
+  even: {times: [0, 1], values: [0, 1]}
+actions:
+  motor: {type: motor, joint: crank, turn: 10 rad, curve: even}
+record:
+  Q: {part: rocker, at: Q}
+"""
+
+
+def rocker(crank):
+    """Angle of the rocker (rad) at that of the crank, the coupler being 1 m long."""
+    x, y, z = 0.7 - 0.2 * np.cos(crank), 0.3 - 0.2 * np.sin(crank), 0.4
+    return np.arctan2(z, y) - np.arccos((0.75 - x**2 - y**2 - z**2) / np.hypot(y, z))
+
+
+def slopes(crank, by=1e-3):
+    """Its first and second derivative by the crank's angle, by differences of the fourth order."""
+    a, b, c, d, e = (rocker(crank + k * by) for k in (-2, -1, 0, 1, 2))
+    return (a - 8 * b + 8 * d - e) / (12 * by), (-a + 16 * (b + d) - 30 * c - e) / (12 * by**2)
+
+
+def velocity(scene, name: str) -> np.ndarray:
+    """Of a named point (3,) at the start."""
+    beam = scene.points[name]
+    arm = scene.frame[beam.particle] @ beam.arm
+    return scene.velocity[beam.particle] + np.cross(scene.spin[beam.particle], arm)
+
+
+@pytest.mark.parametrize("mass", [1.5, 1e-6, 1e-7])
+def test_a_loop_begins_with_the_rates_that_its_motor_gives(mass):
+    scene = loads(RSSR).build(coupler=mass)
+    begun = started(scene)
+    rate = 10 * slopes(0.0)[0]
+    np.testing.assert_allclose(begun.spin[scene.bodies["crank"]], [0, 0, 10], atol=1e-9)
+    np.testing.assert_allclose(begun.spin[scene.bodies["rocker"]], [rate, 0, 0], atol=1e-8)
+    assert not scene.spin.any()
+
+
+@pytest.mark.parametrize("mass", [1e-8, 1e-9, 1e-15])
+def test_masses_too_far_apart_are_refused_by_that_reason(mass):
+    with pytest.raises(fpm.SceneError, match=r"masses of joined bodies.*double precision"):
+        loads(RSSR).build(coupler=mass)
+
+
+def test_a_light_body_at_the_end_and_redundant_conditions_are_not_refused():
+    """What hangs on one joint hides nothing; conditions that others imply are no sign of masses."""
+    scene = fpm.Scene()
+    places = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0)]
+    bodies = [int(p) for p in scene.add_particles(places, [1, 1, 1, 1e-12], 1.0)]
+    scene.fix(bodies[0])
+    for k, pair in enumerate([(0, 1), (1, 2), (2, 3), (0, 2)]):
+        scene.add_joint(f"j{k}", "fixed", [bodies[p] for p in pair], places[pair[1]])
+    check_masses(scene)
+
+
+def test_a_motion_that_fits_and_a_scene_at_rest_are_left_as_they_are():
+    scene = loads(RSSR.replace("turn: 10 rad", "turn: 0 rad")).build()
+    assert started(scene) is scene
+    begun = started(loads(RSSR).build())
+    assert started(begun) is begun
+
+
+def test_a_motor_beside_a_latch_on_its_joint_turns_it_from_the_start():
+    """The latch, stated later, has no rate at the start, and took the motor's away."""
+    latched = RSSR.replace("record:", "  pawl: {type: latch, joint: crank, angle: 9 rad}\nrecord:")
+    scenes = [started(loads(text).build()) for text in (RSSR, latched)]
+    assert scenes[0].spin.any()
+    np.testing.assert_array_equal(scenes[1].spin, scenes[0].spin)
+
+
+def test_a_motion_that_does_not_fit_is_that_after_the_blow():
+    """A rod on a pin that is stated to move along turns by L/J of its momentum about the pin."""
+    scene = fpm.Scene()
+    ground, rod = (int(p) for p in scene.add_particles([(0, 0, 0), (0.5, 0, 0)], 1.0, [1 / 12] * 3))
+    scene.fix(ground)
+    scene.add_hinge("pin", (ground, rod), (0, 0, 0), (0, 0, 1))
+    scene.velocity[rod] = [2.0, 1.0, 0.0]
+    begun = started(scene)
+    np.testing.assert_allclose(begun.spin[rod], [0, 0, 0.5 * 3], atol=1e-12)
+    np.testing.assert_allclose(begun.velocity[rod], [0, 0.75, 0], atol=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [1e-3, 2e-4, 1e-4, 1e-5])
+def test_a_motor_by_its_rate_gives_the_even_force_at_any_step(step):
+    steps = 300
+    scene = loads(LIFT).build()
+    (outcome,) = fpm.simulate(scene, duration=steps * step, instants=steps + 1, step=step)
+    force = outcome.recorded["slide_motor_force"].values[:, 0]
+    np.testing.assert_allclose(force, 10.0, rtol=1e-9)
+    np.testing.assert_allclose(outcome.openings["rail"], outcome.time**2 / 2, atol=1e-15)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [1e-3, 5e-4, 2.5e-4])
+def test_a_coupler_of_nearly_no_mass_does_not_ring(step):
+    """Without it M = J psi' psi'' w², by the power of the rocker's inertia J."""
+    scene = loads(RSSR).build(coupler=1e-6)
+    (outcome,) = fpm.simulate(scene, duration=40 * step, instants=41, step=step)
+    first, second = slopes(10 * outcome.time)
+    moment = outcome.recorded["motor_moment"].values[:, 0]
+    exact = 0.8 * first * second * 100
+    assert exact[0] == pytest.approx(-14.88, abs=0.01)
+    np.testing.assert_allclose(outcome.openings["rocker"] - rocker(10 * outcome.time), 0, atol=1e-9)
+    np.testing.assert_allclose(moment[1:], exact[1:], atol=5e-3)
+    assert moment[0] == pytest.approx(exact[0], abs=300 * step)  # of the first order

@@ -133,6 +133,17 @@ class Browser:
         self.developer("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
         self.settle()
 
+    def tap(self, selector: str) -> None:
+        """Tap an element until it has the focus: a busy machine takes a slow tap for a long press."""
+        x, y = self.middle(selector)
+        for _ in range(10):
+            for kind, places in (("touchStart", [{"id": 0, "x": x, "y": y}]), ("touchEnd", [])):
+                self.developer("Input.dispatchTouchEvent", type=kind, touchPoints=places)
+            self.settle(0.1)
+            if self.ask(f"document.activeElement === document.querySelector('{selector}')"):
+                return
+        raise AssertionError(f"tapping {selector} gives it no focus")
+
     def errors(self) -> list[str]:
         """What the console complained about since the last call."""
         entries = self.call("POST", "/se/log", type="browser")

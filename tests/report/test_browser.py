@@ -274,7 +274,7 @@ def test_fingers_turn_zoom_and_move_the_structure(telephone):
 
     turned, *others = changes(((0, 0), (80, 0)))
     assert turned < -0.3 and others == [0, 0, 0, 0]
-    telephone.touch("#view", ((0, 0), (0, 0)))
+    telephone.tap("#view")
     _, raised, *others = changes(((0, 0), (0, -40)))
     assert raised < -0.15 and others == [0, 0, 0]
     for pinch, nearer in (

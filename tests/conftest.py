@@ -47,9 +47,10 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     return (yield)
 
 
-@pytest.hookimpl(trylast=True)
+@pytest.hookimpl(tryfirst=True)
 def pytest_runtest_teardown(item: pytest.Item) -> None:
-    """Fail a test that takes too long."""
+    """Fail a test that takes too long. What the fixtures of a whole session end is not the last
+    test's: a browser's time is only known when it has ended."""
     taken = _cpu_time() - item.began
     if taken > LONGEST and item.nodeid.partition("[")[0] not in MAY_TAKE_LONGER:
         pytest.fail(f"took {taken:.1f} s of cpu time; allowed: {LONGEST:g} s, or a reason")

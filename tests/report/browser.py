@@ -134,7 +134,7 @@ class Browser:
         self.settle()
 
     def tap(self, selector: str) -> None:
-        """Tap an element until it has the focus: a busy machine takes a slow tap for a long press."""
+        """Tap an element until it has the focus: a slow tap is taken for a long press."""
         x, y = self.middle(selector)
         for _ in range(10):
             for kind, places in (("touchStart", [{"id": 0, "x": x, "y": y}]), ("touchEnd", [])):

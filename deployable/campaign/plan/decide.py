@@ -104,10 +104,10 @@ def decide(
     wanted = {name: need.action for name, need in needs.items() if not need.why_not}
     if not wanted:
         why = "; ".join(dict.fromkeys(need.why_not for need in needs.values()))
-        return _end(asked, shares, unmet, why, state, cost)
+        return _end(asked, unmet, why, state, cost)
     action, worst = _next(asked, {name: unmet[name] for name in wanted}, wanted)
     if action == "runs" and (why := _too_dear(asked, action, cost)):
-        return _end(asked, shares, unmet, why, state, cost)
+        return _end(asked, unmet, why, state, cost)
     reason = f"{told(asked, {worst: shares[worst]})}; "
     if action == "runs":
         last = _is_last(asked, {name: unmet[name] for name in wanted}, state, cost)
@@ -226,15 +226,12 @@ def _next(asked: Accuracy, unmet: Shares, wanted: Mapping[str, str]) -> tuple[st
     return "runs", max(wanted, key=lambda name: excess(name, *unmet[name]))
 
 
-def _end(
-    asked: Accuracy, shares: Shares, unmet: Shares, why: str, state: Rounds, cost: Cost
-) -> Decision:
+def _end(asked: Accuracy, unmet: Shares, why: str, state: Rounds, cost: Cost) -> Decision:
     if "step" not in state.check:
         reason = f"{why}; step and mesh are checked where the bounds are decided"
         return Decision("check", reason, ("step", "mesh"))
     needs = "; ".join(_needs(asked.shares[name], name, unmet[name], state, cost) for name in unmet)
-    rest = "" if len(unmet) == len(shares) else ". All others are as accurate as asked for"
-    return Decision("stop", f"{why}: {told(asked, unmet)}. {needs}{rest}")
+    return Decision("stop", f"{why}: {told(asked, unmet)}. {needs}")
 
 
 def _needs(aim: float, name: str, parts: Mapping[str, float], state: Rounds, cost: Cost) -> str:

@@ -64,8 +64,9 @@ def quantity_errors(row: Mapping) -> dict[str, float | None]:
 def _with_whole(parts: Mapping[str, float | None], width: float | None) -> dict:
     values = list(parts.values())
     whole = None if None in values else sum(values)
-    share = whole / width if whole is not None and width else None
-    return {**parts, "whole": whole, "share": share}
+    if not width:  # nothing varies, or there is no interval
+        return {**parts, "whole": whole, "share": 0.0 if whole == 0 and width == 0 else None}
+    return {**parts, "whole": whole, "share": None if whole is None else whole / width}
 
 
 def parts_text(errors: Mapping[str, float | None]) -> str:
@@ -79,14 +80,25 @@ def parts_text(errors: Mapping[str, float | None]) -> str:
     return f"{', '.join(parts)}, together {percent(errors['share'])}{asked}"
 
 
-def accuracy_facts(plan: Plan) -> dict[str, Any]:
-    """What the rounds of an accuracy came to: whether it is `met`, and why they ended; the mesh;
-    and by estimate the runs and the seconds of a core that they took, with those of checks."""
+def accuracy_facts(plan: Plan, rows: list[Mapping]) -> dict[str, Any]:
+    """Whether an accuracy is `met`, by the `errors` of responses and quantities as they are told
+    last (rows, with `name` and what is `asked`), and by which not, `unmet`; why the rounds ended;
+    the mesh; and by estimate the runs and the seconds of a core that they took, with those of
+    checks. A quantity that happens in no run has no interval that could be wrong."""
     last, experiment = plan.adaptive.rounds[-1], plan.experiment
     mesh = experiment.accuracy.mesh
+    told = [row for row in rows if row.get("lower", 0.0) is not None]
+    unmet = [row for row in told if not _is_met(row["errors"])]
+    reason = last.reason
+    if not unmet and told:
+        near = max(told, key=lambda row: row["errors"]["share"] / row["errors"]["asked"])
+        reason = f"nearest to what was asked for is {near['name']}, {_share_text(near['errors'])}"
+    elif plan.adaptive.met:
+        reason = "the rounds found it met; runs for the ends of quantities showed more"
     return {
-        "met": plan.adaptive.met,
-        "reason": last.reason,
+        "met": not unmet,
+        "unmet": [row["name"] for row in unmet],
+        "reason": reason,
         "rounds": len(plan.adaptive.rounds),
         "mesh": {mesh: experiment.scene.parameters[mesh]} if mesh else {},
         "runs": last.runs,
@@ -94,10 +106,23 @@ def accuracy_facts(plan: Plan) -> dict[str, Any]:
     }
 
 
-def accuracy_lines(found: Mapping) -> list[str]:
-    """The same in Markdown."""
+def _is_met(errors: Mapping[str, float | None]) -> bool:
+    return errors["share"] is not None and errors["share"] <= errors["asked"]
+
+
+def _share_text(errors: Mapping[str, float | None]) -> str:
+    """`16 % for 5 %`."""
+    share = "unknown" if errors["share"] is None else percent(errors["share"])
+    return f"{share} for {percent(errors['asked'])}"
+
+
+def accuracy_lines(found: Mapping, rows: list[Mapping]) -> list[str]:
+    """The same in Markdown; rows: those of the summary."""
     mesh = "".join(f", with {name} = {number}" for name, number in found["mesh"].items())
-    met = "is met" if found["met"] else "is not met"
+    unmet = [row for row in rows if row["name"] in found["unmet"]]
+    names = ", ".join(f"{row['name']} ({_share_text(row['errors'])})" for row in unmet)
+    others = " and is by all others" * (len(unmet) < len(rows))
+    met = "is met" if found["met"] else f"is not met by {names}{others}"
     seconds = "less than 1 s" if found["seconds"] < 1 else f"{found['seconds']:.2g} s"
     rounds = f"{found['rounds']} round{'s' * (found['rounds'] != 1)}"
     return ["", (

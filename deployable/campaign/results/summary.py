@@ -42,12 +42,13 @@ def summarise(
         summary |= answer_rows(folder, requirements, choice)
     plan = read_plan(folder.plan)
     if (rounds := plan.adaptive) is not None:
-        summary["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds], "met": rounds.met}
+        summary["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds]}
+    rows = _rows(summary)
     if plan.experiment.is_sought:
-        summary["accuracy"] = accuracy_facts(plan)
-        for row in (*summary["responses"], *summary.get("quantities", [])):
+        for row in rows:
             row["errors"]["asked"] = plan.experiment.accuracy.shares[row["name"]]
-    for row in (*summary["responses"], *summary.get("quantities", [])):
+        summary["accuracy"] = accuracy_facts(plan, rows)
+    for row in rows:
         if row["name"] in plan.experiment.doubts:
             row["doubt"] = plan.experiment.doubts[row["name"]]
     summary["runs"] = _run_counts(summary)
@@ -55,6 +56,11 @@ def summarise(
     write_result(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
     write_result(folder / "summary.md", text)
     return text
+
+
+def _rows(summary: Mapping) -> list[dict]:
+    """What a summary tells of responses and quantities, together."""
+    return [*summary["responses"], *summary.get("quantities", [])]
 
 
 def _run_counts(summary: dict) -> dict[str, int]:
@@ -219,10 +225,10 @@ def as_text(summary: Mapping) -> str:
         )]  # fmt: skip
     lines += _doubts(summary)
     if "accuracy" in summary:
-        lines += accuracy_lines(summary["accuracy"])
+        lines += accuracy_lines(summary["accuracy"], _rows(summary))
     if "quantities" in summary:
         lines += answer_lines(summary)
-    lines += error_lines([*summary["responses"], *summary.get("quantities", [])])
+    lines += error_lines(_rows(summary))
     if summary["closures"]:
         what = "Contacts, stops and latches that close in the nominal run"
         lines += ["", f"{what}: {_closure_text(summary)}."]
@@ -267,7 +273,7 @@ SOFT = 0.05
 def _doubts(summary: Mapping) -> list[str]:
     """What speaks against the bounds, a paragraph each."""
     rows = summary["responses"]
-    own = {r["name"]: r["doubt"] for r in (*rows, *summary.get("quantities", [])) if "doubt" in r}
+    own = {r["name"]: r["doubt"] for r in _rows(summary) if "doubt" in r}
     lines = [line for text in doubt_texts(own) for line in ("", f"{text}.")]
     if told := [row for row in rows if row.get("outside")]:
         parts = [

@@ -84,7 +84,7 @@ class Kind:
     watches: ClassVar[tuple[Watch, ...]] = ()  # of several that are too large, the last counts
     reads: ClassVar[tuple[type["Kind"], ...]] = ()  # kinds whose arrays it needs in every step
     acts_as: ClassVar[str] = ""  # which part of the moment on openings is its own (opening.py)
-    joins: ClassVar[bool] = False  # whether its elements hold their `particles` together
+    joins: ClassVar[bool] = False  # whether each holds its `particles` together by a `name`
     holds: ClassVar[bool] = False  # whether they hold the opening of their `hinge` (turn.py)
     moves_free: ClassVar[bool] = False  # whether it moves all particles that no other kind does
     always_acts: ClassVar[bool] = True  # False: only in the position that `shut` describes
@@ -103,6 +103,10 @@ class Kind:
         """What of it must be equal in all scenes that run side by side."""
         return None
 
+    def acts_on(self) -> tuple[int, ...]:
+        """Indices of the hinges on whose openings it acts."""
+        return ()
+
     # -- of all elements of the kind in a scene -------------------------------------------------
 
     @classmethod
@@ -119,6 +123,11 @@ class Kind:
     def names(cls, scene: Scene) -> list[str]:
         """Names of the elements, for messages; those of a group one by one."""
         return [f"{cls.__name__} {i}" for i in range(len(cls.of(scene)))]
+
+    @classmethod
+    def eventful(cls, scene: Scene) -> list[Eventful]:
+        """Its elements, if they have events."""
+        return [Eventful(name, cls.events) for name in cls.names(scene) if cls.events]
 
     @classmethod
     def moved(cls, scene: Scene) -> list[int]:

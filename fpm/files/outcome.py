@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from itertools import zip_longest
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -37,18 +36,7 @@ class Motion(NamedTuple):
 def eventful(scene: Scene, kinds: Iterable[type[Kind]] | None = None) -> tuple[Eventful, ...]:
     """The elements of a scene that have events, or those of these kinds of it."""
     kinds = kinds_of([scene]) if kinds is None else kinds
-
-    def joint(element: object) -> str:
-        on = getattr(element, "hinge", None)
-        return "" if on is None else scene.hinges[on].name
-
-    return tuple(
-        Eventful(name, kind.events, joint(element))
-        for kind in kinds
-        if kind.events
-        for name, element in zip_longest(kind.names(scene), kind.of(scene))
-        if name is not None  # a group of elements has more names than objects
-    )
+    return tuple(element for kind in kinds for element in kind.eventful(scene))
 
 
 @dataclass(frozen=True)

@@ -107,7 +107,7 @@ def parts_on(scene: "Scene", hinge: str) -> list[str]:
     found: dict[str, None] = {}
     for kind in kinds_of([scene]):
         for element in kind.of(scene) if kind.acts_as else ():
-            if index in getattr(element, "hinges", (getattr(element, "hinge", None),)):
+            if index in element.acts_on():
                 found[kind.acts_as] = None
     return list(found)
 

@@ -25,7 +25,7 @@ def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
     """All joints of two parts by name."""
     found = {}
     for joint in (*Hinge.of(scene), *Joint.of(scene)):
-        if len(joint.beams) == 2 and not getattr(joint, "holds_opening", False):
+        if len(joint.beams) == 2 and not joint.holds_opening:
             found[joint.name] = joint
     return found
 
@@ -33,7 +33,7 @@ def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
 def point_of(kept: Kept, joint: Hinge | Joint) -> np.ndarray:
     """Where the forces of a joint act (t, 3) m: its point on the first part, on the second of a
     slider."""
-    beam = joint.beams[1 if getattr(joint, "type", "") == "prismatic" else 0]
+    beam = joint.beams[1 if joint.type == "prismatic" else 0]
     return kept.place(beam.particle) + kept.arm(beam)
 
 

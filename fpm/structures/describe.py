@@ -5,7 +5,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from fpm.elements import kinds_of
+from fpm.elements import Release, RigidRelease, kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable import Cable, length_through
 from fpm.elements.joints.hinge import Hinge
@@ -117,12 +117,13 @@ def acting(scene: Scene) -> list[str]:
     for kind in kinds_of([scene]):
         pairs = zip(kind.names(scene), kind.of(scene), strict=True) if kind.acts_as else ()
         for name, element in pairs:
-            on = getattr(element, "hinges", (getattr(element, "hinge", None),))
+            if not (on := element.acts_on()):
+                continue
             hinges = [scene.hinges[hinge] for hinge in on]
             joints = " and ".join(hinge.name for hinge in hinges)
             numbers = [*_numbers(element, hinges[0].slides, loop=len(on) > 1)]
-            if (watch := getattr(element, "watch", -1)) >= 0:
-                watched = scene.hinges[watch]
+            if isinstance(element, Release | RigidRelease) and element.watch >= 0:
+                watched = scene.hinges[element.watch]
                 numbers.append(f"until {watched.name} passes {_angle(element.level, watched)}")
             found.append((on[0], f"{name} ({', '.join([f'on {joints}', *numbers])})"))
     return [text for _, text in sorted(found, key=lambda pair: pair[0])]

@@ -66,6 +66,7 @@ class Hinge(Kind):
     offset: float = 0.0
 
     joins = True
+    holds_opening = False  # as a joint that is an opening (joint.py)
     watches = (Watch("gap", MOST_GAP, True, _gapes), Watch("tilt", MOST_TILT, True, _gapes))
 
     @staticmethod
@@ -195,8 +196,7 @@ def name_of(hinge: Hinge) -> str:
 
 def names_taken(scene) -> set[str]:
     """Names of joints and hinges, of universal joints also without those of their angles."""
-    joints = [e for found in scene.kinds.values() for e in found if hasattr(e, "references")]
-    names = {joint.name for joint in (*joints, *scene.hinges)}
+    names = {e.name for kind, found in scene.kinds.items() if kind.joins for e in found}
     return names | {name_of(hinge) for hinge in scene.hinges}
 
 

@@ -47,10 +47,6 @@ class RigidLatch(HoldsHinge):
         return self.hinge, self.name
 
     @classmethod
-    def names(cls, scene):
-        return [f"latch {latch.label(scene)}" for latch in cls.of(scene)]
-
-    @classmethod
     def pack(cls, batch):
         from fpm.elements.joints.rigid_latch_kernels import RIGID, RigidLatches
         from fpm.elements.openings.latch_kernels import LATCH, TRACK

@@ -65,9 +65,7 @@ class RigidMotor(HoldsHinge):
         check_hinge(scene, "motor", self.hinge)
         hinge = scene.hinges[self.hinge]
         what = f"motor {hinge.name}"
-        others = [e for found in scene.kinds.values() for e in found if hasattr(e, "turn")]
-        if self.hinge in [other.hinge for other in others]:
-            raise SceneError("hinge of motor", self.hinge, "a hinge without a motor")
+        self.check_alone(scene)
         if not np.isfinite([self.start, self.turn]).all():
             raise SceneError(f"opening of {what}", (self.start, self.turn), "finite numbers")
         check_curve(scene, what, self.curve)

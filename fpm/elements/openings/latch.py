@@ -67,6 +67,7 @@ class Latch(OnHinge):
     takes = JOINT_LOSS
     events = ("latches", "misses")
     acts_as = "latch"
+    called = "latch"
 
     def check(self, scene):
         """Hinge, numbers, and a label that no other latch has."""
@@ -81,15 +82,6 @@ class Latch(OnHinge):
     def topology(self):
         """The hinge and the name."""
         return self.hinge, self.name
-
-    @classmethod
-    def labels(cls, scene) -> tuple[str, ...]:
-        """The latches' own names."""
-        return tuple(latch.label(scene) for latch in cls.of(scene))
-
-    @classmethod
-    def names(cls, scene):
-        return [f"latch {label}" for label in cls.labels(scene)]
 
     def damping_in(self, scene):
         """Its damper begins with more than a kick."""
@@ -137,8 +129,7 @@ def check_catching(scene, latch) -> None:
         raise SceneError("fastest rate of latch", latch.fastest, f"a number > 0 ({unit})")
     if latch.side not in SIDES:
         raise SceneError("side of latch", latch.side, ", ".join(SIDES))
-    others = [e for found in scene.kinds.values() for e in found if hasattr(e, "tolerance")]
-    if latch.label(scene) in [other.label(scene) for other in others]:
+    if latch.label(scene) in [other.label(scene) for other in latch.alike(scene)]:
         raise SceneError("latch", latch.label(scene), "a name that no other latch has")
 
 

@@ -74,9 +74,7 @@ class Motor(OnHinge):
         """Hinge, drive train and curve; one motor on a hinge."""
         check_stiffness(scene, "motor", self.hinge, self.stiffness)
         what = f"motor {scene.hinges[self.hinge].name}"
-        others = [e for found in scene.kinds.values() for e in found if hasattr(e, "turn")]
-        if self.hinge in [other.hinge for other in others]:
-            raise SceneError("hinge of motor", self.hinge, "a hinge without a motor")
+        self.check_alone(scene)
         check_numbers(what, scene, self.hinge, damping=(self.damping, 0.0, "N m s/rad"))
         if not np.isfinite([self.start, self.turn]).all():
             raise SceneError(f"opening of {what}", (self.start, self.turn), "finite numbers")
@@ -131,8 +129,7 @@ class TorqueMotor(OnHinge):
         """Hinge, torque, speed and curve; one torque motor on a hinge."""
         check_hinge(scene, "torque motor", self.hinge)
         what = f"torque motor {scene.hinges[self.hinge].name}"
-        if self.hinge in [motor.hinge for motor in TorqueMotor.of(scene)]:
-            raise SceneError("hinge of torque motor", self.hinge, "a hinge without a torque motor")
+        self.check_alone(scene)
         if not np.isfinite(self.torque):
             unit = unit_of(scene, self.hinge, "N m")
             raise SceneError(f"torque of {what}", self.torque, f"a finite number ({unit})")

@@ -103,16 +103,39 @@ class Opening(Kind):
 class OnHinge(Kind):
     """What the kinds that act on the opening of one hinge, of index `hinge`, have in common."""
 
-    called: ClassVar[str]  # in messages, before the hinge's name
+    called: ClassVar[str] = ""  # in messages; kinds that are called alike are one to a user
     reads = (Opening,)
 
     def topology(self):
         """The hinge."""
         return self.hinge
 
+    def acts_on(self):
+        return (self.hinge,)
+
+    def label(self, scene) -> str:
+        """Its name in messages and files: that of the hinge."""
+        return scene.hinges[self.hinge].name
+
+    def alike(self, scene) -> list["OnHinge"]:
+        """The scene's elements of all kinds that are called as its own."""
+        kinds = [k for k in scene.kinds if issubclass(k, OnHinge) and k.called == self.called]
+        return [element for kind in kinds for element in kind.of(scene)]
+
+    def check_alone(self, scene) -> None:
+        """SceneError if its hinge has one that is called alike."""
+        if self.hinge in [other.hinge for other in self.alike(scene)]:
+            allowed = f"a hinge without a {self.called}"
+            raise SceneError(f"hinge of {self.called}", self.hinge, allowed)
+
     @classmethod
     def names(cls, scene):
-        return [f"{cls.called} {scene.hinges[e.hinge].name}" for e in cls.of(scene)]
+        return [f"{cls.called} {element.label(scene)}" for element in cls.of(scene)]
+
+    @classmethod
+    def eventful(cls, scene):
+        pairs = zip(super().eventful(scene), cls.of(scene), strict=False)
+        return [found._replace(joint=scene.hinges[e.hinge].name) for found, e in pairs]
 
     def stiffness_in(self, scene) -> float | None:
         """Stiffness (N m/rad) that counts in the stable step; None: the kind has no springs."""

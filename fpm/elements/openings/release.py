@@ -81,9 +81,7 @@ def check_letting_go(scene, release) -> str:
     """
     name = f"release {scene.hinges[release.hinge].name}"
     what = f"of {name}"
-    others = [e for found in scene.kinds.values() for e in found if hasattr(e, "watch")]
-    if release.hinge in [other.hinge for other in others]:
-        raise SceneError("hinge of release", release.hinge, "a hinge without a release")
+    release.check_alone(scene)
     if not np.isfinite(release.level):
         raise SceneError(f"level {what}", release.level, "a finite number")
     if not release.time > 0:

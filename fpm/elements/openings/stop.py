@@ -42,6 +42,7 @@ class Stop(OnHinge):
     takes = JOINT_LOSS
     events = ("leaves", "hits")
     acts_as = "stop"
+    called = "stop"
 
     def check(self, scene):
         """Hinge, side and numbers."""

@@ -63,6 +63,9 @@ class SyncLoop(Kind):
         if not self.preload >= 0:
             raise SceneError(f"preload of {what}", self.preload, "a tension >= 0 (N)")
 
+    def acts_on(self):
+        return self.hinges
+
     def topology(self):
         """Name and hinges."""
         return self.name, self.hinges

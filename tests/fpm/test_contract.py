@@ -1,0 +1,63 @@
+"""What a kind is, it states: a field of a user's kind means nothing by its name."""
+
+from dataclasses import dataclass
+
+import pytest
+from flaps import bare
+
+import fpm
+from fpm.elements import Joint, Latch, Motor, Release, RigidLatch, RigidMotor, RigidRelease
+from fpm.elements.kind import Kind
+from fpm.files.outcome import eventful
+from fpm.reading.asked_responses import parts_on
+from fpm.structures.describe import acting
+
+
+@dataclass(frozen=True)
+class Door(Kind):
+    """Has a field of every name that the kinds of the program have."""
+
+    hinge: str = "hinge"
+    hinges: tuple[str, ...] = ("hinge",)
+    tolerance: float = 1.0
+    turn: float = 1.0
+    watch: float = 1.0
+    references: float = 1.0
+    label: str = "hinge"
+
+    events = ("opens",)
+    acts_as = "other"
+
+
+@pytest.mark.parametrize(
+    "element",
+    [
+        Latch(0, 1.0, 1.0),
+        RigidLatch(0, 1.0),
+        Motor(0, 1.0, 0.0, 0.0, 1.0, -1),
+        RigidMotor(0, 0.0, 0.0, -1),
+        Release(0, 1.0, 0.0, 0.0, time=1.0),
+        RigidRelease(0, time=1.0),
+    ],
+    ids=lambda element: type(element).__name__,
+)
+def test_what_is_alone_on_its_hinge_may_stand_beside_a_kind_with_its_fields(element):
+    scene = bare()
+    scene.add(Door(hinge=0))
+    scene.add(element)
+    assert parts_on(scene, "hinge") == [element.acts_as]
+    (text,) = acting(scene)
+    assert text.startswith(f"{element.called} hinge (on hinge")
+    with pytest.raises(fpm.SceneError, match=r"without a|no other latch"):
+        scene.add(element)
+
+
+def test_a_joint_is_added_beside_it_and_its_events_are_on_no_hinge():
+    scene = bare()
+    scene.add(Door())
+    more = [int(p) for p in scene.add_particles([(1, 0, 0), (2, 0, 0)], 1.0, 1.0)]
+    scene.add_joint("ball", "spherical", more, (1, 0, 0))
+    assert [joint.name for joint in Joint.of(scene)] == ["ball"]
+    assert eventful(scene) == (("Door 0", ("opens",), ""),)
+    with pytest.raises(fpm.SceneError, match="a name not yet used"):
+        scene.add_joint("hinge", "spherical", more, (1, 0, 0))

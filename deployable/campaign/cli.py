@@ -237,9 +237,10 @@ def _are_met(path: Path) -> bool:
 
 def _keys(options: argparse.Namespace) -> int:
     """Print all keys of a config as a page of Markdown."""
-    from deployable.campaign.config.table import table
+    from deployable.campaign.config.keys import table
+    from deployable.campaign.config.read import whole
 
-    print(table(), end="")
+    print(table(whole()), end="")
     return 0
 
 

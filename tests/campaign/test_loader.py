@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from deployable.campaign.config.check import SCHEMA_PATH, schema
 from deployable.campaign.config.loader import load, parse, retyped
 from deployable.campaign.errors import ConfigError
 
@@ -62,8 +61,3 @@ def test_text_from_the_command_line_becomes_numbers_again():
     given = {"a": {"b": "0.2", "c": ["1e9", "x"], "d": 3}, "e": "auto", "f": ""}
     wanted = {"a": {"b": 0.2, "c": [1e9, "x"], "d": 3}, "e": "auto", "f": ""}
     assert retyped(given) == wanted
-
-
-def test_our_own_schema_reads_as_a_config_does():
-    """It is read faster, by a loader that would not find what is wrong with it."""
-    assert repr(load(SCHEMA_PATH)) == repr(schema())

@@ -196,7 +196,7 @@ def test_a_drawing_process_that_died_is_told(raw, tmp_path):
 
 
 def test_importing_is_cheap():
-    heavy = {"numba", "xarray", "matplotlib", "scipy", "jsonschema", "netCDF4"}
+    heavy = {"numba", "xarray", "matplotlib", "scipy", "pydantic", "netCDF4"}
     code = (
         "import sys; from deployable.campaign import cli, workflow; "
         f"sys.exit(repr({heavy} & set(sys.modules)))"

@@ -1,5 +1,5 @@
 """What a user asks for: a YAML file, checked, completed and resolved into typed sections, once.
 
-`loader` reads YAML, `schema_checks` and `scene_checks` find what is wrong, `accuracy` and the
-schema fill in what is absent, `check` puts them in order; `sections` are what comes out of it.
+`loader` reads YAML, by `models` pydantic finds what is wrong alone (`read`) and `scene_checks` what
+needs the scene; `check` puts them in order, and `sections` are what comes out of it.
 """

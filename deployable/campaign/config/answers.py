@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import Any
 
-from deployable.campaign.config.schema_checks import show
+from deployable.campaign.config.models import Around, Choosing
+from deployable.campaign.config.read import show
 from deployable.campaign.config.sections import Campaign, Choose, Experiment
 from fpm.errors import did_you_mean
 
@@ -15,15 +15,16 @@ ENDS = ("upper", "lower", "width")
 _GOAL = re.compile(r"(\w+)\((\w+)\)")
 
 
-def choose_data(raw: Mapping, intervals: Mapping) -> dict:
-    """The section `choose` of a config as plain data of a `Choose`; `intervals` as the user gave
-    them."""
-    goals = {key: raw.get(key, []) for key in ("minimise", "maximise")}
-    goals = {key: [value] if isinstance(value, str) else value for key, value in goals.items()}
-    parameters = raw.get("parameters", {})
-    relative = [name for name in parameters if "relative" in intervals.get(name, {})]
-    ranges = {name: [float(end) for end in ends] for name, ends in parameters.items()}
-    return {"parameters": ranges, "order": raw["order"], "relative": relative, **goals}
+def choose_of(given: Choosing, intervals: Mapping[str, Around]) -> Choose:
+    """What `choose` of a config asks for; `intervals` as the user gave them."""
+    relative = [n for n in given.parameters if n in intervals and intervals[n].relative is not None]
+    return Choose(
+        given.parameters, _texts(given.minimise), _texts(given.maximise), given.order, (*relative,)
+    )
+
+
+def _texts(goals: str | tuple[str, ...]) -> tuple[str, ...]:
+    return (goals,) if isinstance(goals, str) else goals
 
 
 def goals_of(choose: Choose) -> list[tuple[float, str, str]]:
@@ -41,12 +42,10 @@ def answer_problems(campaign: Campaign) -> list[str]:
     problems = []
     known = campaign.experiment.quantities
     for name, limits in campaign.requirements.items():
-        for quantity, kept in limits.items():
-            key = f"requirements.{name}.{quantity}"
+        for quantity in limits:
             if quantity not in known:
+                key = f"requirements.{name}.{quantity}"
                 problems.append(f"{key}: {_no_quantity(quantity, known)}")
-            else:
-                problems += _limit_problems(key, kept)
     if campaign.choose.parameters:
         problems += _choose_problems(campaign.experiment, campaign.choose)
     return problems
@@ -55,15 +54,6 @@ def answer_problems(campaign: Campaign) -> list[str]:
 def _no_quantity(name: str, known: Mapping) -> str:
     allowed = f"one of {', '.join(known)}" if known else "none, without `quantities`"
     return f"there is no such quantity{did_you_mean(name, known)}; allowed: {allowed}"
-
-
-def _limit_problems(key: str, kept: Any) -> list[str]:
-    least, most = kept.get("at_least"), kept.get("at_most")
-    if least is not None and most is not None and least > most:
-        return [f"{key}.at_least: {show(least)} is above at_most; allowed: at most {most:g}"]
-    if kept.get("happens") is False and len(kept) > 1:
-        return [f"{key}.happens: false allows no other limit; allowed: true, or happens alone"]
-    return []
 
 
 def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:

@@ -75,17 +75,11 @@ class _Loader(yaml.SafeLoader):
         return super().construct_mapping(node, deep=deep)
 
 
-class _OwnLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
-    """Reads what we wrote ourselves: forty times faster where PyYAML has libyaml. It would not stop
-    at what lies too deep or is too much, and tells of errors in other words."""
-
-
-for _kind in (_Loader, _OwnLoader):
-    _kind.yaml_implicit_resolvers = {
-        first: [(tag, rule) for tag, rule in rules if not tag.endswith(":timestamp")]
-        for first, rules in yaml.SafeLoader.yaml_implicit_resolvers.items()
-    }
-    _kind.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-+0123456789."))
+_Loader.yaml_implicit_resolvers = {
+    first: [(tag, rule) for tag, rule in rules if not tag.endswith(":timestamp")]
+    for first, rules in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
+_Loader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-+0123456789."))
 
 
 def parse(text: str, source: str) -> dict:
@@ -172,8 +166,3 @@ def load(path: str | Path) -> dict:
         reason = getattr(error, "strerror", None) or str(error)
         raise ConfigError(str(path), [f"the file cannot be read: {reason}"]) from None
     return parse(text, str(path))
-
-
-def load_own(path: Path) -> dict:
-    """The mapping in a file of this package, which is right."""
-    return yaml.load(path.read_text(encoding="utf-8"), _OwnLoader)

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from deployable.campaign.config.schema_checks import show
+from deployable.campaign.config.keys import RefusedError
+from deployable.campaign.config.models import Around
+from deployable.campaign.config.read import show
 from deployable.campaign.config.sections import Interval
 from fpm.errors import did_you_mean
 
 
 def intervals_of(
-    definitions: Mapping, given: Mapping, scene_type: Any
+    definitions: Mapping[str, Around], given: Mapping, scene_type: Any
 ) -> tuple[dict[str, Interval], list[str]]:
     """The intervals by parameter name, and one sentence for each that cannot be used.
 
@@ -22,71 +24,55 @@ def intervals_of(
     for name, definition in definitions.items():
         try:
             found[name] = _interval(name, definition, given, scene_type)
-        except _RefusedError as error:
-            problems.append(f"intervals.{name}{error}")
+        except RefusedError as error:
+            problems.append(f"intervals.{name}{error.key}: {error.text}")
     return found, problems
 
 
-class _RefusedError(Exception):
-    """Why an interval cannot be used; the text follows its key."""
-
-
-def _interval(name: str, definition: Mapping, given: Mapping, scene_type: Any) -> Interval:
+def _interval(name: str, around: Around, given: Mapping, scene_type: Any) -> Interval:
     """The interval of one parameter, inside the range that the scene allows."""
     real = [name for name, p in scene_type.parameters.items() if p.kind == "real"]
     if name not in scene_type.parameters:
-        raise _RefusedError(
-            f": the scene {scene_type.name} has no such parameter{did_you_mean(name, real)}; "
+        raise RefusedError(
+            text=f"the scene {scene_type.name} has no such parameter{did_you_mean(name, real)}; "
             f"allowed: {', '.join(real)}"
         )
     parameter = scene_type.parameters[name]
     if parameter.kind != "real":
-        raise _RefusedError(
-            f": {name} is of kind {parameter.kind} and cannot be an interval; "
+        raise RefusedError(
+            text=f"{name} is of kind {parameter.kind} and cannot be an interval; "
             f"allowed: {', '.join(real)}"
         )
-    if name in given and "nominal" in definition:
-        raise _RefusedError(
-            f".nominal: {name} is defined twice, here and by scene.parameters.{name}; "
-            "allowed: one of the two"
+    if name in given and around.nominal is not None:
+        raise RefusedError(
+            ".nominal",
+            f"{name} is defined twice, here and by scene.parameters.{name}; "
+            "allowed: one of the two",
         )
-    interval = _ends(definition, given.get(name, parameter.default))
+    interval = _ends(around, given.get(name, parameter.default))
     for end, value in (("lower", interval.lower), ("upper", interval.upper)):
         if not _allows(parameter, value):
-            raise _RefusedError(
-                f": its {end} end {value:.12g} leaves the range of {name}; "
+            raise RefusedError(
+                text=f"its {end} end {value:.12g} leaves the range of {name}; "
                 f"allowed: {parameter.allowed}"
             )
     return interval
 
 
-def _ends(definition: Mapping, default: Any) -> Interval:
-    """The interval that a definition means; `default` is the scene's value."""
-    ways = [way for way in ("relative", "absolute", "lower", "upper") if way in definition]
-    if ways not in (["relative"], ["absolute"], ["lower", "upper"]):
-        given = " and ".join(ways) if ways else "none of them"
-        raise _RefusedError(f": it gives {given}; allowed: relative, absolute, or lower with upper")
-    if ways == ["lower", "upper"]:
-        lower, upper = float(definition["lower"]), float(definition["upper"])
-        if lower > upper:
-            raise _RefusedError(
-                f".lower: {lower:.12g} is above upper {upper:.12g}; allowed: at most upper"
-            )
-        nominal = float(definition.get("nominal", 0.5 * (lower + upper)))
-        if not lower <= nominal <= upper:
-            raise _RefusedError(
-                f".nominal: {nominal:.12g} is outside; allowed: {lower:.12g} to {upper:.12g}"
-            )
-        return Interval(lower, nominal, upper)
-    nominal = definition.get("nominal", default)
+def _ends(around: Around, default: Any) -> Interval:
+    """The interval that is meant; `default` is the scene's value."""
+    lower, nominal, upper = around.lower, around.nominal, around.upper
+    if lower is not None:
+        return Interval(lower, 0.5 * (lower + upper) if nominal is None else nominal, upper)
+    nominal = default if nominal is None else nominal
     if isinstance(nominal, bool) or not isinstance(nominal, int | float):
-        raise _RefusedError(".nominal: missing, and the scene has no value; allowed: a number")
+        raise RefusedError(".nominal", "missing, and the scene has no value; allowed: a number")
     nominal = float(nominal)
-    half = float(definition.get("absolute", 0.0))
-    if ways == ["relative"]:
-        half = abs(nominal) * float(definition["relative"])
-        if half == 0.0 < definition["relative"]:
-            raise _RefusedError(".relative: the nominal value is 0; allowed: absolute instead")
+    half = around.absolute
+    if half is None:
+        half = abs(nominal) * around.relative
+        if half == 0.0 < around.relative:
+            raise RefusedError(".relative", "the nominal value is 0; allowed: absolute instead")
     return Interval(nominal - half, nominal, nominal + half)
 
 

@@ -6,45 +6,38 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from deployable.campaign.config.accuracy import accuracy_data
-from deployable.campaign.config.answers import answer_problems, choose_data
+from deployable.campaign.config.accuracy import with_accuracy
+from deployable.campaign.config.answers import answer_problems, choose_of
 from deployable.campaign.config.design import make_design, steps_problems
 from deployable.campaign.config.kept import keep_problems
+from deployable.campaign.config.models import Config, Solver
 from deployable.campaign.config.parameters import intervals_of, parameter_problems
+from deployable.campaign.config.read import show
 from deployable.campaign.config.scenes import scene_type
-from deployable.campaign.config.schema_checks import show
 from deployable.campaign.config.sections import (
+    Accuracy,
     Campaign,
+    DesignChoice,
     Experiment,
     Interval,
-    Solver,
-    from_data,
-    plain_data,
+    SceneChoice,
 )
 from fpm.errors import did_you_mean
 
 
-def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
-    """The campaign of a config that follows the schema and is filled in, and what is wrong with
-    it, one sentence each. No campaign without a scene."""
+def resolve(config: Config, given: Mapping) -> tuple[Campaign | None, list[str]]:
+    """The campaign of a config, of which `given` are the keys that the user gave, and what is wrong
+    with it, one sentence each. No campaign without a scene."""
     import fpm
 
-    scene, own = config["scene"], dict(config)
+    scene = config.scene
     try:
-        found = scene_type(scene.get("name", ""), scene.get("file", ""))
+        found = scene_type(scene.name or "", scene.file or "")
     except fpm.SceneError as error:
         return None, _scene_problems(error, "scene.file")
-    intervals, trouble = intervals_of(config["intervals"], scene["parameters"], found)
-    problems = parameter_problems(scene["parameters"], found) + trouble
-    own["scene"] = {**scene, "name": found.name}
-    # In the scene's order: in which one a config has them must not matter, to no design.
-    ordered = [name for name in found.parameters if name in intervals]
-    own["intervals"] = {name: plain_data(intervals[name]) for name in ordered}
-    own["name"] = own.pop("campaign")
-    own["accuracy"] = accuracy_data(config)
-    own["choose"] = choose_data(config["choose"], config["intervals"])
-    runs = {key: own.pop(key) for key in Experiment.__dataclass_fields__}
-    campaign = from_data(Campaign, {"experiment": runs, **own})
+    intervals, trouble = intervals_of(config.intervals, scene.parameters, found)
+    problems = parameter_problems(scene.parameters, found) + trouble
+    campaign = _campaign(config, given, found, intervals)
     built = found
     if not problems:
         problems += _build_problems(campaign.experiment)
@@ -62,6 +55,38 @@ def resolve(config: Mapping) -> tuple[Campaign | None, list[str]]:
     if not trouble:
         problems += _design_problems(campaign)
     return campaign, problems
+
+
+def _campaign(config: Config, given: Mapping, found: Any, intervals: Mapping) -> Campaign:
+    """The campaign of a config with a structure and the intervals of its parameters."""
+    accuracy, order = Accuracy(), config.design.order
+    if config.design.method == "scan" and "order" not in given.get("design", {}):
+        order = None
+    if config.accuracy is not None:
+        config, accuracy = with_accuracy(config, found)
+        order = None
+    experiment = Experiment(
+        name=config.campaign,
+        scene=SceneChoice(found.name, config.scene.parameters, config.scene.file or ""),
+        solver=config.solver,
+        # In the scene's order: in which one a config has them must not matter, to no design.
+        intervals={name: intervals[name] for name in found.parameters if name in intervals},
+        design=DesignChoice(**vars(config.design) | {"order": order}),
+        held_out=config.held_out,
+        responses=config.responses,
+        quantities=config.quantities,
+        accuracy=accuracy,
+    )
+    rest = ("bounds", "published", "error", "figures", "verify", "jobs")
+    return Campaign(
+        experiment=experiment,
+        requirements={
+            name: {quantity: limits.given for quantity, limits in limited.items()}
+            for name, limited in config.requirements.items()
+        },
+        choose=choose_of(config.choose, config.intervals),
+        **{name: getattr(config, name) for name in rest},
+    )
 
 
 def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[str, float]]:

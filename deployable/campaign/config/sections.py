@@ -1,7 +1,8 @@
 """A campaign as the program knows it: its config, checked and resolved, as frozen dataclasses.
 
-Whatever a config leaves open (defaults, an accuracy, an interval given as a percentage) is a number
-here. Sections become JSON, for files and commands, by `as_json` and come back by `from_data`.
+Whatever a config leaves open (an accuracy, an interval given as a percentage) is a number here;
+the other sections are those of `models`. They become JSON, for files and commands, by `as_json` and
+come back by `from_data`.
 """
 
 from __future__ import annotations
@@ -12,6 +13,16 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, is_dataclass, replace
 from functools import cache, cached_property
 from typing import Any, get_args, get_origin, get_type_hints
+
+from deployable.campaign.config.models import (
+    BoundsChoice,
+    Design,
+    ErrorDisplay,
+    FigureChoice,
+    Jobs,
+    Solver,
+    Verify,
+)
 
 
 @dataclass(frozen=True)
@@ -36,29 +47,13 @@ class SceneChoice:
 
 
 @dataclass(frozen=True)
-class Solver:
-    """How each run is integrated and recorded; `duration` and `step` in s, or step "auto"."""
+class DesignChoice(Design):
+    """Where the runs are and what is fitted to them, nothing with order None.
 
-    duration: float
-    instants: int
-    step: float | str
-    safety: float
-    energy_tolerance: float
-
-
-@dataclass(frozen=True)
-class DesignChoice:
-    """Where the runs are and what is fitted to them, with the names of the config's keys.
-
-    What rounds settle comes on top: the `existing` points (n, k) that are run.
+    existing: the points (n, k) that rounds have run.
     """
 
-    method: str
-    order: int | None
-    oversampling: float
-    samples: int
-    sequence: str
-    seed: int
+    order: int | None = 3
     existing: tuple = ()
 
 
@@ -70,10 +65,10 @@ class Accuracy:
     mesh: the parameter of the mesh that may be refined, "" for none.
     """
 
-    shares: dict[str, float]
-    runs: int
-    minutes: float
-    mesh: str
+    shares: dict[str, float] = field(default_factory=dict)
+    runs: int = 0
+    minutes: float = 0.0
+    mesh: str = ""
 
 
 @dataclass(frozen=True)
@@ -88,7 +83,7 @@ class Experiment:
     held_out: int
     responses: dict[str, dict]
     quantities: dict[str, dict] = field(default_factory=dict)
-    accuracy: Accuracy = field(default_factory=lambda: Accuracy({}, 0, 0.0, ""))
+    accuracy: Accuracy = Accuracy()
 
     @property
     def is_sought(self) -> bool:
@@ -182,22 +177,6 @@ class Experiment:
 
 
 @dataclass(frozen=True)
-class BoundsChoice:
-    """How bounds are taken from the runs."""
-
-    model: str
-
-
-@dataclass(frozen=True)
-class Verify:
-    """How intervals of quantities are verified: at most so many rounds of runs at their ends, and
-    whether these are repeated with a finer step and mesh."""
-
-    rounds: int
-    finer: bool
-
-
-@dataclass(frozen=True)
 class Choose:
     """Which nominal values are sought: `parameters` with the range (2,) of each, in its unit, and
     the goals as text, such as `upper(t)`, that are to be small or large.
@@ -225,34 +204,6 @@ class Choose:
         """Least and largest value of a parameter over all choices and their intervals."""
         found = [end for v in self.parameters[name] for end in self.interval(name, v, experiment)]
         return min(found), max(found)
-
-
-@dataclass(frozen=True)
-class ErrorDisplay:
-    """Which instants figures shade: those with an error above a share of the largest width."""
-
-    shade_above: float
-
-
-@dataclass(frozen=True)
-class FigureChoice:
-    """What the figures show."""
-
-    moments: int
-
-
-@dataclass(frozen=True)
-class Jobs:
-    """How the runs are grouped: at most so many in a job, so many side by side, what is kept; with
-    `minutes` other than 0, a job's size is a time (min) instead, by `run_seconds` of a core for a
-    run, or by an estimate where that is 0; how many processes a job has."""
-
-    nodes_per_job: int | str
-    group: int
-    keep: str
-    minutes: float = 0.0
-    run_seconds: float = 0.0
-    processes: int = 1
 
 
 @dataclass(frozen=True)
@@ -287,16 +238,16 @@ def plain_data(section: Any) -> Any:
 
 
 def from_data(kind: Any, data: Any) -> Any:
-    """A section of type `kind` from what `plain_data` gave, whole numbers for reals as floats."""
+    """A section of type `kind` from what `plain_data` gave, which is not checked again: pydantic
+    takes 0.1 s to import, and every job reads sections."""
     if is_dataclass(kind):
         hints = _hints(kind)
         return kind(**{name: from_data(hints[name], value) for name, value in data.items()})
     if get_origin(kind) is dict:
         return {key: from_data(get_args(kind)[1], value) for key, value in data.items()}
     if isinstance(data, list):
-        item = next(iter(get_args(kind)), None)
-        return tuple(from_data(item, value) for value in data)
-    return float(data) if kind in (float, float | str) and type(data) is int else data
+        return tuple(from_data(next(iter(get_args(kind)), None), value) for value in data)
+    return data
 
 
 _hints = cache(get_type_hints)

@@ -1,0 +1,167 @@
+"""What the keys of a config are: their limits for pydantic, words for messages and the table."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from itertools import pairwise
+from textwrap import dedent
+from types import UnionType
+from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
+
+
+class RefusedError(ValueError):
+    """What keys of a section must not be together: `key` is the one to blame, below the section;
+    without `text`, the whole section is not what is allowed."""
+
+    def __init__(self, key: str = "", text: str = ""):
+        self.key, self.text = key, text
+
+
+@dataclass(frozen=True)
+class Key:
+    """What `Annotated` says of a key: its limits, and what is allowed where these do not tell.
+
+    least, most: entries of a mapping or list; pattern: of the whole text; formerly: a name that the
+    key had; about: what one entry of a mapping is.
+    """
+
+    allowed: str = ""
+    about: str = ""
+    unit: str = ""
+    formerly: str = ""
+    pattern: str = ""
+    gt: float | None = None
+    ge: float | None = None
+    le: float | None = None
+    least: int | None = None
+    most: int | None = None
+
+    __is_annotated_types_grouped_metadata__: ClassVar = True
+
+    def __iter__(self) -> Iterator[Any]:
+        """The limits as pydantic knows them."""
+        import annotated_types as types
+
+        kinds = {"gt": types.Gt, "ge": types.Ge, "le": types.Le}
+        kinds |= {"least": types.MinLen, "most": types.MaxLen}
+        for name, kind in kinds.items():
+            if (limit := getattr(self, name)) is not None:
+                yield kind(limit)
+        if self.pattern:
+            yield types.Predicate(re.compile(self.pattern).fullmatch)
+
+    def words(self, kind: Any) -> str:
+        """What is allowed of a type, in words."""
+        if self.allowed or is_dataclass(kind):
+            return self.allowed or "a mapping"
+        if get_origin(kind) is Literal:
+            return f"one of {', '.join(f'`{word}`' for word in get_args(kind))}"
+        if kind is bool:
+            return "`true` or `false`"
+        number = "a whole number" if kind is int else "a number"
+        if self.gt is not None:
+            return f"{number} above {_text(self.gt)}" + (f", up to {self.le}" if self.le else "")
+        if self.le is not None:
+            return f"{number} from {_text(self.ge)} to {_text(self.le)}"
+        return number if self.ge is None else f"{number} of at least {_text(self.ge)}"
+
+
+def _text(limit: float) -> str:
+    """A limit as people write it: 1e-9, 0.0001, 1000000."""
+    return str(limit) if isinstance(limit, int) else re.sub(r"e\+?(-?)0*", r"e\1", f"{limit:g}")
+
+
+@dataclass(frozen=True)
+class Part:
+    """A key of the config: what stands below it, by name or as the entries of a mapping.
+
+    names: what names of entries may be. default: `MISSING` where the key is required.
+    """
+
+    key: Key
+    allowed: str
+    about: str
+    default: Any
+    children: dict[str, Part]
+    entry: Part | None
+    names: str
+
+    def below(self, name: Any) -> Part | None:
+        """The part of a key or of an entry; None where there is none."""
+        return self.children.get(name, self.entry)
+
+
+def part_of(kind: Any, default: Any = MISSING, about: str = "") -> Part:
+    """The part that a type describes, by its `Key` and by its fields or entries."""
+    key = next((m for m in getattr(kind, "__metadata__", ()) if isinstance(m, Key)), Key())
+    kind = get_args(kind)[0] if get_origin(kind) is Annotated else kind
+    children, entry, names = {}, None, ""
+    for one in get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,):
+        if get_origin(one) is dict:
+            name, entry = map(part_of, get_args(one))
+            names = name.key.allowed
+        elif is_dataclass(one):
+            about = about or " ".join(one.__doc__.split())
+            hints, said = get_type_hints(one, include_extras=True), _docstrings(one)
+            children = {
+                f.name: part_of(hints[f.name], _default(f), said.get(f.name, ""))
+                for f in fields(one)
+            }
+    return Part(key, key.words(kind), about or key.about, default, children, entry, names)
+
+
+def _default(field: Field) -> Any:
+    return field.default if field.default_factory is MISSING else field.default_factory()
+
+
+def _docstrings(kind: type) -> dict[str, str]:
+    """What stands below the fields of a class, on one line each."""
+    lines = ast.parse(dedent(inspect.getsource(kind))).body[0].body
+    return {
+        field.target.id: " ".join(text.value.value.split())
+        for field, text in pairwise(lines)
+        if isinstance(field, ast.AnnAssign) and isinstance(text, ast.Expr)
+    }
+
+
+_HEAD = """\
+# Keys of a config
+
+A campaign is one YAML file, checked before any job starts; `python -m deployable check FILE`
+does it without running anything. `<name>` stands for a name of your own or of the scene. Numbers
+are in SI units unless a unit is given. This page is made from
+`deployable/campaign/config/models.py` by `python -m deployable keys`.
+
+| key | what it is | allowed | default |
+|---|---|---|---|
+"""
+
+
+def rows(part: Part, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
+    """Key, description, what is allowed and default of every key below a part."""
+    entries = {"<name>": part.entry} if part.entry and part.entry.about else {}
+    for name, below in (part.children | entries).items():
+        unit = f" ({below.key.unit})" if below.key.unit else ""
+        default = "" if name == "<name>" else _shown(below)
+        yield f"{prefix}{name}", below.about + unit, below.allowed, default
+        yield from rows(below, f"{prefix}{name}.")
+
+
+def _shown(part: Part) -> str:
+    """The default in the table: nothing for what is absent, empty, or a section."""
+    if part.default is MISSING:
+        return "required"
+    if part.default in (None, (), "") or part.children or part.entry:
+        return ""
+    text = part.default if isinstance(part.default, str) else json.dumps(part.default)
+    return f"`{text}`"
+
+
+def table(part: Part) -> str:
+    """The page of all keys as Markdown."""
+    return _HEAD + "".join(f"| `{key}` | {' | '.join(row)} |\n" for key, *row in rows(part))

@@ -28,6 +28,7 @@ import numpy as np
 
 from fpm.elements import kinds_of
 from fpm.elements.kind import Deformations
+from fpm.elements.particles.turning import turns_of
 from fpm.scenes.scene import Scene
 
 SAFETY = 0.9
@@ -85,7 +86,9 @@ def _scaled(scene: Scene, deformations: Deformations):
 
     dofs, values, stiffness, element = deformations
     inverse = np.where(
-        scene.fixed, 0.0, 1.0 / np.column_stack([np.tile(scene.mass, (3, 1)).T, scene.inertia])
+        np.hstack([scene.fixed[:, :3], turns_of(scene).held]),
+        0.0,
+        1.0 / np.column_stack([np.tile(scene.mass, (3, 1)).T, scene.inertia]),
     ).ravel()
     entries = values * np.sqrt(stiffness)[:, None] * np.sqrt(inverse)[dofs]
     rows = np.repeat(np.arange(len(dofs)), 12)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from fpm.elements.particles.turning import turns_of
 from fpm.kernels import layout as at
 from fpm.kernels.world import Log, Record, World
 
@@ -243,7 +244,8 @@ def _state(scene: Scene) -> np.ndarray:
     free = ~scene.fixed
     out[:, at.V : at.V + 3] = scene.velocity * free[:, :3]
     local = np.einsum("nji,nj->ni", scene.frame, scene.spin * free[:, 3:])
-    out[:, at.P : at.P + 3] = np.einsum("nij,nj->ni", scene.frame, scene.inertia * local)
+    inertia = turns_of(scene).inertia
+    out[:, at.P : at.P + 3] = np.einsum("nij,nj->ni", scene.frame, inertia * local)
     return out
 
 
@@ -252,5 +254,5 @@ def _particles(scene: Scene) -> np.ndarray:
     out[:, at.MASS] = scene.mass
     out[:, at.IM] = np.where(scene.fixed[:, :3].all(axis=1), 0.0, 1.0 / scene.mass)
     held = scene.fixed[:, 3:].all(axis=1)[:, None]
-    out[:, at.IJ : at.IJ + 3] = np.where(held, 0.0, 1.0 / scene.inertia)
+    out[:, at.IJ : at.IJ + 3] = np.where(held, 0.0, 1.0 / turns_of(scene).inertia)
     return out

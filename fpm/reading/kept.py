@@ -10,6 +10,7 @@ from fpm.elements.joints.joint import Joint
 from fpm.elements.openings.opening import PARTS, Opening
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.probe import Probe
+from fpm.elements.particles.turning import turns_of
 from fpm.reading.bars import Bar, Sections, bars_of, sections_of
 from fpm.scenes.scene import Scene
 
@@ -109,7 +110,8 @@ class Kept:
     def _turned(self, particle: int, momentum: np.ndarray) -> np.ndarray:
         """Inverse inertia times (t, 3), about the axes about which the particle may turn."""
         axes = self.axes(particle)
-        local = np.einsum("tij,ti->tj", axes, momentum) / self.scene.inertia[particle]
+        inertia = turns_of(self.scene).inertia[particle]
+        local = np.einsum("tij,ti->tj", axes, momentum) / inertia
         return np.einsum("tij,tj->ti", axes, local) * ~self.scene.fixed[particle, 3:]
 
     def inertia(self, particle: int) -> tuple[np.ndarray, np.ndarray]:

@@ -281,8 +281,7 @@ class Scene:
     def fix(self, particles, translations: str = "xyz", rotations: str = "xyz") -> None:
         """Hold particles along and about global axes.
 
-        Rotations of a particle with three different inertias are held all or none, or about axes
-        that stay principal (planar motion).
+        One that is in joints and has unlike inertias is held about none, two or all axes.
         """
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 

@@ -23,6 +23,7 @@ from fpm.assembly.conditions import Conditions, conditions_of
 from fpm.assembly.places import Places
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import moving_at_start
+from fpm.elements.particles.turning import turns_of
 from fpm.errors import SceneError
 
 if TYPE_CHECKING:
@@ -111,7 +112,8 @@ def _scaled(scene: Scene, rows):
 
     free = ~scene.fixed
     linear = free[:, None, :3] * np.eye(3) / np.sqrt(scene.mass)[:, None, None]
-    about = (scene.frame / np.sqrt(scene.inertia)[:, None, :]) @ np.swapaxes(scene.frame, 1, 2)
+    inertia = turns_of(scene).inertia
+    about = (scene.frame / np.sqrt(inertia)[:, None, :]) @ np.swapaxes(scene.frame, 1, 2)
     turning = free[:, 3:, None] * about
     blocks = np.stack([linear, turning], axis=1).reshape(-1, 3, 3)
     root = block_diag(list(blocks), format="csc")

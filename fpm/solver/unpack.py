@@ -3,6 +3,7 @@
 import numpy as np
 
 from fpm.cross import columns, cross
+from fpm.elements.particles.turning import turns_of
 from fpm.errors import InstabilityError
 from fpm.files.outcome import BALANCE, KINETIC, Motion, Outcome, eventful
 from fpm.kernels import layout as at
@@ -105,7 +106,7 @@ def _final(scene: Scene, kinds, world, lane: int, time: float) -> Motion:
     second, third = kept[:, at.D2 : at.D2 + 3], kept[:, at.D3 : at.D3 + 3]
     frame = columns(cross(second, third), second, third)
     momentum = 0.5 * (kept[:, at.P : at.P + 3] + state[:, at.P : at.P + 3])
-    local = np.einsum("nji,nj->ni", frame, momentum) / scene.inertia
+    local = np.einsum("nji,nj->ni", frame, momentum) / turns_of(scene).inertia
     velocity = 0.5 * (kept[:, at.V : at.V + 3] + state[:, at.V : at.V + 3])
     spin = np.einsum("nij,nj->ni", frame, local) * ~scene.fixed[:, 3:]
     motion = Motion(kept[:, at.X : at.X + 3].copy(), frame, velocity, spin)

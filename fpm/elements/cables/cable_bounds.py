@@ -18,6 +18,7 @@ import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.kind import Deformations
+from fpm.elements.particles.turning import turns_of
 
 if TYPE_CHECKING:
     from fpm.elements.cables.cable import Cable
@@ -60,5 +61,6 @@ def _motion(scene, beam: VirtualBeam) -> tuple[np.ndarray, float]:
     turns = -np.array([np.cross(beam.arm, e) for e in np.eye(3)]).T
     values = np.hstack([np.eye(3), frame[p] @ turns, np.zeros((3, 6))])
     inertia = np.concatenate([np.full(3, scene.mass[p]), scene.inertia[p]])
-    inverse = np.where(scene.fixed[p], 0.0, 1.0 / inertia)
+    held = np.concatenate([scene.fixed[p, :3], turns_of(scene).held[p]])
+    inverse = np.where(held, 0.0, 1.0 / inertia)
     return values, float(np.linalg.eigvalsh((values[:, :6] * inverse) @ values[:, :6].T)[-1])

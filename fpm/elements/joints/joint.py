@@ -23,6 +23,7 @@ from fpm.elements.openings.opening import check_numbers, opening_at
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.gravity import LOAD_WORK
 from fpm.elements.particles.probe import Probe
+from fpm.elements.particles.turning import turns_of
 from fpm.errors import SceneError
 
 TYPES = {
@@ -290,7 +291,7 @@ def _bodies(scene, on) -> np.ndarray:
     out, free = np.zeros((len(on), at.BODY)), ~scene.fixed[on]
     out[:, at.HIM : at.HIM + 3] = free[:, :3] / scene.mass[on][:, None]
     turns = free[:, 3:].any(axis=1)[:, None]
-    out[:, at.HIJ : at.HIJ + 3] = turns / scene.inertia[on]
+    out[:, at.HIJ : at.HIJ + 3] = turns / turns_of(scene).inertia[on]
     out[:, at.ROOT : at.ROOT + 3] = np.sqrt(out[:, at.HIJ : at.HIJ + 3])
     # Moments on driven bodies change nothing, but they do work.
     driven = np.isin(on, Drive.moved(scene))[:, None]

@@ -17,6 +17,7 @@ import numpy as np
 from fpm.cross import cross
 from fpm.elements.kind import Deformations, Energy, Kind, Recorded
 from fpm.elements.particles.probe import Probe
+from fpm.elements.particles.turning import turns_of
 from fpm.errors import SceneError
 
 JOINT_LOSS = Energy("joint_loss", "joint_loss", "energy lost on joints: friction, dampers, impacts")
@@ -223,7 +224,8 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
     zero = np.zeros(3)
     if hinge.type == "revolute":
         return [(np.concatenate([zero, -one, zero, two]), 1.0)]
-    first, second = (~scene.fixed[p, 3:] / scene.inertia[p] for p in hinge.particles)
+    held = turns_of(scene).held
+    first, second = (~held[p] / scene.inertia[p] for p in hinge.particles)
     if hinge.slides:
         p, q = hinge.particles
         turn = np.cross(scene.position[p] - scene.position[q], scene.frame[p] @ one)
@@ -263,13 +265,14 @@ def softness(scene, hinge: int) -> float:
     """Inverse inertia (1/kg m²) against which a moment about a hinge of that index turns it; of a
     slide the inverse mass (1/kg).
     """
-    found = scene.hinges[hinge]
+    found, held = scene.hinges[hinge], turns_of(scene).held
     if found.slides:
         rows = relative_turn(scene, [hinge], [1.0])
         mass = np.tile(scene.mass, (3, 1)).T
-        inverse = ~scene.fixed / np.column_stack([mass, scene.inertia])
+        free = ~np.hstack([scene.fixed[:, :3], held])
+        inverse = free / np.column_stack([mass, scene.inertia])
         return float(rows.values[0] ** 2 @ inverse.ravel()[rows.dofs[0]])
-    free = [~scene.fixed[p, 3:] / scene.inertia[p] for p in found.particles]
+    free = [~held[p] / scene.inertia[p] for p in found.particles]
     return float(sum(axis**2 @ inverse for axis, inverse in zip(found.axes, free, strict=True)))
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.kind import AXES, Kind
+from fpm.elements.particles.turning import turns_of
 from fpm.errors import SceneError
 
 
@@ -38,9 +39,14 @@ class Support(Kind):
         return np.flatnonzero(((held > 0) & (held < 3)).any(axis=1)).tolist()
 
     @classmethod
+    def moved(cls, scene):
+        """Those that turn about two axes."""
+        return turns_of(scene).about_two
+
+    @classmethod
     def topology_of(cls, scene):
-        """The particles' own: all held axes are part of the scene's topology."""
-        return None
+        """What turns about two axes: all held axes are part of the scene's topology."""
+        return tuple(cls.moved(scene))
 
     @classmethod
     def pack(cls, batch):
@@ -48,4 +54,6 @@ class Support(Kind):
 
         partly = cls.of(batch.one)
         free = batch.stack(len(partly), 6, lambda s: ~s.fixed[partly])
-        return Held(batch.integers(partly), free)
+        about_two = batch.integers(cls.moved(batch.one))
+        held = batch.stack(len(about_two), 3, lambda s: s.fixed[about_two, 3:])
+        return Held(batch.integers(partly), free, about_two, held)

@@ -1,21 +1,32 @@
-"""Forces along held axes are taken out before the kick."""
+"""Forces along held axes are taken out before the kick; what turns about two axes moves."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from fpm.kernels.hooks import hook
-from fpm.kernels.layout import F, M
-from fpm.kernels.vectors import get3, put3, times
+from fpm.kernels.lanes import load
+from fpm.kernels.layout import HALF, KICK, F, M, P, V
+from fpm.kernels.rotation import frame, half_turn
+from fpm.kernels.run import carry, turn
+from fpm.kernels.vectors import dot, get3, put3, times, to_local
 
 ALONG, ABOUT = 0, 3
 
+ROUNDS = 4
+"""Each leaves of the spin about the held axis a share like the angle of a step."""
+
 
 class Held(NamedTuple):
-    """on (f,) particles held along some axes only; free (f, 6, lanes): 1 free, 0 held."""
+    """on (f,) particles held along some axes only; free (f, 6, lanes): 1 free, 0 held.
+
+    about_two (t,): those that the kind moves; axis (t, 3, lanes): about which each is held.
+    """
 
     on: np.ndarray
     free: np.ndarray
+    about_two: np.ndarray
+    axis: np.ndarray
 
 
 @hook(Held)
@@ -26,3 +37,23 @@ def restrain(part, world, now):
         i = part.on[n]
         put3(state, i, F, times(get3(part.free, n, ALONG), get3(state, i, F)))
         put3(state, i, M, times(get3(part.free, n, ABOUT), get3(state, i, M)))
+
+
+@hook(Held)
+def move(part, world, now):
+    """Kick and move by a step what turns about two axes.
+
+    The angular momentum about the third is such that in the middle of the step, as of all turns,
+    there is no spin about it. That is a condition on rates, not on places.
+    """
+    state, particles = world.state, world.particles
+    for n in range(part.about_two.shape[0]):
+        i = part.about_two[n]
+        carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), now.step)
+        p, axis = now.kick * get3(state, i, M) + get3(state, i, P), get3(part.axis, n, 0)
+        axes, rate = frame(state, i), get3(particles, i, HALF)
+        own = to_local(axes, axis)
+        soft = dot(own, times(rate, own))
+        for _ in range(ROUNDS):
+            p = p - (dot(own, half_turn(to_local(axes, p), rate)) / soft) * axis
+        turn(state, particles, i, p)

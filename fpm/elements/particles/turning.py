@@ -1,0 +1,51 @@
+"""How supports let particles turn.
+
+What is held about an axis does not turn about it; its angular momentum there is what that takes. A
+particle that turns about one axis n alone has the constant inertia n·Jn, whichever axes of its own
+are principal, and is one with that about all axes. One that turns about two has its momentum about
+the third found in every step (support_kernels.py).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.errors import SceneError
+
+ALIKE = 1e-12
+"""Share by which inertias that are alike may differ, by rounding."""
+
+
+class Turning(NamedTuple):
+    """How particles turn: inertia (n, 3) kg m² about their own axes, that about n where they turn
+    about one axis alone; held (n, 3): own axes about which they never turn; about_two: particles
+    of unlike inertias that turn about two axes."""
+
+    inertia: np.ndarray
+    held: np.ndarray
+    about_two: list[int]
+
+
+def turns_of(scene) -> Turning:
+    """How the particles of a scene turn.
+
+    SceneError where one that turns about two axes is in a joint: its impulses do not know that.
+    """
+    fixed = scene.fixed[:, 3:]
+    count, inertia = fixed.sum(axis=1), scene.inertia.copy()
+    held = np.repeat(count[:, None] == 3, 3, axis=1)
+    for p in np.flatnonzero(count == 2):
+        shares = scene.frame[p][~fixed[p]][0] ** 2
+        inertia[p] = shares @ inertia[p]
+        held[p] = (shares < ALIKE) & (shares.max() > 1 - ALIKE)
+    unlike = np.ptp(inertia, axis=1) > ALIKE * inertia.max(axis=1)
+    about_two = np.flatnonzero((count == 1) & unlike).tolist()
+    joining = (e for kind, found in scene.kinds.items() if kind.joins for e in found)
+    for p in [p for e in joining for p in e.particles if p in about_two] if about_two else ():
+        raise SceneError(
+            f"rotations of particle {p} in a joint, held about {'xyz'[fixed[p].argmax()]} alone",
+            inertia[p].tolist(),
+            "two or three axes, the same inertia about all of its own, or a joint to the ground "
+            "that holds them",
+        )
+    return Turning(inertia, held, about_two)

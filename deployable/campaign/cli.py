@@ -190,7 +190,7 @@ def _check(options: argparse.Namespace) -> int:
     """Check configs without running anything, and say how many runs, how long and how much disk."""
     from deployable.campaign.config.check import load_config
     from deployable.campaign.plan.estimate import estimate, found
-    from deployable.campaign.results.words import doubt_texts
+    from deployable.campaign.text.templates import doubt_texts
 
     status = 0
     for path in options.files:
@@ -230,7 +230,7 @@ def _run(options: argparse.Namespace) -> int:
 
 def _are_met(path: Path) -> bool:
     """Whether all of the box meets all requirements."""
-    from deployable.campaign.results.answers import read_json
+    from deployable.campaign.results.facts import read_json
 
     return read_json(Folder(path).requirements)["together"]["met"] == "all"
 

@@ -196,7 +196,7 @@ def report(
 
     moved: is called as soon as these motions are there.
     """
-    from deployable.campaign.report import from_results, make_motions, words, write_page
+    from deployable.campaign.report import from_results, make_motions, write_page
 
     if frames < 2:
         raise CampaignError(f"--frames {frames}: allowed: 2 and more")
@@ -205,9 +205,8 @@ def report(
     if not make_motions(folder.path, frames):
         tell("no run is made again: the structure or the mechanics have changed since")
     moved()
-    data = from_results(folder.path)
-    write_page(data, folder.report)
-    tell("\n".join([words.headline(data), *words.cautions(data), f"Open {folder.report}"]))
+    write_page(from_results(folder.path), folder.report)
+    tell(f"Open {folder.report}")
 
 
 @dataclass(frozen=True)
@@ -285,7 +284,7 @@ def program_digest() -> str:
     )
 
 
-CODE = (".py", ".html", ".css", ".js", ".yaml", ".json")
+CODE = (".py", ".html", ".jinja", ".css", ".js", ".yaml", ".json")
 """Files of the program that decide about results, by how they end."""
 
 UNCOUNTED = {"shipped", "__pycache__"}

@@ -18,7 +18,8 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import _sought, added
 from deployable.campaign.plan.decide import Cost, decide, growth, needed
 from deployable.campaign.plan.plan import Round, Rounds
-from deployable.campaign.results.budget import accuracy_facts, accuracy_lines
+from deployable.campaign.results.facts import _accuracy
+from deployable.campaign.text.templates import sentence
 
 
 @pytest.fixture
@@ -285,8 +286,9 @@ def told(rounds_met, *shares, asked=0.05):
     accuracy = Accuracy({}, 0, 0.0, "")
     rounds = Rounds((Round(16, 0.0, "stop", "the budget is spent"),), (), met=rounds_met)
     plan = SimpleNamespace(adaptive=rounds, experiment=SimpleNamespace(accuracy=accuracy))
-    found = accuracy_facts(plan, rows)
-    return found, "\n".join(accuracy_lines(found, rows))
+    found = _accuracy(plan, rows)
+    facts = {"accuracy": found, "responses": rows, "quantities": []}
+    return found, sentence("accuracy", facts)
 
 
 def test_an_accuracy_is_met_by_what_is_told_last_and_not_by_the_rounds():
@@ -301,7 +303,7 @@ def test_an_accuracy_is_met_by_what_is_told_last_and_not_by_the_rounds():
     found, text = told(False, 0.02, 0.04, "none")
     assert (found["met"], found["unmet"]) == (True, [])
     assert "is met, after 1 round" in text
-    assert text.endswith("nearest to what was asked for is y, 4 % for 5 %.")
+    assert text.endswith("nearest to its limit is y, 4 % for 5 %.")
 
 
 @pytest.fixture(scope="module")
@@ -329,8 +331,8 @@ def test_rounds_refine_what_is_too_coarse(met):
             sum(errors[n] for n in ("surrogate", "step", "mesh"))
         )
     text = (met / "summary.md").read_text()
-    assert "The accuracy that was asked for is met" in text
-    assert "asked for |" in text
+    assert "The accuracy that was set is met" in text
+    assert "wanted |" in text
 
 
 @pytest.mark.slow

@@ -18,11 +18,12 @@ from deployable.campaign.config.scenes import scene_type
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.plan.make import make_plan
+from deployable.campaign.results.facts import SOFT
 from deployable.campaign.results.samples import gather
-from deployable.campaign.results.summary import SOFT, _doubts
 from deployable.campaign.runs import batch as batches
 from deployable.campaign.runs.batch import Simulation, clocks, run_batch
 from deployable.campaign.runs.progress import duration_text
+from deployable.campaign.text.templates import sentence
 from fpm.files.trajectory import read_curves
 
 KEEP = ["trajectories", "responses"]
@@ -267,9 +268,7 @@ def test_faces_that_pass_through_each_other_are_told(raw, tmp_path, keep):
             least = min(opening.min() for opening in curves.openings.values())
             assert samples["overlap"].values[row] == -least > SOFT
         most = float(samples["overlap"].max())
-    (told,) = _doubts({"responses": [], "overlap": most})[1:]
-    assert f"pass through each other by up to {most:.2g} rad" in told
-    assert not _doubts({"responses": [], "overlap": 0.9 * SOFT})
+    assert f"pass through each other by up to {most:.2g} rad" in sentence("soft", {"overlap": most})
 
 
 def test_runs_with_too_many_events_to_keep_are_told(raw, tmp_path, monkeypatch):

@@ -15,7 +15,7 @@ from deployable.campaign.cli import UNMET, main
 from deployable.campaign.config.sections import Choose
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.decisions import together_lines
+from deployable.campaign.text.templates import sentence
 from deployable.intervals.scalars import Choice
 
 LATEST = float(1.01 * exact_time(0.1))
@@ -79,7 +79,7 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     assert fails["at"]["k"] == pytest.approx(0.1 - 1.001 * share * 0.005, rel=1e-5)
     assert LATEST < fails["simulated"] == pytest.approx(exact_time(fails["at"]["k"]), rel=1e-6)
     text = (folder / "summary.md").read_text()
-    assert f"{100 * together['share']:.4g} % of the box meets all requirements." in text
+    assert f"met in {100 * together['share']:.4g} % of the box." in text
     assert "The nearest failure is of in_time" in text
 
 
@@ -118,7 +118,8 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
 def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, text):
     fails = {"requirement": "there", "quantity": "t", "units": "s", "kind": "at_most", "level": 2.0,
              "at": {"k": 1.0}, "ran": ran, "simulated": simulated, "kept": kept}  # fmt: skip
-    (line,) = together_lines({"fails": fails, "largest_share": 0.5}, {"k": "N"})
+    together, parameters = {"fails": fails, "largest_share": 0.5}, [{"name": "k", "units": "N"}]
+    line = sentence("nearest", together, parameters)
     assert text in line
     assert ("simulated" in line) == ran
 

@@ -15,10 +15,9 @@ from deployable.campaign.answers.ends import _ends
 from deployable.campaign.cli import main
 from deployable.campaign.report.page import render
 from deployable.campaign.report.read import from_results
-from deployable.campaign.report.words import cautions
-from deployable.campaign.results.answers import digits_for, ends, interval
-from deployable.campaign.results.budget import quantity_errors
-from deployable.campaign.results.decisions import met, share_text, verdict, where_it_happens
+from deployable.campaign.results.facts import happens_only, quantity_errors
+from deployable.campaign.text.numbers import interval, share
+from deployable.campaign.text.templates import sentence
 from deployable.intervals import Box
 from deployable.intervals.scalars.extremes import Extremes
 from fpm.reading import shocks
@@ -27,8 +26,8 @@ from fpm.reading import shocks
 @pytest.mark.parametrize(
     ("lower", "upper", "told"),
     [
-        (0.31, 0.34, "0.31000 to 0.34000 s"),
-        (-2.5, 1.25, "-2.500 to 1.250 s"),
+        (0.31, 0.34, "0.3100 to 0.3400 s"),
+        (-2.5, 1.25, "−2.50 to 1.25 s"),
         (100.0001, 100.0002, "100.000100 to 100.000200 s"),
         (0.0, 0.0, "0 to 0 s"),
         (None, None, ""),
@@ -41,23 +40,35 @@ def test_an_interval_is_told_from_its_lower_to_its_upper_end(lower, upper, told)
 @pytest.mark.parametrize("width", [1e-5, 1e-3, 0.1, 1.0])
 @pytest.mark.parametrize("middle", [3.0, -700.0, 0.002])
 def test_digits_tell_ends_apart(middle, width):
-    lower, upper = middle - width / 2, middle + width / 2
-    digits = digits_for(lower, upper)
-    told = [float(f"{end:.{digits}g}") for end in (lower, upper)]
-    assert told[1] - told[0] == pytest.approx(width, rel=0.05 if digits < 9 else 0.5)
-
-
-def test_ends_say_how_far_they_were_simulated():
-    row = {"verified": False, "lower": 1.0, "upper": 2.0}
-    assert ends(row | {"simulated_lower": 1.0, "simulated_upper": 1.5}) == (
-        "not verified: upper simulated only to 1.5"
-    )
-    assert ends(row | {"simulated_lower": 1.0, "simulated_upper": 2.0}) == "simulated"
-    assert ends({"verified": True}) == "simulated"
+    row = {"lower": middle - width / 2, "upper": middle + width / 2, "units": "1"}
+    written = [float(end.replace("−", "-")) for end in interval(row).split(" to ")]
+    assert written[1] - written[0] == pytest.approx(width, rel=0.01)
 
 
 @pytest.mark.parametrize(
-    ("share", "open_", "text"),
+    ("changes", "text"),
+    [
+        ({"error": 0.6}, "3.8 to 11.8 s"),
+        ({"error": 0.0123}, "3.78 to 11.84 s"),
+        ({"error": 30.0}, "3.8 to 11.8 s"),
+        ({"error": 0.6, "lower": 0.0}, "0 to 11.8 s"),
+        ({"error": 0.6, "beyond": 12.0}, "3.8 to more than 12 s (the end of the runs)"),
+    ],
+)
+def test_an_interval_has_the_digits_that_its_error_leaves(changes, text):
+    assert interval({"lower": 3.7787, "upper": 11.8379, "units": "s", **changes}) == text
+
+
+def test_ends_say_how_far_they_were_simulated():
+    row = {"verified": False, "lower": 1.0, "upper": 2.0, "simulated_lower": 1.0}
+    text = sentence("ends", row | {"simulated_upper": 1.5})
+    assert text == "not verified: upper simulated only to 1.5"
+    assert sentence("ends", row | {"simulated_upper": 2.0}) == "simulated"
+    assert sentence("ends", {"verified": True, "lower": 1.0}) == "simulated"
+
+
+@pytest.mark.parametrize(
+    ("part", "open_", "text"),
     [
         (0.81234, 0.0001, "81.23 %"),
         (0.81234, 0.0213, "81 ± 3 %"),
@@ -69,32 +80,33 @@ def test_ends_say_how_far_they_were_simulated():
         (1e-6, 0.0, "less than 0.01 %"),
     ],
 )
-def test_a_share_has_the_digits_that_what_is_open_leaves(share, open_, text):
-    assert share_text(share, open_) == text
+def test_a_share_has_the_digits_that_what_is_open_leaves(part, open_, text):
+    assert share(part, open_) == text
 
 
 @pytest.mark.parametrize(
-    ("kept", "share", "open_", "text"),
+    ("kept", "part", "open_", "text"),
     [
-        ("all", 1.0, 1e-4, "All"),
-        ("all", 1.0, 0.03, "At least 97 %"),
-        ("none", 0.0, 0.28, "At most 28 %"),
-        ("some", 0.5, 0.02, "50 ± 2 %"),
+        ("all", 1.0, 1e-4, "All requirements are met in all of the box."),
+        ("all", 1.0, 0.03, "All requirements are met in at least 97 % of the box."),
+        ("none", 0.0, 1e-4, "No combination within the intervals meets all requirements."),
+        ("none", 0.0, 0.28, "All requirements are met in at most 28 % of the box."),
+        ("some", 0.5, 0.02, "All requirements are met in 50 ± 2 % of the box."),
     ],
 )
-def test_a_verdict_tells_what_is_open(kept, share, open_, text):
-    told = {"met": kept, "share": share, "open": open_}
-    assert verdict(told) == f"{text} of the box meets all requirements."
-    assert met(told) == text.lower()
+def test_a_verdict_tells_what_is_open(kept, part, open_, text):
+    facts = {"together": {"met": kept, "share": part, "open": open_}}
+    assert sentence("headline", facts) == text
 
 
 def test_what_fails_only_where_it_does_not_happen_is_told_apart():
     """A speed at an event that does not happen everywhere breaks no limit where it does."""
     limit = {"quantity": "v", "kind": "at_most"}
     row = {"met": "some", "share": 0.955, "limits": [limit]}
-    assert where_it_happens(row, {"v": 0.955}) == "all where v happens"
-    assert where_it_happens(row, {"v": 0.96}) == ""
-    assert where_it_happens({**row, "limits": [{**limit, "kind": "happens"}]}, {"v": 0.955}) == ""
+    assert happens_only(row, [{"name": "v", "happens": 0.955}]) == "v"
+    assert happens_only(row, [{"name": "v", "happens": 0.96}]) is None
+    other = {**row, "limits": [{**limit, "kind": "happens"}]}
+    assert happens_only(other, [{"name": "v", "happens": 0.955}]) is None
 
 
 def test_the_error_of_a_quantity_is_the_sum_of_its_parts_as_a_share_of_its_width():
@@ -196,7 +208,6 @@ def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, mon
     lines = (folder / "summary.md").read_text().splitlines()
     assert f"{text}." in lines
     marked = [line for line in lines if "; mesh and step decide it |" in line]
-    assert [line.split(" | ")[0][2:5] for line in marked] == ["BD", "top"]
+    assert [line.split(" | ")[0][2:5] for line in marked] == ["top", "BD"]
     data = from_results(folder)
-    assert f"{text}." in cautions(data)
     assert render(data).count("nothing softens it: state a <code>stiffness</code>") >= 2

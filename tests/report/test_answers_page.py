@@ -10,10 +10,11 @@ import xarray
 from opening import CONFIG
 
 from deployable import campaign
-from deployable.campaign.report import from_results, make_motions, words
+from deployable.campaign.report import from_results, make_motions
 from deployable.campaign.report.data import FURTHER, Judged
 from deployable.campaign.report.failing import meets, panels
 from deployable.campaign.report.page import render
+from deployable.campaign.text.templates import sentence
 
 
 @pytest.fixture(scope="module")
@@ -31,14 +32,14 @@ def opened(folder):
 
 
 def test_the_headline_is_the_answer(opened):
-    text = words.headline(opened)
-    assert "t_open is 1.8682 to 1.9640 s" in text
-    assert re.search(r"6\d\.\d+ % of the box meets all requirements", text)
+    text = sentence("headline", opened.facts)
+    assert re.fullmatch(r"All requirements are met in 6\d\.\d+ % of the box\.", text)
+    assert "is 1.8682 to 1.9640 s." in sentence("ranges", opened.facts)
 
 
 def test_the_runs_that_are_told_add_up_to_those_that_were_made(folder, opened):
     parts = r"(\d+) (?:runs|of the design|further ones|for the best choice)"
-    total, *parts = map(int, re.findall(parts, words.facts(opened)))
+    total, *parts = map(int, re.findall(parts, sentence("given", opened.facts)))
     assert len(parts) == 3
     assert total == sum(parts) == len(list((folder / "trajectories").glob("*.nc")))
     assert opened.work[0].what == (
@@ -47,14 +48,13 @@ def test_the_runs_that_are_told_add_up_to_those_that_were_made(folder, opened):
 
 
 def test_the_headline_tells_how_many_quantities_it_leaves_out(opened):
-    (asked,) = (row for row in opened.answers["quantities"] if row["name"] == "t_open")
-    more = replace(opened, answers=opened.answers | {"quantities": [asked] * 4})
-    assert "(2 more quantities below), and 6" in words.headline(more)
+    (row,) = (row for row in opened.facts["quantities"] if row["name"] == "t_open")
+    assert sentence("ranges", {"quantities": [row] * 4}).endswith(" 2 more below.")
 
 
 def test_the_page_has_verdicts_intervals_and_tables(opened):
     page = render(opened).replace("\N{NO-BREAK SPACE}", " ")
-    assert page.index("of the box meets all requirements") < page.index('id="quantities"')
+    assert page.index("All requirements are met in ") < page.index('id="quantities"')
     for words_ in ("1.8682 to 1.9640 s", "both ends are simulated runs", 'id="requirements"',
                    "The nearest failure is of in_time", "Best choice: k = ", 'id="choice"',
                    "6", "<b>The box</b> is ", "<b>the surrogate</b> is "):  # fmt: skip
@@ -67,11 +67,11 @@ def test_the_page_has_verdicts_intervals_and_tables(opened):
 
 def test_an_end_that_no_run_reached_is_not_told_as_one_that_did(opened):
     """Not in bold, and said in the headline: without rounds, say, it may be below all runs."""
-    (asked,) = (row for row in opened.answers["quantities"] if row["name"] == "t_open")
+    (row,) = (row for row in opened.facts["quantities"] if row["name"] == "t_open")
     assert "unverified" not in render(opened).split("</style>")[1]
-    asked = asked | {"verified": False, "lower": asked["lower"] - 0.01}
-    data = replace(opened, answers=opened.answers | {"quantities": [asked]})
-    assert "t_open is 1.8582 to 1.9640 s (not verified)" in words.headline(data)
+    row = row | {"verified": False, "lower": row["lower"] - 0.01}
+    data = replace(opened, facts=opened.facts | {"quantities": [row]})
+    assert "is 1.858 to 1.964 s, not verified." in sentence("ranges", data.facts)
     page = render(data).replace("\N{NO-BREAK SPACE}", " ")
     assert 'class="big range unverified"' in page
     assert "over the box; not verified: lower simulated only to 1.868" in page
@@ -80,13 +80,13 @@ def test_an_end_that_no_run_reached_is_not_told_as_one_that_did(opened):
 def test_the_part_of_the_box_that_fails_is_drawn(opened):
     """The panel is in time where its spring is stiff: k of 0.095 to 0.105 N m/rad."""
     limit, (panel,) = 1.9334, panels(opened)
-    exact = 0.1 * (opened.answers["quantities"][0]["nominal"] / limit) ** 2  # t goes with k^-1/2
+    exact = 0.1 * (opened.facts["quantities"][0]["nominal"] / limit) ** 2  # t goes with k^-1/2
     assert {met for _, _, met, _ in panel.marks} == {True, False}
     assert all(near for *_, near in panel.marks)  # there is no other parameter
     for x, _, met, _ in panel.marks:
         assert met == (0.095 + 0.01 * x > exact)
     (low, bottom), (high, top) = panel.kept
-    share = opened.answers["together"]["largest_share"]
+    share = opened.facts["together"]["largest_share"]
     assert (low, high) == pytest.approx((0.5 - 0.5 * share, 0.5 + 0.5 * share))
     assert (bottom, top) == (0, 1)
     assert 0.095 + 0.01 * low == pytest.approx(exact, rel=1e-3)
@@ -100,10 +100,10 @@ def test_marks_whose_other_parameters_lie_outside_the_frame_are_faint(opened):
     values = np.array([[0.099, 0.1], [0.1, 0.104], [0.095, 0.1], [0.1, 0.1]])
     data = replace(
         opened,
-        parameters=(k, replace(k, name="other"), replace(k, name="third")),
+        facts=opened.facts | {"parameters": [k, {**k, "name": "other"}, {**k, "name": "third"}]},
         judged=Judged(np.column_stack([values, [0.1] * 4]), np.array([True, False, True, True])),
     )
-    share = data.answers["together"]["largest_share"]
+    share = data.facts["together"]["largest_share"]
     for panel in panels(data):
         for x, y, met, near in panel.marks:
             inside = max(abs(x - 0.5), abs(y - 0.5)) <= 0.5 * share
@@ -147,7 +147,7 @@ def test_a_page_without_requirements_has_the_intervals_only(opened, tmp_path):
     raw["quantities"] = {"t_never": CONFIG["quantities"]["t_never"]}
     campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
     data = from_results(tmp_path / CONFIG["campaign"])
-    assert "none of the quantities happens" in words.headline(data)
+    assert sentence("headline", data.facts) == "None of the quantities happens in any run."
     page = render(data)
     assert 'id="quantities"' in page
     assert 'id="requirements"' not in page

@@ -156,8 +156,10 @@ def test_a_curve_has_a_gap_where_it_has_no_numbers(window, data, tmp_path):
     first, *others = data.responses
     widths = np.ones_like(first.widths)
     widths[0, 50:100] = np.nan
+    rows = [{**row, "grade": "small"} for row in data.facts["responses"]]
+    facts = {**data.facts, "responses": rows}
     write_page(
-        replace(data, responses=(replace(first, widths=widths, error=0 * first.error), *others)),
+        replace(data, facts=facts, responses=(replace(first, widths=widths), *others)),
         tmp_path / "gap.html",
     )
     window.open(tmp_path / "gap.html")

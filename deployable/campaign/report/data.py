@@ -20,29 +20,12 @@ MOST_LINES = 48
 
 
 @dataclass(frozen=True)
-class Parameter:
-    """An interval parameter: its ends and nominal value in `units` (UDUNITS)."""
-
-    name: str
-    units: str
-    lower: float
-    nominal: float
-    upper: float
-    long_name: str = ""
-
-
-@dataclass(frozen=True)
 class Response:
     """A response with its bounds over time, arrays (t,) in `units`.
 
-    error: estimated error of the bounds; published: a largest difference to be put beside ours;
-    errors: its parts, means over time, with `whole` and `share` of the width; empty where only that
-    of the fit is known;
-    shares (k,), widths (k, t): what each parameter contributes, overall and at every instant, not
-    a number where that is not above the error of the fit;
-    outside: by how much runs that were not fitted leave the bounds; share_outside: at which share
-    of their instants; impossible: by how much the fitted curve falls below what is possible;
-    doubt: why mesh and step alone decide it, if they do.
+    error: estimated error of the bounds; shares (k,), widths (k, t): what each parameter
+    contributes, overall and at every instant, not a number where that is not above the error of the
+    fit.
     """
 
     name: str
@@ -52,14 +35,8 @@ class Response:
     upper: np.ndarray
     nominal: np.ndarray | None = None
     error: np.ndarray | None = None
-    published: float | None = None
     shares: np.ndarray | None = None
     widths: np.ndarray | None = None
-    outside: float | None = None
-    share_outside: float = 0.0
-    impossible: float = 0.0
-    doubt: str = ""
-    errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def widest(self) -> int:
@@ -126,40 +103,31 @@ class Work:
 
 @dataclass(frozen=True)
 class PageData:
-    """All that the page tells.
+    """All that the page shows.
 
-    time (t,) s; bounds_kind: what the bounds are, in words; runs: those that are told, of
-    `run_count` of the design, and of those for the ends of quantities the ones that move;
-    run_counts: what the summary tells of how many were made for what;
+    facts: what `summary.json` holds; time (t,) s; runs: those of the design, and of those for the
+    ends of quantities the ones that move;
     moving: the nominal run first, then those at which quantities and bounds are attained;
     left: those of them that do not move, since the page would be too large;
-    provenance: name -> text; config: text to start from again; answers: what the summary tells of
-    quantities, requirements and the best choice; about: what the structure is; fixed:
-    its parameters that are not uncertain, with their values;
-    judged: which runs meet the requirements, if there are any;
-    overlap: of the faces of a contact, rad; scan: what the summary tells of a scan's bounds.
+    provenance: name -> text; config: text to start from again;
+    judged: which runs meet the requirements, if there are any.
     """
 
-    campaign: str
-    scene: str
-    bounds_kind: str
+    facts: Mapping[str, Any]
     time: np.ndarray
-    parameters: tuple[Parameter, ...]
     responses: tuple[Response, ...]
     runs: tuple[Run, ...]
-    run_count: int
-    run_counts: Mapping[str, int] = field(default_factory=dict)
     moving: tuple[MovingRun, ...] = ()
     left: tuple[LeftOut, ...] = ()
     work: tuple[Work, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
-    answers: Mapping[str, Any] = field(default_factory=dict)
     judged: Judged | None = None
-    about: str = ""
-    fixed: str = ""
-    overlap: float = 0.0
-    scan: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def parameters(self) -> list[dict[str, Any]]:
+        """The interval parameters: name, description, units, lower, nominal, upper."""
+        return self.facts["parameters"]
 
     @property
     def nominal(self) -> Run | None:

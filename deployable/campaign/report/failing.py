@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
-from deployable.campaign.report.data import PageData, Parameter
+from deployable.campaign.report.data import PageData
 
 MOST_PARAMETERS = 3
 """Parameters that are drawn against each other: those by which failing runs differ most."""
@@ -23,8 +24,8 @@ class Panel:
     nothing fails, from `kept[0]` to `kept[1]`; coordinates from 0 to 1. Runs are near where all
     other parameters lie in that part."""
 
-    across: Parameter
-    up: Parameter | None
+    across: Mapping[str, Any]
+    up: Mapping[str, Any] | None
     marks: list[tuple[float, float, bool, bool]]
     kept: tuple[tuple[float, float], tuple[float, float]] | None
 
@@ -46,7 +47,7 @@ def panels(data: PageData) -> list[Panel]:
     if data.judged is None or data.judged.met.all() or not data.judged.met.any():
         return []
     unit = [_unit(p, data.judged.values[:, k]) for k, p in enumerate(data.parameters)]
-    free = [k for k, p in enumerate(data.parameters) if p.upper > p.lower]
+    free = [k for k, p in enumerate(data.parameters) if p["upper"] > p["lower"]]
     met = data.judged.met
     free.sort(key=lambda k: -abs(unit[k][met].mean() - unit[k][~met].mean()))
     chosen = sorted(free[:MOST_PARAMETERS])
@@ -58,8 +59,8 @@ def panels(data: PageData) -> list[Panel]:
 
 
 def _panel(data: PageData, unit: list, runs: np.ndarray, i: int, j: int | None) -> Panel:
-    share = data.answers["together"]["largest_share"]
-    nominal = [_unit(p, p.nominal) for p in data.parameters]
+    share = data.facts["together"]["largest_share"]
+    nominal = [_unit(p, p["nominal"]) for p in data.parameters]
     ends = [(middle * (1 - share), middle + share * (1 - middle)) for middle in nominal]
     near = np.ones(len(data.judged.met), dtype=bool)
     for k, (low, high) in enumerate(ends):
@@ -76,7 +77,7 @@ def _panel(data: PageData, unit: list, runs: np.ndarray, i: int, j: int | None) 
     )
 
 
-def _unit(parameter: Parameter, values):
+def _unit(parameter: Mapping[str, Any], values):
     """Values as shares of a parameter's interval."""
-    width = parameter.upper - parameter.lower
-    return (values - parameter.lower) / width if width > 0 else 0.0 * values
+    width = parameter["upper"] - parameter["lower"]
+    return (values - parameter["lower"]) / width if width > 0 else 0.0 * values

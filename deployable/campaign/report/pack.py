@@ -16,7 +16,6 @@ import numpy as np
 
 from deployable.campaign.export.glb import glb_of
 from deployable.campaign.report.data import MovingRun, PageData, Response
-from deployable.campaign.report.words import verdict
 
 MOST_INSTANTS = 4001
 """Instants of a curve from which it is thinned."""
@@ -82,16 +81,17 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep = thinned(bounds)
 
+    grades = {row["name"]: row["grade"] for row in data.facts["responses"]}
+
     def shown(response: Response) -> bool:
         """Whether what parameters contribute is known well enough to be drawn."""
-        return response.widths is not None and verdict(data, response).grade != "large"
+        return response.widths is not None and grades.get(response.name) != "large"
 
     return {
-        "campaign": data.campaign,
+        "campaign": data.facts["campaign"],
         "time": arrays.add(data.time[keep], "f8"),
         "parameters": [
-            {"name": p.name, "units": p.units, "lower": p.lower, "nominal": p.nominal,
-             "upper": p.upper}
+            {key: p[key] for key in ("name", "units", "lower", "nominal", "upper")}
             for p in data.parameters
         ],
         "responses": [

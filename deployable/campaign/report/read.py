@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,15 +19,14 @@ from deployable.campaign.report.data import (
     LeftOut,
     MovingRun,
     PageData,
-    Parameter,
     Response,
     Run,
     Work,
 )  # fmt: skip
 from deployable.campaign.report.failing import meets
 from deployable.campaign.report.motions import Shown, shown_runs
+from deployable.campaign.results.facts import read_json
 from deployable.campaign.results.which import counts, ids, keeps_extremes, roles
-from deployable.campaign.results.words import with_unit
 from fpm.sealed import DamagedError, check
 
 if TYPE_CHECKING:
@@ -38,39 +36,27 @@ if TYPE_CHECKING:
 def from_results(folder: str | Path) -> PageData:
     """The page's data from `samples.nc`, `bounds.nc` and what else there is in a folder of results.
 
-    sensitivities.nc, summary.json (published numbers), batches/*.json (work) and motions/*.nc (what
-    `make_motions` wrote) may be absent.
+    sensitivities.nc, batches/*.json (work) and motions/*.nc (what `make_motions` wrote) may be
+    absent.
     """
     folder = Path(folder)
+    facts = read_json(folder / "summary.json")
     samples, bounds = _load(folder / "samples.nc", "values"), _load(folder / "bounds.nc")
     sensitivities = folder / "sensitivities.nc"
-    shown, summary = shown_runs(folder), _summary(folder)
+    shown = shown_runs(folder)
     rows = _rows(samples, shown)
     runs, moving = _moving(folder, _runs(samples, rows), rows, shown)
-    known = _scene_type(bounds)
     data = PageData(
-        campaign=str(bounds.attrs["campaign"]),
-        scene=str(bounds.attrs["scene"]),
-        bounds_kind=str(bounds.attrs["bounds_kind"]),
+        facts=facts,
         time=bounds["time"].values,
-        about=known.description.strip().rstrip(".") if known else "",
-        fixed=_fixed(bounds, known.parameters if known else {}),
-        parameters=_parameters(bounds, known.parameters if known else {}),
-        responses=_responses(
-            bounds, _load(sensitivities) if sensitivities.exists() else None, summary
-        ),
+        responses=_responses(bounds, _load(sensitivities) if sensitivities.exists() else None),
         runs=runs,
-        run_count=counts(samples).runs,
-        run_counts=summary.get("runs", {}),
         moving=moving,
         left=_left(shown, runs, moving),
-        work=_work(folder, summary.get("runs", {})),
+        work=_work(folder, facts["runs"]),
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
-        answers={name: summary[name] for name in _ANSWERS if name in summary},
-        judged=_judged(samples, folder, summary),
-        overlap=float(samples["overlap"].max()),
-        scan=summary.get("scan", {}),
+        judged=_judged(samples, folder, facts),
     )
     own = {m.run: m.motion["curves"].values for m in data.moving if "curves" in m.motion}
     runs = tuple(replace(run, curves=own.get(i)) for i, run in enumerate(runs))
@@ -86,89 +72,31 @@ def _load(path: Path, but: str = "") -> xarray.Dataset:
         return dataset.drop_vars(but, errors="ignore").load()
 
 
-def _scene_type(bounds: xarray.Dataset) -> Any:
-    """The structure, unless it is no longer there."""
-    import fpm
-    from deployable.campaign.config.sections import Experiment, from_data
-
-    with suppress(fpm.SceneError):
-        return from_data(Experiment, json.loads(bounds.attrs["config"])).scene_type
-    return None
-
-
-def _fixed(bounds: xarray.Dataset, known: Mapping[str, Any]) -> str:
-    """The values of the structure's parameters that are not uncertain."""
-    given = json.loads(bounds.attrs["config"])["scene"]["parameters"]
-    uncertain = set(bounds["parameter"].values.tolist())
-    values = {name: given.get(name, one.default) for name, one in known.items()}
-    return ", ".join(
-        f"{name} = {value}" if isinstance(value, str | bool) or known[name].unit in ("", "1")
-        else f"{name} = {with_unit(value, known[name].unit, 6)}"
-        for name, value in values.items()
-        if name not in uncertain and value is not None
-    )  # fmt: skip
-
-
-def _parameters(bounds: xarray.Dataset, known: Mapping[str, Any]) -> tuple[Parameter, ...]:
-    keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
-    rows = zip(*(bounds[key].values.tolist() for key in keys), strict=True)
-    return tuple(
-        Parameter(*row, long_name=known[row[0]].description if row[0] in known else "")
-        for row in rows
-    )
-
-
 def _responses(
-    bounds: xarray.Dataset, sensitivities: xarray.Dataset | None, summary: dict
+    bounds: xarray.Dataset, sensitivities: xarray.Dataset | None
 ) -> tuple[Response, ...]:
-    published, errors = _told_of(summary, "published"), _told_of(summary, "errors")
-    doubts = _told_of(summary, "doubt")
-
     def values(name: str, i: int, dataset: xarray.Dataset | None = bounds) -> np.ndarray | None:
         return None if dataset is None or name not in dataset else dataset[name].values[i]
 
-    responses = []
-    for i, name in enumerate(bounds["response"].values.tolist()):
-        outside, inside = values("worst_violation", i), values("coverage", i)
-        responses.append(
-            Response(
-                name=name,
-                long_name=str(bounds["response_long_name"].values[i]),
-                units=str(bounds["response_units"].values[i]),
-                lower=bounds["lower"].values[i],
-                upper=bounds["upper"].values[i],
-                nominal=values("nominal", i),
-                error=values("error", i),
-                published=published.get(name),
-                errors=errors.get(name, {}),
-                shares=values("width_overall", i, sensitivities),
-                widths=_told(values("width", i, sensitivities), values("error", i, sensitivities)),
-                outside=None if outside is None else float(outside),
-                share_outside=float(1.0 - (1.0 if inside is None else inside)),
-                impossible=float(values("largest_impossible", i) or 0.0),
-                doubt=doubts.get(name, ""),
-            )
+    return tuple(
+        Response(
+            name=name,
+            long_name=str(bounds["response_long_name"].values[i]),
+            units=str(bounds["response_units"].values[i]),
+            lower=bounds["lower"].values[i],
+            upper=bounds["upper"].values[i],
+            nominal=values("nominal", i),
+            error=values("error", i),
+            shares=values("width_overall", i, sensitivities),
+            widths=_known(values("width", i, sensitivities), values("error", i, sensitivities)),
         )
-    return tuple(responses)
+        for i, name in enumerate(bounds["response"].values.tolist())
+    )
 
 
-def _told(widths: np.ndarray | None, error: np.ndarray | None) -> np.ndarray | None:
+def _known(widths: np.ndarray | None, error: np.ndarray | None) -> np.ndarray | None:
     """Widths (k, t), not a number where they are not above the error of the fit (t)."""
     return widths if widths is None or error is None else np.where(widths > error, widths, np.nan)
-
-
-def _summary(folder: Path) -> dict:
-    path = folder / "summary.json"
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-
-
-def _told_of(summary: dict, key: str) -> dict:
-    """What the summary tells of the responses under a key, by response, where it tells it."""
-    rows = summary.get("responses", [])
-    return {row["name"]: row[key] for row in rows if row.get(key) is not None}
-
-
-_ANSWERS = ("quantities", "requirements", "together", "choice")
 
 
 MOST_RUNS = 10_000

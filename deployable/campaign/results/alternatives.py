@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.answers import read_json
+from deployable.campaign.results.facts import read_json
 from deployable.campaign.results.figures import save
-from deployable.campaign.results.units import pretty
+from deployable.campaign.text.numbers import pretty
 
 _BLUE, _RED, _GREY = "#0072B2", "#D55E00", "0.6"
 _LABELS = 6

@@ -7,16 +7,14 @@ as well, so that a grey print can be read.
 from __future__ import annotations
 
 from pathlib import Path
-from textwrap import wrap
 from typing import Any
 
 import numpy as np
 
 from deployable.campaign.files import open_netcdf, result_file
 from deployable.campaign.folder import PICTURES
-from deployable.campaign.results.scan_words import known_error
-from deployable.campaign.results.summary import bounds_text, outside_text
-from deployable.campaign.results.units import pretty
+from deployable.campaign.results.facts import known_error
+from deployable.campaign.text.numbers import pretty
 
 LOWER = {"color": "#0072B2", "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
 UPPER = {
@@ -59,22 +57,17 @@ def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> 
     size = (width, 0.95 * width if narrow else 0.5625 * width)
     figure = Figure(figsize=size, layout="constrained")
     ax = figure.subplots()
-    ax.fill_between(time, lower, upper, color="0.85", linewidth=0, zorder=1)
+    ax.fill_between(time, lower, upper, color="0.85", linewidth=0, zorder=1, label="between")
     ax.plot(time, lower, zorder=3, **LOWER)
     ax.plot(time, upper, zorder=3, **UPPER)
     if "nominal" in bounds.variables:
         ax.plot(time, bounds["nominal"][i], zorder=4, **NOMINAL)
-    error, told = None, [f"bounds: {bounds_text(bounds)}", outside_text(bounds, i)]
-    if "error" in bounds.variables:
-        error = bounds["error"][i]
-        if known_error(bounds.bounds_kind, float(error.max())) is None:
-            told.append("how far they may be off is unknown")
-            error = None
-    if error is not None:
+    error = bounds["error"][i] if "error" in bounds.variables else None
+    if error is not None and known_error(bounds.bounds_kind, float(error.max())) is not None:
         ax.fill_between(time, lower - error, lower, zorder=0.5, **ERROR)
         ax.fill_between(time, upper, upper + error, zorder=0.5, **{**ERROR, "label": None})
         doubtful = error > shade_above * (upper - lower).max()
-        _shade(ax, time, doubtful, f"error above {shade_above:.0%} of the largest")
+        _shade(ax, time, doubtful, f"error above {shade_above:.0%} of the largest difference")
     _mark_largest(ax, time, lower, upper, units)
     ax.set_xlabel("time (s)")
     ax.set_ylabel(f"{bounds['response_long_name'][i]} ({units})")
@@ -88,8 +81,6 @@ def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> 
         columnspacing=1.2,
         fontsize=7,
         frameon=False,
-        title="\n".join(line for text in told for line in wrap(text, int(18 * width))),
-        title_fontsize=7,
     )
     return figure
 

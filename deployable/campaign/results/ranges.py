@@ -15,8 +15,8 @@ from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.figures import save
 from deployable.campaign.results.margins import margins_of_samples
-from deployable.campaign.results.units import pretty
 from deployable.campaign.results.which import fitted_rows
+from deployable.campaign.text.numbers import pretty
 
 _LINE, _GRID = 401, 121
 _BLUE, _RED, _GREY = "#0072B2", "#D55E00", "0.75"

@@ -1,0 +1,1 @@
+"""What is said of a campaign: numbers as people write them, and templates over its facts."""

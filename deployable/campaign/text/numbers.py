@@ -1,0 +1,146 @@
+"""Numbers as people write them: the same in the summary, on the page and in figures."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+_FIXED = "\N{NO-BREAK SPACE}"
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_ANGLES = {"degree": "°", "rad": " rad"}
+
+
+def pretty(units: str) -> str:
+    """`m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`; a unit of 1 as 1."""
+    above, below = [], []
+    for name, power in re.findall(r"([A-Za-z%]+)(-?\d+)?", units):
+        exponent = abs(int(power or 1))
+        text = name + ("" if exponent == 1 else "²" if exponent == 2 else f"^{exponent}")
+        (below if (power or "").startswith("-") else above).append(text)
+    return (" ".join(above) or "1") + ("/" + "/".join(below) if below else "")
+
+
+def number(value: float, digits: int = 3) -> str:
+    """`0.0618`, `−2.5`, `1.2e+09` as `1.2 × 10⁹`."""
+    text = f"{value:.{digits}g}"
+    if "e" not in text:
+        return text.replace("-", "−")
+    mantissa, exponent = text.split("e")
+    head = "" if mantissa == "1" else f"{mantissa} × "
+    return f"{head}10{str(int(exponent)).translate(_RAISED)}".replace("-", "−")
+
+
+def quantity(value: float | None, units: str, digits: int = 3, none: str = "unknown") -> str:
+    """A number with its unit, or `none` where there is none."""
+    return none if value is None else with_unit(number(value, digits), units)
+
+
+def with_unit(text: str, units: str) -> str:
+    """A number that is written already, with its unit."""
+    return text if pretty(units) == "1" else f"{text} {pretty(units)}"
+
+
+def percent(share: float) -> str:
+    """`0.0749` as `7 %`; two digits below one per cent."""
+    return f"{100 * share:.2g} %" if abs(share) < 0.01 else f"{100 * share:.0f} %"
+
+
+def share(share: float, open_: float = 0.0) -> str:
+    """A share in per cent, never rounded to all or nothing, with by how much it may be more or less
+    (rounded up to one digit), and as many digits as that leaves: `81 ± 2 %`, `at least 98 %`."""
+    percent, off = 100 * share, 100 * open_
+    if off < OPEN:
+        if 0 < percent < 0.01 or 99.99 < percent < 100:
+            return "less than 0.01 %" if percent < 50 else "more than 99.99 %"
+        return f"{percent:.4g} %"
+    places = max(0, -int(np.floor(np.log10(off))))
+    least = 10.0**-places
+    off = np.ceil(off / least - 1e-9) * least
+    if percent + off >= 100:
+        return f"at least {np.floor((percent - off) / least + 1e-9) * least:.{places}f} %"
+    if percent - off <= 0:
+        return f"at most {np.ceil((percent + off) / least - 1e-9) * least:.{places}f} %"
+    return f"{percent:.{places}f} ± {off:.{places}f} %"
+
+
+OPEN = 0.05
+"""Per cent of the box from which it is said by how much a share may be off."""
+
+
+def interval(row: Mapping[str, Any]) -> str:
+    """`0.31 to 0.34 s`: both ends to the same place, that of the first digit of their error, or
+    two places below that of their difference where the error is less, or not known."""
+    lower, upper = row["lower"], row["upper"]
+    if lower is None:
+        return ""
+    error, width = row.get("error") or 0.0, upper - lower
+    size = max(abs(lower), abs(upper))
+    places = -_power(width or 1e-3 * size or 1.0) + 2
+    if error > 0 < width:
+        places = min(places, -_power(min(error, width / 10)))
+    if not 0 <= places <= 9:
+        ends = [number(end, max(1, min(9, places + 1 + _power(size)))) for end in (lower, upper)]
+    else:
+        ends = [f"{end:.{places}f}".replace("-", "−") if end else "0" for end in (lower, upper)]
+    if row.get("beyond"):
+        most = quantity(row["beyond"], row["units"])
+        return f"{ends[0]} to more than {most} (the end of the runs)"
+    return with_unit(f"{ends[0]} to {ends[1]}", row["units"])
+
+
+def _power(value: float) -> int:
+    """The power of ten of a number's first digit."""
+    return int(np.floor(np.log10(value)))
+
+
+def place(values: Mapping[str, float | None], parameters: Iterable[Mapping[str, Any]]) -> str:
+    """Parameter values by name, each with the unit that `parameters` have."""
+    units = {parameter["name"]: parameter["units"] for parameter in parameters}
+    known = {name: value for name, value in values.items() if value is not None}
+    return ", ".join(f"{name} = {quantity(known[name], units[name], 4)}" for name in known)
+
+
+def spread(parameter: Mapping[str, Any]) -> str:
+    """How far a parameter is known: `± 1 %`, else its ends."""
+    nominal, units = parameter["nominal"], parameter["units"]
+    below, above = nominal - parameter["lower"], parameter["upper"] - nominal
+    if abs(above - below) < 1e-6 * abs(nominal):
+        if unit := _ANGLES.get(units):  # a share of an angle says little
+            return f"± {number(above)}{unit}"
+        return f"± {100 * above / abs(nominal):.2g} %"
+    return f"{number(parameter['lower'], 4)} to {quantity(parameter['upper'], units, 4)}"
+
+
+def joined(parts: Iterable[str], last: str = "and") -> str:
+    """`one, two and three`."""
+    *others, end = parts
+    return f"{', '.join(others)} {last} {end}" if others else end
+
+
+def escaped(text: str) -> str:
+    """A name from outside as one line of Markdown that says just that."""
+    return re.sub(r"([|<>`*\[\]\\])", r"\\\1", " ".join(text.split()))
+
+
+def unbroken(text: str, units: Iterable[str]) -> str:
+    """A text in which no line ends between a number and its unit, sign, power of ten or name.
+
+    units: as they are written, such as `m/s`; seconds and shares need not be among them.
+    """
+    known = "|".join(sorted(map(re.escape, {*units, "s", "rad", "%"}), key=len, reverse=True))
+    text = re.sub(rf"(?<=[\d⁰-⁹]) (?=(?:{known})(?!\w))", _FIXED, text)
+    for unit in units:
+        text = text.replace(_FIXED + unit, _FIXED + unit.replace(" ", _FIXED))
+    text = re.sub(r" = (?=[\d−-])", f"{_FIXED}={_FIXED}", text)
+    text = re.sub(r"(?<![\w)-])-(?=\d)", "−", text)
+    return re.sub(r"(?<=[\d±]) (?=[\d×])|(?<=×) (?=10)", _FIXED, text)
+
+
+def coded(text: str, units: Iterable[str] = ()) -> Any:
+    """A sentence as HTML, with keys of a config, between backticks, as code."""
+    from markupsafe import Markup, escape
+
+    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", str(escape(unbroken(text, units)))))

@@ -1,0 +1,93 @@
+"""What is said of a campaign, as templates over the facts of `results/facts.py`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from deployable.campaign.results.facts import SOFT, decisive, happens_only, moments
+from deployable.campaign.text import numbers
+
+_HERE = Path(__file__).parent
+_VERIFIED = 1e-3
+"""Share of the width by which a run may be short of an end that counts as simulated."""
+
+
+def environment(units: Iterable[str] = (), html: bool = False) -> Any:
+    """A jinja2 environment for the templates of this folder and, of pages, of `report/`.
+
+    units: as they are written in numbers between which and their unit no line of a page ends.
+    """
+    import jinja2
+
+    units = list(units)
+    found = jinja2.Environment(
+        loader=jinja2.FileSystemLoader([_HERE, _HERE.parent / "report"]), autoescape=html,
+        trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined,
+        finalize=(lambda v: numbers.unbroken(v, units) if type(v) is str else v) if html else None,
+    )  # fmt: skip
+    of_numbers = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty")
+    found.filters |= {name: getattr(numbers, name) for name in of_numbers}
+    found.filters |= {
+        "met_text": met_text, "unreached": unreached, "decisive": decisive, "moments": moments,
+        "happens_only": happens_only, "doubts": doubts, "small_share": small_share,
+        "first_lower": lambda text: text[:1].lower() + text[1:],
+        "capitalize_first": lambda text: text[:1].upper() + text[1:],
+        "escaped": (lambda text: text) if html else numbers.escaped,
+        "coded": partial(numbers.coded, units=units),
+    }  # fmt: skip
+    found.tests |= {
+        "in_any": lambda part, rows: any(part in row["errors"] for row in rows),
+        "search": lambda text, start: text.startswith(start.lstrip("^")),
+    }
+    return found
+
+
+def summary_text(facts: Mapping[str, Any]) -> str:
+    """The summary as Markdown."""
+    text = environment().get_template("summary.md.jinja").render(facts=facts, soft=SOFT)
+    return text.rstrip() + "\n"
+
+
+def met_text(row: Mapping[str, Any]) -> str:
+    """By how much of the box a requirement is met: `All`, `None` or a share."""
+    sure = row["met"] != "some" and 100 * row["open"] < numbers.OPEN
+    text = row["met"] if sure else numbers.share(row["share"], row["open"])
+    return text[0].upper() + text[1:]
+
+
+def unreached(row: Mapping[str, Any]) -> list[str]:
+    """Which ends of a quantity's interval no run reached, and how far the runs go."""
+    least = _VERIFIED * (row["upper"] - row["lower"])
+    return [
+        f"{side} simulated only to {numbers.number(row[f'simulated_{side}'], 6)}"
+        for side in ("lower", "upper")
+        if abs(row[f"simulated_{side}"] - row[side]) > least
+    ]
+
+
+def doubts(facts: Mapping[str, Any]) -> list[str]:
+    """Sentences that say which responses and quantities mesh and step decide, and why."""
+    rows = (*facts["responses"], *facts["quantities"])
+    return doubt_texts({row["name"]: row["doubt"] for row in rows if "doubt" in row})
+
+
+def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
+    """The same from the reasons by name."""
+    names: dict[str, list[str]] = {}
+    for name, why in doubts.items():
+        names.setdefault(why, []).append(name)
+    return [f"Mesh and step decide {', '.join(own)}: {why}" for why, own in names.items()]
+
+
+def small_share(share: float) -> str:
+    """`2 %`, `0.0002 %`."""
+    text = f"{100 * share:.2g}"
+    return f"{text if 'e' not in text else f'{100 * share:.9f}'.rstrip('0')} %"
+
+
+def sentence(name: str, *facts: Any) -> str:
+    """One of the sentences of `sentences.jinja`, as in the summary."""
+    return getattr(environment().get_template("sentences.jinja").module, name)(*facts)

@@ -109,7 +109,9 @@ class Quantity:
         span = time[-1] - time[0]
         if self.kind == "mean":
             return float(np.trapezoid(values, time) / span)
-        return float(np.sqrt(np.trapezoid(values**2, time) / span))
+        if self.kind == "rms":
+            return float(np.sqrt(np.trapezoid(values**2, time) / span))
+        raise ValueError(f"{self.name}: nothing is read off a run for the kind {self.kind}")
 
     def _event(self, curves: "Curves") -> float:
         found = [curves.happened.get((place, self.event), ()) for place in self.places]

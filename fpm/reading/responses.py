@@ -71,7 +71,9 @@ class Response:
             return outcome.tensions[self.about[0]]
         if self.kind in LATCH:
             return outcome.latches[self.about]
-        return outcome.energies[self.about[0]]
+        if self.kind == "energy":
+            return outcome.energies[self.about[0]]
+        raise ValueError(f"{self.name}: nothing is read off a run for the kind {self.kind}")
 
 
 def _one_of(key: str, value: object, known: tuple[str, ...]) -> str:

@@ -21,19 +21,16 @@ def one_line(text: str) -> str:
 class Parameter:
     """What a scene's parameter is and which values it takes.
 
-    kind: "real", "integer", "boolean" or "choice"; only real ones may be intervals. The range is
-    closed unless `lower_open`, `upper_open`. A default of None means: follows from the others.
+    kind: "real" or "integer"; only real ones may be intervals. The range is closed. A default of
+    None means: follows from the others.
     """
 
-    default: float | int | bool | str | None
+    default: float | int | None
     unit: str
     description: str
     lower: float = float("-inf")
     upper: float = float("inf")
     kind: str = "real"
-    choices: tuple[str, ...] = ()
-    lower_open: bool = False
-    upper_open: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "description", one_line(self.description))
@@ -41,16 +38,12 @@ class Parameter:
     @property
     def allowed(self) -> str:
         """The allowed values in words."""
-        if self.kind == "choice":
-            return f"one of {', '.join(self.choices)}"
-        if self.kind == "boolean":
-            return "true or false"
         what = "a whole number" if self.kind == "integer" else "a number"
         bounds = []
         if self.lower > float("-inf"):
-            bounds.append(f"{'>' if self.lower_open else '>='} {self.lower:g}")
+            bounds.append(f">= {self.lower:g}")
         if self.upper < float("inf"):
-            bounds.append(f"{'<' if self.upper_open else '<='} {self.upper:g}")
+            bounds.append(f"<= {self.upper:g}")
         unit = f" ({self.unit})" if self.unit not in ("", "1") else ""
         return " ".join([what, " and ".join(bounds)]).strip() + unit
 
@@ -58,19 +51,10 @@ class Parameter:
         """SceneError unless `value` is allowed."""
         if value is None and self.default is None:
             return
-        if self.kind == "choice":
-            right = value in self.choices
-        elif self.kind == "boolean":
-            right = isinstance(value, bool)
-        else:
-            number = isinstance(value, int | float) and not isinstance(value, bool)
-            right = number and float("-inf") < value < float("inf")
-            right = right and (self.kind == "real" or int(value) == value)
-            if right:
-                above = value > self.lower if self.lower_open else value >= self.lower
-                below = value < self.upper if self.upper_open else value <= self.upper
-                right = above and below
-        if not right:
+        right = isinstance(value, int | float) and not isinstance(value, bool)
+        right = right and float("-inf") < value < float("inf")
+        right = right and (self.kind == "real" or int(value) == value)
+        if not (right and self.lower <= value <= self.upper):
             raise SceneError(name, value, self.allowed)
 
 

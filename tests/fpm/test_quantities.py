@@ -9,7 +9,7 @@ from fpm import SceneError
 from fpm.elements.kind import Eventful
 from fpm.files.trajectory import Curves, happened
 from fpm.reading.quantities import crossing, crossing_margin
-from fpm.reading.quantity_definitions import parse
+from fpm.reading.quantity_definitions import KEYS, NEEDED, parse
 from fpm.reading.responses import Response
 
 TIME = np.linspace(0.0, 2.0, 401)
@@ -60,6 +60,16 @@ TOP = np.arctan(5) / 5  # where the wave is largest
 )
 def test_numbers_of_a_decaying_wave(definition, exact):
     assert read(definition, WAVE) == pytest.approx(exact, abs=1e-6)
+
+
+def test_every_kind_is_read_and_none_that_is_unknown(monkeypatch):
+    for kind in KEYS:
+        of = "closes" if kind == "event" else "x"
+        definition = {kind: of} | dict.fromkeys(NEEDED.get(kind, ()), 0.25)
+        assert np.isfinite(read(definition, WAVE)), kind
+    monkeypatch.setitem(KEYS, "median", ())
+    with pytest.raises(ValueError, match="median"):
+        read({"median": "x"}, WAVE)
 
 
 def test_means_overshoot_and_settling():

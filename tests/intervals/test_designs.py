@@ -8,6 +8,7 @@ import pytest
 from deployable.intervals import Box, IntervalError, fit, held_out_points, make_design
 from deployable.intervals.chebyshev import lobatto, product_basis, roots
 from deployable.intervals.designs.multi_indices import total_degree
+from deployable.intervals.designs.scan import scan_points
 from deployable.intervals.points import match_points, other_runs
 
 
@@ -112,7 +113,8 @@ def test_scan_contains_the_corners_and_repeats_with_its_seed():
     assert design.runs == 100
     assert keys(Box(["a", "b", "c"], [-1] * 3, [1] * 3).corners()) <= keys(design.points)
     assert (design.points == make_design("scan", 3, samples=100, seed=5).points).all()
-    cube = make_design("scan", 2, samples=50, sequence="latin_hypercube", corners=False).points
+    free = np.ones(2, dtype=bool)
+    cube = scan_points(free, samples=50, sequence="latin_hypercube", corners=False)
     strata = np.floor((cube + 1) / 2 * 50).astype(int)
     assert all(len(set(column)) == 50 for column in strata.T)
 

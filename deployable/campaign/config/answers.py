@@ -5,13 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from deployable.campaign.config.models import Around, Choosing
+from deployable.campaign.config.models import Around, Choosing, Limits
 from deployable.campaign.config.read import show
 from deployable.campaign.config.sections import Campaign, Choose, Experiment
 from fpm.errors import did_you_mean
 
-LIMITS = ("at_least", "at_most", "happens")
-ENDS = ("upper", "lower", "width")
+LIMITS = tuple(Limits.__dataclass_fields__)
 _GOAL = re.compile(r"(\w+)\((\w+)\)")
 
 
@@ -57,6 +56,7 @@ def _no_quantity(name: str, known: Mapping) -> str:
 
 
 def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
+    from deployable.intervals.scalars.choice import ENDS
     from fpm import SceneError
 
     problems, goals, known = [], goals_of(choose), experiment.quantities

@@ -85,6 +85,11 @@ class Experiment:
     quantities: dict[str, dict] = field(default_factory=dict)
     accuracy: Accuracy = Accuracy()
 
+    @classmethod
+    def read(cls, text: str) -> Experiment:
+        """The experiment that a file of results is of, from its attribute `config`."""
+        return from_data(cls, json.loads(text))
+
     @property
     def is_sought(self) -> bool:
         """Whether an accuracy is asked for, towards which runs, mesh and step are chosen."""

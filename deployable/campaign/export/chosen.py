@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from deployable.campaign.config.sections import Experiment, from_data
+from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.which import ids, nominal_row
@@ -111,9 +110,8 @@ def _of_results(folder: Folder, run: str) -> Chosen:
     with open_netcdf(folder.samples) as samples:
         nominal, values = nominal_row(samples), samples["value"][:]
         known, names = ids(samples, slice(None)), list(samples["parameter"][:])
-        config, mechanics = json.loads(samples.config), samples.mechanics
+        experiment, mechanics = Experiment.read(samples.config), samples.mechanics
         step = float(samples.time_step)
-    experiment = from_data(Experiment, config)
     if experiment.scene_type.digest != mechanics:
         raise CampaignError(
             f"the structure or the mechanics have changed since {folder.path} was made, so that "

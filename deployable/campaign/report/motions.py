@@ -3,7 +3,6 @@ and bounds are attained."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -141,10 +140,10 @@ def motions_of(samples: xarray.Dataset, shown: Sequence[Shown], frames: int = 40
     Of runs whose curves are not in `samples.nc` it has them: ``curves`` (response, instant), and
     ``impact`` (event, 3): time, index into ``eventful``, 1 if it closes.
     """
-    from deployable.campaign.config.sections import Experiment, from_data
+    from deployable.campaign.config.sections import Experiment
     from fpm.motions.motion import whole_motion
 
-    experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
+    experiment = Experiment.read(samples.attrs["config"])
     names = samples["parameter"].values.tolist()
     scenes = [experiment.build(dict(zip(names, run.values.tolist(), strict=True))) for run in shown]
     solver = experiment.solver
@@ -201,13 +200,13 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
 
     None if they could not be made again as they were, since the structure or the mechanics changed.
     """
-    from deployable.campaign.config.sections import Experiment, from_data
+    from deployable.campaign.config.sections import Experiment
     from deployable.campaign.files import open_dataset
     from deployable.campaign.results.bounds import write_dataset
 
     folder = Path(folder)
     with open_dataset(folder / "samples.nc") as samples:
-        experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
+        experiment = Experiment.read(samples.attrs["config"])
         if experiment.scene_type.digest != samples.attrs["mechanics"]:
             return []
         shown = shown_runs(folder)

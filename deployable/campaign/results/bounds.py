@@ -8,7 +8,6 @@ The files are described at `intervals.bounds_dataset`, `intervals.surrogate_data
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.design import make_design
-from deployable.campaign.config.sections import BoundsChoice, Experiment, from_data
+from deployable.campaign.config.sections import BoundsChoice, Experiment
 from deployable.campaign.files import open_dataset, result_file
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import as_attribute
@@ -34,7 +33,7 @@ def analyse(folder: Folder, how: BoundsChoice, more: Callable[[Any], Any] | None
     from deployable import intervals
 
     with open_dataset(folder.samples) as samples:
-        experiment = from_data(Experiment, json.loads(samples.attrs["config"]))
+        experiment = Experiment.read(samples.attrs["config"])
         is_plain_scan = experiment.design.method == "scan" and experiment.design.order is None
         design = (
             _scanned(samples) if is_plain_scan else make_design(experiment.design, experiment.box)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
-
-from deployable.campaign.config.sections import Experiment, from_data
+from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
@@ -18,7 +16,7 @@ def draw_nominal(folder: Folder, count: int) -> None:
     overviews. Raises `CampaignError` where the run cannot be made again.
     """
     with open_netcdf(folder.samples) as samples:
-        experiment = from_data(Experiment, json.loads(samples.config))
+        experiment = Experiment.read(samples.config)
         row, mechanics = nominal_row(samples) or 0, samples.mechanics
         (name,) = ids(samples, [row])
     if experiment.scene_type.digest != mechanics:

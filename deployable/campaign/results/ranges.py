@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from deployable.campaign.config.sections import Experiment, from_data
+from deployable.campaign.config.sections import Experiment
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.figures import save
@@ -76,7 +76,7 @@ def runs_of(folder: Folder) -> Seen:
     with open_netcdf(folder.samples) as file:
         numbers = file["quantities"][:]
         rows = fitted_rows(numbers)
-        experiment = from_data(Experiment, json.loads(file.config))
+        experiment = Experiment.read(file.config)
         margins = margins_of_samples(experiment, file, rows)
         parts = [(file["unit"][:][rows], numbers[rows], margins)]
     with open_netcdf(folder.further) as file:

@@ -3,14 +3,13 @@ them: their roles, their number, and their names."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from deployable.campaign.config.sections import Experiment, from_data
+from deployable.campaign.config.sections import Experiment
 from deployable.campaign.plan.runs import ROLES, namer
 
 
@@ -72,7 +71,7 @@ def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
     rows = rows if isinstance(rows, slice) else list(rows)
     if "run_id" in samples.variables:
         return np.asarray(samples.variables["run_id"][:])[rows].tolist()
-    experiment = from_data(Experiment, json.loads(samples.config))
+    experiment = Experiment.read(samples.config)
     name = namer(experiment, float(samples.time_step), samples.mechanics)
     return [name(tuple(row)) for row in np.asarray(samples.variables["value"][:])[rows].tolist()]
 

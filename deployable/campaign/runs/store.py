@@ -48,8 +48,7 @@ from fpm.sealed import DamagedError, check
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
     """The store for a config's `jobs.keep` in `folder`; the experiment says which responses
     and quantities."""
-    kind = {"trajectories": Trajectories, "responses": Responses, "extremes": Extremes}[keep]
-    return kind(Path(folder), experiment)
+    return STORES[keep](Path(folder), experiment)
 
 
 class Trajectories:
@@ -241,3 +240,6 @@ class Responses:
 def _name(path: Path) -> str:
     """What the file of a group is called in its seal."""
     return f"runs {path.stem}"
+
+
+STORES = {"trajectories": Trajectories, "responses": Responses, "extremes": Extremes}

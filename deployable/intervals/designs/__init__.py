@@ -56,8 +56,8 @@ def make_design(
         Polynomial order n >= 1, or one for each direction (0 keeps a direction constant). A scan
         may have none: then there is no surrogate, only the least and largest sample.
     options
-        ``oversampling`` (total_degree: points per coefficient, >= 1), ``samples``, ``seed``,
-        ``sequence`` ("sobol" or "latin_hypercube") and ``corners`` (scan).
+        ``oversampling`` (total_degree: points per coefficient, >= 1), ``samples``, ``seed``
+        and ``sequence`` ("sobol" or "latin_hypercube", scan).
 
     Raises
     ------

@@ -60,10 +60,16 @@ class Method:
         known; its keyword-only arguments are the options that a user has.
     needs_order
         Whether a user must give an order.
+    symmetric
+        Whether directions in another order have the same points, in that order. Directions of a
+        sequence are not alike, nor are of points of which either does as well the one that comes
+        first; such a design is always made in one order of the parameters, a campaign's in the
+        structure's.
     """
 
     make: Callable[..., Design]
     needs_order: bool = True
+    symmetric: bool = True
 
     @property
     def options(self) -> tuple[str, ...]:

@@ -22,9 +22,8 @@ def _make(
     samples: int = 1024,
     seed: int = 0,
     sequence: str = "sobol",
-    corners: bool = True,
 ) -> Design:
-    points = scan_points(free, samples, seed=seed, sequence=sequence, corners=corners)
+    points = scan_points(free, samples, seed=seed, sequence=sequence)
     limit(len(points))
     if orders is None:  # no surrogate, only the least and the largest sample
         return Design(points, np.zeros((0, len(free)), dtype=int))
@@ -78,4 +77,4 @@ def _sequence(dimension: int, count: int, seed: int, sequence: str) -> np.ndarra
     return sampler.random_base2(power)[:count]
 
 
-SCAN = Method(_make, needs_order=False)
+SCAN = Method(_make, needs_order=False, symmetric=False)

@@ -96,4 +96,4 @@ def _candidates(order: np.ndarray, target: int) -> np.ndarray:
     return np.unique(np.concatenate([ends, *axes, drawn]), axis=0)
 
 
-TOTAL_DEGREE = Method(_make)
+TOTAL_DEGREE = Method(_make, symmetric=False)

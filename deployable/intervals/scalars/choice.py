@@ -18,9 +18,13 @@ _GRID, _ZOOMED, _ZOOMS, _SPREAD = 33, 7, 22, 128
 BoxOf = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
+ENDS = ("upper", "lower", "width")
+"""What of a number's interval may be a goal."""
+
+
 @dataclass(frozen=True)
 class Goal:
-    """What is to be small: `kind` "upper", "lower" or "width" of a number's interval over the box,
+    """What is to be small: `kind`, one of `ENDS`, of a number's interval over the box,
     times `sign`: -1 where it is to be large."""
 
     surrogate: ScalarSurrogate

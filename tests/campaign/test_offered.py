@@ -1,0 +1,52 @@
+"""What a config may name is what the program has, by its registries."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import fields
+from pathlib import Path
+from typing import get_args, get_type_hints
+
+import pytest
+
+from deployable.campaign.config.models import BoundsChoice, Design, Jobs
+from deployable.campaign.runs.store import STORES
+from deployable.intervals import METHODS, MODELS
+from deployable.intervals.designs.scan import SEQUENCES
+from fpm.reading import asked_responses, quantity_definitions, responses
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+def words(section, key):
+    """The words that a key may have."""
+    return set(get_args(get_type_hints(section)[key]))
+
+
+def test_every_design_can_be_asked_for_with_all_its_options_and_no_other():
+    assert words(Design, "method") == set(METHODS)
+    options = {option for method in METHODS.values() for option in method.options}
+    assert {field.name for field in fields(Design)} == {"method", "order"} | options
+    assert words(Design, "sequence") == set(SEQUENCES)
+
+
+def test_every_model_can_be_asked_for_and_no_other():
+    """A design without a surrogate is its own model."""
+    assert words(BoundsChoice, "model") == set(MODELS) - set(METHODS)
+
+
+def test_every_store_can_be_asked_for_and_no_other():
+    assert words(Jobs, "keep") == set(STORES)
+
+
+@pytest.mark.parametrize(
+    ("page", "known"),
+    [
+        ("responses.md", {*responses.ALWAYS, *asked_responses.KINDS}),
+        ("quantities.md", set(quantity_definitions.KEYS)),
+    ],
+)
+def test_every_kind_of_a_definition_is_in_its_table_and_no_other(page, known):
+    text = (DOCS / page).read_text(encoding="utf-8")
+    table = re.findall(r"^\| (`\{\w+: [^|]*) \|", text, re.MULTILINE)
+    assert {kind for row in table for kind in re.findall(r"`\{(\w+): ", row)} == known

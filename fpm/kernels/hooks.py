@@ -148,6 +148,13 @@ def move(parts, world, now):
 
 
 @_unrolled()
+def look_back(parts, world, now):
+    """At the start, correct the momenta of half a step before it in World.kept, which are those
+    after it reflected, and the impulses of the first kick.
+    """
+
+
+@_unrolled()
 def work_after(parts, world, now):
     """Work of the half step after now.time, or of the whole step; velocities of its middle."""
 

@@ -92,10 +92,11 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
         for k in range(free.shape[0]):
             kick_and_move(state, world.particles, free[k], now)
         hooks.move(parts, world, now)
+        if n == 0:
+            reflect(world)
+            hooks.look_back(parts, world, now)
         hooks.work_after(parts, world, now)
         if check:
-            if n == 0:
-                reflect(world)
             record_after(parts, world, record, row, now)
             if find_failures(parts, world, record, row, n, tolerance):
                 return n

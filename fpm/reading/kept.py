@@ -85,17 +85,21 @@ class Kept:
         """Angular velocity (t, 3) rad/s."""
         if particle in self._driven:
             return self._driven[particle][1, :, 1]
-        return self._turned(particle, self._of(particle, "MOMENTUM"))
+        spin = self._turned(particle, self._of(particle, "MOMENTUM"))
+        spin[0] = self.scene.spin[particle] * ~self.scene.fixed[particle, 3:]
+        return spin
 
     def velocity(self, particle: int) -> np.ndarray:
         """Velocity (t, 3) m/s."""
         if particle in self._driven:
             return self._driven[particle][1, :, 0]
-        return self._of(particle, "VELOCITY")
+        velocity = self._of(particle, "VELOCITY").copy()
+        velocity[0] = self.scene.velocity[particle]
+        return velocity
 
     def acceleration(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
         """Acceleration (t, 3) m/s² and angular acceleration (t, 3) rad/s²: changes over the step
-        around each instant, and over the half step after the first."""
+        around each instant; of driven particles, over the half step after the first."""
         if particle in self._driven:
             before, now, after = self._driven[particle]
             change = (after - before) / self.step

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fpm.cross import columns, cross
+from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.turning import turns_of
 from fpm.errors import InstabilityError
 from fpm.files.outcome import BALANCE, KINETIC, Motion, Outcome, eventful
@@ -22,6 +23,8 @@ def outcome_of(
     steps = division.per_instant * (instants - 1)
     tracks = record.points[:, :, lane].reshape(instants + 1, len(scene.points), 6)[:instants]
     points = {name: (tracks[:, n, :3], tracks[:, n, 3:]) for n, name in enumerate(scene.points)}
+    for name, beam in scene.points.items():
+        _begin(scene, beam, points[name][1])
     kinds = (KINETIC, *batch.energies, BALANCE)
     recorded = {}
     for kind, part in zip(batch.kinds, parts, strict=True):
@@ -56,6 +59,16 @@ def outcome_of(
         largest=largest,
         final=_final(scene, batch.kinds, world, lane, steps * division.step),
     )
+
+
+def _begin(scene: Scene, beam, velocity: np.ndarray) -> None:
+    """The first velocity (t, 3) of a point is that with which it starts; the mean of the half steps
+    before and after is that to the second order only."""
+    particle = beam.particle
+    if particle not in Drive.moved(scene):
+        arm = scene.frame[particle] @ beam.arm
+        spin = scene.spin[particle] * ~scene.fixed[particle, 3:]
+        velocity[0] = scene.velocity[particle] + np.cross(spin, arm)
 
 
 def _energies(batch, record, lane: int, instants: int) -> dict[str, np.ndarray]:

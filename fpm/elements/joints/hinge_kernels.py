@@ -214,6 +214,27 @@ def move(part, world, now):
         count(part, h, ALL)
 
 
+@hook(Hinges)
+def look_back(part, world, now):
+    """Close the hinges half a step before the start as well (joint_kernels.py)."""
+    kept, ends, b = world.kept, part.ends, part.body_scratch
+    part.open[:] = True
+    for h in range(part.hinge_scratch.shape[0]):
+        on = ends[2 * h], ends[2 * h + 1]
+        put3(kept, on, X, get3(kept, on, X) - now.step * get3(kept, on, V))
+        axes = frame(kept, on)
+        back = -1.0 * get3(world.particles, on, HALF)
+        put_turned(kept, on, axes, half_turn(to_local(axes, get3(kept, on, P)), back))
+        ask(part, kept, h, 0.5 / now.step)
+    find_impulses(part)
+    for h in range(part.hinge_scratch.shape[0]):
+        on, rows = (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1)
+        add3(kept, on, V, -2.0 * get3(b, rows, DV))
+        add3(kept, on, P, -2.0 * get3(b, rows, DP))
+        restore(kept, on, rows, b)
+        count(part, h, ALL)
+
+
 @kernel
 def opened(part, state, h):
     """Squares of what a hinge is open by: of the gap of its point (m) or, if that is larger, its
@@ -285,5 +306,10 @@ def record_step(part, world, row, now):
             store(part.forces, row * count + h, k, force)
 
 
-for _name, _kernel in (("move", move), ("record", record), ("list_excess", list_excess)):
+for _name, _kernel in (
+    ("move", move),
+    ("look_back", look_back),
+    ("record", record),
+    ("list_excess", list_excess),
+):
     hook(CountedHinges, _name)(_kernel)

@@ -8,6 +8,7 @@ from fpm.elements.joints import joint_kernels
 from fpm.elements.joints.hinge_arrays import get6
 from fpm.elements.joints.impulse_sums import clear
 from fpm.elements.joints.joint_arrays import (
+    ALONG,
     AXIS,
     FORCE,
     HIM,
@@ -16,20 +17,29 @@ from fpm.elements.joints.joint_arrays import (
     OFF,
     SLID,
     SPIN,
+    TURN1,
+    TURN2,
     TURNS,
     CountedTurnedJoints,
     TurnedJoints,
 )
 from fpm.elements.joints.joint_arrays import IMPULSE as FOUND
-from fpm.elements.joints.joint_kernels import find_impulses, find_rates, kick_bodies, push_all
+from fpm.elements.joints.joint_kernels import (
+    close_before,
+    find_impulses,
+    find_rates,
+    kick_bodies,
+    move_back,
+    push_all,
+)
 from fpm.elements.joints.joint_matrix import build, factorise
-from fpm.elements.joints.joint_rows import find_rows, held_gap, place
+from fpm.elements.joints.joint_rows import find_gaps, find_rows, held_gap, place
 from fpm.elements.joints.turn_arrays import IMPULSE, NEEDED, RATE
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import V, X
+from fpm.kernels.layout import P, V, X
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import add3, cross, dot, get3, kernel, symmetric, times, to_global
+from fpm.kernels.vectors import add3, cross, dot, get3, kernel, put3, symmetric, times, to_global
 
 
 @hook(TurnedJoints)
@@ -95,6 +105,31 @@ def move(part, world, now):
     joint_kernels.move(part, world, now)
 
 
+@hook(TurnedJoints)
+def look_back(part, world, now):
+    """The same before the start: a held opening was where its way, reflected at its rate, began."""
+    state, kept, b = world.state, world.kept, part.body_scratch
+    for s in range(part.on.shape[0]):
+        i = part.on[s]
+        twice = get3(kept, i, P) + get3(state, i, P)  # that at the start
+        if not part.driven[s]:
+            twice = times(get3(part.bodies, s, TURNS), symmetric(get6(b, s, INVERSE), twice))
+        put3(b, s, SPIN, twice)
+    move_back(part, kept, now.step)
+    for j in range(part.types.shape[0]):
+        find_gaps(part, kept, j)
+    for t in range(part.turn_at.shape[0]):
+        j = part.turn_at[t]
+        r, one, two = part.pattern.first[j], part.slots[2 * j], part.slots[2 * j + 1]
+        first, second = part.on[one], part.on[two]
+        v = (get3(kept, first, V) + get3(state, first, V)) - get3(kept, second, V)
+        rate = dot(get3(part.rows, r, ALONG), v - get3(state, second, V))
+        rate = rate + dot(get3(part.rows, r, TURN1), get3(b, one, SPIN))
+        rate = rate - dot(get3(part.rows, r, TURN2), get3(b, two, SPIN))
+        store(part.rows, r, OFF, load(part.rows, r, OFF) + now.step * rate)
+    close_before(part, kept, now.step)
+
+
 @hook(CountedTurnedJoints, "prepare")
 def prepare_counted(part, world, now):
     """Count from zero."""
@@ -112,4 +147,5 @@ for _name, _kernel in (
     hook(CountedTurnedJoints, _name)(_kernel)
 hook(CountedTurnedJoints, "solve")(solve)
 hook(CountedTurnedJoints, "move")(move)
+hook(CountedTurnedJoints, "look_back")(look_back)
 hook(CountedTurnedJoints, "record_step")(joint_kernels.record_step)

@@ -7,7 +7,7 @@ import numpy as np
 from fpm.kernels.curves import curve_value
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import VELOCITY, F, M, V, X
+from fpm.kernels.layout import VELOCITY, F, M, P, V, X
 from fpm.kernels.rotation import frame, put_turned
 from fpm.kernels.vectors import add3, cross, dot, get3, kernel, put3, to_global, to_local
 
@@ -69,6 +69,23 @@ def move(part, world, now):
         half = (0.5 * now.step * factor) * get3(part.rate, n, SPIN)
         axes = frame(state, i)
         put_turned(state, i, axes, to_local(axes, half))
+
+
+@hook(Drives)
+def look_back(part, world, now):
+    """Velocities half a step before the start, as if they changed evenly; in place of the momenta,
+    which driven particles do not have, the spins on both sides.
+    """
+    for array in (world.kept, world.state):
+        for n in range(part.on.shape[0]):
+            for k in (V, P):
+                put3(array, part.on[n], k, 0.0 * get3(array, part.on[n], k))
+    for n in range(part.on.shape[0]):
+        after = curve_value(world, part.curve[n], 0.5 * now.step)
+        before = 2.0 * curve_value(world, part.curve[n], 0.0) - after
+        for array, factor in ((world.kept, before), (world.state, after)):
+            add3(array, part.on[n], V, factor * get3(part.rate, n, LINEAR))
+            add3(array, part.on[n], P, factor * get3(part.rate, n, SPIN))
 
 
 @hook(Drives)

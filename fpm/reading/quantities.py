@@ -8,19 +8,11 @@ from typing import TYPE_CHECKING, Union
 
 import numpy as np
 
+from fpm.reading.events import value_at
 from fpm.reading.responses import Response
 
 if TYPE_CHECKING:
     from fpm.files.trajectory import Curves
-
-SPREAD = 2
-"""Steps after an event in which velocities may still be between those before and after it: the
-impulse of one that holds exactly comes in the step that it happens in and the next, and a velocity
-at an instant is the mean of half a step before and after."""
-
-TOLD_APART = 5
-"""Steps that two events are apart, at least, if two instants shall lie between them that neither
-touches: a step before the later one, SPREAD after the earlier one, and up to one to the first."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +88,7 @@ class Quantity:
         if self.kind == "settling":
             return settling(time, values, self.within, self.about)
         if self.kind == "value":
-            return self._value(curves, time, values)
+            return self._value(curves)
         if self.kind == "overshoot":
             about = values[-1] if self.about is None else self.about
             way = np.sign(about - values[0])
@@ -125,39 +117,12 @@ class Quantity:
             )
         return float("nan")
 
-    def _value(self, curves: "Curves", time: np.ndarray, values: np.ndarray) -> float:
+    def _value(self, curves: "Curves") -> float:
         at = self.at.evaluate(curves) if isinstance(self.at, Quantity) else self.at
-        if not np.isfinite(at) or not time[0] <= at <= time[-1]:
+        if not np.isfinite(at) or not curves.time[0] <= at <= curves.time[-1]:
             return float("nan")
         event = isinstance(self.at, Quantity) and self.at.kind == "event"
-        return float(_read(curves, values, at, event))
-
-
-def _read(curves: "Curves", values: np.ndarray, at: float, event: bool) -> float:
-    """Values (t,) of a run at a time (s), or just before what happens then.
-
-    By the polynomial, a cubic at most, through the nearest instants that no other event parts from
-    that time. Where there are not two it is not followed: just before an event it is the value at
-    the last instant that is a step before, else that between two instants.
-    """
-    time, step = curves.time, curves.step
-    times = np.sort(np.concatenate([np.zeros(0), *curves.happened.values()]))
-    if event:  # those that a few steps cannot tell apart are one
-        at = float(times[np.searchsorted(times, at - TOLD_APART * step)])
-    after = times[np.searchsorted(times, at, side="left" if event else "right") :]
-    before = times[times < at] if event else times[times <= at]
-    until = np.inf if not len(after) else after[0] - step
-    since = -np.inf if not len(before) else before[-1] + SPREAD * step
-    rounding = 1e-6 * step  # of times
-    near = np.flatnonzero((time >= since - rounding) & (time <= until + rounding))
-    if len(near) > 1:
-        middle = np.searchsorted(time[near], at, side="left")
-        stop = min(max(middle + 2, 4), len(near))
-        near = near[max(stop - 4, 0) : stop]
-        return np.polynomial.Polynomial.fit(time[near], values[near], len(near) - 1)(at)
-    if event:
-        return values[max(np.searchsorted(time, until + rounding, side="right") - 1, 0)]
-    return np.interp(at, time, values)
+        return float(value_at(curves, self.response, at, event))
 
 
 def peak(values: np.ndarray) -> float:

@@ -8,6 +8,7 @@ import pytest
 from fpm import SceneError
 from fpm.elements.kind import Eventful
 from fpm.files.trajectory import Curves, happened
+from fpm.reading.events import value_at
 from fpm.reading.quantities import crossing, crossing_margin
 from fpm.reading.quantity_definitions import KEYS, NEEDED, parse
 from fpm.reading.responses import Response
@@ -130,6 +131,56 @@ def test_a_value_at_an_event_is_of_one_side_and_knows_nothing_of_others():
     # At a time between two events, too.
     found = read({"value": "x", "at": 0.915}, mixed, events=events)
     assert found == pytest.approx(5.0 - 0.915, abs=1e-9)
+
+
+AT = 0.9185  # of a blow, between two instants
+MADE = {
+    "position": Response("x", "position", ("P",), "x", "m", ""),
+    "distance": Response("x", "distance", ("P", "Q"), "", "m", ""),
+    "velocity": Response("x", "velocity", ("P",), "x", "m s-1", ""),
+    "opening": Response("x", "opening", ("knee",), "", "rad", ""),
+}
+
+
+def just_before(kind: str, instants: int, tremble: float = 0.0) -> float:
+    """By how much a response is off at the blow: of a point on a spiral and of an opening, with all
+    rates; what comes after the blow is something else. tremble (m/s): of the point, 914 Hz."""
+    time, wave = np.linspace(0.0, 2.0, instants), 2 * np.pi * 913.7
+    way, still = (0.3 + 6.0j), np.tile([2.0, 1.0, 0.0], (instants, 1))
+
+    def motion(t, order):
+        found = way**order * np.exp(way * t)
+        return found + tremble * (1j * wave) ** (order - 1) * np.exp(1j * wave * t)
+
+    def track(order):
+        found = np.where(time < AT, motion(time, order), 50.0)
+        return np.stack([found.real, found.imag, 0 * time], axis=1)
+
+    x, v, a = (track(order) for order in range(3))
+    asked = {("acceleration", f"P {axis}"): a[:, k] for k, axis in enumerate("xyz")}
+    asked |= {("opening_rate", "knee"): v[:, 0]}
+    events = np.array([[AT, 0, 1]])
+    curves = Curves(
+        time, {"P": (x, v), "Q": (still, 0 * still)}, {"knee": x[:, 0]}, {}, {},
+        np.zeros((0, 3)), [], happened(events, ELEMENTS), 0, 1e-3, asked,
+    )  # fmt: skip
+    exact = {
+        "position": motion(AT, 0).real, "distance": abs(motion(AT, 0) - (2 + 1j)),
+        "velocity": motion(AT, 1).real, "opening": motion(AT, 0).real,
+    }  # fmt: skip
+    return abs(value_at(curves, MADE[kind], AT, True) - exact[kind])
+
+
+@pytest.mark.parametrize("kind", MADE)
+def test_at_an_event_rates_make_up_for_instants_that_are_few(kind):
+    """A step of 1 ms errs by some 1e-6 itself; instants twice as far apart change no more."""
+    assert just_before(kind, 201) < 1e-8
+    assert just_before(kind, 101) < 1e-6
+
+
+def test_what_trembles_between_instants_is_not_followed_by_its_rates():
+    """Rates of it say nothing of the next instant: they would make 100 times of it."""
+    assert just_before("velocity", 201, tremble=1e-3) < 0.02
 
 
 def test_events_a_few_steps_apart_are_one_and_of_more_the_last_instant_before_counts():

@@ -73,11 +73,12 @@ def asked_of(responses: Sequence[Any], quantities: Sequence[Any]) -> list:
     """What a file depends on that holds responses and quantities and not what they are made of:
     their definitions, and the code that reads them."""
     from fpm.reading import asked_responses as readers
+    from fpm.reading import events
     from fpm.reading import quantities as numbers
     from fpm.reading import responses as module
     from fpm.sources import syntax_digest
 
-    modules = [module, readers, numbers] if quantities else [module, readers]
+    modules = [module, readers, numbers, events] if quantities else [module, readers]
     code = syntax_digest(Path(m.__file__) for m in modules)
     return [code, *(asdict(one) for one in (*responses, *quantities))]
 

@@ -1,0 +1,109 @@
+"""The value of a response at a time, or just before what happens then: never across an event.
+
+Between instants it is that of a polynomial through those nearby. At an event the polynomial is
+continued from before, by up to two instants and a step; where the rates of what is continued are
+recorded, as of points, it goes through values and rates of three instants (Hermite; Davis,
+Interpolation and Approximation, ch. 2), and the error falls with the sixth power of their distance.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from fpm.files.trajectory import Curves
+    from fpm.reading.responses import Response
+
+SPREAD = 2
+"""Steps after an event in which velocities may still be between those before and after it: the
+impulse of one that holds exactly comes in the step that it happens in and the next, and a velocity
+at an instant is the mean of half a step before and after."""
+
+TOLD_APART = 5
+"""Steps that two events are apart, at least, if two instants shall lie between them that neither
+touches: a step before the later one, SPREAD after the earlier one, and up to one to the first."""
+
+
+def value_at(curves: "Curves", response: "Response", at: float, event: bool) -> float:
+    """A response of a run at a time (s), or just before the event then.
+
+    By the cubic at most through the nearest instants that no other event parts from that time, or
+    as `_continued`. Where there are not two it is not followed: just before an event it is the
+    value at the last instant that is a step before, else that between two instants.
+    """
+    time, step, values = curves.time, curves.step, response.evaluate(curves)
+    times = np.sort(np.concatenate([np.zeros(0), *curves.happened.values()]))
+    if event:  # those that a few steps cannot tell apart are one
+        at = float(times[np.searchsorted(times, at - TOLD_APART * step)])
+    after = times[np.searchsorted(times, at, side="left" if event else "right") :]
+    before = times[times < at] if event else times[times <= at]
+    until = np.inf if not len(after) else after[0] - step
+    since = -np.inf if not len(before) else before[-1] + SPREAD * step
+    rounding = 1e-6 * step  # of times
+    near = np.flatnonzero((time >= since - rounding) & (time <= until + rounding))
+    if event and (found := _continued(curves, response, near[-5:], at)) is not None:
+        return found
+    if len(near) > 1:
+        middle = np.searchsorted(time[near], at, side="left")
+        stop = min(max(middle + 2, 4), len(near))
+        near = near[max(stop - 4, 0) : stop]
+        return np.polynomial.Polynomial.fit(time[near], values[near], len(near) - 1)(at)
+    if event:
+        return values[max(np.searchsorted(time, until + rounding, side="right") - 1, 0)]
+    return np.interp(at, time, values)
+
+
+def _continued(curves: "Curves", response: "Response", near, at: float) -> float | None:
+    """A response at a time after the instants `near`, by what it is made of and the rates of that.
+
+    None where these are not recorded, or would not have foretold the last of five instants better
+    than a cubic: what trembles between the instants, or jumps.
+    """
+    found = {}
+    for name in response.about:
+        made = _with_rates(curves, response.kind, name)
+        found[name] = made and _continue(curves.time[near], made[0][near], made[1][near], at)
+    if not found or any(value is None for value in found.values()):
+        return None
+    points = {name: (value, value) for name, value in found.items()}
+    openings = {name: value[:, 0] for name, value in found.items()}
+    then = curves._replace(time=np.array([at]), points=points, openings=openings)
+    return float(response.evaluate(then)[0])
+
+
+def _with_rates(curves: "Curves", kind: str, name: str) -> tuple[np.ndarray, np.ndarray] | None:
+    """What a response of a kind is made of, of that point or hinge, and its rates (t, k)."""
+    if kind in ("position", "distance"):
+        return curves.points[name]
+    if kind == "velocity":
+        rates, values = (
+            [("acceleration", f"{name} {axis}") for axis in "xyz"],
+            curves.points[name][1],
+        )
+    elif kind == "opening":
+        rates, values = [("opening_rate", name)], curves.openings[name][:, None]
+    else:
+        return None
+    if not all(column in curves.asked for column in rates):
+        return None
+    return values, np.stack([curves.asked[column] for column in rates], axis=1)
+
+
+def _continue(time: np.ndarray, values: np.ndarray, rates: np.ndarray, at: float):
+    """Values (1, k) at a time after five instants, where values and rates are (5, k); None where
+    they would not have foretold the last."""
+    if len(time) < 5:
+        return None
+    cubic = np.polynomial.polynomial.polyfit(time[:4] - time[4], values[:4], 3)[0]
+    foretold = _hermite(time[1:4], values[1:4], rates[1:4], time[4])
+    off, plain = (np.linalg.norm(value - values[4]) for value in (foretold, cubic))
+    rounding = 1e-12 * np.abs(values).max()
+    return _hermite(time[2:], values[2:], rates[2:], at) if off <= plain + rounding else None
+
+
+def _hermite(time: np.ndarray, values: np.ndarray, rates: np.ndarray, at: float) -> np.ndarray:
+    """Values (1, k) at a time of the polynomials that have these values and rates (n, k)."""
+    unit, powers = time[-1] - time[0], np.arange(2 * len(time))
+    away = ((time - at) / unit)[:, None]
+    rows = np.vstack([away**powers, powers * away ** np.maximum(powers - 1, 0)])
+    return np.linalg.solve(rows, np.vstack([values, unit * rates]))[:1]

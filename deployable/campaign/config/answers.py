@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 
 from deployable.campaign.config.models import Around, Choosing, Limits
+from deployable.campaign.config.parameters import allows, real_names
 from deployable.campaign.config.read import show
 from deployable.campaign.config.sections import Campaign, Choose, Experiment
 from fpm.errors import did_you_mean
@@ -57,7 +58,6 @@ def _no_quantity(name: str, known: Mapping) -> str:
 
 def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
     from deployable.intervals.scalars.choice import ENDS
-    from fpm import SceneError
 
     problems, goals, known = [], goals_of(choose), experiment.quantities
     if not 1 <= len(goals) <= 2:
@@ -70,25 +70,27 @@ def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
                             f"q, with {', '.join(ENDS)}")  # fmt: skip
         elif quantity not in known:
             problems.append(f"{key}: {_no_quantity(quantity, known)}")
-    scene = experiment.scene_type
-    for name, (low, high) in choose.parameters.items():
-        key = f"choose.parameters.{name}"
-        parameter = scene.parameters.get(name)
-        real = [n for n, p in scene.parameters.items() if p.kind == "real"]
-        if parameter is None or parameter.kind != "real":
-            hint = did_you_mean(name, real)
-            problems.append(f"{key}: there is no such real parameter{hint}; allowed: "
-                            f"{', '.join(real)}")  # fmt: skip
-        elif not low < high:
-            problems.append(f"{key}: {show([low, high])} is not allowed; allowed: a lower and a "
-                            "larger upper end")  # fmt: skip
-        else:
-            for value in choose.ends(name, experiment):
-                try:
-                    parameter.check("", value)
-                except SceneError:
-                    problems.append(f"{key}: {value:.9g}, with its interval, leaves the range; "
-                                    f"allowed: {parameter.allowed}")  # fmt: skip
+    problems += [
+        f"choose.parameters.{name}: {told}"
+        for name in choose.parameters
+        if (told := _choice_problem(name, choose, experiment))
+    ]
     if not problems and len({*experiment.intervals, *choose.parameters}) > 8:
         problems.append("choose.parameters: more than 8 with the intervals; allowed: fewer")
     return problems
+
+
+def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
+    """What is wrong with the range of a parameter's choices; nothing where it is right."""
+    scene, (low, high) = experiment.scene_type, choose.parameters[name]
+    if name not in (real := real_names(scene)):
+        hint = did_you_mean(name, real)
+        return f"there is no such real parameter{hint}; allowed: {', '.join(real)}"
+    if not low < high:
+        return f"{show([low, high])} is not allowed; allowed: a lower and a larger upper end"
+    parameter = scene.parameters[name]
+    for value in choose.ends(name, experiment):
+        if not allows(parameter, value):
+            told = f"{value:.9g}, with its interval, leaves the range"
+            return f"{told}; allowed: {parameter.allowed}"
+    return ""

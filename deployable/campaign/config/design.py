@@ -24,8 +24,7 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
         points = np.array(choice.existing, dtype=float).reshape(-1, box.dimension)
         none = np.zeros((0, box.dimension), dtype=int)
         return intervals.Design(points, none, SOUGHT, (0,) * box.dimension)
-    known = intervals.METHODS[choice.method].options
-    options = {name: getattr(choice, name) for name in known if hasattr(choice, name)}
+    options = {name: getattr(choice, name) for name in intervals.METHODS[choice.method].options}
     most = MOST_SAMPLES if choice.method == "scan" else intervals.designs.MAX_RUNS
     return intervals.make_design(choice.method, box, choice.order, max_runs=most, **options)
 

@@ -22,11 +22,8 @@ DEEPEST, MOST = 20, 20_000
 """Mappings and lists may be nested so deep, and hold so many values, aliases written out."""
 
 
-_TOO_MANY = f"the file holds more than {MOST} values; allowed: fewer"
-
-
-class _TooManyError(Exception):
-    """There are more values than a config may hold."""
+class _ExcessError(Exception):
+    """What a file has too much of."""
 
 
 class _Loader(yaml.SafeLoader):
@@ -38,20 +35,32 @@ class _Loader(yaml.SafeLoader):
     def __init__(self, stream):
         super().__init__(stream)
         self.problems: list[str] = []
-        self.depth, self.count = 0, 0
+        self.depth, self.deepest, self.count = -1, 0, 0
+        self.sizes: dict[int, tuple[int, int]] = {}  # of nodes: values, and how deep they go
 
     def compose_node(self, parent, index):
-        """The next node; RecursionError where it lies so deep, `_TooManyError` where it comes after
-        so many, that all is refused anyway: to read on would take long."""
+        """The next node; `_ExcessError` where it lies too deep or after too many: it is refused
+        anyway, and to read on would take long."""
+        is_alias = self.check_event(yaml.AliasEvent)
         self.depth += 1
-        self.count += 1
-        if self.depth > 2 * DEEPEST:
-            raise RecursionError
-        if self.count > MOST:
-            raise _TooManyError
+        count, deepest, self.deepest = self.count, self.deepest, self.depth
+        self._limit()
         node = super().compose_node(parent, index)
+        # An alias of what is still being read holds itself.
+        size, depth = self.sizes.get(id(node), (1, DEEPEST + 1)) if is_alias else (1, 0)
+        self.count, self.deepest = self.count + size, max(self.deepest, self.depth + depth)
+        self._limit()
+        self.sizes[id(node)] = self.count - count, self.deepest - self.depth
+        self.deepest = max(self.deepest, deepest)
         self.depth -= 1
         return node
+
+    def _limit(self):
+        if self.deepest > DEEPEST:
+            told = f"nested too deep; allowed: {DEEPEST} mappings and lists in each other"
+            raise _ExcessError(told)
+        if self.count > MOST:
+            raise _ExcessError(f"the file holds more than {MOST} values; allowed: fewer")
 
     def construct_mapping(self, node, deep=False):
         first: dict[object, int] = {}
@@ -91,34 +100,11 @@ def parse(text: str, source: str) -> dict:
     if len(text) > LARGEST:
         allowed = f"at most {LARGEST}"
         raise ConfigError(source, [f"the file has {len(text)} characters; allowed: {allowed}"])
-    problem, data, loader = "", None, None
     try:
         loader = _Loader(text)
-        node = loader.get_single_node()
-        problem = _excess(node)
-        if node is not None and not problem:
-            data = loader.construct_document(node)
-    except RecursionError:
-        problem = f"nested too deep; allowed: {DEEPEST} mappings and lists in each other"
-    except _TooManyError:
-        problem = _TOO_MANY
-    except yaml.reader.ReaderError as error:
-        line = text.count("\n", 0, error.position) + 1
-        problem = f"line {line}: the character {chr(error.character)!r} is not text"
-    except (ValueError, OverflowError, TypeError) as error:  # of what makes values of text
-        problem = f"a value cannot be read: {str(error).splitlines()[0]}"
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-        what = ", ".join(part for part in (error.context, error.problem) if part)
-        raise ConfigError(source, [f"{place}this is not YAML: {what}"]) from None
-    except yaml.YAMLError as error:
-        raise ConfigError(source, [f"this is not YAML: {error}"]) from None
-    finally:
-        if loader is not None:
-            loader.dispose()
-    if problem:
-        raise ConfigError(source, [problem])
+        data = loader.get_single_data()
+    except (_ExcessError, yaml.YAMLError, ValueError, OverflowError, TypeError) as error:
+        raise ConfigError(source, [_told(error, text)]) from None
     if loader.problems:
         raise ConfigError(source, loader.problems)
     if not isinstance(data, dict):
@@ -127,24 +113,21 @@ def parse(text: str, source: str) -> dict:
     return data
 
 
-def _excess(root: yaml.Node | None) -> str:
-    """What is too much in a node: how deep it is, and how many values it has, aliases written out;
-    nothing where it is not."""
-    sizes: dict[int, int] = {}
-
-    def size(node: yaml.Node, depth: int) -> int:
-        if depth > DEEPEST:
-            raise RecursionError
-        if id(node) not in sizes:
-            children = node.value if isinstance(node, yaml.CollectionNode) else []
-            if isinstance(node, yaml.MappingNode):
-                children = [child for pair in children for child in pair]
-            sizes[id(node)] = 1 + sum(size(child, depth + 1) for child in children)
-        return sizes[id(node)]
-
-    if root is not None and size(root, 0) > MOST:
-        return _TOO_MANY
-    return ""
+def _told(error: Exception, text: str) -> str:
+    """What is wrong with a text, from what was raised when it was read."""
+    if isinstance(error, _ExcessError):
+        return str(error)
+    if isinstance(error, yaml.reader.ReaderError):
+        line = text.count("\n", 0, error.position) + 1
+        return f"line {line}: the character {chr(error.character)!r} is not text"
+    if not isinstance(error, yaml.YAMLError):  # of what makes values of text
+        return f"a value cannot be read: {str(error).splitlines()[0]}"
+    if not isinstance(error, yaml.MarkedYAMLError):
+        return f"this is not YAML: {error}"
+    mark = error.problem_mark or error.context_mark
+    place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
+    what = ", ".join(part for part in (error.context, error.problem) if part)
+    return f"{place}this is not YAML: {what}"
 
 
 def retyped(value: Any) -> Any:

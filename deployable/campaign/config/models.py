@@ -12,17 +12,12 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from deployable.campaign.config.keys import Key, RefusedError
 
-_STARTS = r"[A-Za-z][A-Za-z0-9_]"
-
 Name = Annotated[
     str,
     Key(
         "a name of up to 64 letters, digits and `_` that starts with a letter",
-        pattern=_STARTS + r"{0,63}",
+        pattern="[A-Za-z][A-Za-z0-9_]{0,63}",
     ),
-]
-Word = Annotated[
-    str, Key("a name of letters, digits and `_` that starts with a letter", pattern=_STARTS + "*")
 ]
 Share = Annotated[float, Key(ge=1e-4, le=1)]
 OrAuto = Literal["auto"]
@@ -39,12 +34,9 @@ class Section:
 @dataclass(frozen=True)
 class Aim(Section):
     """How wrong the bounds may be, as a share of the width of each response and quantity: the
-    estimated error of surrogate, mesh and step together, of responses integrated over time as their
-    widths are. It chooses mesh, step, runs and model: rounds of runs, sought where the bounds are
-    decided, with a spline, until the whole error meets it or the budget is spent; then the summary
-    says which part does not meet it and what that would cost (docs/choosing-accuracy.md). Leave out
-    `design`, `bounds` and `held_out`; a mesh that the config gives is kept, and a step while it is
-    stable. A number is `share` alone."""
+    estimated error of surrogate, mesh and step together. It chooses mesh, step, runs and model, so
+    leave out `design`, `bounds` and `held_out`; a mesh that the config gives is kept, and a step
+    while it is stable (docs/choosing-accuracy.md). A number is `share` alone."""
 
     share: Share = 0.05
     """Share of the width, for all responses and quantities that `of` does not name."""
@@ -101,6 +93,11 @@ class Solver(Section):
     """A run stops as unstable when its energy balance is off by more than this share of its energy
     scale."""
 
+    def __post_init__(self):
+        if self.step != "auto" and self.step > self.duration:
+            told = f"{self.step:.6g} s is longer than the duration; allowed: auto, or at most "
+            raise RefusedError("step", f"{told}{self.duration:.6g}")
+
 
 @dataclass(frozen=True)
 class Around(Section):
@@ -123,10 +120,8 @@ class Around(Section):
         ways = ("relative", "absolute", "lower", "upper")
         ways = [way for way in ways if getattr(self, way) is not None]
         if ways not in (["relative"], ["absolute"], ["lower", "upper"]):
-            given = " and ".join(ways) or "none of them"
-            raise RefusedError(
-                "", f"it gives {given}; allowed: relative, absolute, or lower with upper"
-            )
+            told = f"it gives {' and '.join(ways) or 'none of them'}; allowed: relative, absolute, "
+            raise RefusedError("", told + "or lower with upper")
         if self.lower is None:
             return
         lower, upper, nominal = self.lower, self.upper, self.nominal
@@ -195,11 +190,9 @@ class Verify(Section):
     quantity takes one or two runs in most campaigns."""
     finer: bool = False
     """Tell the whole error, of surrogate, step and mesh: repeat the runs at the ends of the
-    quantities' intervals, and eight at places where the bounds of the responses are attained, once
-    with half the step and once with that on a mesh twice as fine, which takes two and some four to
-    eight times as long as they did; and fewer with a quarter of the step, and on a mesh half as
-    fine. What all further halvings would change, by the order that these tell, is added to the
-    surrogate's error."""
+    quantities' intervals, and eight at which bounds of the responses are attained, with half and a
+    quarter of the step and on a mesh half and twice as fine, which takes up to eight times as long
+    for each. What all further halvings would change is added to the surrogate's error."""
 
 
 @dataclass(frozen=True)
@@ -287,13 +280,12 @@ class Jobs(Section):
     so this bounds memory and what a killed job loses."""
     keep: Literal["trajectories", "responses", "extremes"] = "trajectories"
     """`trajectories` writes one netCDF file per run with everything recorded, from which other
-    responses can be taken later without simulating again. `responses` keeps only the responses, in
-    single precision (6e-8 of a value), and contact events of each group, in far less disk space,
-    for campaigns of thousands of runs; another design, size of group or response simulates again.
-    `extremes`, for a `scan` without order, keeps the least and largest value of each response at
-    each instant, with the parameters at which they are attained, and of every run only its
-    parameters, quantities and contact events (these in single precision): a million runs take some
-    100 MB."""
+    responses can be taken later without simulating again. `responses` keeps the responses alone, in
+    single precision (6e-8 of a value), in far less disk space; another design, size of group or
+    response simulates again. `extremes`, for a `scan` without order, keeps the least and largest
+    value of each response at each instant, with where they are attained, and of every run its
+    parameters, quantities and events: a million runs take some 100 MB (docs/larger-campaigns.md).
+    """
     minutes: Annotated[float, Key(ge=0, unit="min")] = 0.0
     """How long a job shall take on its `processes`, in place of `nodes_per_job`: clusters want jobs
     of 15 minutes or more. How many runs that is follows from `run_seconds`, or else from an
@@ -352,22 +344,15 @@ class Config(Section):
         Key("a mapping from at least one name (letters, digits, `_`, starting with a letter) to "
             "definitions", least=1),
     ]  # fmt: skip
-    """The curves to bound, by names of your own. Each is `{distance: [P, Q]}`, `{position: P,
-    component: x}`, `{velocity: P, component: x}`, `{opening: H}`, `{tension: C}` or `{energy:
-    kind}` with the scene's points P, Q, hinges H, cables C, components x, y, z or norm, and
-    energies such as kinetic or strain; or a force, stress, rate or loss that is recorded only when
-    it is asked, such as `{stress: all}` (docs/responses.md). (The kinetic energy is the product of
-    the velocities half a step before and after, which the integration conserves with the others; in
-    a start from rest it is slightly below zero.)"""
+    """The curves to bound, by names of your own: distances, positions, velocities, openings,
+    tensions, energies, forces, stresses and others (docs/responses.md)."""
     quantities: Annotated[
         dict[Name, _definition("quantity", "`{largest: vB}` or `{event: closes, number: 1}`")],
         Key("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
     ] = field(default_factory=dict)
-    """Numbers of a run whose intervals are wanted, by names of your own: `{largest: R}`,
-    `{smallest: R}`, `{final: R}`, `{mean: R}` or `{rms: R}` of a response R; `{value: R, at: T}` at
-    a time, or at another quantity that is one; `{overshoot: R}`; `{settling: R, within: d}`;
-    `{crossing: R, level: v, way: rising, number: 1}`; `{event: closes, of: A, number: 1}`. A run in
-    which it does not happen has none. docs/quantities.md tells each."""
+    """Numbers of a run whose intervals are wanted, by names of your own: peaks, final and mean
+    values, values at a time, times of crossings and events and others (docs/quantities.md). A run
+    in which it does not happen has none."""
     published: Annotated[
         dict[str, Annotated[
             float, Key(about="Published largest difference, in the response's unit.")]],
@@ -378,7 +363,7 @@ class Config(Section):
     error: ErrorDisplay = ErrorDisplay()
     verify: Verify = Verify()
     requirements: Annotated[
-        dict[Word, Annotated[
+        dict[Name, Annotated[
             dict[str, Annotated[Limits, Key("a mapping with `at_least`, `at_most` or `happens`")]],
             Key("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
                 about="The limits of one requirement, by quantity; all of them must be kept."),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from deployable.campaign.config.keys import RefusedError
@@ -13,7 +13,7 @@ from fpm.errors import did_you_mean
 
 
 def intervals_of(
-    definitions: Mapping[str, Around], given: Mapping, scene_type: Any
+    arounds: Mapping[str, Around], given: Mapping, scene_type: Any
 ) -> tuple[dict[str, Interval], list[str]]:
     """The intervals by parameter name, and one sentence for each that cannot be used.
 
@@ -21,9 +21,9 @@ def intervals_of(
     """
     found: dict[str, Interval] = {}
     problems: list[str] = []
-    for name, definition in definitions.items():
+    for name, around in arounds.items():
         try:
-            found[name] = _interval(name, definition, given, scene_type)
+            found[name] = _interval(name, around, given, scene_type)
         except RefusedError as error:
             problems.append(f"intervals.{name}{error.key}: {error.text}")
     return found, problems
@@ -31,31 +31,21 @@ def intervals_of(
 
 def _interval(name: str, around: Around, given: Mapping, scene_type: Any) -> Interval:
     """The interval of one parameter, inside the range that the scene allows."""
-    real = [name for name, p in scene_type.parameters.items() if p.kind == "real"]
+    allowed = ", ".join(real_names(scene_type))
     if name not in scene_type.parameters:
-        raise RefusedError(
-            text=f"the scene {scene_type.name} has no such parameter{did_you_mean(name, real)}; "
-            f"allowed: {', '.join(real)}"
-        )
+        raise RefusedError("", no_parameter(name, scene_type, real_names(scene_type)))
     parameter = scene_type.parameters[name]
     if parameter.kind != "real":
-        raise RefusedError(
-            text=f"{name} is of kind {parameter.kind} and cannot be an interval; "
-            f"allowed: {', '.join(real)}"
-        )
+        told = f"{name} is of kind {parameter.kind} and cannot be an interval; allowed: {allowed}"
+        raise RefusedError("", told)
     if name in given and around.nominal is not None:
-        raise RefusedError(
-            ".nominal",
-            f"{name} is defined twice, here and by scene.parameters.{name}; "
-            "allowed: one of the two",
-        )
+        told = f"{name} is defined twice, here and by scene.parameters.{name}"
+        raise RefusedError(".nominal", f"{told}; allowed: one of the two")
     interval = _ends(around, given.get(name, parameter.default))
     for end, value in (("lower", interval.lower), ("upper", interval.upper)):
-        if not _allows(parameter, value):
-            raise RefusedError(
-                text=f"its {end} end {value:.12g} leaves the range of {name}; "
-                f"allowed: {parameter.allowed}"
-            )
+        if not allows(parameter, value):
+            told = f"its {end} end {value:.12g} leaves the range of {name}"
+            raise RefusedError("", f"{told}; allowed: {parameter.allowed}")
     return interval
 
 
@@ -67,32 +57,42 @@ def _ends(around: Around, default: Any) -> Interval:
     nominal = default if nominal is None else nominal
     if isinstance(nominal, bool) or not isinstance(nominal, int | float):
         raise RefusedError(".nominal", "missing, and the scene has no value; allowed: a number")
-    nominal = float(nominal)
     half = around.absolute
     if half is None:
         half = abs(nominal) * around.relative
         if half == 0.0 < around.relative:
             raise RefusedError(".relative", "the nominal value is 0; allowed: absolute instead")
-    return Interval(nominal - half, nominal, nominal + half)
+    return Interval(float(nominal - half), float(nominal), float(nominal + half))
+
+
+def real_names(scene_type: Any) -> list[str]:
+    """Names of the parameters that may be intervals."""
+    return [name for name, parameter in scene_type.parameters.items() if parameter.kind == "real"]
+
+
+def no_parameter(name: str, scene_type: Any, known: Sequence[str]) -> str:
+    """That a structure has no such parameter, with the likely one."""
+    return (
+        f"the scene {scene_type.name} has no such parameter{did_you_mean(name, known)}; "
+        f"allowed: {', '.join(known)}"
+    )
 
 
 def parameter_problems(given: Mapping, scene_type: Any) -> list[str]:
     """What is wrong with `scene.parameters`, one sentence each."""
-    problems = []
+    problems, known = [], scene_type.parameters
     for name, value in given.items():
-        key = f"scene.parameters.{name}"
-        if name not in scene_type.parameters:
-            known = list(scene_type.parameters)
-            problems.append(
-                f"{key}: the scene {scene_type.name} has no such parameter"
-                f"{did_you_mean(name, known)}; allowed: {', '.join(known)}"
-            )
-        elif not _allows(parameter := scene_type.parameters[name], value):
-            problems.append(f"{key}: {show(value)} is not allowed; allowed: {parameter.allowed}")
+        if name not in known:
+            told = no_parameter(name, scene_type, list(known))
+        elif not allows(known[name], value):
+            told = f"{show(value)} is not allowed; allowed: {known[name].allowed}"
+        else:
+            continue
+        problems.append(f"scene.parameters.{name}: {told}")
     return problems
 
 
-def _allows(parameter: Any, value: Any) -> bool:
+def allows(parameter: Any, value: Any) -> bool:
     """Whether the scene's parameter may have this value."""
     from fpm import SceneError
 

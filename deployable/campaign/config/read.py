@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -19,8 +19,8 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
     What is wrong is left out, so that the rest can be looked at too; None where that leaves no
     config.
     """
-    endless = dict(_not_finite(raw))
-    right, problems = _as_meant(_of_words(raw))
+    endless: dict[str, Any] = {}
+    right, problems = _as_meant(_plain(raw, "", endless))
     problems += [f"{key}: {value} is not allowed; allowed: a finite number"
                  for key, value in endless.items()]  # fmt: skip
     config, faults = _validated(right)
@@ -134,28 +134,22 @@ def show(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _of_words(value: Any) -> Any:
-    """A copy in which whole numbers of more than 64 bits, which arrays do not hold, are floats, and
-    text is text."""
+def _plain(value: Any, key: str, endless: dict[str, Any]) -> Any:
+    """A copy as arrays and JSON hold it: whole numbers of more than 64 bits are floats, text is
+    Unicode. endless: gets keys and values of numbers that are infinite or none."""
     if isinstance(value, Mapping):
-        return {_of_words(name): _of_words(item) for name, item in value.items()}
+        return {
+            _plain(name, "", {}): _plain(item, f"{key}.{name}".lstrip("."), endless)
+            for name, item in value.items()
+        }
     if isinstance(value, list | tuple):
-        return [_of_words(item) for item in value]
+        return [_plain(item, f"{key}[{i}]", endless) for i, item in enumerate(value)]
     if isinstance(value, str):
         return value.encode(errors="replace").decode()
-    too_long = isinstance(value, int) and 1 << 63 <= abs(value) <= 1 << 1000
-    return float(value) if too_long else value
-
-
-def _not_finite(value: Any, key: str = "") -> Iterator[tuple[str, float | str]]:
-    """Keys and values of the numbers in `value` that are infinite or not a number."""
-    if isinstance(value, Mapping):
-        for name, item in value.items():
-            yield from _not_finite(item, f"{key}.{name}".lstrip("."))
-    elif isinstance(value, list):
-        for i, item in enumerate(value):
-            yield from _not_finite(item, f"{key}[{i}]")
-    elif isinstance(value, float) and not math.isfinite(value):
-        yield key, value
+    if isinstance(value, float) and not math.isfinite(value):
+        endless[key] = value
     elif isinstance(value, int) and abs(value) > 1 << 1000:  # no float holds it
-        yield key, f"a number of some {value.bit_length() // 3.33:.0f} digits"
+        endless[key] = f"a number of some {value.bit_length() // 3.33:.0f} digits"
+    elif isinstance(value, int) and abs(value) >= 1 << 63:
+        return float(value)
+    return value

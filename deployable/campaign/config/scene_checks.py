@@ -10,7 +10,7 @@ from deployable.campaign.config.accuracy import with_accuracy
 from deployable.campaign.config.answers import answer_problems, choose_of
 from deployable.campaign.config.design import make_design, steps_problems
 from deployable.campaign.config.kept import keep_problems
-from deployable.campaign.config.models import Config, Solver
+from deployable.campaign.config.models import Config
 from deployable.campaign.config.parameters import intervals_of, parameter_problems
 from deployable.campaign.config.read import show
 from deployable.campaign.config.scenes import scene_type
@@ -45,11 +45,8 @@ def resolve(config: Config, given: Mapping) -> tuple[Campaign | None, list[str]]
             built = campaign.experiment.built
             problems += _time_problems(campaign.experiment)
     problems += _response_problems(campaign, built)
-    if not problems and campaign.experiment.asked:
-        from fpm.reading.recording import numbers
-
-        kept = numbers(built.sample, campaign.experiment.asked)
-        problems += _memory_problems(campaign.experiment, built.sample, kept)
+    if not problems:
+        problems += _memory_problems(campaign.experiment)
     if not problems:
         problems += _quantity_problems(campaign.experiment) + answer_problems(campaign)
     if not trouble:
@@ -130,7 +127,6 @@ def _build_problems(experiment: Experiment) -> list[str]:
 MOST_NUMBERS = 2**27
 """Numbers recorded of the runs that are integrated side by side: 1 GiB."""
 
-
 _LONG = 60.0  # s
 
 
@@ -153,21 +149,23 @@ def _time_problems(experiment: Experiment) -> list[str]:
                 f"{limit:.4g}"
             )
         problems += steps_problems(solver, step)
-    return problems + _memory_problems(experiment, scene)
-
-
-def _memory_problems(experiment: Experiment, scene: Any, kept: int = 0) -> list[str]:
-    """Whether the runs that are integrated side by side find room in memory; kept: how many numbers
-    of a run are recorded at an instant because responses ask."""
-    solver, problems = experiment.solver, []
-    numbers = 8 * (6 * len(scene.points) + len(scene.hinges) + 10 + kept)
-    if solver.instants * numbers > MOST_NUMBERS:
-        problems.append(
-            f"solver.instants: {solver.instants} are more than memory should hold of this scene"
-            f"{' and what its responses ask for' if kept else ''}; allowed: at most "
-            f"{MOST_NUMBERS // numbers}"
-        )
     return problems
+
+
+def _memory_problems(experiment: Experiment) -> list[str]:
+    """Whether the runs that are integrated side by side find room in memory."""
+    from fpm.reading.recording import numbers
+
+    instants, scene, asked = experiment.solver.instants, experiment.nominal_scene, experiment.asked
+    more = numbers(experiment.built.sample, asked) if asked else 0
+    found = 8 * (6 * len(scene.points) + len(scene.hinges) + 10 + more)
+    if instants * found <= MOST_NUMBERS:
+        return []
+    return [
+        f"solver.instants: {instants} are more than memory should hold of this scene"
+        f"{' and what its responses ask for' if asked else ''}; allowed: at most "
+        f"{MOST_NUMBERS // found}"
+    ]
 
 
 def _response_problems(campaign: Campaign, built: Any) -> list[str]:
@@ -205,7 +203,7 @@ def _design_problems(campaign: Campaign) -> list[str]:
 
     experiment, design = campaign.experiment, campaign.experiment.design
     if experiment.is_sought:
-        return _step_problems(experiment.solver)
+        return []
     problems = keep_problems(campaign)
     try:
         is_plain = design.method == "scan" and design.order is None
@@ -215,17 +213,7 @@ def _design_problems(campaign: Campaign) -> list[str]:
                 problems += _spline_problems(experiment, made)
     except IntervalError as error:
         problems.append(_sentence(f"design.{error.key}", error))
-    return problems + _step_problems(experiment.solver)
-
-
-def _step_problems(solver: Solver) -> list[str]:
-    """Whether a step that is given is longer than the run."""
-    if solver.step == "auto" or solver.step <= solver.duration:
-        return []
-    return [
-        f"solver.step: {solver.step:.6g} s is longer than the duration; "
-        f"allowed: auto, or at most {solver.duration:.6g}"
-    ]
+    return problems
 
 
 def _spline_problems(experiment: Experiment, design: Any) -> list[str]:

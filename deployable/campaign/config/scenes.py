@@ -45,13 +45,3 @@ def _of_text(text: str, source: str) -> Any:
     from fpm import structures
 
     return structures.loads(text, source)
-
-
-def mesh_of(scene: Mapping) -> str | None:
-    """The parameter that sets the mesh; None where there is none or the structure is unknown."""
-    import fpm
-
-    try:
-        return scene_type(scene.get("name", ""), scene.get("file", "")).mesh
-    except fpm.SceneError:
-        return None

@@ -109,7 +109,7 @@ def test_the_summary_tells_the_intervals(opened):
     summary = json.loads((opened / "summary.json").read_text())
     rows = {row["name"]: row for row in summary["quantities"]}
     assert rows["t_open"]["argmax"]["k"] == pytest.approx(0.095)
-    assert rows["t_open"]["verified"]
+    assert rows["t_open"]["foretold_ends"] == []
     text = (opened / "summary.md").read_text()
     assert "1.8682 to 1.9640 s" in text
     assert "t_late happens in " in text

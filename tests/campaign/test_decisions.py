@@ -124,6 +124,11 @@ def test_the_nearest_failure_tells_a_run_from_a_promise(ran, simulated, kept, te
     assert ("simulated" in line) == ran
 
 
+def test_shares_say_which_error_they_do_not_have():
+    assert "step and mesh were not looked at" in sentence("blind", {"whole": False})
+    assert sentence("blind", {"whole": True}) == ""
+
+
 def test_something_that_must_happen(tmp_path):
     """It opens to 0.52 pi within 2 s in part of the box."""
     late = {"t_late": PANEL["quantities"]["t_late"]}

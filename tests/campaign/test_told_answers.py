@@ -59,12 +59,24 @@ def test_an_interval_has_the_digits_that_its_error_leaves(changes, text):
     assert interval({"lower": 3.7787, "upper": 11.8379, "units": "s", **changes}) == text
 
 
-def test_ends_say_how_far_they_were_simulated():
-    row = {"verified": False, "lower": 1.0, "upper": 2.0, "simulated_lower": 1.0}
-    text = sentence("ends", row | {"simulated_upper": 1.5})
-    assert text == "not verified: upper simulated only to 1.5"
-    assert sentence("ends", row | {"simulated_upper": 2.0}) == "simulated"
-    assert sentence("ends", {"verified": True, "lower": 1.0}) == "simulated"
+@pytest.mark.parametrize(
+    ("foretold", "text", "named"),
+    [
+        ([], "simulated", ""),
+        (["upper"], "upper foretold, simulated to 1.5", ", upper end foretold"),
+        (
+            ["lower", "upper"],
+            "lower foretold, simulated to 1.2; upper foretold, simulated to 1.5",
+            ", lower and upper end foretold",
+        ),
+    ],
+)
+def test_ends_are_simulated_or_foretold(foretold, text, named):
+    row = {"simulated_lower": 1.2, "simulated_upper": 1.5, "foretold_ends": foretold}
+    row |= {"name": "t", "long_name": "time", "lower": 1.0, "upper": 2.0, "units": "s"}
+    assert sentence("ends", row) == text
+    row |= {"beyond": None, "runs_without": 0, "error": None}
+    assert sentence("ranges", {"quantities": [row]}) == f"t (time) is 1.00 to 2.00 s{named}."
 
 
 @pytest.mark.parametrize(
@@ -78,10 +90,14 @@ def test_ends_say_how_far_they_were_simulated():
         (0.955, 0.009, "95.5 ± 0.9 %"),
         (0.01, 0.0213, "at most 4 %"),
         (1e-6, 0.0, "less than 0.01 %"),
+        (0.7, 0.8, "an unknown share"),
     ],
 )
 def test_a_share_has_the_digits_that_what_is_open_leaves(part, open_, text):
     assert share(part, open_) == text
+
+
+FOUND = "No failure found in 9 runs"
 
 
 @pytest.mark.parametrize(
@@ -92,11 +108,31 @@ def test_a_share_has_the_digits_that_what_is_open_leaves(part, open_, text):
         ("none", 0.0, 1e-4, "No combination within the intervals meets all requirements."),
         ("none", 0.0, 0.28, "All requirements are met in at most 28 % of the box."),
         ("some", 0.5, 0.02, "All requirements are met in 50 ± 2 % of the box."),
+        ("open", 1.0, 0.03, f"{FOUND}: all requirements are met in at least 97 % of the box."),
+        (
+            "open",
+            1.0,
+            0.0,
+            f"{FOUND}, which do not prove that all requirements are met in all of the box.",
+        ),
     ],
 )
 def test_a_verdict_tells_what_is_open(kept, part, open_, text):
-    facts = {"together": {"met": kept, "share": part, "open": open_}}
+    facts = {"together": {"met": kept, "share": part, "open": open_, "runs": 9}}
     assert sentence("headline", facts) == text
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (0.1, "0.2 s"),
+        (0.3, "0.2 s (below the error estimate)"),
+        (None, "0.2 s (error unknown)"),
+    ],
+)
+def test_a_margin_is_told_with_its_error_where_that_is_larger(error, text):
+    row = {"margin": 0.2, "units": "s", "error": error, "kind": "at_most", "level": 1.0}
+    assert sentence("margin", row) == text
 
 
 def test_what_fails_only_where_it_does_not_happen_is_told_apart():
@@ -121,7 +157,7 @@ def test_the_error_of_a_quantity_is_the_sum_of_its_parts_as_a_share_of_its_width
     assert quantity_errors({"lower": 1.0}) == {}
 
 
-def test_what_a_finer_model_changes_is_the_larger_change_of_both_ends(monkeypatch):
+def test_what_a_finer_model_changes_is_told_of_both_ends(monkeypatch):
     """Of each quantity at its own ends; NaN where it has none. The order is not known: twice."""
     ends = [
         SimpleNamespace(argmin=np.array([-1.0]), argmax=np.array([1.0]), lower=1.0, upper=2.0),
@@ -130,17 +166,16 @@ def test_what_a_finer_model_changes_is_the_larger_change_of_both_ends(monkeypatc
                         upper=np.nan),
     ]  # fmt: skip
 
-    def measure(plan, points):  # the first changes by -0.1 and 0.3, the second by 0.7 and 0
-        x = points[:, 0]
+    def told(plan, points):  # the first changes by -0.1 and 0.3, the second by 0.7 and 0
+        x = np.array(points)[:, 0]
         first = np.where(x == -1, 0.9, 2.3)
         second = np.where(x == 0.5, 5.7, 9.0)
-        return np.stack([first, second, np.full(len(x), np.nan)], axis=1)
+        return np.stack([first, second, np.full(len(x), np.nan)], axis=1), None
 
     level = finer.Level(None, None, True)
     monkeypatch.setattr(finer, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
-    monkeypatch.setattr(finer, "runs_at", lambda plan, points: points)
-    found = finer.finer_errors(SimpleNamespace(plan=None, measure=measure), ends, ("mesh",))
-    np.testing.assert_allclose(found["mesh"], [0.6, 1.4, np.nan])
+    found = finer.finer_errors(SimpleNamespace(plan=None, told=told), ends, ("mesh",))
+    np.testing.assert_allclose(found["mesh"], [[0.2, 0.6], [1.4, 0.0], [np.nan, np.nan]])
 
 
 def test_the_nearest_run_is_the_nearest():

@@ -92,17 +92,16 @@ def test_an_error_is_that_of_an_order_from_one_on(monkeypatch, finest, sizes, or
     as much as of the first."""
     truth = np.array([3.0, 5.0])
 
-    def measure(plan, points):
-        return np.tile(truth + np.array([0.1, -2.0]) * plan**order, (len(points), 1))
+    def told(plan, points):
+        return np.tile(truth + np.array([0.1, -2.0]) * plan**order, (len(points), 1)), None
 
     at, side = np.zeros(1), truth + np.array([0.1, -2.0])
     ends = [SimpleNamespace(argmin=at, argmax=at, lower=x, upper=x) for x in side]
     level = finer.Level(sizes[1], sizes[2], finest)
     monkeypatch.setattr(finer, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
-    monkeypatch.setattr(finer, "runs_at", lambda plan, points: points)
-    bench = SimpleNamespace(plan=1.0, measure=measure)
+    bench = SimpleNamespace(plan=1.0, told=told)
     found = finer.finer_errors(bench, ends, ("step",))["step"]
-    assert found == pytest.approx(factor * np.array([0.1, 2.0]), rel=1e-4)
+    assert found == pytest.approx(factor * np.array([[0.1] * 2, [2.0] * 2]), rel=1e-4)
     time = np.linspace(0.0, 1.0, 5)
     curves = [
         truth[:, None] + np.outer([0.1, -2.0], time) * size**order for size in (1, *sizes[1:])

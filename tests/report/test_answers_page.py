@@ -68,13 +68,13 @@ def test_the_page_has_verdicts_intervals_and_tables(opened):
 def test_an_end_that_no_run_reached_is_not_told_as_one_that_did(opened):
     """Not in bold, and said in the headline: without rounds, say, it may be below all runs."""
     (row,) = (row for row in opened.facts["quantities"] if row["name"] == "t_open")
-    assert "unverified" not in render(opened).split("</style>")[1]
-    row = row | {"verified": False, "lower": row["lower"] - 0.01}
+    assert "foretold" not in render(opened).split("</style>")[1]
+    row = row | {"foretold_ends": ["lower"], "lower": row["lower"] - 0.01}
     data = replace(opened, facts=opened.facts | {"quantities": [row]})
-    assert "is 1.858 to 1.964 s, not verified." in sentence("ranges", data.facts)
+    assert "is 1.858 to 1.964 s, lower end foretold." in sentence("ranges", data.facts)
     page = render(data).replace("\N{NO-BREAK SPACE}", " ")
-    assert 'class="big range unverified"' in page
-    assert "over the box; not verified: lower simulated only to 1.868" in page
+    assert 'class="big range foretold"' in page
+    assert "over the box; lower foretold, simulated to 1.868" in page
 
 
 def test_the_part_of_the_box_that_fails_is_drawn(opened):

@@ -202,7 +202,7 @@ def test_a_warning_is_said_once(data, quantities):
     """Beside the headline if that has the number, at the response's own numbers if not."""
     data = altered(data, grade="large", error_at_largest_difference=0.2)
     row = {"name": "q", "long_name": "", "lower": None, "upper": None, "runs_with": 0,
-           "runs_without": 1, "verified": True}  # fmt: skip
+           "runs_without": 1, "foretold_ends": []}  # fmt: skip
     page = render(replace(data, facts=data.facts | {"quantities": [row] * quantities}))
     text = page.split("</style>")[1].replace("\N{NO-BREAK SPACE}", " ")
     assert text.count("Do not rely on the number for x: either bound may be off by ") == 1

@@ -112,13 +112,11 @@ class Bench:
             if not (np.abs(known - point).max(axis=1) <= NEAR).any():
                 wanted.append(np.asarray(point, dtype=float))
         if wanted:
-            runs = runs_at(self.plan, wanted)
-            found = self.records(self.plan, runs)
-            margins = margins_of(self.experiment, np.array([one.values for one in found]))
-            self.numbers = np.concatenate([self.numbers, [one.numbers for one in found]])
+            numbers, margins = self.told(self.plan, wanted)
+            self.numbers = np.concatenate([self.numbers, numbers])
             self.margins = np.concatenate([self.margins, margins])
             self.unit = np.concatenate([self.unit, wanted])
-            self.further += runs
+            self.further += runs_at(self.plan, wanted)
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
 
     @property
@@ -137,9 +135,12 @@ class Bench:
             for column, margin, q in asked
         ]
 
-    def measure(self, plan: Plan, runs: Sequence[Run]) -> np.ndarray:
-        """The quantities (r, q) of runs of a plan, simulated unless the store has them."""
-        return np.array([record.numbers for record in self.records(plan, runs)])
+    def told(self, plan: Plan, points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers and margins (P, q) of a plan's runs at unit points (P, k), simulated unless the
+        store has them."""
+        found = self.records(plan, runs_at(plan, points))
+        margins = margins_of(self.experiment, np.array([one.values for one in found]))
+        return np.array([one.numbers for one in found]), margins
 
     def records(self, plan: Plan, runs: Sequence[Run]) -> list[Record]:
         """What there is of runs of a plan, simulated unless the store has them.

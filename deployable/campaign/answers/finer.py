@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from deployable.campaign.answers.bench import Bench, runs_at
+from deployable.campaign.answers.borders import moved
 from deployable.campaign.answers.ends import Ends, settle
 from deployable.campaign.config.sections import Experiment, Jobs, Verify
 from deployable.campaign.errors import CampaignError
@@ -58,8 +59,8 @@ def check_bounds(
         text = "error of the ends by their {}".format
         found = found.assign(
             {
-                f"quantity_error_{name}": ("quantity", values, {"long_name": text(name)})
-                for name, values in errors.items()
+                f"quantity_error_{name}": ("quantity", ends.max(axis=1), {"long_name": text(name)})
+                for name, ends in errors.items()
             }
         )
     told = " and ".join(parts)
@@ -87,9 +88,9 @@ def _mean_size(change: np.ndarray) -> np.ndarray:
 
 
 def finer_errors(bench: Bench, ends: list[Ends], parts: tuple = PARTS) -> dict[str, np.ndarray]:
-    """Errors (q,) of `step` and `mesh` by name: of each quantity at that of its ends where a finer
-    one changes it most. NaN where it has none, or happens in one of both runs only; no mesh where
-    no parameter sets it.
+    """Errors (q, 2) of `step` and `mesh` by name: of the lower and the upper end of each quantity,
+    by the order at the one that a finer one changes most. NaN where it has none, or happens in one
+    of both runs only; no mesh where no parameter sets it.
     """
     points = np.array([at for end in ends for at in (end.argmin, end.argmax)])
     before = np.array([value for end in ends for value in (end.lower, end.upper)])
@@ -99,7 +100,7 @@ def finer_errors(bench: Bench, ends: list[Ends], parts: tuple = PARTS) -> dict[s
         """At chosen points what a run of the plan tells of the quantity whose end it is."""
         out, there = np.full(len(chosen), np.nan), np.isfinite(points[chosen]).all(axis=1)
         if there.any():
-            measured = bench.measure(plan, runs_at(plan, points[chosen][there]))
+            measured, _ = bench.told(plan, points[chosen][there])
             out[there] = measured[np.arange(len(measured)), of[chosen][there]]
         return out
 
@@ -109,9 +110,31 @@ def finer_errors(bench: Bench, ends: list[Ends], parts: tuple = PARTS) -> dict[s
         most = 2 * np.arange(len(ends)) + np.nan_to_num(change).argmax(axis=1)
         third = _third(bench, level, lambda plan, most=most: numbers(plan, most))
         ratio = None if third is None else level.ratio(before[most], now[most], third)
-        found[name] = continued(change.max(axis=1), ratio)
+        found[name] = continued(change, None if ratio is None else ratio[:, None])
         before = now
     return found
+
+
+def beyond_of(
+    bench: Bench, ends: list[Ends], errors: dict[str, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the runs are wrong by (q,) by mesh and step, for shares of the box: the numbers, by the
+    `finer_errors` of their ends, or next to where they cease where an end has none; and the
+    certainty that there are any. Infinite where finer runs tell that it is wrong, not how much."""
+    numbers, borders = np.zeros(len(ends)), np.zeros(len(ends))
+    if not errors:
+        return numbers, borders
+    *_, finest = _levels(bench.plan, tuple(errors)).values()
+    for q, end in enumerate(ends):
+        if end.surrogate.fit is None:
+            continue
+        found = moved(bench, q, end.surrogate.occurrence, finest.finer)
+        borders[q], parts = found.border, np.array([each[q] for each in errors.values()])
+        numbers[q] = np.nan_to_num(parts).sum(axis=0).max()
+        if np.isnan(parts).any():
+            numbers[q] = max(numbers[q], np.nan_to_num(found.number, nan=np.inf))
+            borders[q] = borders[q] if end.surrogate.occurrence.mixed else np.inf
+    return numbers, borders
 
 
 def _curve_errors(bench: Bench, bounds: Any, parts: tuple) -> dict[str, np.ndarray]:

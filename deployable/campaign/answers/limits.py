@@ -10,6 +10,7 @@ import numpy as np
 
 from deployable.campaign.answers.bench import Bench
 from deployable.campaign.config.answers import LIMITS
+from fpm.reading.quantities import Quantity
 
 _BEYOND = 1e-3  # by how much farther from the nominal values than the border a run is made
 
@@ -61,12 +62,13 @@ def judged(
     beyond: np.ndarray | None = None,
 ) -> Judged:
     """What the surrogates of all quantities and the runs tell of the limits that are asked; beyond:
-    errors (q,) of the runs themselves, where they are known."""
+    errors (2, q) of the runs themselves, where they are known: of the quantities, and of where they
+    happen."""
     from deployable.intervals.scalars import Limit, largest_share, share_reaching
 
-    beyond = np.zeros(len(surrogates)) if beyond is None else beyond
+    beyond = np.zeros((2, len(surrogates))) if beyond is None else beyond
     limits = [
-        Limit(surrogates[one.quantity], one.kind, one.level, float(beyond[one.quantity]))
+        Limit(surrogates[one.quantity], one.kind, one.level, *map(float, beyond[:, one.quantity]))
         for one in asked
     ]
     upper = bench.experiment.box.free.astype(float)
@@ -88,6 +90,31 @@ def judged(
         outward = np.clip((1 + _BEYOND) * (largest[2] - bench.nominal), -2, 2)
         fails = np.clip(bench.nominal + outward, -upper, upper)
     return Judged(asked, limits, slack, worst, largest, fails)
+
+
+def is_sure(bench: Bench, found: Judged, i: int) -> bool:
+    """Whether limit `i`, which no run breaks, is kept everywhere by more than the errors; and
+    whether the number is there, or not, by more than that of a margin that tells so. Without one
+    runs in which something happens prove nothing of others."""
+    from deployable.intervals.scalars import fit_scalar
+
+    limit, q = found.limits[i], found.asked[i].quantity
+    if not bench.experiment.box.free.any():
+        return True
+    if limit.kind != "happens" and not found.worst[i][0] >= limit.error:
+        return False
+    one = bench.experiment.numbers[q]
+    while isinstance(one.at, Quantity):
+        one = one.at
+    if one.decider is None and one.kind != "event":
+        return True
+    margins = bench.margins[:, q]
+    if not np.isfinite(margins).all():
+        return False
+    by_how_much = fit_scalar(bench.unit, margins)
+    ends, error = by_how_much.range(), by_how_much.error + limit.border
+    absent = limit.kind == "happens" and not limit.level
+    return bool(-ends.high > error if absent else ends.low > error)
 
 
 def told(bench: Bench, asked: Asked) -> dict:

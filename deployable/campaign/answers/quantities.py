@@ -10,6 +10,8 @@ their ends take, `further.nc`.
     error_step, error_mesh, error_whole     with `verify.finer`: those of step and mesh, and the sum
     runs_with, runs_without         in how many runs there is such a number, and in how many not
     happens, open                   share of the box in which there is, and what of it is open
+    error_limit, error_border       with `verify.finer`: errors by step and mesh for shares of the
+                                    box: of the number, and of the certainty that there is one
     is_time, fit                    1 for times of the run; what was fitted
     least                           what it can not be below, NaN where there is none
     share, alone, fixed, halved (quantity, parameter)   what each parameter contributes
@@ -25,7 +27,7 @@ import numpy as np
 
 from deployable.campaign.answers.bench import Bench
 from deployable.campaign.answers.ends import Ends, settle
-from deployable.campaign.answers.finer import finer_errors
+from deployable.campaign.answers.finer import beyond_of, finer_errors
 from deployable.campaign.answers.limits import limits_of
 from deployable.campaign.config.sections import Jobs, Verify, plain_data
 from deployable.campaign.folder import Folder
@@ -58,7 +60,8 @@ def answer(
 
 
 def quantities_dataset(bench: Bench, ends: list[Ends], finer: Mapping[str, np.ndarray]) -> Any:
-    """The intervals of all quantities as an xarray Dataset; finer: errors (q,) of step and mesh."""
+    """The intervals of all quantities as an xarray Dataset; finer: errors (q, 2) of step and mesh
+    by name, of both ends."""
     import xarray as xr
 
     from deployable.intervals.estimates import AVERAGED
@@ -72,12 +75,17 @@ def quantities_dataset(bench: Bench, ends: list[Ends], finer: Mapping[str, np.nd
     kind = "mean" if averaged else "largest"
     text = f"estimated error of the surrogate: its {kind} left-out one"
     variables.put("error", _OF, errors, text)
-    for name, values in finer.items():
-        variables.put(f"error_{name}", _OF, values, f"error of the ends by their {name}")
+    beyond, border = beyond_of(bench, ends, finer)
     if finer:
-        whole = np.sum([errors, *finer.values()], axis=0)
+        parts = {name: both.max(axis=1) for name, both in finer.items()}
+        for name, values in parts.items():
+            variables.put(f"error_{name}", _OF, values, f"error of the ends by their {name}")
+        whole = np.sum([errors, *parts.values()], axis=0)
         variables.put("error_whole", _OF, whole, "errors of surrogate, step and mesh together")
-    _put_occurrence(variables, bench, ends)
+        text = "errors by step and mesh of {}, for shares of the box".format
+        variables.put("error_limit", _OF, beyond, text("the number"))
+        variables.put("error_border", _OF, border, text("what tells where it happens"))
+    _put_occurrence(variables, bench, ends, border)
     _put_shares(variables, bench, ends)
     times = [int(quantity.is_time) for quantity in bench.experiment.numbers]
     variables.put("is_time", _OF, times, "1 for times of the run", "1")
@@ -118,7 +126,9 @@ def _put_ends(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
     variables.put("nominal", _OF, nominal, "at the nominal values, by surrogate")
 
 
-def _put_occurrence(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
+def _put_occurrence(
+    variables: _Variables, bench: Bench, ends: list[Ends], border: np.ndarray
+) -> None:
     """In how many runs, and in which share of the box, there is such a number."""
     from deployable.intervals.scalars import Limit, share_of_box
 
@@ -127,7 +137,11 @@ def _put_occurrence(variables: _Variables, bench: Bench, ends: list[Ends]) -> No
     without = len(bench.different) + bench.left_out - there
     variables.put("runs_without", _OF, without, "runs in which it does not happen", "1")
     free = bench.experiment.box.free
-    shares = np.array([share_of_box([Limit(e.surrogate, "happens", 1.0)], free) for e in ends])
+    limits = [
+        Limit(end.surrogate, "happens", 1.0, border=float(doubt))
+        for end, doubt in zip(ends, border, strict=True)
+    ]
+    shares = np.array([share_of_box([limit], free) for limit in limits])
     variables.put("happens", _OF, shares[:, 0], "share of the box in which it happens", "1")
     text = "by how much that share may be more or less"
     variables.put("open", _OF, shares[:, 1], text, "1")

@@ -1,11 +1,14 @@
 """From the runs of a campaign to what of the box meets its requirements, `requirements.json`.
 
-    requirements   [{name, met, share, open, limits}], met is all, some or none of the box; open:
-                   by how much the share may be more or less, by all runs and estimated errors
+    requirements   [{name, met, share, open, runs, limits}], met is all, some or none of the box;
+                   "open" where nothing fails, in so many runs or by what was fitted, and errors or
+                   what only happens or does not leave open whether all does; open: by how much the
+                   share may be more or less, by all runs and estimated errors
     limits         [{quantity, units, kind, level, margin, error, at, simulated}]: margin at the
                    worst place, and the estimated error, of mesh and step too if known
-    together       {met, share, open, largest_share, fails}: of all; `fails` is the nearest place
-                   at which one fails: {requirement, quantity, kind, level, units, at, simulated}
+    together       {met, share, open, runs, largest_share, fails, whole}: of all; `fails` is the
+                   nearest place at which one fails: {requirement, quantity, kind, level, units, at,
+                   simulated}; whole: whether errors have those of step and mesh
     runs, further_runs
 
 The runs that decide were made with those of the quantities' ends. Margins are below 0 where a limit
@@ -21,7 +24,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from deployable.campaign.answers.bench import Bench, number
-from deployable.campaign.answers.limits import Judged, judged, limits_of, told
+from deployable.campaign.answers.limits import Judged, is_sure, judged, limits_of, told
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
@@ -32,10 +35,11 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, tell
     """Write requirements.json of a campaign whose quantities have their intervals."""
     bench = Bench.of(folder, jobs, tell, further=True)
     asked = limits_of(requirements, list(bench.experiment.quantities))
-    found = judged(bench, bench.surrogates(), asked, _of_the_runs(folder))
+    beyond = _of_the_runs(folder)
+    found = judged(bench, bench.surrogates(), asked, beyond)
     rows = {
         "requirements": [_requirement(bench, found, name) for name in requirements],
-        "together": _together(bench, found),
+        "together": {**_together(bench, found), "whole": beyond is not None},
         "runs": len(bench.different) + bench.left_out,
         "further_runs": len(bench.further),
     }
@@ -43,12 +47,12 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, tell
 
 
 def _of_the_runs(folder: Folder) -> np.ndarray | None:
-    """Errors (q,) of quantities by mesh and step; None where these were not looked at. One that is
-    not known counts as none: there is no such number in one of both runs."""
+    """Errors (2, q) by mesh and step of quantities and of where they happen; None where these were
+    not looked at."""
     with open_netcdf(folder.quantities) as data:
-        if "error_whole" not in data.variables:
+        if "error_limit" not in data.variables:
             return None
-        return np.nan_to_num(data["error_whole"][:] - data["error"][:])
+        return np.array([data[name][:] for name in ("error_limit", "error_border")])
 
 
 def _met(bench: Bench, found: Judged, chosen: list[int]) -> dict:
@@ -60,10 +64,11 @@ def _met(bench: Bench, found: Judged, chosen: list[int]) -> dict:
 
     share, open_ = share_of_box([found.limits[i] for i in chosen], bench.experiment.box.free)
     kept = found.slack[chosen].min(axis=0) >= 0
+    told = {"share": share, "open": open_, "runs": len(bench.different) + bench.left_out}
     if min(found.worst[i][0] for i in chosen) >= 0 and kept.all():
-        return {"met": "all", "share": 1.0, "open": open_}
-    met = "none" if share == 0 and not kept.any() else "some"
-    return {"met": met, "share": share, "open": open_}
+        sure = not open_ and all(is_sure(bench, found, i) for i in chosen)
+        return {"met": "all" if sure else "open", **told, "share": 1.0}
+    return {"met": "none" if share == 0 and not kept.any() else "some", **told}
 
 
 def _requirement(bench: Bench, found: Judged, name: str) -> dict:

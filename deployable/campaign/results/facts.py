@@ -288,7 +288,7 @@ def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
         if errors := quantity_errors(row):
             row["errors"] = errors
         row |= {key: int(data[key][i]) for key in ("runs_with", "runs_without")}
-        row["verified"] = not (data["moving_lower"][i] or data["moving_upper"][i])
+        row["foretold_ends"] = [side for side in ("lower", "upper") if data[f"moving_{side}"][i]]
         ends = row["units"] == "s" and row["runs_without"] and (row["upper"] or 0.0) >= duration
         row["beyond"] = duration if ends else None
         for key in ("argmin", "argmax"):

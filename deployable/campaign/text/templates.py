@@ -11,8 +11,6 @@ from deployable.campaign.results.facts import SOFT, decisive, happens_only, mome
 from deployable.campaign.text import numbers
 
 _HERE = Path(__file__).parent
-_VERIFIED = 1e-3
-"""Share of the width by which a run may be short of an end that counts as simulated."""
 
 
 def environment(units: Iterable[str] = (), html: bool = False) -> Any:
@@ -31,7 +29,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     of_numbers = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty")
     found.filters |= {name: getattr(numbers, name) for name in of_numbers}
     found.filters |= {
-        "met_text": met_text, "unreached": unreached, "decisive": decisive, "moments": moments,
+        "met_text": met_text, "decisive": decisive, "moments": moments,
         "happens_only": happens_only, "doubts": doubts, "small_share": small_share,
         "first_lower": lambda text: text[:1].lower() + text[1:],
         "capitalize_first": lambda text: text[:1].upper() + text[1:],
@@ -52,20 +50,12 @@ def summary_text(facts: Mapping[str, Any]) -> str:
 
 
 def met_text(row: Mapping[str, Any]) -> str:
-    """By how much of the box a requirement is met: `All`, `None` or a share."""
+    """By how much of the box a requirement is met: `All`, `None`, a share, or that none fails."""
+    if row["met"] == "open":
+        return f"No failure found in {row['runs']} run{'s' * (row['runs'] != 1)}"
     sure = row["met"] != "some" and 100 * row["open"] < numbers.OPEN
     text = row["met"] if sure else numbers.share(row["share"], row["open"])
     return text[0].upper() + text[1:]
-
-
-def unreached(row: Mapping[str, Any]) -> list[str]:
-    """Which ends of a quantity's interval no run reached, and how far the runs go."""
-    least = _VERIFIED * (row["upper"] - row["lower"])
-    return [
-        f"{side} simulated only to {numbers.number(row[f'simulated_{side}'], 6)}"
-        for side in ("lower", "upper")
-        if abs(row[f"simulated_{side}"] - row[side]) > least
-    ]
 
 
 def doubts(facts: Mapping[str, Any]) -> list[str]:

@@ -71,6 +71,11 @@ class Occurrence:
         # Runs too close together, or too rough a border: some lie on the wrong side of it.
         return np.maximum(np.minimum(*nearest), max(1.0, float(-certain.min())))
 
+    def told(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
+        """The certainty (R) as runs themselves tell it by their numbers (R) and margins (R); NaN
+        where they tell no more than whether it happens."""
+        return np.full(len(numbers), np.nan)
+
     @cached_property
     def open(self) -> float:
         """Share of the box, about, in which the runs leave open what happens."""
@@ -181,12 +186,13 @@ def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
 class Foretold(Occurrence):
     """It happens where a function of unit coordinates (P, k) is not below 0, up to its `error`.
 
-    Such a function tells the border better than whether it happens does: by how much it does, or
-    how long before runs end.
+    Such a function tells the border better than whether it happens does: by how much it does, or,
+    of a time, how long before `latest`, when runs end.
     """
 
     function: Callable[[np.ndarray], np.ndarray]
     error: float
+    latest: float | None = None
 
     def agrees(self, slack: float = 0.0) -> bool:
         """Whether the function tells of every run what happened in it, up to its error, and a slack
@@ -197,6 +203,9 @@ class Foretold(Occurrence):
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
         return self.function(np.asarray(unit, dtype=float))
+
+    def told(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
+        return margins if self.latest is None else self.latest - numbers
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
         return np.full(len(unit), self.error)

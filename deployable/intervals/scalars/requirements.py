@@ -17,13 +17,15 @@ _AT_ONCE = 64  # lines
 @dataclass(frozen=True)
 class Limit:
     """What a number must keep: `kind` "at_most" or "at_least" a `level`, or "happens", whose level
-    is 1 if there must be a number and 0 if there must be none. beyond: what the number may be wrong
-    by in the runs themselves, as by their mesh and step."""
+    is 1 if there must be a number and 0 if there must be none. beyond, border: what the runs
+    themselves may be wrong by, as by their mesh and step: the number, and the certainty that there
+    is one (see `Occurrence`)."""
 
     surrogate: ScalarSurrogate | None
     kind: str
     level: float
     beyond: float = 0.0
+    border: float = 0.0
 
     def conditions(self, unit: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """What must not be below 0 at unit coordinates (P, k): functions (P), and their errors (P).
@@ -31,7 +33,10 @@ class Limit:
         There must be the number, or none; and it must keep its level.
         """
         found = self.surrogate
-        certain, doubt = found.occurrence.certainty(unit), found.occurrence.doubt(unit)
+        certain = found.occurrence.certainty(unit)
+        doubt = found.occurrence.doubt(unit) + self.border
+        if np.isinf(self.border):  # all runs agree, and finer ones do not
+            certain, doubt = np.sign(certain), np.full(len(unit), 2.0)
         if self.kind == "happens":
             return [(certain if self.level else -certain, doubt)]
         if found.fit is None:

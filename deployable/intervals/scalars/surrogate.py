@@ -138,6 +138,6 @@ def _occurrence(
         one = Foretold(points, there, by_how_much.evaluate, by_how_much.error)
         told += [one] if np.isfinite(one.error) and one.agrees(one.error) else []
     if latest is not None and np.isfinite(fit.error):
-        until = Foretold(points, there, lambda unit: latest - fit.evaluate(unit), fit.error)
+        until = Foretold(points, there, lambda unit: latest - fit.evaluate(unit), fit.error, latest)
         told += [until] if until.agrees() else []
     return min(reversed(told), key=lambda one: one.open)

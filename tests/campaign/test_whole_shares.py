@@ -1,0 +1,133 @@
+"""Shares of the box carry the whole error: the truth, which is that of no step and no mesh, lies
+within what is open; and "all" is said only where nothing is."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from closed_boxes import Closed, ClosedBench, without_runs
+
+from deployable.campaign.answers import borders, requirements
+from deployable.campaign.answers.ends import settle
+from deployable.campaign.answers.finer import beyond_of, finer_errors
+from deployable.campaign.answers.limits import Asked, judged
+from deployable.intervals import Box
+from deployable.intervals.scalars import Limit, Occurrence, share_of_box
+
+HAPPENS = Asked("there", 0, "happens", 1.0)
+BEYOND_THE_ERROR = 3.0
+"""Open is at most so many times what is wrong, on average: continued as of the first order where it
+is of the second, which is half as much again, and by stretches that were halved thrice."""
+
+
+@pytest.fixture(autouse=True)
+def _closed(monkeypatch):
+    without_runs(monkeypatch)
+
+
+def shares(closed, *asked, runs=9):
+    """The share and what is open of it by step and mesh too, by limit; and what is open without."""
+    bench = ClosedBench(closed, runs * closed.k)
+    ends = settle(bench, 4, asked)
+    beyond = np.array(beyond_of(bench, ends, finer_errors(bench, ends)))
+    free = np.ones(closed.k)
+    rows = []
+    for errors in (beyond, None):
+        limits = judged(bench, bench.surrogates(), asked, errors).limits
+        rows.append([share_of_box([limit], free) for limit in limits])
+    return [(*whole, fit[1]) for whole, fit in zip(*rows, strict=True)]
+
+
+@pytest.mark.parametrize("kind", ["limit", "margin", "late", "latch"])
+def test_the_truth_lies_within_what_step_and_mesh_leave_open(kind):
+    """Of a number's limit, of whether it happens, and of both; step and mesh are wrong by a tenth
+    of what decides, and what is open by the fit alone leaves the truth out."""
+    asked = [Asked("early", 0, "at_most", 1.4)] + [HAPPENS] * (kind != "limit")
+    off, wide, blind = [], [], []
+    for k, seed in ((1, 11), (2, 22)):
+        closed = Closed(kind, k, seed, 0.1)
+        for one, (share, open_, by_the_fit) in zip(asked, shares(closed, *asked), strict=True):
+            off.append(abs(share - closed.truth(one.kind, one.level)))
+            wide.append(open_)
+            blind.append(by_the_fit)
+    assert (np.array(off) <= wide).all()
+    assert np.mean(wide) <= BEYOND_THE_ERROR * np.mean(off)
+    assert np.mean(blind) < np.mean(off)
+
+
+def test_a_border_that_finer_runs_confirm_does_not_move():
+    bench = ClosedBench(Closed("latch", 1, 11, 0.0), 9)
+    (end,) = settle(bench, 4, [HAPPENS])
+    found = borders.moved(bench, 0, end.surrogate.occurrence, (0.5, 0.5))
+    assert found == (0.0, 0.0)
+
+
+def test_a_border_moves_to_where_finer_runs_cease_to_differ():
+    """Of what happens above x = 0, and by finer runs above 0.3: twice the certainty there, as the
+    rest of the way counts as much again."""
+    x = np.linspace(-1, 1, 21)[:, None]
+    bench = SimpleNamespace(unit=x, numbers=np.where(x > 0.01, 1.0, np.nan), margins=np.nan * x)
+
+    def told(plan, points):
+        x = np.array(points)
+        return np.where(x > 0.3, 1.0, np.nan), np.full(x.shape, np.nan)
+
+    bench.told = told
+    occurrence = Occurrence(x, np.isfinite(bench.numbers[:, 0]))
+    found = borders.moved(bench, 0, occurrence, None).border
+    there = float(occurrence.certainty(np.array([[0.3]]))[0])
+    assert found == pytest.approx(2 * there, rel=0.05)
+    limit = Limit(SimpleNamespace(occurrence=occurrence), "happens", 1.0, border=found)
+    share, open_ = share_of_box([limit], np.ones(1))
+    assert share - open_ < 0.35 < share
+
+
+def test_a_number_that_finer_runs_lose_everywhere_leaves_all_open():
+    """All runs have it, and that at an end no longer with half the step."""
+    bench = ClosedBench(Closed("latch", 1, 11, 0.0), 9)
+    bench.numbers[:] = 1.0 + bench.unit
+    bench.told = lambda plan, points: (np.full((len(points), 1), np.nan),) * 2
+    ends = settle(bench, 0)
+    beyond = np.array(beyond_of(bench, ends, finer_errors(bench, ends)))
+    limits = judged(bench, bench.surrogates(), [HAPPENS], beyond).limits
+    assert share_of_box(limits, np.ones(1)) == (1.0, 1.0)
+
+
+def verdict(kind, numbers, margins=np.nan, asked=HAPPENS, beyond=(0.0, 0.0), free=1.0):
+    """`met` of runs with a number and a margin each, over a box of one direction."""
+    unit = np.linspace(-1, 1, len(numbers))[:, None] * free
+    bench = ClosedBench(Closed(kind, 1, 0, 0.0), 9)
+    bench.around.box = Box(["a"], [0.0], [free])
+    bench.around.nominal = np.array([free / 2])
+    bench.unit, bench.numbers = unit, np.array(numbers, dtype=float)[:, None]
+    bench.margins = np.broadcast_to(margins, len(numbers))[:, None]
+    found = judged(bench, bench.surrogates(), [asked], np.array(beyond)[:, None])
+    return requirements._met(bench, found, [0])["met"]
+
+
+X = np.linspace(-1, 1, 9)
+
+
+def test_all_is_said_where_nothing_is_open_and_no_margin_is_below_its_error():
+    at_most = Asked("low", 0, "at_most", 2.0)
+    assert verdict("limit", X, asked=at_most) == "all"
+    assert verdict("limit", X, asked=at_most, beyond=(0.9, 0.0)) == "all"
+    assert verdict("limit", X, asked=at_most, beyond=(1.1, 0.0)) == "open"
+    assert verdict("limit", X + 1.5, asked=at_most) == "some"
+    assert verdict("limit", np.abs(np.sin(9 * X)), asked=Asked("low", 0, "at_most", 1.05)) == "open"
+
+
+def test_what_happened_in_all_runs_is_no_proof_without_a_margin():
+    """A latch that catches in nine runs may miss between them; a crossing that goes far beyond its
+    level may not, unless by less than step and mesh change."""
+    assert verdict("latch", 0 * X + 1) == "open"
+    assert verdict("latch", [1.0], free=0.0) == "all"
+    assert verdict("margin", 0 * X + 1, 2 + X) == "all"
+    assert verdict("margin", 0 * X + 1, 2 + X, beyond=(0.0, 1.1)) == "open"
+    never = Asked("never", 0, "happens", 0.0)
+    assert verdict("latch", np.nan * X, asked=never) == "open"
+    assert verdict("margin", np.nan * X, X - 2, asked=never) == "all"
+    assert verdict("margin", np.nan * X, X - 2, asked=never, beyond=(0.0, 1.1)) == "open"
+    assert verdict("latch", np.where(X > 0, 1, np.nan)) == "some"

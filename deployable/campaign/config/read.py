@@ -92,7 +92,8 @@ def _fault(value: Any, error: Mapping) -> Fault:
     elif error["type"] == "missing" and last in path:
         text = f"{key}: missing; allowed: {allowed}"
     elif isinstance(refused, RefusedError) and refused.text:
-        text = f"{key}{refused.key and '.'}{refused.key}: {refused.text}"
+        path += [refused.key] if refused.key else []
+        text = f"{'.'.join(path)}: {refused.text}"
     else:
         text = f"{key or 'the file'}: {show(value)} is not allowed; allowed: {allowed}"
     return tuple(path), left_out, text

@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Mapping
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from deployable.campaign.config.keys import Part, RefusedError, part_of
 from deployable.campaign.config.models import Config
@@ -24,12 +24,12 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
     problems += [f"{key}: {value} is not allowed; allowed: a finite number"
                  for key, value in endless.items()]  # fmt: skip
     config, faults = _validated(right)
-    for path, _, text in sorted(faults, key=lambda fault: fault[0]):
-        if ".".join(path) not in endless and text not in problems:
-            problems.append(text)
+    for fault in sorted(faults):
+        if ".".join(fault.path) not in endless and fault.text not in problems:
+            problems.append(fault.text)
     if faults and not endless:
-        for _, left_out, _ in faults:
-            _remove(right, left_out)
+        for fault in faults:
+            _remove(right, fault.left_out)
         config, _ = _validated(right)
     return None if endless else config, right, problems
 
@@ -47,8 +47,13 @@ def _adapter() -> Any:
     return TypeAdapter(Config)
 
 
-Fault = tuple[tuple[str, ...], tuple[str, ...], str]
-"""Path of what is wrong, of what to leave out for it, and a sentence."""
+class Fault(NamedTuple):
+    """A sentence of what is wrong, at `path`, and the path of what to leave out for it: of an entry
+    of a mapping all, since one without one of its keys would only raise another complaint."""
+
+    path: tuple[str, ...]
+    left_out: tuple[str, ...]
+    text: str
 
 
 def _validated(raw: Any) -> tuple[Config | None, list[Fault]]:
@@ -59,44 +64,38 @@ def _validated(raw: Any) -> tuple[Config | None, list[Fault]]:
     except ValidationError as error:
         faults = [_fault(raw, found) for found in error.errors(include_url=False)]
     # Of a choice of types, the one that goes deepest was meant.
-    paths = [path for path, _, _ in faults]
-    return None, [
-        fault
-        for fault in faults
-        if not any(path[: len(fault[0])] == fault[0] != path for path in paths)
-    ]
+    paths = [fault.path for fault in faults]
+    return None, [f for f in faults if not any(p[: len(f.path)] == f.path != p for p in paths)]
 
 
-def _fault(value: Any, error: Mapping) -> Fault:
+def _fault(raw: Any, error: Mapping) -> Fault:
     """What pydantic found, from its place: names of keys, types of a choice, numbers in lists."""
-    part, path, entry = whole(), [], None
-    unknown = error["type"] == "unexpected_keyword_argument"
-    *place, last = error["loc"] or [""]
-    is_name = last == "[key]"
-    for name in place if unknown or is_name else [*place, last]:
-        if below := part.below(name):
+    names, kind = list(error["loc"]), error["type"]
+    unknown = [names.pop()] if kind == "unexpected_keyword_argument" else []
+    path, parts, value = [], [whole()], raw
+    for name in names:
+        if name != "[key]" and (below := parts[-1].below(name)):
             path.append(name)
-            if name not in part.children and entry is None:
-                entry = len(path)
-            above, part = part, below
+            parts.append(below)
             value = value.get(name) if isinstance(value, Mapping) else None
-    left_out = tuple(path[:entry])
-    key = ".".join(path)
-    if unknown:
-        text = _no_key(f"{key}." if key else "", last, part)
-        return (*path, last), left_out if entry else (*path, last), text
-    allowed = part.allowed
+    entry = next((i for i, name in enumerate(path, 1) if name not in parts[i - 1].children), None)
     refused = error.get("ctx", {}).get("error")
-    if is_name:
-        text = f"{key}: not a name that can be used; allowed: {above.names}"
-    elif error["type"] == "missing" and last in path:
-        text = f"{key}: missing; allowed: {allowed}"
+    if unknown:
+        text = _no_key(path, *unknown, parts[-1])
+        path += unknown
     elif isinstance(refused, RefusedError) and refused.text:
-        path += [refused.key] if refused.key else []
-        text = f"{'.'.join(path)}: {refused.text}"
+        blamed = [*path, refused.key] if refused.key else path
+        return Fault((*blamed,), (*path[:entry],), f"{'.'.join(blamed)}: {refused.text}")
     else:
-        text = f"{key or 'the file'}: {show(value)} is not allowed; allowed: {allowed}"
-    return tuple(path), left_out, text
+        key, allowed = ".".join(path) or "the file", parts[-1].allowed
+        if "[key]" in names:
+            told, allowed = "not a name that can be used", parts[-2].names
+        elif kind == "missing" and names[-1] in path:
+            told = "missing"
+        else:
+            told = f"{show(value)} is not allowed"
+        text = f"{key}: {told}; allowed: {allowed}"
+    return Fault((*path,), (*path[:entry],), text)
 
 
 def _as_meant(raw: Any) -> tuple[Any, list[str]]:
@@ -109,16 +108,17 @@ def _as_meant(raw: Any) -> tuple[Any, list[str]]:
     for name in [name for name in raw if isinstance(name, str) and name not in known]:
         meant = likely(name, known)
         if meant and meant not in out:
-            problems.append(_no_key("", name, whole()))
+            problems.append(_no_key([], name, whole()))
             out[meant] = out.pop(name)
     return out, problems
 
 
-def _no_key(dotted: str, name: str, part: Part) -> str:
+def _no_key(path: list[str], name: str, part: Part) -> str:
     """That a key is not known, with the likely one."""
     renamed = {b.key.formerly: other for other, b in part.children.items() if b.key.formerly}
     hint = did_you_mean(renamed.get(name, name), part.children)
-    return f"{dotted}{name}: there is no such key{hint}; allowed: {', '.join(part.children)}"
+    key = ".".join([*path, name])
+    return f"{key}: there is no such key{hint}; allowed: {', '.join(part.children)}"
 
 
 def _remove(data: Any, path: tuple[str, ...]) -> None:

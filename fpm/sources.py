@@ -30,7 +30,8 @@ def mechanics_sources() -> list[Path]:
 
 
 def own_sources(*starts: Path) -> set[Path]:
-    """Python files, those beside and below them that they import, packages too, and so on.
+    """Python files, those beside and below them that they import, packages too, and so on; and of
+    kinds of elements the kernels: the file beside with `_kernels` behind its name.
 
     Only files count, not what is imported when. SceneError for a start that is none.
     """
@@ -44,7 +45,8 @@ def own_sources(*starts: Path) -> set[Path]:
         if path not in found:
             found.add(path)
             roots = {start.resolve().parent for start in starts}
-            others = (other.resolve() for other in _imported(path, roots) if other.is_file())
+            near = (*_imported(path, roots), path.with_name(f"{path.stem}_kernels.py"))
+            others = (other.resolve() for other in near if other.is_file())
             left += [other for other in others if HERE not in other.parents]
     return found
 

@@ -135,14 +135,14 @@ def _limit(scene: Scene, step: float = np.inf) -> StableStep:
     deformations, kind_of, names = deformation_modes(scene, step)
     modes, element, inverse = _scaled(scene, deformations)
     kinds = kinds_of([scene])
-    always = np.array([kind.always_acts for kind in kinds], bool)
-    acting = always[kind_of]
+    shut = {number: kind.shut(scene, inverse) for number, kind in enumerate(kinds)}
+    shut = {number: columns for number, columns in shut.items() if columns is not None}
+    acting = ~np.isin(kind_of, list(shut))
     cases = [(modes[acting], element[acting])]
-    for number, kind in enumerate(kinds):
-        if not kind.always_acts:
-            acts = acting | (kind_of == number)
-            shut, there = kind.shut(scene, inverse), modes[acts]
-            cases.append((there - (there @ shut) @ shut.T, element[acts]))
+    for number, columns in shut.items():
+        acts = acting | (kind_of == number)
+        there = modes[acts]
+        cases.append((there - (there @ columns) @ columns.T, element[acts]))
     found = [(*fastest(case), of) for case, of in cases]
     square, shares, element = max(found, key=lambda case: case[0])
     if not square > 0:

@@ -15,12 +15,13 @@ from fpm.elements.openings.contact import Contact
 from fpm.elements.openings.damper import Damper
 from fpm.elements.openings.friction import Friction
 from fpm.elements.openings.latch import Latch
-from fpm.elements.openings.motor import Motor, TorqueMotor
+from fpm.elements.openings.motor import Motor
 from fpm.elements.openings.opening import Opening
 from fpm.elements.openings.release import Release
 from fpm.elements.openings.stop import Stop
 from fpm.elements.openings.sync_loop import SyncLoop
 from fpm.elements.openings.table_spring import TableSpring
+from fpm.elements.openings.torque_motor import TorqueMotor
 from fpm.elements.openings.torsion_spring import TorsionSpring
 from fpm.elements.particles.damping import Damping
 from fpm.elements.particles.drive import Drive

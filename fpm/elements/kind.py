@@ -6,11 +6,18 @@ does not have. `docs/mechanics.md` shows how to add one.
 """
 
 from collections.abc import Callable, Hashable
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from numbers import Integral
+from types import ModuleType
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from fpm.elements.batch import Batch, Scene
+from fpm.elements.fields import Index, Number, Stated, Word, check_number, numbers_in, stated
+from fpm.errors import SceneError
 
 AXES = "xyz"
 """Names of the global axes."""
@@ -74,6 +81,16 @@ class Deformations(NamedTuple):
     element: np.ndarray
 
 
+SHARED = {
+    "rows": Batch.rows_of,
+    "log": Batch.log_of,
+    "watched": Batch.watched_by,
+    "given": Batch.given_by,
+    "taken": Batch.taken_by,
+}
+"""What stands under some names in the tuples of all kernels: shares of what is common."""
+
+
 class Kind:
     """A kind of element. Everything has a default: what is not stated, the kind does not have."""
 
@@ -85,9 +102,9 @@ class Kind:
     reads: ClassVar[tuple[type["Kind"], ...]] = ()  # kinds whose arrays it needs in every step
     acts_as: ClassVar[str] = ""  # which part of the moment on openings is its own (opening.py)
     joins: ClassVar[bool] = False  # whether each holds its `particles` together by a `name`
-    holds: ClassVar[bool] = False  # whether they hold the opening of their `hinge` (turn.py)
     moves_free: ClassVar[bool] = False  # whether it moves all particles that no other kind does
-    always_acts: ClassVar[bool] = True  # False: only in the position that `shut` describes
+
+    called: ClassVar[str] = ""  # in messages; kinds that are called alike are one to a user
 
     # -- of one element -----------------------------------------------------------------------
 
@@ -97,11 +114,41 @@ class Kind:
         scene.kinds.setdefault(type(self), []).append(self)
 
     def check(self, scene: Scene) -> None:
-        """SceneError if the element does not fit into the scene as it is."""
+        """SceneError if the element does not fit into the scene as it is: what its fields say."""
+        for name, field in stated(type(self)).items():
+            value = getattr(self, name)
+            if isinstance(field, Index):
+                for each in value if isinstance(value, tuple) else (value,):
+                    self.check_index(scene, field, each)
+            elif isinstance(field, Number):
+                unit = self.unit_in(scene, field.unit)
+                check_number(self.subject(scene, field), value, field, unit)
+            elif isinstance(field, Word) and value not in field.values:
+                raise SceneError(self.subject(scene, field), value, ", ".join(field.values))
+
+    def check_index(self, scene: Scene, field: Index, value: int) -> None:
+        """SceneError unless a field has the index of something that there is."""
+        count = len(getattr(scene, field.of))
+        if not (isinstance(value, Integral) and field.least <= value < count):
+            raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
+
+    def subject(self, scene: Scene, field: Stated) -> str:
+        """What messages call a field."""
+        words = field.words or field.name.replace("_", " ") + " of {title}"
+        title = self.title(scene) if "{title}" in words else ""
+        return words.format(called=self.called, title=title)
+
+    def title(self, scene: Scene) -> str:
+        """What messages about its numbers call it."""
+        return self.called
+
+    def unit_in(self, scene: Scene, unit: str) -> str:
+        """The unit of one of its numbers."""
+        return unit
 
     def topology(self) -> Hashable:
         """What of it must be equal in all scenes that run side by side."""
-        return None
+        return tuple(getattr(self, n) for n, field in stated(type(self)).items() if field.same)
 
     def acts_on(self) -> tuple[int, ...]:
         """Indices of the hinges on whose openings it acts."""
@@ -122,7 +169,7 @@ class Kind:
     @classmethod
     def names(cls, scene: Scene) -> list[str]:
         """Names of the elements, for messages; those of a group one by one."""
-        return [f"{cls.__name__} {i}" for i in range(len(cls.of(scene)))]
+        return [f"{cls.called or cls.__name__} {i}" for i in range(len(cls.of(scene)))]
 
     @classmethod
     def eventful(cls, scene: Scene) -> list[Eventful]:
@@ -148,18 +195,55 @@ class Kind:
         return None
 
     @classmethod
-    def shut(cls, scene: Scene, inverse: np.ndarray):
-        """Orthonormal sparse columns (dofs, c): motions that are ruled out where the kind acts.
+    def shut(cls, scene: Scene, inverse: np.ndarray) -> Any:
+        """Motions that are ruled out in the one position in which the kind acts, as orthonormal
+        sparse columns (dofs, c); None: it always acts.
 
-        For kinds that do not always act. inverse (dofs,): inverse masses; the columns are in
-        coordinates scaled with their roots.
+        inverse (dofs,): inverse masses; the columns are in coordinates scaled with their roots.
         """
-        raise NotImplementedError(f"{cls.__name__} does not always act, and has no `shut`")
+        return None
+
+    @classmethod
+    def kernels(cls) -> ModuleType:
+        """The module of its kernels: that of the kind, or of one that it derives from, with
+        `_kernels` behind its name."""
+        for kind in cls.__mro__[:-1]:
+            if find_spec(name := f"{kind.__module__}_kernels"):
+                return import_module(name)
+        raise NotImplementedError(
+            f"kind {cls.__name__} has no kernels: no {cls.__module__}_kernels"
+        )
 
     @classmethod
     def pack(cls, batch: Batch) -> NamedTuple:
-        """The named tuple of arrays that the kind's kernels work on."""
-        raise NotImplementedError(f"{cls.__name__} has no `pack`")
+        """The arrays that its kernels work on: the named tuple in their file, filled by `array`."""
+        arrays = _arrays_in(cls.kernels())
+        return arrays(**{name: cls.array(name, batch) for name in arrays._fields})
+
+    @classmethod
+    def array(cls, name: str, batch: Batch) -> Any:
+        """What stands under a name in the tuple of its kernels; other names are those of fields
+        with integers.
+
+        `numbers`: those of every element that NUMBERS in the kernels' file names, in that order;
+        `state`, `track`: zeros, STATE for each element, and TRACK for each at every instant;
+        `account`: that of the work it gives, else of the energy it takes; SHARED.
+        """
+        elements = cls.of(batch.one)
+        match name:
+            case "numbers":
+                columns = [(n, stated(cls).get(n)) for n in cls.kernels().NUMBERS]
+                count = len(_row(elements[0], columns))
+                return batch.table(cls, count, lambda element: _row(element, columns))
+            case "state":
+                return batch.blank(len(elements), cls.kernels().STATE)
+            case "track":
+                return batch.blank((batch.instants + 1) * len(elements), cls.kernels().TRACK)
+            case "account":
+                return (batch.given_by if cls.gives else batch.taken_by)(cls)
+            case _ if name in SHARED:
+                return SHARED[name](batch, cls)
+        return batch.integers(getattr(element, name) for element in elements)
 
     @classmethod
     def rounding(cls, part: Any) -> np.ndarray | None:
@@ -184,3 +268,20 @@ class Kind:
     @classmethod
     def prescribe(cls, scene: Scene, time: float, motion: Any) -> None:
         """Put what the kind prescribes at a time (s) into a Motion (fpm.simulate), in place."""
+
+
+def _row(element: Kind, columns: list) -> list[float]:
+    """The numbers of an element, from the names of its fields and what is stated of them."""
+    found = []
+    for name, field in columns:
+        value = getattr(element, name)
+        found.extend(numbers_in(field.values[value] if isinstance(field, Word) else value))
+    return found
+
+
+@cache
+def _arrays_in(kernels: ModuleType) -> type:
+    """The named tuple that a file of kernels states."""
+    own = [x for x in vars(kernels).values() if getattr(x, "__module__", "") == kernels.__name__]
+    (found,) = [x for x in own if isinstance(x, type) and issubclass(x, tuple)]
+    return found

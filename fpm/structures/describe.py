@@ -1,17 +1,17 @@
 """A structure in words: what may be set in it, what it is made of, and what a run costs."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import fields
 
 import numpy as np
 
-from fpm.elements import Release, RigidRelease, kinds_of
+from fpm.elements import kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable import Cable, length_through
+from fpm.elements.fields import stated
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import Kind
-from fpm.elements.openings.opening import SLIDING
+from fpm.elements.openings.release import AnyRelease
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
@@ -103,13 +103,6 @@ def _remedy(found: SceneType, scene: Scene, cost: report.Cost) -> str:
 ON_JOINTS = ("torsion spring ", "spring ", "latch ", "stop ", "friction ", "damper ", "release ")
 """With what the names of elements begin that may be stiff on light ends of bars."""
 
-_UNITS = {
-    "stiffness": "N m/rad", "damping": "N m s/rad", "moment": "N m", "torque": "N m",
-    "rest": "rad", "angle": "rad", "tolerance": "rad", "hold": "rad", "turn": "rad",
-    "fastest": "rad/s", "no_load": "rad/s", "time": "s", "preload": "N",
-}  # fmt: skip
-"""Units of what is told of an element that acts on a joint, if that is no slide."""
-
 
 def acting(scene: Scene) -> list[str]:
     """What acts on joints, with its numbers, in the order of the joints."""
@@ -121,28 +114,27 @@ def acting(scene: Scene) -> list[str]:
                 continue
             hinges = [scene.hinges[hinge] for hinge in on]
             joints = " and ".join(hinge.name for hinge in hinges)
-            numbers = [*_numbers(element, hinges[0].slides, loop=len(on) > 1)]
-            if isinstance(element, Release | RigidRelease) and element.watch >= 0:
+            numbers = [*_numbers(element, scene)]
+            if isinstance(element, AnyRelease) and element.watch >= 0:
                 watched = scene.hinges[element.watch]
                 numbers.append(f"until {watched.name} passes {_angle(element.level, watched)}")
             found.append((on[0], f"{name} ({', '.join([f'on {joints}', *numbers])})"))
     return [text for _, text in sorted(found, key=lambda pair: pair[0])]
 
 
-def _numbers(element: Kind, slides: bool, loop: bool) -> Iterator[str]:
+def _numbers(element: Kind, scene: Scene) -> Iterator[str]:
     """The numbers of an element on joints, those that do nothing left out."""
-    for field in fields(element):
-        value, unit = getattr(element, field.name), _UNITS.get(field.name)
-        if unit is None or not isinstance(value, int | float) or not np.isfinite(value):
+    slides = scene.hinges[element.acts_on()[0]].slides
+    for name, field in stated(type(element)).items():
+        value = getattr(element, name)
+        if not field.said or value is None or not np.isfinite(value):
             continue
-        if value == 0.0 and field.name in ("damping", "tolerance"):
+        if value == 0.0 and not field.zero:
             continue
-        if loop and field.name == "stiffness":
-            unit = "N/m"
-        unit = SLIDING.get(unit, unit) if slides else unit
+        unit = element.unit_in(scene, field.unit)
         if unit.startswith("rad"):
             value, unit = np.degrees(value), unit.replace("rad", "deg")
-        name = ON_SLIDES.get(field.name, field.name) if slides else field.name
+        name = ON_SLIDES.get(name, name) if slides else name
         yield f"{name.replace('_', ' ')} {value:.4g} {unit}"
 
 

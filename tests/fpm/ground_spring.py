@@ -4,32 +4,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import fpm
+from fpm.elements.fields import index, number, stiffness
 from fpm.elements.kind import Deformations, Energy, Kind, Recorded
 
 
 @dataclass(frozen=True)
 class GroundSpring(Kind):
-    """From a particle to the point `anchor` (3,) m: stiffness (N/m), length at rest (m)."""
+    """From a particle to the point `anchor` (3,)."""
 
-    particle: int
-    anchor: tuple[float, float, float]
-    stiffness: float
-    rest: float
+    particle: int = index("position")
+    anchor: tuple[float, float, float] = number("m", count=3)
+    stiffness: float = stiffness("N/m")
+    rest: float = number("m", least=0.0, words="length at rest of {title}")
 
     stores = Energy("ground", "ground_energy", "energy of the springs to the ground")
     events = ("stretches", "slackens")
-
-    def check(self, scene):
-        if not self.stiffness > 0:
-            raise fpm.SceneError("ground spring stiffness", self.stiffness, "a positive number")
-
-    def topology(self):
-        return self.particle
-
-    @classmethod
-    def names(cls, scene):
-        return [f"ground spring {i}" for i in range(len(cls.of(scene)))]
+    called = "ground spring"
 
     @classmethod
     def deformations(cls, scene):
@@ -42,20 +32,6 @@ class GroundSpring(Kind):
         stiffness = np.array([s.stiffness for s in springs])
         return Deformations(
             np.tile(dofs, (3, 1)), values.reshape(-1, 12), np.tile(stiffness, 3), np.tile(each, 3)
-        )
-
-    @classmethod
-    def pack(cls, batch):
-        from ground_spring_kernels import GroundSprings
-
-        springs = cls.of(batch.one)
-        return GroundSprings(
-            batch.integers(s.particle for s in springs),
-            batch.table(cls, 5, lambda s: [*s.anchor, s.stiffness, s.rest]),
-            batch.blank(len(springs), 2),
-            batch.blank((batch.instants + 1) * len(springs), 1),
-            batch.rows_of(cls),
-            batch.log_of(cls),
         )
 
     @classmethod

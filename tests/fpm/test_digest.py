@@ -48,7 +48,7 @@ def test_comments_and_formatting_do_not_count(copied):
         ("elements/bars/lumping.py", "19 / 720", "19 / 721"),
         ("timestep.py", "SAFETY = 0.9", "SAFETY = 0.8"),
         ("assembly/__init__.py", "CLOSED = 1e-11", "CLOSED = 1e-9"),
-        ("elements/openings/contact.py", "always_acts = False", "always_acts = True"),
+        ("elements/openings/contact.py", "> 1e-10 * size", "> 1e-9 * size"),
     ],
 )
 def test_what_changes_numbers_counts(copied, file, old, new):
@@ -124,6 +124,13 @@ def test_a_file_beside_of_the_same_name_is_not_one_from_elsewhere(tmp_path, impo
     (tmp_path / "helper.py").write_text("")
     (tmp_path / "mast.py").write_text(imports)
     assert sources.own_sources(tmp_path / "mast.py") == {(tmp_path / "mast.py").resolve()}
+
+
+def test_kernels_beside_a_kind_count_with_it(tmp_path):
+    for name in ("spring", "spring_kernels", "other_kernels"):
+        (tmp_path / f"{name}.py").write_text("")
+    found = {path.name for path in sources.own_sources(tmp_path / "spring.py")}
+    assert found == {"spring.py", "spring_kernels.py"}
 
 
 def test_code_that_is_in_no_file_is_refused(tmp_path):

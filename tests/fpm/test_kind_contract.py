@@ -1,14 +1,17 @@
 """What a kind is, it states: a field of a user's kind means nothing by its name."""
 
+import inspect
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 from flaps import bare
 
 import fpm
-from fpm.elements import Joint, Latch, Motor, Release, RigidLatch, RigidMotor, RigidRelease
-from fpm.elements.kind import Kind
+from fpm.elements import Joint, Latch, Motor, Release, RigidLatch, RigidMotor, RigidRelease, fields
+from fpm.elements.kind import SHARED, Kind
 from fpm.files.outcome import eventful
+from fpm.kernels import hooks
 from fpm.reading.asked_responses import parts_on
 from fpm.structures.describe import acting
 
@@ -61,3 +64,17 @@ def test_a_joint_is_added_beside_it_and_its_events_are_on_no_hinge():
     assert eventful(scene) == (("Door 0", ("opens",), ""),)
     with pytest.raises(fpm.SceneError, match="a name not yet used"):
         scene.add_joint("hinge", "spherical", more, (1, 0, 0))
+
+
+def test_the_page_names_all_that_a_kind_may_state():
+    page = (Path(fpm.__file__).parents[1] / "docs" / "mechanics.md").read_text()
+    section = page.partition("## Add a kind")[2]
+    own = {name for name in vars(Kind) if not name.startswith("_")}
+    makes = {
+        name
+        for name, made in inspect.getmembers(fields, inspect.isfunction)
+        if name[0] != "_" and "_field(" in inspect.getsource(made)
+    }
+    assert makes >= {"number", "word", "index", "same"}
+    for name in (*own, *makes, *SHARED, *hooks.NAMES):
+        assert f"`{name}`" in section or f"`{name}(" in section, name

@@ -3,8 +3,17 @@
 import pytest
 from structures_for_tests import SMALL, problems_of
 
-from fpm.elements import Damper, Friction, Latch, Release, RigidLatch, Stop, TableSpring
-from fpm.elements.openings.motor import Motor, TorqueMotor
+from fpm.elements import (
+    Damper,
+    Friction,
+    Latch,
+    Motor,
+    Release,
+    RigidLatch,
+    Stop,
+    TableSpring,
+    TorqueMotor,
+)
 from fpm.scenes.scene_type import SceneType
 from fpm.structures import loads
 from fpm.structures.describe import describe

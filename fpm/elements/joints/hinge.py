@@ -26,6 +26,7 @@ import numpy as np
 from fpm.cross import cross, length
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge_limits import MOST_GAP, MOST_TILT
+from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import AXES, Kind, Recorded, Watch
 from fpm.elements.openings.opening import opening_angle
 from fpm.elements.particles.probe import Probe
@@ -240,7 +241,7 @@ def alone(scene) -> list[bool]:
     uses = Counter(p for element in joining for p in element.particles)
     shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
     shared.update(drive.particle for drive in scene.drives)
-    turning = {e.hinge for kind, found in scene.kinds.items() if kind.holds for e in found}
+    turning = {holder.hinge for holder in Turn.of(scene)}
     return [
         hinge.type == "revolute"
         and h not in turning

@@ -14,12 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.fields import Number, check_number
 from fpm.elements.joints import joint_arrays as at
 from fpm.elements.joints.hinge import ANGLES, Hinge, alone, arms, name_of, names_taken, unit
 from fpm.elements.joints.hinge_limits import MOST_GAP, MOST_TILT
 from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import AXES, Kind, Recorded, Watch
-from fpm.elements.openings.opening import check_numbers, opening_at
+from fpm.elements.openings.opening import opening_at
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.gravity import LOAD_WORK
 from fpm.elements.particles.probe import Probe
@@ -106,7 +107,7 @@ class Joint(Kind):
     def slide(scene, name, particles, point, axis, opening: float) -> Hinge:
         """A slide with its opening (m) between two particles of a scene (Scene.add_slide)."""
         joint = Joint.between(scene, name, "prismatic", particles, point, axis)
-        check_numbers(f"slide {name}", opening=(opening, -np.inf, "m"))
+        check_number(f"opening of slide {name}", opening, Number(), "m")
         found = Hinge(
             name, joint.beams, joint.axes, joint.references, 0.0, "", "prismatic", float(opening)
         )
@@ -120,7 +121,7 @@ class Joint(Kind):
         found = []
         # The second is stated from the second particle to the first, about the opposite axis.
         for k, (about, to) in enumerate(((one, two), (-two, one))):
-            check_numbers(f"universal joint {name}", opening=(openings[k], -np.inf, "rad"))
+            check_number(f"opening of universal joint {name}", openings[k], Number(), "rad")
             zero = np.cos(openings[k]) * to - np.sin(openings[k]) * np.cross(about, to)
             beams = joint.beams[:: -1 if k else 1]
             frames = [scene.frame[beam.particle].T for beam in beams]

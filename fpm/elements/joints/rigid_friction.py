@@ -17,16 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.joints.turn import HoldsHinge, Turn
-from fpm.elements.openings.opening import (
-    JOINT_LOSS,
-    TURNING,
-    Opening,
-    check_hinge,
-    check_numbers,
-    pack_past,
-    turning_at_start,
-)
+from fpm.elements.fields import number
+from fpm.elements.joints.turn import HoldsHinge
+from fpm.elements.openings.opening import JOINT_LOSS, TURNING, on_hinge, turning_at_start
 
 STILL = 1e-12
 """Rate (rad/s) up to which a hinge sticks at the start."""
@@ -34,43 +27,30 @@ STILL = 1e-12
 
 @dataclass(frozen=True)
 class RigidFriction(HoldsHinge):
-    """hinge index; moment M (N m) at which it slips."""
+    """Friction in a hinge without a bend."""
 
-    hinge: int
-    moment: float
+    hinge: int = on_hinge(types=TURNING)
+    moment: float = number("N m", 0.0)
 
     takes = JOINT_LOSS
     acts_as = "friction"
     called = "friction"
-
-    def check(self, scene):
-        """Hinge and number."""
-        check_hinge(scene, "friction", self.hinge, TURNING)
-        check_numbers("friction", moment=(self.moment, 0.0, "N m"))
 
     def held_at_start(self, scene):
         (rate,) = turning_at_start(scene, [self.hinge])
         return scene.hinges[self.hinge].opening if abs(rate) <= STILL else None
 
     @classmethod
-    def pack(cls, batch):
-        from fpm.elements.joints.rigid_friction_kernels import STATE, WAY, RigidFrictions
-
-        found = cls.of(batch.one)
+    def array(cls, name, batch):
+        """At the start they slip the way that the hinges turn."""
+        if name != "state":
+            return super().array(name, batch)
+        at, count = cls.kernels(), len(cls.of(batch.one))
 
         def starts(scene):
-            state = np.zeros((len(found), STATE))
+            state = np.zeros((count, at.STATE))
             rates = turning_at_start(scene, [f.hinge for f in cls.of(scene)])
-            state[:, WAY] = np.where(np.array(rates) < 0, -1.0, 1.0)
+            state[:, at.WAY] = np.where(np.array(rates) < 0, -1.0, 1.0)
             return state
 
-        return RigidFrictions(
-            on=batch.integers(f.hinge for f in found),
-            turn=batch.integers(Turn.places(batch.one, cls)),
-            moment=batch.table(cls, 1, lambda f: [f.moment]),
-            openings=Opening.seen_by(cls, batch),
-            turns=batch.part(Turn),
-            past=pack_past(batch, cls),
-            state=batch.stack(len(found), STATE, starts),
-            account=batch.taken_by(cls),
-        )
+        return batch.stack(count, at.STATE, starts)

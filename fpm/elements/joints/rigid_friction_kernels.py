@@ -29,16 +29,18 @@ TOLD = BRAKE + 1  # the same as it was before the joints were solved
 LEFT = TOLD + 1  # how often it may change its mind in this step
 STATE = LEFT + 1
 
+NUMBERS = ("moment",)
+
 CHANGES = 5
 """How often it may change in a step: turn, stick, let go, stick again, and let go for good."""
 
 
 class RigidFrictions(NamedTuple):
-    """on, turn (f,); moment (f, 1, lanes); past (f, PAST, lanes); state (f, STATE, lanes)."""
+    """on, turn (f,); numbers (f, 1, lanes); past (f, PAST, lanes); state (f, STATE, lanes)."""
 
     on: np.ndarray
     turn: np.ndarray
-    moment: np.ndarray
+    numbers: np.ndarray
     openings: Openings
     turns: Turns
     past: np.ndarray
@@ -55,7 +57,7 @@ def forces(part, world, now):
             store(part.past, i, EARLIER, load(part.past, i, LAST))
             store(part.past, i, LAST, half_rate(part.openings, h, now))
         held = load(part.turns.state, part.turn[i], HOLDS)
-        brake = -1.0 * load(part.state, i, WAY) * load(part.moment, i, 0)
+        brake = -1.0 * load(part.state, i, WAY) * load(part.numbers, i, 0)
         brake = where_negative(held, 0.0, brake)
         store(part.state, i, BRAKE, brake)
         store(part.state, i, TOLD, brake)
@@ -99,7 +101,7 @@ def decide(part, world, now):
     for i in range(part.on.shape[0]):
         t, left = part.turn[i], load(part.state, i, LEFT)
         held, way = load(part.turns.state, t, HOLDS), load(part.state, i, WAY)
-        over = load(part.moment, i, 0) - absolute(needed_by(part, i, now))
+        over = load(part.numbers, i, 0) - absolute(needed_by(part, i, now))
         back = where_negative(held, 1.0, way * load(part.turns.state, t, RATE))
         changed = left - (CHANGES - 0.5)
         slips = where_negative(held, over, 1.0)
@@ -131,7 +133,7 @@ def slipping(part, i, full, now):
 @kernel
 def change(part, world, now, i, slips, turns, sticks):
     """Let go, turn or stick in the lanes in which these are below zero."""
-    t, h, most = part.turn[i], part.on[i], load(part.moment, i, 0)
+    t, h, most = part.turn[i], part.on[i], load(part.numbers, i, 0)
     way, before = load(part.state, i, WAY), load(part.state, i, BRAKE)
     sign = where_negative(needed_by(part, i, now), -1.0, 1.0)
     share, ahead = turning(part, i, now)

@@ -14,13 +14,13 @@ from fpm.elements.openings.latch_kernels import (
     NEAR,
     NEWS,
     RATE_THERE,
-    STATE,
     TOLERANCE,
-    TRACK,
     WHEN,
     pass_by,
 )
 from fpm.elements.openings.latch_kernels import HELD as PLACE
+from fpm.elements.openings.latch_kernels import NUMBERS as OF_ALL
+from fpm.elements.openings.latch_kernels import STATE as LATCH
 from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.losses_kernels import half_rate
 from fpm.elements.openings.opening_kernels import NOW, Openings
@@ -31,29 +31,32 @@ from fpm.kernels.vectors import kernel
 from fpm.kernels.world import Log
 
 # State of a rigid latch, behind that of all latches.
-WORKS = STATE  # of turn_kernels
+WORKS = LATCH  # of turn_kernels
 AGE = WORKS + HELD  # steps in which it has held
 IMPACT = AGE + 1  # impulse with which it caught
 AHEAD = IMPACT + 1  # opening that is foreseen for the end of this step
 SEEN = AHEAD + 1  # opening up to which it has looked, as foreseen in the step before
-RIGID = SEEN + 1
+STATE = SEEN + 1
+
+NUMBERS = OF_ALL[:4]  # how it catches
+TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 
 class RigidLatches(NamedTuple):
-    """on (l,) hinges; turn (l,); latch (l, LATCH, lanes); past (l, PAST, lanes); state (l, RIGID,
-    lanes).
+    """on (l,) hinges; turn (l,); numbers (l, 4, lanes); past (l, PAST, lanes); state (l,
+    STATE, lanes).
     """
 
     on: np.ndarray
     turn: np.ndarray
-    latch: np.ndarray
+    numbers: np.ndarray
     openings: Openings
     turns: Turns
     past: np.ndarray
     state: np.ndarray
     account: int
     log: Log
-    track: np.ndarray  # ((instants + 1) l, TRACK + 1, lanes)
+    track: np.ndarray  # ((instants + 1) l, TRACK, lanes)
 
 
 @hook(RigidLatches)
@@ -100,8 +103,8 @@ def decide(part, world, now):
         t = part.turn[i]
         before, after = load(part.state, i, SEEN), foreseen(part, i, now)
         store(part.state, i, AHEAD, after)
-        off = absolute(0.5 * (before + after) - load(part.latch, i, ANGLE))
-        reach = off - 0.5 * absolute(after - before) - load(part.latch, i, TOLERANCE) - NEAR
+        off = absolute(0.5 * (before + after) - load(part.numbers, i, ANGLE))
+        reach = off - 0.5 * absolute(after - before) - load(part.numbers, i, TOLERANCE) - NEAR
         open_ = 0.5 - load(part.state, i, CAUGHT) - load(part.state, i, NEWS)
         if any_negative(where_negative(open_, 1.0, reach)):
             end = now.time + now.step
@@ -153,4 +156,4 @@ def record_step(part, world, row, now):
         store(part.track, at, 0, moment)
         store(part.track, at, 1, load(part.state, i, IMPULSE) - ahead)
         store(part.track, at, 2, load(part.state, i, RATE_THERE))
-        store(part.track, at, TRACK, load(part.state, i, IMPACT))
+        store(part.track, at, 3, load(part.state, i, IMPACT))

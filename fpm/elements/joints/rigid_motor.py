@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.joints.turn import HoldsHinge, Turn
-from fpm.elements.openings.motor import MOTOR_WORK, check_curve, recorded_moments
-from fpm.elements.openings.opening import Opening, check_hinge, unit_of
+from fpm.elements.fields import index, number, same
+from fpm.elements.joints.turn import HoldsHinge
+from fpm.elements.openings.motor import AnyMotor
+from fpm.elements.openings.opening import on_hinge, unit_of
 from fpm.errors import SceneError
 
 AT_START = 1e-9
@@ -24,21 +25,17 @@ ALWAYS = np.zeros(1), np.ones(1)
 
 
 @dataclass(frozen=True)
-class RigidMotor(HoldsHinge):
-    """Prescribes the opening of a hinge: start + turn (rad) times the curve of that index (-1: 1).
+class RigidMotor(AnyMotor, HoldsHinge):
+    """Prescribes the opening of a hinge: start + turn times the curve of that index (-1: 1).
 
-    hinge: its index; by_rate: turn (rad/s) times the curve is the rate of the opening instead.
+    by_rate: turn (rad/s) times the curve is the rate of the opening instead.
     """
 
-    hinge: int
-    start: float
-    turn: float
-    curve: int
-    by_rate: bool = False
-
-    gives = MOTOR_WORK
-    acts_as = "motor"
-    called = "motor"
+    hinge: int = on_hinge()
+    start: float = number("rad", words="opening of {title}", said=False)
+    turn: float = number("rad", words="opening of {title}")
+    curve: int = index("curves", -1)
+    by_rate: bool = same(False)
 
     def at(self, scene, time: float) -> float:
         """The opening (rad) that it prescribes at a time (s)."""
@@ -61,46 +58,14 @@ class RigidMotor(HoldsHinge):
         return float(self.turn * (values[k] - values[k - 1]) / (times[k] - times[k - 1]))
 
     def check(self, scene):
-        """Hinge and curve; one motor on a hinge, which begins where that is."""
-        check_hinge(scene, "motor", self.hinge)
+        """It begins where its hinge is."""
+        super().check(scene)
         hinge = scene.hinges[self.hinge]
-        what = f"motor {hinge.name}"
-        self.check_alone(scene)
-        if not np.isfinite([self.start, self.turn]).all():
-            raise SceneError(f"opening of {what}", (self.start, self.turn), "finite numbers")
-        check_curve(scene, what, self.curve)
         if abs(self.at(scene, 0.0) - hinge.opening) > AT_START:
             unit = unit_of(scene, self.hinge, "rad")
             allowed = f"{hinge.opening:g} {unit}, where the hinge is then, or a drive train"
-            raise SceneError(f"opening of {what} at the start", self.at(scene, 0.0), allowed)
-
-    def topology(self):
-        """Hinge and curve, and what that is of."""
-        return self.hinge, self.curve, self.by_rate
+            subject = f"opening of {self.title(scene)} at the start"
+            raise SceneError(subject, self.at(scene, 0.0), allowed)
 
     def held_at_start(self, scene):
         return scene.hinges[self.hinge].opening
-
-    @classmethod
-    def pack(cls, batch):
-        from fpm.elements.joints.rigid_motor_kernels import RigidMotors
-        from fpm.elements.joints.turn_kernels import HELD
-
-        motors = cls.of(batch.one)
-        return RigidMotors(
-            on=batch.integers(m.hinge for m in motors),
-            turn=batch.integers(Turn.places(batch.one, cls)),
-            curve=batch.integers(m.curve for m in motors),
-            by_rate=batch.integers(m.by_rate for m in motors),
-            motors=batch.table(cls, 2, lambda m: [m.start, m.turn]),
-            openings=Opening.seen_by(cls, batch),
-            turns=batch.part(Turn),
-            state=batch.blank(len(motors), HELD),
-            account=batch.given_by(cls),
-            track=batch.blank((batch.instants + 1) * len(motors), 1),
-        )
-
-    @classmethod
-    def recorded(cls, part, scene, lane):
-        """The moments."""
-        return recorded_moments(cls, part, scene, lane, "motor_moment", "motor")

@@ -5,26 +5,29 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.turn_arrays import TARGET, Turns
-from fpm.elements.joints.turn_kernels import HELD_BY, add_due, begin_work, end_work
+from fpm.elements.joints.turn_kernels import HELD, HELD_BY, add_due, begin_work, end_work
 from fpm.elements.openings.opening_kernels import Openings
 from fpm.kernels.curves import travel
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 
-START, BY = 0, 1  # constants of a motor
+NUMBERS = "start", "turn"
+START, BY = range(2)
+TRACK = 1
 WORKS = 0  # of turn_kernels
+STATE = HELD
 
 
 class RigidMotors(NamedTuple):
-    """on, turn, curve, by_rate (m,); motors (m, 2, lanes): start, turn (rad, or rad/s); state (m,
-    HELD, lanes).
+    """on, turn, curve, by_rate (m,); numbers (m, 2, lanes); state (m, STATE,
+    lanes).
     """
 
     on: np.ndarray
     turn: np.ndarray
     curve: np.ndarray
     by_rate: np.ndarray
-    motors: np.ndarray
+    numbers: np.ndarray
     openings: Openings
     turns: Turns
     state: np.ndarray
@@ -37,7 +40,7 @@ def prepare(part, world, now):
     """Where the openings have to be at the end of the step."""
     for i in range(part.on.shape[0]):
         way = travel(world, part.curve[i], part.by_rate[i], now.time + now.step)
-        target = load(part.motors, i, START) + way * load(part.motors, i, BY)
+        target = load(part.numbers, i, START) + way * load(part.numbers, i, BY)
         store(part.turns.state, part.turn[i], TARGET, target)
 
 

@@ -22,14 +22,16 @@ AGO = WORKS + HELD  # when it let go, in steps before the forces at which it did
 LEFT = AGO + 1  # moment that was left then (N m)
 STATE = LEFT + 1
 
+NUMBERS = "time", "level"  # which come first of all releases
+
 
 class RigidReleases(NamedTuple):
-    """on, turn, watch (r,); releases (r, RELEASE, lanes); state (r, STATE, lanes)."""
+    """on, turn, watch (r,); numbers (r, 2, lanes); state (r, STATE, lanes)."""
 
     on: np.ndarray
     turn: np.ndarray
     watch: np.ndarray
-    releases: np.ndarray
+    numbers: np.ndarray
     openings: Openings
     turns: Turns
     state: np.ndarray

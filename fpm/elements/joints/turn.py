@@ -27,7 +27,8 @@ class Turn(Kind):
     @classmethod
     def of(cls, scene):
         """The elements that hold openings, of all kinds that do."""
-        return [e for kind, found in scene.kinds.items() if kind.holds for e in found]
+        holding = [kind for kind in scene.kinds if issubclass(kind, HoldsHinge)]
+        return [element for kind in holding for element in scene.kinds[kind]]
 
     @classmethod
     def topology_of(cls, scene):
@@ -58,7 +59,6 @@ class Turn(Kind):
 class HoldsHinge(OnHinge):
     """What the kinds that hold the opening of one hinge exactly have in common."""
 
-    holds = True
     reads: ClassVar = (Opening, Turn)
 
     def held_at_start(self, scene) -> float | None:
@@ -69,3 +69,13 @@ class HoldsHinge(OnHinge):
         """The rate (rad/s) that it gives the opening at the start, whatever that takes; None: any
         may be."""
         return None
+
+    @classmethod
+    def array(cls, name, batch):
+        """Besides, `turns`: the conditions on openings; `turn`: their places among these."""
+        match name:
+            case "turns":
+                return batch.part(Turn)
+            case "turn":
+                return batch.integers(Turn.places(batch.one, cls))
+        return super().array(name, batch)

@@ -8,27 +8,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fpm.elements.fields import stiffness
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import OnHinge, Opening, check_hinge, check_stiffness
+from fpm.elements.openings.opening import OnHinge, on_hinge
 
 
 @dataclass(frozen=True)
 class Contact(OnHinge):
-    """hinge index; stiffness k (N m/rad)."""
+    """A contact of the faces at a hinge."""
 
-    hinge: int
-    stiffness: float
+    hinge: int = on_hinge(types=("revolute",))
+    stiffness: float = stiffness(about="moment for each radian below zero")
 
     stores = Energy("contact", "contact_energy", "energy of the face-to-face contacts")
     events = ("opens", "closes")
     acts_as = "contact"
     called = "contact"
-    always_acts = False
-
-    def check(self, scene):
-        """Hinge and stiffness."""
-        check_hinge(scene, "contact", self.hinge, ("revolute",))
-        check_stiffness(scene, "contact", self.hinge, self.stiffness)
 
     @classmethod
     def shut(cls, scene, inverse):
@@ -67,15 +62,3 @@ class Contact(OnHinge):
             u, size, _ = np.linalg.svd(found.toarray(), full_matrices=False)
             found = csc_matrix(u[:, size > 1e-10])
         return found
-
-    @classmethod
-    def pack(cls, batch):
-        from fpm.elements.openings.contact_kernels import Contacts
-
-        return Contacts(
-            batch.integers(c.hinge for c in cls.of(batch.one)),
-            batch.table(cls, 1, lambda c: [c.stiffness]),
-            Opening.seen_by(cls, batch),
-            batch.rows_of(cls),
-            batch.log_of(cls),
-        )

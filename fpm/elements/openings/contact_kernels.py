@@ -10,6 +10,7 @@ from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, where_negative
 from fpm.kernels.world import Log
 
+NUMBERS = ("stiffness",)
 STIFFNESS = 0
 
 TOUCH = 1e-9
@@ -19,10 +20,10 @@ linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it wi
 
 
 class Contacts(NamedTuple):
-    """on (c,) hinges; contact (c, 1, lanes): stiffness (N m/rad); rows (c, 1, lanes)."""
+    """on (c,) hinges; numbers (c, 1, lanes); rows (c, 1, lanes)."""
 
     on: np.ndarray
-    contact: np.ndarray
+    numbers: np.ndarray
     openings: Openings
     rows: np.ndarray
     log: Log
@@ -35,7 +36,7 @@ def forces(part, world, now):
         h = part.on[i]
         psi = load(part.openings.angles, h, NOW)
         overlap = where_negative(psi, -psi, 0.0 * psi)
-        turn(part.openings, world.state, h, load(part.contact, i, STIFFNESS) * overlap)
+        turn(part.openings, world.state, h, load(part.numbers, i, STIFFNESS) * overlap)
 
 
 @hook(Contacts)
@@ -57,4 +58,4 @@ def energy_of(part, world, i):
     """Energy of contact i (J)."""
     psi = load(part.openings.angles, part.on[i], NOW)
     overlap = where_negative(psi, psi, 0.0 * psi)
-    return 0.5 * load(part.contact, i, STIFFNESS) * overlap * overlap
+    return 0.5 * load(part.numbers, i, STIFFNESS) * overlap * overlap

@@ -6,40 +6,17 @@ a damper c and a spring k on an inertia J is then stable where h² k/J + 4 h c/J
 
 from dataclasses import dataclass
 
-from fpm.elements.openings.opening import (
-    JOINT_LOSS,
-    OnHinge,
-    Opening,
-    check_hinge,
-    check_numbers,
-    pack_past,
-)
+from fpm.elements.fields import damping
+from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge
 
 
 @dataclass(frozen=True)
 class Damper(OnHinge):
-    """hinge index; damping c (N m s/rad)."""
+    """A viscous damper on a hinge."""
 
-    hinge: int
-    damping: float
+    hinge: int = on_hinge()
+    damping: float = damping(about="moment for each radian a second")
 
     takes = JOINT_LOSS
     acts_as = "damper"
     called = "damper"
-
-    def check(self, scene):
-        """Hinge and damping."""
-        check_hinge(scene, "damper", self.hinge)
-        check_numbers("damper", scene, self.hinge, damping=(self.damping, 0.0, "N m s/rad"))
-
-    @classmethod
-    def pack(cls, batch):
-        from fpm.elements.openings.damper_kernels import Dampers
-
-        return Dampers(
-            batch.integers(d.hinge for d in cls.of(batch.one)),
-            batch.table(cls, 1, lambda d: [d.damping]),
-            Opening.seen_by(cls, batch),
-            pack_past(batch, cls),
-            batch.taken_by(cls),
-        )

@@ -9,14 +9,15 @@ from fpm.elements.openings.opening_kernels import Openings, turn
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load
 
+NUMBERS = ("damping",)
 DAMPING = 0
 
 
 class Dampers(NamedTuple):
-    """on (d,) hinges; damper (d, 1, lanes): N m s/rad; past (d, PAST, lanes); number of account."""
+    """on (d,) hinges; numbers (d, 1, lanes); past (d, PAST, lanes); number of account."""
 
     on: np.ndarray
-    damper: np.ndarray
+    numbers: np.ndarray
     openings: Openings
     past: np.ndarray
     account: int
@@ -28,6 +29,6 @@ def forces(part, world, now):
     for i in range(part.on.shape[0]):
         h = part.on[i]
         rate = follow_rate(part.openings, part.past, i, h, now)
-        moment = -1.0 * load(part.damper, i, DAMPING) * rate
+        moment = -1.0 * load(part.numbers, i, DAMPING) * rate
         turn(part.openings, world.state, h, moment)
         lose(world, part.account, part.openings, part.past, i, h, moment)

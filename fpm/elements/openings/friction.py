@@ -12,18 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fpm.elements.fields import damping, number
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import (
-    JOINT_LOSS,
-    OnHinge,
-    Opening,
-    check_hinge,
-    check_numbers,
-    pack_past,
-    softness,
-    unit_of,
-)
-from fpm.errors import SceneError
+from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge, opened, softness
 
 BEND = 1e-3
 """Angle (rad) by which a bristle is bent before it slips, if nothing else is said."""
@@ -39,14 +30,15 @@ step of a scene that it limits is 0.57 of the one without.
 
 @dataclass(frozen=True)
 class Friction(OnHinge):
-    """hinge index; moment M (N m) at which it slips; bend (rad) before; damping c (N m s/rad)
-    of the bristle, None: as DAMPED says.
-    """
+    """Friction in a hinge by a bristle, whose `damping` is None where it is as DAMPED says."""
 
-    hinge: int
-    moment: float
-    bend: float = BEND
-    damping: float | None = None
+    hinge: int = on_hinge()
+    moment: float = number("N m", 0.0, about="at which it slips; below, it sticks for ever")
+    bend: float = number("rad", above=0.0, default=BEND, said=False)
+    damping: float | None = damping(
+        default=None,
+        about="while it sticks; left out: 0.3 of critical for the joint's own two particles",
+    )
 
     stores = Energy("friction", "friction_energy", "energy of the bristles of friction")
     takes = JOINT_LOSS
@@ -58,16 +50,6 @@ class Friction(OnHinge):
         """k = M / bend (N m/rad)."""
         return self.moment / self.bend
 
-    def check(self, scene):
-        """Hinge and numbers."""
-        check_hinge(scene, "friction", self.hinge)
-        check_numbers("friction", scene, self.hinge, moment=(self.moment, 0.0, "N m"))
-        if not 0 < self.bend < np.inf:
-            unit = unit_of(scene, self.hinge, "rad")
-            raise SceneError("bend of friction", self.bend, f"a finite number > 0 ({unit})")
-        if self.damping is not None:
-            check_numbers("friction", scene, self.hinge, damping=(self.damping, 0.0, "N m s/rad"))
-
     def damping_in(self, scene) -> float:
         """c (N m s/rad)."""
         if self.damping is not None:
@@ -76,24 +58,15 @@ class Friction(OnHinge):
         return 2 * DAMPED * np.sqrt(self.stiffness / inverse) if inverse else 0.0
 
     @classmethod
-    def pack(cls, batch):
-        from fpm.elements.openings.friction_kernels import BRISTLE, STATE, Frictions
-
-        found = cls.of(batch.one)
+    def array(cls, name, batch):
+        """The dampers depend on the scene; at the start the feet are where the hinges are."""
 
         def bristles(scene):
             return [[f.stiffness, f.bend, f.damping_in(scene)] for f in cls.of(scene)]
 
-        def feet(scene):
-            openings = [scene.hinges[f.hinge].opening for f in cls.of(scene)]
-            return [[opening, *[0.0] * (STATE - 1)] for opening in openings]
-
-        return Frictions(
-            on=batch.integers(f.hinge for f in found),
-            bristle=batch.stack(len(found), BRISTLE, bristles),
-            openings=Opening.seen_by(cls, batch),
-            past=pack_past(batch, cls),
-            state=batch.stack(len(found), STATE, feet),
-            account=batch.taken_by(cls),
-            rows=batch.rows_of(cls),
-        )
+        if name == "numbers":
+            return batch.stack(len(cls.of(batch.one)), 3, bristles)
+        found = super().array(name, batch)
+        if name == "state":
+            found[:, cls.kernels().FOOT] = opened(batch, cls)
+        return found

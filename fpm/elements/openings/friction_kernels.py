@@ -9,8 +9,7 @@ from fpm.elements.openings.opening_kernels import NOW, Openings, turn
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, store, where_negative
 
-STIFFNESS, BEND, DAMPING = 0, 1, 2
-BRISTLE = 3
+STIFFNESS, BEND, DAMPING = range(3)
 
 FOOT = 0  # opening at which the bristle is straight
 BENT = 1  # by how much it is bent
@@ -18,10 +17,10 @@ STATE = 2
 
 
 class Frictions(NamedTuple):
-    """on (f,) hinges; the others (f, BRISTLE, PAST or STATE, lanes)."""
+    """on (f,) hinges; the others (f, 3, PAST or STATE, lanes)."""
 
     on: np.ndarray
-    bristle: np.ndarray
+    numbers: np.ndarray
     openings: Openings
     past: np.ndarray
     state: np.ndarray
@@ -38,7 +37,7 @@ def forces(part, world, now):
     """
     for i in range(part.on.shape[0]):
         h, last = part.on[i], load(part.state, i, BENT)
-        stiffness, most = load(part.bristle, i, STIFFNESS), load(part.bristle, i, BEND)
+        stiffness, most = load(part.numbers, i, STIFFNESS), load(part.numbers, i, BEND)
         psi, foot = load(part.openings.angles, h, NOW), load(part.state, i, FOOT)
         rate = follow_rate(part.openings, part.past, i, h, now)
         trial = psi - foot
@@ -49,7 +48,7 @@ def forces(part, world, now):
         extra = -1.0 * stiffness * edge(-slips, sign * last - most)
         spring = -1.0 * (stiffness * bent + sign * extra)
         # The damper acts while it sticks, and takes the moment to M at most.
-        damper = -1.0 * load(part.bristle, i, DAMPING) * rate
+        damper = -1.0 * load(part.numbers, i, DAMPING) * rate
         room = stiffness * most
         up, down = room - spring, -1.0 * room - spring
         damper = where_negative(up - damper, up, damper)
@@ -71,4 +70,4 @@ def forces(part, world, now):
 def energy_of(part, world, i):
     """Energy of bristle i (J)."""
     bent = load(part.state, i, BENT)
-    return 0.5 * load(part.bristle, i, STIFFNESS) * bent * bent
+    return 0.5 * load(part.numbers, i, STIFFNESS) * bent * bent

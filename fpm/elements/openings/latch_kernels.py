@@ -14,8 +14,8 @@ from fpm.kernels.world import Log
 
 # Constants of a latch; FROM is the sign of the rate with which it can be caught, 0 for both;
 # ONE_SIDED is -1 where it is, and 1 elsewhere.
-ANGLE, TOLERANCE, FROM, FASTEST, STIFFNESS, DAMPING, ONE_SIDED = 0, 1, 2, 3, 4, 5, 6
-LATCH = 7
+NUMBERS = "angle", "tolerance", "side", "fastest", "stiffness", "damping", "one_sided"
+ANGLE, TOLERANCE, FROM, FASTEST, STIFFNESS, DAMPING, ONE_SIDED = range(7)
 
 # State of a latch.
 CAUGHT = 0  # 1 once it has
@@ -34,10 +34,10 @@ NEAR = 1e-6
 
 
 class Latches(NamedTuple):
-    """on (l,) hinges; latch (l, LATCH, lanes); past (l, PAST, lanes); state (l, STATE, lanes)."""
+    """on (l,) hinges; numbers (l, 7, lanes); past (l, PAST, lanes); state (l, STATE, lanes)."""
 
     on: np.ndarray
-    latch: np.ndarray
+    numbers: np.ndarray
     openings: Openings
     past: np.ndarray
     state: np.ndarray
@@ -53,8 +53,8 @@ def watch(part, i, h, now):
     angles = part.openings.angles
     store(part.state, i, NEWS, 0.0)
     after, before = load(angles, h, NOW), load(angles, h, BEFORE)
-    off = absolute(0.5 * (after + before) - load(part.latch, i, ANGLE))
-    reach = off - 0.5 * absolute(after - before) - load(part.latch, i, TOLERANCE) - NEAR
+    off = absolute(0.5 * (after + before) - load(part.numbers, i, ANGLE))
+    reach = off - 0.5 * absolute(after - before) - load(part.numbers, i, TOLERANCE) - NEAR
     if any_negative(where_negative(0.5 - load(part.state, i, CAUGHT), 1.0, reach)):
         for s in range(angles.shape[2]):
             if part.state[i, CAUGHT, s] == 0.0:
@@ -70,9 +70,9 @@ def pass_by(part, i, s, before, after, earlier, end, step):
     end: of the step (s). The way is taken as straight; what is called first and last counts from
     the edge of the tolerance that is met first.
     """
-    angle, tolerance = part.latch[i, ANGLE, s], part.latch[i, TOLERANCE, s]
+    angle, tolerance = part.numbers[i, ANGLE, s], part.numbers[i, TOLERANCE, s]
     moved = after - before
-    if part.latch[i, FROM, s] * moved < 0.0:
+    if part.numbers[i, FROM, s] * moved < 0.0:
         return
     way = -1.0 if moved < 0.0 else 1.0
     first, last = way * (before - angle) + tolerance, way * (after - angle) + tolerance
@@ -82,7 +82,7 @@ def pass_by(part, i, s, before, after, earlier, end, step):
     share = -first / (last - first) if entered else 1.0
     half = moved / step
     rate = half + (share - 0.5) * (half - earlier)
-    if abs(rate) <= part.latch[i, FASTEST, s]:
+    if abs(rate) <= part.numbers[i, FASTEST, s]:
         place = 0.0 if entered else min(last, 2.0 * tolerance)
         part.state[i, CAUGHT, s] = 1.0
         part.state[i, HELD, s] = angle + way * (place - tolerance)
@@ -106,7 +106,7 @@ def beyond(part, i, when):
 @kernel
 def hold(part, i, rate):
     """What the spring and the damper of latch i, if it holds, do on the way it came."""
-    stiffness, damping = load(part.latch, i, STIFFNESS), load(part.latch, i, DAMPING)
+    stiffness, damping = load(part.numbers, i, STIFFNESS), load(part.numbers, i, DAMPING)
     fresh = 0.5 - load(part.state, i, NEWS)  # < 0 in the step in which it caught
     now, before = beyond(part, i, NOW), beyond(part, i, BEFORE)
     # Both ways: it begins where it caught. One-sided: the other way, from the step after.
@@ -114,7 +114,7 @@ def hold(part, i, rate):
     spring = -1.0 * stiffness * (now + edge(now, began))
     damper = -1.0 * damping * rate * onset(now, began)
     push, resist = press(-1.0 * now, -1.0 * going, -1.0 * rate, stiffness, damping)
-    one_sided, caught = load(part.latch, i, ONE_SIDED), 0.5 - load(part.state, i, CAUGHT)
+    one_sided, caught = load(part.numbers, i, ONE_SIDED), 0.5 - load(part.state, i, CAUGHT)
     spring = where_negative(caught, where_negative(one_sided, push, spring), 0.0)
     damper = where_negative(caught, where_negative(one_sided, resist, damper), 0.0)
     return spring, damper
@@ -154,8 +154,8 @@ def energy_of(part, world, i):
     """Energy of latch i (J)."""
     off = beyond(part, i, NOW)
     one_sided = where_negative(off, off, 0.0)
-    off = where_negative(load(part.latch, i, ONE_SIDED), one_sided, off)
-    energy = 0.5 * load(part.latch, i, STIFFNESS) * off * off
+    off = where_negative(load(part.numbers, i, ONE_SIDED), one_sided, off)
+    energy = 0.5 * load(part.numbers, i, STIFFNESS) * off * off
     return where_negative(0.5 - load(part.state, i, CAUGHT), energy, 0.0)
 
 

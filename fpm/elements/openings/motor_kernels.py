@@ -11,7 +11,8 @@ from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 
 # Constants of a motor.
-STIFFNESS, DAMPING, START, TURN = 0, 1, 2, 3
+NUMBERS = "stiffness", "damping", "start", "turn"
+STIFFNESS, DAMPING, START, TURN = range(4)
 
 # Of a motor, at the last forces and a step before.
 OFF = 0  # target less opening
@@ -21,20 +22,22 @@ MOMENT, MOMENT_BEFORE = 3, 4
 VISCOUS, VISCOUS_BEFORE = 5, 6  # its part by damping
 STATE = 7
 
+TRACK = 1
+
 
 class Motors(NamedTuple):
-    """on (m,) hinges; curve, by_rate (m,); motors (m, 4, lanes): stiffness (N m/rad), damping
-    (N m s/rad), start, turn (rad, or rad/s); past (m, PAST, lanes); now (m, STATE, lanes); given,
-    taken: numbers of the accounts of work and loss; rows (m, 1, lanes); track ((instants + 1) m, 1,
+    """on (m,) hinges; curve, by_rate (m,); numbers (m, 4, lanes); past (m, PAST, lanes);
+    state (m, STATE, lanes); given, taken: numbers of the accounts of work and loss; rows (m, 1,
+    lanes); track ((instants + 1) m, 1,
     lanes) recorded moment (N m).
     """
 
     on: np.ndarray
     curve: np.ndarray
     by_rate: np.ndarray
-    motors: np.ndarray
+    numbers: np.ndarray
     past: np.ndarray
-    now: np.ndarray
+    state: np.ndarray
     openings: Openings
     given: int
     taken: int
@@ -48,23 +51,23 @@ def forces(part, world, now):
     for i in range(part.on.shape[0]):
         h = part.on[i]
         for k in (MOMENT, VISCOUS):
-            store(part.now, i, k + 1, load(part.now, i, k))
+            store(part.state, i, k + 1, load(part.state, i, k))
         travelled = travel(world, part.curve[i], part.by_rate[i], now.time)
-        target = load(part.motors, i, START) + travelled * load(part.motors, i, TURN)
+        target = load(part.numbers, i, START) + travelled * load(part.numbers, i, TURN)
         off = target - load(part.openings.angles, h, NOW)
-        way = target - load(part.now, i, TARGET)
+        way = target - load(part.state, i, TARGET)
         if now.time == 0.0:
             way = 0.0 * off
         # The target's rate as the opening's: what it lacks at the start, the step after makes up.
-        ahead = (1.0 / now.step) * (1.5 * way - 0.5 * load(part.now, i, WAY))
+        ahead = (1.0 / now.step) * (1.5 * way - 0.5 * load(part.state, i, WAY))
         behind = follow_rate(part.openings, part.past, i, h, now)
-        viscous = load(part.motors, i, DAMPING) * (ahead - behind)
-        moment = load(part.motors, i, STIFFNESS) * off + viscous
-        store(part.now, i, OFF, off)
-        store(part.now, i, WAY, way)
-        store(part.now, i, TARGET, target)
-        store(part.now, i, MOMENT, moment)
-        store(part.now, i, VISCOUS, viscous)
+        viscous = load(part.numbers, i, DAMPING) * (ahead - behind)
+        moment = load(part.numbers, i, STIFFNESS) * off + viscous
+        store(part.state, i, OFF, off)
+        store(part.state, i, WAY, way)
+        store(part.state, i, TARGET, target)
+        store(part.state, i, MOMENT, moment)
+        store(part.state, i, VISCOUS, viscous)
         turn(part.openings, world.state, h, moment)
 
 
@@ -77,10 +80,11 @@ def work_before(part, world, now):
     given = load(world.accounts, 0, part.given)
     taken = load(world.accounts, 0, part.taken)
     for i in range(part.on.shape[0]):
-        way, h = load(part.now, i, WAY), part.on[i]
+        way, h = load(part.state, i, WAY), part.on[i]
         turned = load(part.openings.angles, h, NOW) - load(part.openings.angles, h, BEFORE)
-        given = given + 0.5 * way * (load(part.now, i, MOMENT) + load(part.now, i, MOMENT_BEFORE))
-        viscous = load(part.now, i, VISCOUS) + load(part.now, i, VISCOUS_BEFORE)
+        moment = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE)
+        given = given + 0.5 * way * moment
+        viscous = load(part.state, i, VISCOUS) + load(part.state, i, VISCOUS_BEFORE)
         taken = taken + 0.5 * (way - turned) * viscous
     store(world.accounts, 0, part.given, given)
     store(world.accounts, 0, part.taken, taken)
@@ -89,8 +93,8 @@ def work_before(part, world, now):
 @hook(Motors)
 def energy_of(part, world, i):
     """Energy of the drive train of motor i (J)."""
-    off = load(part.now, i, OFF)
-    return 0.5 * load(part.motors, i, STIFFNESS) * off * off
+    off = load(part.state, i, OFF)
+    return 0.5 * load(part.numbers, i, STIFFNESS) * off * off
 
 
 @hook(Motors)
@@ -98,4 +102,4 @@ def record(part, world, row):
     """The moments."""
     count = part.on.shape[0]
     for i in range(count):
-        store(part.track, row * count + i, 0, load(part.now, i, MOMENT))
+        store(part.track, row * count + i, 0, load(part.state, i, MOMENT))

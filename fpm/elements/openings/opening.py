@@ -10,11 +10,12 @@ with forces for moments, m for rad: SLIDING has the units.
 
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import ClassVar
+from typing import Any
 
 import numpy as np
 
 from fpm.cross import cross
+from fpm.elements.fields import index
 from fpm.elements.kind import Deformations, Energy, Kind, Recorded
 from fpm.elements.particles.probe import Probe
 from fpm.elements.particles.turning import turns_of
@@ -101,15 +102,34 @@ class Opening(Kind):
         return by_unit({"opening": found}, scene.hinges, [h.name for h in scene.hinges])
 
 
-class OnHinge(Kind):
-    """What the kinds that act on the opening of one hinge, of index `hinge`, have in common."""
+class OnHinges(Kind):
+    """What the kinds that act on openings have in common."""
 
-    called: ClassVar[str] = ""  # in messages; kinds that are called alike are one to a user
     reads = (Opening,)
 
-    def topology(self):
-        """The hinge."""
-        return self.hinge
+    def check_index(self, scene, field, value):
+        """Hinges may have to be of one of some types, too."""
+        super().check_index(scene, field, value)
+        if field.types and scene.hinges[value].type not in field.types:
+            found = f"{scene.hinges[value].name} ({scene.hinges[value].type})"
+            allowed = f"one that is {' or '.join(field.types)}"
+            raise SceneError(self.subject(scene, field), found, allowed)
+
+    def unit_in(self, scene, unit):
+        return unit_of(scene, self.acts_on()[0], unit) if unit in SLIDING else unit
+
+    @classmethod
+    def names(cls, scene):
+        return [element.title(scene) for element in cls.of(scene)]
+
+    @classmethod
+    def array(cls, name, batch):
+        """Besides, `openings`."""
+        return Opening.seen_by(cls, batch) if name == "openings" else super().array(name, batch)
+
+
+class OnHinge(OnHinges):
+    """The same of one hinge, of index `hinge`."""
 
     def acts_on(self):
         return (self.hinge,)
@@ -117,6 +137,9 @@ class OnHinge(Kind):
     def label(self, scene) -> str:
         """Its name in messages and files: that of the hinge."""
         return scene.hinges[self.hinge].name
+
+    def title(self, scene):
+        return f"{self.called} {self.label(scene)}"
 
     def alike(self, scene) -> list["OnHinge"]:
         """The scene's elements of all kinds that are called as its own."""
@@ -128,10 +151,6 @@ class OnHinge(Kind):
         if self.hinge in [other.hinge for other in self.alike(scene)]:
             allowed = f"a hinge without a {self.called}"
             raise SceneError(f"hinge of {self.called}", self.hinge, allowed)
-
-    @classmethod
-    def names(cls, scene):
-        return [f"{cls.called} {element.label(scene)}" for element in cls.of(scene)]
 
     @classmethod
     def eventful(cls, scene):
@@ -160,6 +179,18 @@ class OnHinge(Kind):
     def _turns(cls, scene, values: list) -> Deformations | None:
         on = [e.hinge for e in cls.of(scene)]
         return None if None in values else relative_turn(scene, on, values)
+
+    @classmethod
+    def array(cls, name, batch):
+        """Besides, `on`: the hinges; `past`: of their motion, for losses."""
+        if name == "past":
+            return pack_past(batch, cls)
+        return super().array("hinge" if name == "on" else name, batch)
+
+
+def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> Any:
+    """A field with the index of a hinge, of one of some types."""
+    return index("hinges", words=words, types=types)
 
 
 def by_unit(found: dict[str, Recorded], hinges, labels) -> dict[str, Recorded]:
@@ -243,24 +274,6 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
     return [(row, (soft + softest) / own) for row, own in rows if own > 0]
 
 
-def check_stiffness(scene, what: str, hinge: int, stiffness: float, unit="N m/rad") -> None:
-    """SceneError unless `what` of a stiffness in a unit can act on a hinge of that index."""
-    check_hinge(scene, what, hinge)
-    if not (np.isfinite(stiffness) and stiffness >= 0):
-        unit = unit_of(scene, hinge, unit) if unit in SLIDING else unit
-        raise SceneError(f"{what} stiffness", stiffness, f"a finite number >= 0 ({unit})")
-
-
-def check_hinge(scene, what: str, hinge: int, types: tuple[str, ...] = ()) -> None:
-    """SceneError unless there is a hinge of that index, and of one of some types, for `what`."""
-    count = len(scene.hinges)
-    if not 0 <= hinge < count:
-        raise SceneError(f"hinge of {what}", hinge, f"0 to {count - 1}")
-    if types and scene.hinges[hinge].type not in types:
-        found = f"{scene.hinges[hinge].name} ({scene.hinges[hinge].type})"
-        raise SceneError(f"hinge of {what}", found, f"one that is {' or '.join(types)}")
-
-
 def softness(scene, hinge: int) -> float:
     """Inverse inertia (1/kg m²) against which a moment about a hinge of that index turns it; of a
     slide the inverse mass (1/kg).
@@ -320,16 +333,13 @@ def pack_past(batch, kind) -> np.ndarray:
     return batch.stack(count, PAST, past)
 
 
-def check_numbers(what: str, scene=None, hinge: int = 0, **limits) -> None:
-    """SceneError unless each number, by key=(value, least, unit), is finite and >= least.
+def opened(batch, kind) -> np.ndarray:
+    """Openings (n, lanes) at the start of the hinges that a kind's elements are on."""
 
-    scene, hinge: of something on that hinge, whose units are others if it is a slide.
-    """
-    for key, (value, least, unit) in limits.items():
-        if not (np.isfinite(value) and value >= least):
-            allowed = f"a finite number >= {least:g}" if least > -np.inf else "a finite number"
-            unit = unit if scene is None else unit_of(scene, hinge, unit)
-            raise SceneError(f"{key.replace('_', ' ')} of {what}", value, f"{allowed} ({unit})")
+    def openings(scene):
+        return [[scene.hinges[element.hinge].opening] for element in kind.of(scene)]
+
+    return batch.stack(len(kind.of(batch.one)), 1, openings)[:, 0]
 
 
 def opening_at(scene, hinge) -> float:

@@ -8,90 +8,45 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fpm.elements.fields import damping, index, number, stiffness
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import (
-    JOINT_LOSS,
-    OnHinge,
-    Opening,
-    check_hinge,
-    check_numbers,
-    check_stiffness,
-    pack_past,
-)
+from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge
 from fpm.errors import SceneError
 
 
-@dataclass(frozen=True)
-class Release(OnHinge):
-    """Holds a hinge of that index at the opening `hold` (rad).
-
-    stiffness (N m/rad); damping (N m s/rad). It lets go at `time` (s), or where the opening of the
-    hinge `watch` (-1: none) passes `level` (rad), at the first of both.
+class AnyRelease(OnHinge):
+    """What releases have in common, rigid ones too: each lets go at its `time` (s), or where the
+    opening of the hinge `watch` (-1: none) passes its `level`, at the first of both.
     """
 
-    hinge: int
-    stiffness: float
-    damping: float
-    hold: float
-    time: float = np.inf
-    watch: int = -1
-    level: float = 0.0
-
-    stores = Energy("release", "release_energy", "energy of the releases that hold")
     takes = JOINT_LOSS
     events = ("releases",)
     acts_as = "release"
     called = "release"
 
     def check(self, scene):
-        """Hinges and numbers; that it holds at the start, and may let go."""
-        check_stiffness(scene, "release", self.hinge, self.stiffness)
-        name = check_letting_go(scene, self)
-        check_numbers(name, scene, self.hinge, damping=(self.damping, 0.0, "N m s/rad"))
-        if not np.isfinite(self.hold):
-            raise SceneError(f"hold of {name}", self.hold, "a finite number")
-
-    def topology(self):
-        """Both hinges."""
-        return self.hinge, self.watch
-
-    @classmethod
-    def pack(cls, batch):
-        from fpm.elements.openings.release_kernels import RELEASE, STATE, Releases
-
-        found = cls.of(batch.one)
-        return Releases(
-            on=batch.integers(x.hinge for x in found),
-            watch=batch.integers(x.watch for x in found),
-            releases=batch.table(
-                cls, RELEASE, lambda x: [x.stiffness, x.damping, x.hold, x.time, x.level]
-            ),
-            past=pack_past(batch, cls),
-            now=batch.blank(len(found), STATE),
-            openings=Opening.seen_by(cls, batch),
-            account=batch.taken_by(cls),
-            rows=batch.rows_of(cls),
-            log=batch.log_of(cls),
-        )
-
-
-def check_letting_go(scene, release) -> str:
-    """What a release of either kind is called; SceneError unless it may let go, as its hinge's only
-    one.
-    """
-    name = f"release {scene.hinges[release.hinge].name}"
-    what = f"of {name}"
-    release.check_alone(scene)
-    if not np.isfinite(release.level):
-        raise SceneError(f"level {what}", release.level, "a finite number")
-    if not release.time > 0:
-        raise SceneError(f"time {what}", release.time, "above 0 s")
-    if release.watch < 0 and not np.isfinite(release.time):
-        raise SceneError(f"time {what}", release.time, "a finite time (s), or a hinge to watch")
-    if release.watch >= 0:
-        check_hinge(scene, "release to watch", release.watch)
-        off = abs(scene.hinges[release.watch].opening - release.level)
-        if not off > 1e-9:
+        """That it may let go, as its hinge's only one."""
+        super().check(scene)
+        self.check_alone(scene)
+        title = self.title(scene)
+        if self.watch < 0 and not np.isfinite(self.time):
+            allowed = "a finite time (s), or a hinge to watch"
+            raise SceneError(f"time of {title}", self.time, allowed)
+        if self.watch >= 0 and not abs(scene.hinges[self.watch].opening - self.level) > 1e-9:
             allowed = "an opening that the other hinge does not have at the start"
-            raise SceneError(f"level {what}", release.level, allowed)
-    return name
+            raise SceneError(f"level of {title}", self.level, allowed)
+
+
+@dataclass(frozen=True)
+class Release(AnyRelease):
+    """Holds a hinge by a spring and a damper at the opening `hold`, until it lets go."""
+
+    hinge: int = on_hinge()
+    stiffness: float = stiffness(about="with which it holds")
+    damping: float = damping(about="with which it holds")
+    hold: float = number("rad", about="opening at which it holds")
+    time: float = number("s", above=0.0, finite=False, default=np.inf, about="when it lets go")
+    watch: int = index("hinges", -1, words="hinge of release to watch", default=-1)
+    level: float = number("rad", default=0.0, said=False)
+
+    stores = Energy("release", "release_energy", "energy of the releases that hold")

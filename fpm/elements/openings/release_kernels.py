@@ -18,8 +18,8 @@ from fpm.kernels.vectors import kernel, larger
 from fpm.kernels.world import Log
 
 # Constants of a release.
-STIFFNESS, DAMPING, HOLD, TIME, LEVEL = 0, 1, 2, 3, 4
-RELEASE = 5
+NUMBERS = "time", "level", "stiffness", "damping", "hold"
+TIME, LEVEL, STIFFNESS, DAMPING, HOLD = range(5)
 
 # Of a release, at the last forces and a step before.
 HELD, HELD_BEFORE = 0, 1  # -1 while it holds, then 1
@@ -30,15 +30,15 @@ STATE = 7
 
 
 class Releases(NamedTuple):
-    """on, watch (r,) hinges; releases (r, RELEASE, lanes); past (r, PAST, lanes); now (r, STATE,
+    """on, watch (r,) hinges; numbers (r, 5, lanes); past (r, PAST, lanes); state (r, STATE,
     lanes); account: number of that of the loss; rows (r, 1, lanes).
     """
 
     on: np.ndarray
     watch: np.ndarray
-    releases: np.ndarray
+    numbers: np.ndarray
     past: np.ndarray
-    now: np.ndarray
+    state: np.ndarray
     openings: Openings
     account: int
     rows: np.ndarray
@@ -48,10 +48,10 @@ class Releases(NamedTuple):
 @kernel
 def let_go(part, now, i):
     """How many steps ago release i was due to let go; below zero: not yet."""
-    late = now.time - load(part.releases, i, TIME)
+    late = now.time - load(part.numbers, i, TIME)
     ago = where_negative(late, -1.0, late / now.step)
     if part.watch[i] >= 0:
-        level, angles = load(part.releases, i, LEVEL), part.openings.angles
+        level, angles = load(part.numbers, i, LEVEL), part.openings.angles
         after = load(angles, part.watch[i], NOW) - level
         before = load(angles, part.watch[i], BEFORE) - level
         sides = where_negative(after, -1.0, 1.0) * where_negative(before, -1.0, 1.0)
@@ -64,25 +64,25 @@ def forces(part, world, now):
     """Moments of those that hold; of those that let go in this step, what is left of it."""
     for i in range(part.on.shape[0]):
         for k in (HELD, MOMENT, ENERGY):
-            store(part.now, i, k + 1, load(part.now, i, k))
+            store(part.state, i, k + 1, load(part.state, i, k))
         h = part.on[i]
         psi = load(part.openings.angles, h, NOW)
-        ago, held = let_go(part, now, i), load(part.now, i, HELD)
+        ago, held = let_go(part, now, i), load(part.state, i, HELD)
         if now.time == 0.0:
             ago, held = 0.0 * psi - 1.0, 0.0 * psi - 1.0
-        off = load(part.releases, i, HOLD) - psi
+        off = load(part.numbers, i, HOLD) - psi
         way = psi - load(part.openings.angles, h, BEFORE)
         then = off + where_negative(ago, 0.0, ago) * way  # when it let go, or now
         speed = follow_rate(part.openings, part.past, i, h, now)
-        moment = load(part.releases, i, STIFFNESS) * then - load(part.releases, i, DAMPING) * speed
+        moment = load(part.numbers, i, STIFFNESS) * then - load(part.numbers, i, DAMPING) * speed
         moment = moment * where_negative(ago, 1.0, 0.5 - ago)
         moment = where_negative(held, moment, 0.0)
         held = where_negative(held, where_negative(ago, -1.0, 1.0), 1.0)
-        energy = 0.5 * load(part.releases, i, STIFFNESS) * off * off
-        store(part.now, i, HELD, held)
-        store(part.now, i, AGO, ago)
-        store(part.now, i, MOMENT, moment)
-        store(part.now, i, ENERGY, where_negative(held, energy, 0.0))
+        energy = 0.5 * load(part.numbers, i, STIFFNESS) * off * off
+        store(part.state, i, HELD, held)
+        store(part.state, i, AGO, ago)
+        store(part.state, i, MOMENT, moment)
+        store(part.state, i, ENERGY, where_negative(held, energy, 0.0))
         turn(part.openings, world.state, h, moment)
 
 
@@ -90,10 +90,10 @@ def forces(part, world, now):
 def note_events(part, world, now):
     """Note those that let go in this step."""
     for i in range(part.on.shape[0]):
-        if any_negative(load(part.now, i, HELD) * load(part.now, i, HELD_BEFORE)):
-            for s in range(part.now.shape[2]):
-                if part.now[i, HELD, s] * part.now[i, HELD_BEFORE, s] < 0.0:
-                    time = now.time - now.step * part.now[i, AGO, s]
+        if any_negative(load(part.state, i, HELD) * load(part.state, i, HELD_BEFORE)):
+            for s in range(part.state.shape[2]):
+                if part.state[i, HELD, s] * part.state[i, HELD_BEFORE, s] < 0.0:
+                    time = now.time - now.step * part.state[i, AGO, s]
                     note(part.log, s, time, i, 0.0)
 
 
@@ -105,14 +105,14 @@ def work_before(part, world, now):
     """
     taken = load(world.accounts, 0, part.account)
     for i in range(part.on.shape[0]):
-        moment = load(part.now, i, MOMENT) + load(part.now, i, MOMENT_BEFORE)
+        moment = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE)
         angles, h = part.openings.angles, part.on[i]
         work = 0.5 * (load(angles, h, NOW) - load(angles, h, BEFORE)) * moment
-        taken = taken + (load(part.now, i, ENERGY_BEFORE) - load(part.now, i, ENERGY) - work)
+        taken = taken + (load(part.state, i, ENERGY_BEFORE) - load(part.state, i, ENERGY) - work)
     store(world.accounts, 0, part.account, taken)
 
 
 @hook(Releases)
 def energy_of(part, world, i):
     """Energy of the spring of release i (J)."""
-    return load(part.now, i, ENERGY)
+    return load(part.state, i, ENERGY)

@@ -9,34 +9,20 @@ so that a stop never pulls.
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from fpm.elements.fields import damping, number, stiffness, word
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import (
-    JOINT_LOSS,
-    ONSET,
-    OnHinge,
-    Opening,
-    check_numbers,
-    check_stiffness,
-    pack_past,
-)
-from fpm.errors import SceneError
-
-SIDES = {"above": 1.0, "below": -1.0}
+from fpm.elements.openings.opening import JOINT_LOSS, ONSET, OnHinge, on_hinge
 
 
 @dataclass(frozen=True)
 class Stop(OnHinge):
-    """hinge index; angle (rad), `side` of it where it acts ("above", "below"); stiffness k
-    (N m/rad); damping c (N m s/rad).
-    """
+    """A stop of a hinge on one side of an angle, where it acts."""
 
-    hinge: int
-    angle: float
-    side: str
-    stiffness: float
-    damping: float = 0.0
+    hinge: int = on_hinge()
+    angle: float = number("rad")
+    side: str = word({"above": 1.0, "below": -1.0}, same=True)
+    stiffness: float = stiffness(about="moment for each radian beyond")
+    damping: float = damping(default=0.0, about="moment for each radian a second, beyond")
 
     stores = Energy("stop", "stop_energy", "energy of the stops")
     takes = JOINT_LOSS
@@ -44,41 +30,10 @@ class Stop(OnHinge):
     acts_as = "stop"
     called = "stop"
 
-    def check(self, scene):
-        """Hinge, side and numbers."""
-        check_stiffness(scene, "stop", self.hinge, self.stiffness)
-        check_numbers(
-            "stop",
-            scene,
-            self.hinge,
-            angle=(self.angle, -np.inf, "rad"),
-            damping=(self.damping, 0.0, "N m s/rad"),
-        )
-        if self.side not in SIDES:
-            raise SceneError("side of stop", self.side, " or ".join(SIDES))
-
-    def topology(self):
-        """The hinge and the side."""
-        return self.hinge, self.side
-
     @classmethod
     def names(cls, scene):
-        return [f"stop {scene.hinges[s.hinge].name} {s.side}" for s in cls.of(scene)]
+        return [f"{stop.title(scene)} {stop.side}" for stop in cls.of(scene)]
 
     def damping_in(self, scene):
         """Its damper begins with more than a kick."""
         return ONSET * self.damping
-
-    @classmethod
-    def pack(cls, batch):
-        from fpm.elements.openings.stop_kernels import STOP, Stops
-
-        return Stops(
-            batch.integers(s.hinge for s in cls.of(batch.one)),
-            batch.table(cls, STOP, lambda s: [s.angle, SIDES[s.side], s.stiffness, s.damping]),
-            Opening.seen_by(cls, batch),
-            pack_past(batch, cls),
-            batch.taken_by(cls),
-            batch.rows_of(cls),
-            batch.log_of(cls),
-        )

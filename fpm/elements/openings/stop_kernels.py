@@ -12,18 +12,18 @@ from fpm.kernels.lanes import any_negative, load, where_negative
 from fpm.kernels.vectors import kernel
 from fpm.kernels.world import Log
 
-ANGLE, SIDE, STIFFNESS, DAMPING = 0, 1, 2, 3
-STOP = 4
+NUMBERS = "angle", "side", "stiffness", "damping"
+ANGLE, SIDE, STIFFNESS, DAMPING = range(4)
 
 TOUCH = 1e-9
 """Overlap (rad) from which a stop is hit: one that is just touched at rest has no events."""
 
 
 class Stops(NamedTuple):
-    """on (s,) hinges; stop (s, STOP, lanes); past (s, PAST, lanes); account of what is lost."""
+    """on (s,) hinges; numbers (s, 4, lanes); past (s, PAST, lanes); account of what is lost."""
 
     on: np.ndarray
-    stop: np.ndarray
+    numbers: np.ndarray
     openings: Openings
     past: np.ndarray
     account: int
@@ -34,22 +34,22 @@ class Stops(NamedTuple):
 @kernel
 def overlap(part, i, when):
     """Overlap (rad) of stop i, `when` NOW or BEFORE; negative where it is free."""
-    off = load(part.openings.angles, part.on[i], when) - load(part.stop, i, ANGLE)
-    return load(part.stop, i, SIDE) * off
+    off = load(part.openings.angles, part.on[i], when) - load(part.numbers, i, ANGLE)
+    return load(part.numbers, i, SIDE) * off
 
 
 @hook(Stops)
 def forces(part, world, now):
     """Moments against the overlaps."""
     for i in range(part.on.shape[0]):
-        h, side = part.on[i], load(part.stop, i, SIDE)
+        h, side = part.on[i], load(part.numbers, i, SIDE)
         rate = side * follow_rate(part.openings, part.past, i, h, now)
         spring, damper = press(
             overlap(part, i, NOW),
             overlap(part, i, BEFORE),
             rate,
-            load(part.stop, i, STIFFNESS),
-            load(part.stop, i, DAMPING),
+            load(part.numbers, i, STIFFNESS),
+            load(part.numbers, i, DAMPING),
         )
         turn(part.openings, world.state, h, -side * (spring + damper))
         lose(world, part.account, part.openings, part.past, i, h, -side * damper)
@@ -63,7 +63,7 @@ def note_events(part, world, now):
         before = TOUCH - overlap(part, i, BEFORE)
         signs = where_negative(after, -1.0, 0.0 * after + 1.0)
         if any_negative(signs * where_negative(before, -1.0, 0.0 * before + 1.0)):
-            angles, stop, h = part.openings.angles, part.stop, part.on[i]
+            angles, stop, h = part.openings.angles, part.numbers, part.on[i]
             for s in range(angles.shape[2]):
                 angle, side = stop[i, ANGLE, s], stop[i, SIDE, s]
                 last = TOUCH - side * (angles[h, BEFORE, s] - angle)
@@ -76,4 +76,4 @@ def energy_of(part, world, i):
     """Energy of stop i (J)."""
     over = overlap(part, i, NOW)
     over = where_negative(over, 0.0, over)
-    return 0.5 * load(part.stop, i, STIFFNESS) * over * over
+    return 0.5 * load(part.numbers, i, STIFFNESS) * over * over

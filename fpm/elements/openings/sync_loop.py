@@ -13,71 +13,53 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.kind import Deformations, Energy, Kind, Recorded
-from fpm.elements.openings.opening import (
-    TURNING,
-    Opening,
-    check_hinge,
-    check_stiffness,
-    relative_turn,
-    softness,
-)
+from fpm.elements.fields import index, number, same, stiffness
+from fpm.elements.kind import Deformations, Energy, Recorded
+from fpm.elements.openings.opening import TURNING, OnHinges, relative_turn, softness
 from fpm.errors import SceneError
 
 
 @dataclass(frozen=True)
-class SyncLoop(Kind):
+class SyncLoop(OnHinges):
     """A loop over two hinges.
 
-    hinges: indices of two; radii (m) of the pulleys on them, opposite in sign where the loop is
-    crossed; stiffness k (N/m) of both strands together; rest: openings (rad) without slip; preload
-    P (N) of a strand: without it, none ever gets slack.
+    radii: opposite in sign where the loop is crossed; stiffness: of both strands together; rest:
+    openings without slip; preload: of a strand, without which none ever gets slack.
     """
 
-    name: str
-    hinges: tuple[int, int]
-    radii: tuple[float, float]
-    stiffness: float
-    rest: tuple[float, float] = (0.0, 0.0)
-    preload: float = np.inf
+    name: str = same()
+    hinges: tuple[int, int] = index("hinges", words="hinge of {title}", types=TURNING)
+    radii: tuple[float, float] = number("m", count=2)
+    stiffness: float = stiffness("N/m", "{title} stiffness")
+    rest: tuple[float, float] = number("rad", default=(0.0, 0.0), count=2)
+    preload: float = number("N", 0.0, finite=False, default=np.inf)
 
     stores = Energy("loop", "loop_energy", "energy of the synchronising loops")
     events = ("tightens", "slackens")
-    reads = (Opening,)
     acts_as = "loop"
+    called = "loop"
 
     def check(self, scene):
-        """Hinges, radii and numbers; names are for messages and files."""
-        what = f"loop {self.name}"
+        """Two hinges, with pulleys; names are for messages and files."""
+        super().check(scene)
+        title = self.title(scene)
         if self.name in [other.name for other in SyncLoop.of(scene)]:
             raise SceneError("loop", self.name, "a name that no other loop has")
-        for hinge in self.hinges:
-            check_hinge(scene, what, hinge, TURNING)
-            check_stiffness(scene, what, hinge, self.stiffness, "N/m")
         if len(set(self.hinges)) != 2:
-            raise SceneError(f"hinges of {what}", self.hinges, "two different ones")
-        if not (np.isfinite(self.radii).all() and np.all(self.radii)):
-            raise SceneError(f"radii of {what}", self.radii, "finite lengths (m) other than 0")
-        if not np.isfinite(self.rest).all():
-            raise SceneError(f"rest of {what}", self.rest, "finite openings (rad)")
-        if not self.preload >= 0:
-            raise SceneError(f"preload of {what}", self.preload, "a tension >= 0 (N)")
+            raise SceneError(f"hinges of {title}", self.hinges, "two different ones")
+        if not np.all(self.radii):
+            raise SceneError(f"radii of {title}", self.radii, "lengths (m) other than 0")
 
     def acts_on(self):
         return self.hinges
 
-    def topology(self):
-        """Name and hinges."""
-        return self.name, self.hinges
+    def title(self, scene):
+        return f"loop {self.name}"
 
     @property
     def tight(self) -> float:
         """The slip (m) up to which both strands are tight."""
         return 2 * self.preload / self.stiffness if self.stiffness > 0 else np.inf
-
-    @classmethod
-    def names(cls, scene):
-        return [f"loop {loop.name}" for loop in cls.of(scene)]
 
     @classmethod
     def deformations(cls, scene):
@@ -88,33 +70,25 @@ class SyncLoop(Kind):
         share no body.
         """
         on, stiffness, element = [], [], []
-        for number, loop in enumerate(cls.of(scene)):
+        for i, loop in enumerate(cls.of(scene)):
             soft = [softness(scene, hinge) for hinge in loop.hinges]
             total = sum(r**2 * w for r, w in zip(loop.radii, soft, strict=True))
             for hinge, w in zip(loop.hinges, soft, strict=True):
                 if w > 0:
                     on.append(hinge)
                     stiffness.append(loop.stiffness * total / w)
-                    element.append(number)
+                    element.append(i)
         if not on:
             return None
         rows = relative_turn(scene, on, stiffness)
         return Deformations(*rows[:3], np.array(element)[rows.element])
 
     @classmethod
-    def pack(cls, batch):
-        from fpm.elements.openings.sync_loop_kernels import LOOP, STATE, Loops
-
-        loops = cls.of(batch.one)
-        return Loops(
-            on=batch.integers((loop.hinges for loop in loops), 2),
-            loops=batch.table(cls, LOOP, lambda x: [x.stiffness, *x.radii, *x.rest, x.tight]),
-            now=batch.blank(len(loops), STATE),
-            openings=Opening.seen_by(cls, batch),
-            rows=batch.rows_of(cls),
-            log=batch.log_of(cls),
-            track=batch.blank((batch.instants + 1) * len(loops), 1),
-        )
+    def array(cls, name, batch):
+        """`on`: both hinges of each."""
+        if name == "on":
+            return batch.integers((loop.hinges for loop in cls.of(batch.one)), 2)
+        return super().array(name, batch)
 
     @classmethod
     def recorded(cls, part, scene, lane):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import OnHinge, Opening, check_hinge
+from fpm.elements.openings.opening import OnHinge, on_hinge
 from fpm.errors import SceneError
 
 
@@ -19,7 +19,7 @@ from fpm.errors import SceneError
 class TableSpring(OnHinge):
     """hinge index; increasing angles (rad) and the moments (N m) there, two or more."""
 
-    hinge: int
+    hinge: int = on_hinge("hinge of spring by a table")
     angles: tuple[float, ...]
     moments: tuple[float, ...]
 
@@ -29,7 +29,7 @@ class TableSpring(OnHinge):
 
     def check(self, scene):
         """The hinge and the table."""
-        check_hinge(scene, "spring by a table", self.hinge)
+        super().check(scene)
         both = len(self.angles) == len(self.moments) >= 2
         if not (both and np.isfinite([self.angles, self.moments]).all()):
             found = (len(self.angles), len(self.moments))
@@ -67,19 +67,19 @@ class TableSpring(OnHinge):
         """The steepest fall of the moment."""
         return max(0.0, -float(self.slopes.min()))
 
-    @classmethod
-    def pack(cls, batch):
-        from fpm.elements.openings.table_spring_kernels import TableSprings
+    @property
+    def first(self) -> float:
+        """Moment (N m) up to the first point."""
+        return self.moments[0]
 
-        springs = cls.of(batch.one)
-        ends = np.cumsum([0, *(len(s.angles) for s in springs)])
-        return TableSprings(
-            on=batch.integers(s.hinge for s in springs),
-            start=batch.integers(ends),
-            points=batch.stack(ends[-1], 2, lambda scene: np.concatenate(
-                [np.column_stack([s.angles, s.bends]) for s in cls.of(scene)]
-            )),
-            spring=batch.table(cls, 2, lambda s: [s.moments[0], s.lift]),
-            openings=Opening.seen_by(cls, batch),
-            rows=batch.rows_of(cls),
-        )  # fmt: skip
+    @classmethod
+    def array(cls, name, batch):
+        """Besides, all `points`, and where those of each spring `start`."""
+        ends = np.cumsum([0, *(len(s.angles) for s in cls.of(batch.one))])
+        if name == "start":
+            return batch.integers(ends)
+        if name != "points":
+            return super().array(name, batch)
+        return batch.stack(ends[-1], 2, lambda scene: np.concatenate(
+            [np.column_stack([s.angles, s.bends]) for s in cls.of(scene)]
+        ))  # fmt: skip

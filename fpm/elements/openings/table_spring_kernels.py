@@ -11,16 +11,17 @@ from fpm.kernels.lanes import load, where_negative
 
 ANGLE, BEND = 0, 1  # of a point: where, and by how much the slope of the moment changes there
 
-FIRST, LIFT = 0, 1  # of a spring: moment up to the first point, and energy there
+NUMBERS = "first", "lift"
+FIRST, LIFT = range(2)  # of a spring: moment up to the first point, and energy there
 
 
 class TableSprings(NamedTuple):
-    """on (s,) hinges, spring (s, 2, lanes); points (p, 2, lanes), `start` (s + 1,)."""
+    """on (s,) hinges, numbers (s, 2, lanes); points (p, 2, lanes), `start` (s + 1,)."""
 
     on: np.ndarray
     start: np.ndarray
     points: np.ndarray
-    spring: np.ndarray
+    numbers: np.ndarray
     openings: Openings
     rows: np.ndarray
 
@@ -31,7 +32,7 @@ def forces(part, world, now):
     angles = part.openings.angles
     for i in range(part.on.shape[0]):
         h = part.on[i]
-        moment = load(part.spring, i, FIRST)
+        moment = load(part.numbers, i, FIRST)
         for j in range(part.start[i], part.start[i + 1]):
             after = load(angles, h, NOW) - load(part.points, j, ANGLE)
             before = load(angles, h, BEFORE) - load(part.points, j, ANGLE)
@@ -45,7 +46,7 @@ def energy_of(part, world, i):
     """Energy of spring i (J): less what the moment has given since the first point."""
     psi = load(part.openings.angles, part.on[i], NOW)
     first = psi - load(part.points, part.start[i], ANGLE)
-    energy = load(part.spring, i, LIFT) - load(part.spring, i, FIRST) * first
+    energy = load(part.numbers, i, LIFT) - load(part.numbers, i, FIRST) * first
     for j in range(part.start[i], part.start[i + 1]):
         after = psi - load(part.points, j, ANGLE)
         ramp = where_negative(after, 0.0, after)

@@ -10,24 +10,27 @@ from fpm.kernels.curves import curve_value
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store, where_negative
 
-TORQUE, NO_LOAD = 0, 1
+NUMBERS = "torque", "no_load"
+TORQUE, NO_LOAD = range(2)
 
 # Of a motor, at the last forces and a step before.
 MOMENT, MOMENT_BEFORE = 0, 1
 STATE = 2
 
+TRACK = 1
+
 
 class TorqueMotors(NamedTuple):
-    """on (m,) hinges; curve (m,); motors (m, 2, lanes): torque (N m), no-load speed (rad/s); past
-    (m, PAST, lanes); now (m, STATE, lanes); given: number of the account of their work; track
-    ((instants + 1) m, 1, lanes) recorded moment (N m).
+    """on (m,) hinges; curve (m,); numbers (m, 2, lanes); past (m, PAST, lanes); state (m, STATE,
+    lanes); given: number of the account of their work; track ((instants + 1) m, 1, lanes) recorded
+    moment (N m).
     """
 
     on: np.ndarray
     curve: np.ndarray
-    motors: np.ndarray
+    numbers: np.ndarray
     past: np.ndarray
-    now: np.ndarray
+    state: np.ndarray
     openings: Openings
     given: int
     track: np.ndarray
@@ -39,13 +42,13 @@ def forces(part, world, now):
     for i in range(part.on.shape[0]):
         h = part.on[i]
         speed = follow_rate(part.openings, part.past, i, h, now)
-        torque = curve_value(world, part.curve[i], now.time) * load(part.motors, i, TORQUE)
-        left = 1.0 - where_negative(torque, -speed, speed) / load(part.motors, i, NO_LOAD)
+        torque = curve_value(world, part.curve[i], now.time) * load(part.numbers, i, TORQUE)
+        left = 1.0 - where_negative(torque, -speed, speed) / load(part.numbers, i, NO_LOAD)
         left = where_negative(left, 0.0, left)
         left = where_negative(1.0 - left, 1.0, left)
         moment = torque * left
-        store(part.now, i, MOMENT_BEFORE, load(part.now, i, MOMENT))
-        store(part.now, i, MOMENT, moment)
+        store(part.state, i, MOMENT_BEFORE, load(part.state, i, MOMENT))
+        store(part.state, i, MOMENT, moment)
         turn(part.openings, world.state, h, moment)
 
 
@@ -54,7 +57,7 @@ def work_before(part, world, now):
     """Work over the step up to now."""
     given = load(world.accounts, 0, part.given)
     for i in range(part.on.shape[0]):
-        moment, h = load(part.now, i, MOMENT) + load(part.now, i, MOMENT_BEFORE), part.on[i]
+        moment, h = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE), part.on[i]
         turned = load(part.openings.angles, h, NOW) - load(part.openings.angles, h, BEFORE)
         given = given + 0.5 * turned * moment
     store(world.accounts, 0, part.given, given)
@@ -65,4 +68,4 @@ def record(part, world, row):
     """The moments."""
     count = part.on.shape[0]
     for i in range(count):
-        store(part.track, row * count + i, 0, load(part.now, i, MOMENT))
+        store(part.track, row * count + i, 0, load(part.state, i, MOMENT))

@@ -2,39 +2,24 @@
 
 from dataclasses import dataclass
 
+from fpm.elements.fields import number, stiffness
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import OnHinge, Opening, check_stiffness
+from fpm.elements.openings.opening import OnHinge, on_hinge
 
 
 @dataclass(frozen=True)
 class TorsionSpring(OnHinge):
-    """hinge index; stiffness k (N m/rad); rest opening (rad)."""
+    """A spring on a hinge."""
 
-    hinge: int
-    stiffness: float
-    rest: float = 0.0
+    hinge: int = on_hinge()
+    stiffness: float = stiffness(about="moment for each radian")
+    rest: float = number("rad", default=0.0, about="opening at which it is at rest")
 
     stores = Energy("spring", "spring_energy", "energy of the torsion springs")
     acts_as = "spring"
     called = "torsion spring"
 
-    def check(self, scene):
-        """Hinge and stiffness."""
-        check_stiffness(scene, "torsion spring", self.hinge, self.stiffness)
-
-    @classmethod
-    def names(cls, scene):
+    def title(self, scene):
         """Those on slides are just springs."""
-        hinges = [scene.hinges[spring.hinge] for spring in cls.of(scene)]
-        return [f"{'spring' if h.slides else cls.called} {h.name}" for h in hinges]
-
-    @classmethod
-    def pack(cls, batch):
-        from fpm.elements.openings.torsion_spring_kernels import Springs
-
-        return Springs(
-            batch.integers(s.hinge for s in cls.of(batch.one)),
-            batch.table(cls, 2, lambda s: [s.stiffness, s.rest]),
-            Opening.seen_by(cls, batch),
-            batch.rows_of(cls),
-        )
+        hinge = scene.hinges[self.hinge]
+        return f"{'spring' if hinge.slides else self.called} {hinge.name}"

@@ -8,14 +8,15 @@ from fpm.elements.openings.opening_kernels import NOW, Openings, turn
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load
 
-STIFFNESS, REST = 0, 1
+NUMBERS = "stiffness", "rest"
+STIFFNESS, REST = range(2)
 
 
 class Springs(NamedTuple):
-    """on (s,) hinges; spring (s, 2, lanes): stiffness (N m/rad), rest (rad); rows (s, 1, lanes)."""
+    """on (s,) hinges; numbers (s, 2, lanes); rows (s, 1, lanes)."""
 
     on: np.ndarray
-    spring: np.ndarray
+    numbers: np.ndarray
     openings: Openings
     rows: np.ndarray
 
@@ -25,12 +26,12 @@ def forces(part, world, now):
     """Moments towards the openings at rest."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
-        off = load(part.spring, i, REST) - load(part.openings.angles, h, NOW)
-        turn(part.openings, world.state, h, load(part.spring, i, STIFFNESS) * off)
+        off = load(part.numbers, i, REST) - load(part.openings.angles, h, NOW)
+        turn(part.openings, world.state, h, load(part.numbers, i, STIFFNESS) * off)
 
 
 @hook(Springs)
 def energy_of(part, world, i):
     """Energy of spring i (J)."""
-    off = load(part.openings.angles, part.on[i], NOW) - load(part.spring, i, REST)
-    return 0.5 * load(part.spring, i, STIFFNESS) * off * off
+    off = load(part.openings.angles, part.on[i], NOW) - load(part.numbers, i, REST)
+    return 0.5 * load(part.numbers, i, STIFFNESS) * off * off

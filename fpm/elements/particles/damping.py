@@ -4,23 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fpm.elements.fields import number
 from fpm.elements.kind import Energy, Kind
-from fpm.errors import SceneError
 
 
 @dataclass(frozen=True)
 class Damping(Kind):
-    """rate (1/s); several add up. What is held or driven entirely is not damped."""
+    """By a rate; several add up. What is held or driven entirely is not damped."""
 
-    rate: float
+    rate: float = number("1/s", 0.0, words="damping")
 
     takes = Energy("damping_work", "damping_work", "energy taken out by damping")
     moves_free = True
-
-    def check(self, scene):
-        """The rate must be finite and not negative."""
-        if not (np.isfinite(self.rate) and self.rate >= 0):
-            raise SceneError("damping", self.rate, "a finite number >= 0 (1/s)")
 
     @classmethod
     def of(cls, scene):

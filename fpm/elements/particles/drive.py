@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fpm.elements.fields import index, number
 from fpm.elements.kind import Kind
 from fpm.elements.particles.gravity import LOAD_WORK
 from fpm.errors import SceneError
@@ -11,26 +12,24 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Drive(Kind):
-    """A particle whose velocity (3,) m/s and spin (3,) rad/s are given, times a curve (-1: 1)."""
+    """A particle whose velocity and spin are given, times the curve of that index (-1: 1)."""
 
-    particle: int
-    velocity: np.ndarray
-    spin: np.ndarray
-    curve: int
+    particle: int = index("position")
+    velocity: np.ndarray = number("m/s", count=3)
+    spin: np.ndarray = number("rad/s", count=3)
+    curve: int = index("curves", -1)
 
     gives = LOAD_WORK
+    called = "drive"
 
     def add_to(self, scene):
         """Hold the particle as well; no other kind may move it."""
+        self.check(scene)
         for kind in scene.kinds:
             if kind is not Drive and not kind.joins and self.particle in kind.moved(scene):
                 raise SceneError("driven particle", self.particle, "one that nothing else moves")
         scene.fix(self.particle)
         super().add_to(scene)
-
-    def topology(self):
-        """Particle and curve."""
-        return self.particle, self.curve
 
     @classmethod
     def moved(cls, scene):
@@ -53,15 +52,3 @@ class Drive(Kind):
         """The motion of the driven particles is that prescribed."""
         particles, velocity, spin = cls.motion(scene, time)
         motion.velocity[particles], motion.spin[particles] = velocity, spin
-
-    @classmethod
-    def pack(cls, batch):
-        from fpm.elements.particles.drive_kernels import Drives
-
-        drives = cls.of(batch.one)
-        return Drives(
-            batch.integers(d.particle for d in drives),
-            batch.integers(d.curve for d in drives),
-            batch.table(cls, 6, lambda d: [*d.velocity, *d.spin]),
-            batch.given_by(cls),
-        )

@@ -11,18 +11,19 @@ from fpm.kernels.layout import VELOCITY, F, M, P, V, X
 from fpm.kernels.rotation import frame, put_turned
 from fpm.kernels.vectors import add3, cross, dot, get3, kernel, put3, to_global, to_local
 
+NUMBERS = "velocity", "spin"
 LINEAR, SPIN = 0, 3
 
 
 class Drives(NamedTuple):
-    """on (d,) particles, curve (d,), rate (d, 6, lanes): velocity (m/s), spin (rad/s), global axes.
+    """particle, curve (d,), numbers (d, 6, lanes): in global axes.
 
     Those of one particle add up. account: the number of that of their work.
     """
 
-    on: np.ndarray
+    particle: np.ndarray
     curve: np.ndarray
-    rate: np.ndarray
+    numbers: np.ndarray
     account: int
 
 
@@ -31,11 +32,11 @@ def add_work(part, world, now, time):
     """Add the work of half a step against the particles' forces; time (s) of the velocities."""
     state = world.state
     total = 0.0 * load(state, 0, X)
-    for n in range(part.on.shape[0]):
-        i = part.on[n]
+    for n in range(part.particle.shape[0]):
+        i = part.particle[n]
         factor = curve_value(world, part.curve[n], time)
-        power = dot(get3(state, i, F), get3(part.rate, n, LINEAR))
-        total = total - factor * (power + dot(get3(state, i, M), get3(part.rate, n, SPIN)))
+        power = dot(get3(state, i, F), get3(part.numbers, n, LINEAR))
+        total = total - factor * (power + dot(get3(state, i, M), get3(part.numbers, n, SPIN)))
     given = load(world.accounts, 0, part.account) + 0.5 * now.step * total
     store(world.accounts, 0, part.account, given)
 
@@ -56,17 +57,17 @@ def restrain(part, world, now):
 def move(part, world, now):
     """Move the driven particles by one step, and clear their forces."""
     state = world.state
-    for n in range(part.on.shape[0]):
-        put3(state, part.on[n], V, 0.0 * get3(state, part.on[n], V))
+    for n in range(part.particle.shape[0]):
+        put3(state, part.particle[n], V, 0.0 * get3(state, part.particle[n], V))
         for k in range(6):
-            store(state, part.on[n], F + k, 0.0)
-    for n in range(part.on.shape[0]):
-        i = part.on[n]
+            store(state, part.particle[n], F + k, 0.0)
+    for n in range(part.particle.shape[0]):
+        i = part.particle[n]
         factor = curve_value(world, part.curve[n], now.time + 0.5 * now.step)
-        v = factor * get3(part.rate, n, LINEAR)
+        v = factor * get3(part.numbers, n, LINEAR)
         add3(state, i, V, v)
         put3(state, i, X, now.step * v + get3(state, i, X))
-        half = (0.5 * now.step * factor) * get3(part.rate, n, SPIN)
+        half = (0.5 * now.step * factor) * get3(part.numbers, n, SPIN)
         axes = frame(state, i)
         put_turned(state, i, axes, to_local(axes, half))
 
@@ -95,12 +96,12 @@ def record_points(part, world, points, row, now):
     for n in range(count):
         i, first, at = world.point_on[n], True, row * count + n
         arm = to_global(frame(world.kept, i), get3(world.point_arm, n, 0))
-        for k in range(part.on.shape[0]):
-            if part.on[k] == i:
+        for k in range(part.particle.shape[0]):
+            if part.particle[k] == i:
                 if first:
                     put3(points, at, VELOCITY, 0.0 * get3(points, at, VELOCITY))
                     first = False
                 factor = curve_value(world, part.curve[k], now.time)
-                spin = get3(part.rate, k, SPIN)
-                v = factor * (get3(part.rate, k, LINEAR) + cross(spin, arm))
+                spin = get3(part.numbers, k, SPIN)
+                v = factor * (get3(part.numbers, k, LINEAR) + cross(spin, arm))
                 add3(points, at, VELOCITY, v)

@@ -5,27 +5,39 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.fields import index, number
 from fpm.elements.kind import Kind
 from fpm.elements.particles.gravity import LOAD_WORK
 
 
 @dataclass(frozen=True)
 class Load(Kind):
-    """A force (3,) N at the free end of a virtual beam and a moment (3,) N m, in global axes.
+    """A force at the free end of a virtual beam, and a moment, in global axes.
 
     curve: index of the curve that scales both with time; -1 for a constant load.
     """
 
     beam: VirtualBeam
-    force: np.ndarray
-    moment: np.ndarray
-    curve: int
+    force: np.ndarray = number("N", count=3)
+    moment: np.ndarray = number("N m", count=3)
+    curve: int = index("curves", -1)
 
     gives = LOAD_WORK
+    called = "load"
+
+    @property
+    def on(self) -> int:
+        """The particle."""
+        return self.beam.particle
+
+    @property
+    def arm(self) -> np.ndarray:
+        """From the particle to where the force acts (3,) m, in the particle's own axes."""
+        return self.beam.arm
 
     def topology(self):
         """Particle and curve."""
-        return self.beam.particle, self.curve
+        return self.on, self.curve
 
     @classmethod
     def held_up(cls, scene):
@@ -36,16 +48,3 @@ class Load(Kind):
     def held_round(cls, scene):
         """All moments."""
         return float(sum(np.linalg.norm(load.moment) for load in cls.of(scene)))
-
-    @classmethod
-    def pack(cls, batch):
-        from fpm.elements.particles.load_kernels import PAST, Loads
-
-        loads = cls.of(batch.one)
-        return Loads(
-            batch.integers(x.beam.particle for x in loads),
-            batch.integers(x.curve for x in loads),
-            batch.table(cls, 9, lambda x: [*x.force, *x.moment, *x.beam.arm]),
-            batch.blank(len(loads), PAST),
-            batch.given_by(cls),
-        )

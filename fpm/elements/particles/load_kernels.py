@@ -11,23 +11,24 @@ from fpm.kernels.layout import F, M, X
 from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import add3, cross, dot, get3, put3, to_global
 
+NUMBERS = "force", "moment", "arm"
 FORCE, MOMENT, ARM = 0, 3, 6
 
 # Of a load, at the start of the step: the end of its arm, and the particle's axes (3 each).
 END, AXES = 0, 3
-PAST = 12
+STATE = 12
 
 
 class Loads(NamedTuple):
-    """on (l,) particles, curve (l,), load (l, 9, lanes): force (N), moment (N m), arm (m).
+    """on (l,) particles, curve (l,), numbers (l, 9, lanes): force (N), moment (N m), arm (m).
 
-    past (l, PAST, lanes); account: the number of that of their work.
+    state (l, STATE, lanes); account: the number of that of their work.
     """
 
     on: np.ndarray
     curve: np.ndarray
-    load: np.ndarray
-    past: np.ndarray
+    numbers: np.ndarray
+    state: np.ndarray
     account: int
 
 
@@ -38,15 +39,15 @@ def forces(part, world, now):
     for n in range(part.on.shape[0]):
         i = part.on[n]
         factor = curve_value(world, part.curve[n], now.time)
-        force = factor * get3(part.load, n, FORCE)
-        moment = factor * get3(part.load, n, MOMENT)
+        force = factor * get3(part.numbers, n, FORCE)
+        moment = factor * get3(part.numbers, n, MOMENT)
         axes = frame(state, i)
-        arm = to_global(axes, get3(part.load, n, ARM))
+        arm = to_global(axes, get3(part.numbers, n, ARM))
         add3(state, i, F, force)
         add3(state, i, M, moment + cross(arm, force))
-        put3(part.past, n, END, get3(state, i, X) + arm)
+        put3(part.state, n, END, get3(state, i, X) + arm)
         for k in range(3):
-            put3(part.past, n, AXES + 3 * k, axes[k])
+            put3(part.state, n, AXES + 3 * k, axes[k])
 
 
 @hook(Loads)
@@ -61,13 +62,13 @@ def work_after(part, world, now):
     for n in range(part.on.shape[0]):
         i = part.on[n]
         axes = frame(state, i)
-        end = get3(state, i, X) + to_global(axes, get3(part.load, n, ARM))
-        turned = 0.5 * cross(get3(part.past, n, AXES), axes[0])
+        end = get3(state, i, X) + to_global(axes, get3(part.numbers, n, ARM))
+        turned = 0.5 * cross(get3(part.state, n, AXES), axes[0])
         for k in range(1, 3):
-            turned = turned + 0.5 * cross(get3(part.past, n, AXES + 3 * k), axes[k])
+            turned = turned + 0.5 * cross(get3(part.state, n, AXES + 3 * k), axes[k])
         turned = (1.0 + (1.0 / 6.0) * dot(turned, turned)) * turned
         factor = curve_value(world, part.curve[n], now.time)
         factor = 0.5 * (factor + curve_value(world, part.curve[n], now.time + now.step))
-        work = dot(get3(part.load, n, FORCE), end - get3(part.past, n, END))
-        total = total + factor * (work + dot(get3(part.load, n, MOMENT), turned))
+        work = dot(get3(part.numbers, n, FORCE), end - get3(part.state, n, END))
+        total = total + factor * (work + dot(get3(part.numbers, n, MOMENT), turned))
     store(world.accounts, 0, part.account, load(world.accounts, 0, part.account) + total)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from fpm.elements import Motor, TorqueMotor
 from fpm.elements.joints.rigid_motor import RigidMotor
 from fpm.elements.joints.rigid_release import RigidRelease
-from fpm.elements.openings.motor import Motor, TorqueMotor
 from fpm.elements.openings.opening import unit_of
 from fpm.elements.openings.release import Release
 from fpm.elements.openings.sync_loop import SyncLoop

@@ -1,0 +1,134 @@
+"""What the fields of an element say of themselves: units, limits and words.
+
+Checks, packing, what is described of an element and the keys of a structure file follow from that
+(kind.py). A field of a dataclass that is stated without any of these is the kind's own business.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from fpm.errors import SceneError
+
+_KEY = "fpm"
+
+
+@dataclass(frozen=True)
+class Stated:
+    """What is said of a field. same: whether it must be equal in scenes that run side by side.
+
+    words: what it is called in messages, with {called} or {title} of the kind (kind.py); about: in
+    words, for the table of keys; said: whether it is a part of descriptions.
+    """
+
+    name: str = ""
+    same: bool = False
+    words: str = ""
+    about: str = ""
+    said: bool = False
+
+
+@dataclass(frozen=True)
+class Number(Stated):
+    """`count` numbers in a unit; `least` (allowed) or `above` (not allowed) is their lower end.
+
+    finite: whether they must be; optional: whether None is allowed; zero: whether that is said.
+    """
+
+    unit: str = ""
+    least: float | None = None
+    above: float | None = None
+    finite: bool = True
+    optional: bool = False
+    count: int = 1
+    zero: bool = True
+
+    def allows(self, value: float) -> bool:
+        """Whether a value is allowed."""
+        low = self.least is not None and not value >= self.least
+        low = low or (self.above is not None and not value > self.above)
+        return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
+
+    def allowed(self, unit: str) -> str:
+        """What is allowed, in words, in a unit."""
+        many = f"{self.count} {'finite ' * self.finite}numbers"
+        one = f"a {'finite ' * self.finite}number"
+        end = f" >= {self.least:g}" if self.least is not None else ""
+        end = f" > {self.above:g}" if self.above is not None else end
+        return f"{one if self.count == 1 else many}{end}{f' ({unit})' if unit else ''}"
+
+
+@dataclass(frozen=True)
+class Word(Stated):
+    """One of some words, and the number that each is in the kernels."""
+
+    values: Mapping[Any, float] | None = None
+
+
+@dataclass(frozen=True)
+class Index(Stated):
+    """A place in a list of the scene, by its name; `least` -1: or none. types: of hinges."""
+
+    of: str = ""
+    least: int = 0
+    types: tuple[str, ...] = ()
+
+
+def _field(stated: Stated, default: Any) -> Any:
+    return field(default=default, metadata={_KEY: stated})
+
+
+def number(unit: str = "", least=None, above=None, *, default=MISSING, said=True, **more) -> Any:
+    """A field with a number, or several; more: of `Number`."""
+    more |= {"said": said and more.get("count", 1) == 1, "optional": default is None}
+    return _field(Number(unit=unit, least=least, above=above, **more), default)
+
+
+def stiffness(unit: str = "N m/rad", words: str = "{called} stiffness", **more) -> Any:
+    """A field with a stiffness."""
+    return number(unit, 0.0, words=words, **more)
+
+
+def damping(**more) -> Any:
+    """A field with the constant of a damper (N m s/rad)."""
+    return number("N m s/rad", 0.0, zero=False, **more)
+
+
+def word(values: Mapping[Any, float], *, default=MISSING, **more) -> Any:
+    """A field with one of some words; in kernels it is a number."""
+    return _field(Word(values=values, **more), default)
+
+
+def index(of: str, least: int = 0, *, default=MISSING, **more) -> Any:
+    """A field with the index of something in one of the scene's lists."""
+    return _field(Index(of=of, least=least, same=True, **more), default)
+
+
+def same(default: Any = MISSING) -> Any:
+    """A field with something else that must be equal in scenes that run side by side."""
+    return _field(Stated(same=True), default)
+
+
+@cache
+def stated(kind: type) -> dict[str, Stated]:
+    """What a kind's fields say of themselves, by name."""
+    found = [f for f in fields(kind) if _KEY in f.metadata]
+    return {f.name: replace(f.metadata[_KEY], name=f.name) for f in found}
+
+
+def numbers_in(value: Any) -> Sequence[float]:
+    """The numbers of a field."""
+    return (value,) if isinstance(value, float | int) else np.ravel(value)
+
+
+def check_number(subject: str, value: Any, number: Number, unit: str) -> None:
+    """SceneError unless the value of a field, with this subject in messages, is allowed."""
+    if value is None and number.optional:
+        return
+    numbers = numbers_in(value)
+    if len(numbers) != number.count or not all(map(number.allows, numbers)):
+        raise SceneError(subject, value, number.allowed(unit))

@@ -1,0 +1,40 @@
+"""Torque motors on hinges: a moment by a curve of time, which falls with the speed.
+
+With a curve f of time and the torque T the moment is T f(t) (1 - |w|/w0)
+where the hinge turns with it at w = psi', down to nothing at the no-load speed w0, as that of a
+direct current motor does. It is T f(t) where the hinge turns against it, and it never brakes.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.elements.fields import index, number
+from fpm.elements.openings.motor import AnyMotor
+from fpm.elements.openings.opening import on_hinge
+
+
+@dataclass(frozen=True)
+class TorqueMotor(AnyMotor):
+    """Turns a hinge by a torque times the curve of that index (-1: 1), up to its no-load speed."""
+
+    hinge: int = on_hinge()
+    torque: float = number("N m", about="its moment at rest")
+    curve: int = index("curves", -1, default=-1)
+    no_load: float = number(
+        "rad/s", above=0.0, finite=False, default=np.inf, words="no-load speed of {title}",
+        about="speed at which no torque is left; left out: it does not fall",
+    )  # fmt: skip
+
+    called = "torque motor"
+    variable = "torque_motor_moment"
+
+    def damping_in(self, scene):
+        """By how much the moment falls with the speed at most (N m s/rad)."""
+        most = np.abs(scene.curves[self.curve][1]).max() if self.curve >= 0 else 1.0
+        return float(abs(self.torque) * most / self.no_load)
+
+    @classmethod
+    def held_round(cls, scene):
+        """All torques."""
+        return float(sum(abs(motor.torque) for motor in cls.of(scene)))

@@ -1,5 +1,7 @@
 """Piecewise linear curves of time, by which loads and drives are scaled."""
 
+import math
+
 from fpm.kernels.vectors import kernel
 
 
@@ -17,6 +19,16 @@ def curve_value(world, curve, t):
             share = (t - times[k]) / (times[k + 1] - times[k])
             return values[k] + share * (values[k + 1] - values[k])
     return values[last]
+
+
+@kernel
+def bend_after(world, curve, t):
+    """Time (s) from t to the next point of a curve after it; infinite where there is none."""
+    if curve >= 0:
+        for k in range(world.curve_start[curve], world.curve_start[curve + 1]):
+            if world.curve_time[k] > t:
+                return world.curve_time[k] - t
+    return math.inf
 
 
 @kernel

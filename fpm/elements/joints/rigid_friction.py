@@ -9,8 +9,8 @@ parabola, h (r - d/2)²/(2 d), or h r²/(2 d) where it is braked only now.
 So a body of inertia J that slides at w stops after J w²/(2 M), and one that swings loses as much at
 each turn as friction takes, to the second order in the step.
 
-A blow comes at an unknown time within a step, whose middle is taken: friction that stuck with M'
-has (M' ± M)/2 in that step, and one that the blow turns round none.
+A blow, of a latch or at a bend of a motor's curve, after the share s of a step comes after the
+share 1/2 + s of its kick: friction that stuck with M' has (1/2 + s) M' ± (1/2 - s) M in that kick.
 """
 
 from dataclasses import dataclass

@@ -50,7 +50,9 @@ class RigidFrictions(NamedTuple):
 
 @hook(RigidFrictions)
 def forces(part, world, now):
-    """Brake what slips."""
+    """Brake what slips. A blow of the step before still counts, whose rest comes in this one."""
+    blow = load(part.turns.blow, 0, 0)
+    store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
     for i in range(part.on.shape[0]):
         h = part.on[i]
         if now.time > 0.0:
@@ -86,7 +88,9 @@ def turning(part, i, now):
     vertex = 0.5 * now.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
     sudden = 0.5 * now.kick * last * last / fall
     blow = fell - 0.5 * fall
-    share = last / fall if now.time == 0.0 else where_negative(blow, 0.5, last / fall)
+    share = last / fall
+    if now.time > 0.0:
+        share = where_negative(blow, 0.5 + load(part.turns.blow, 0, 0), share)
     return share, where_negative(-last, where_negative(blow, sudden, vertex), 0.0)
 
 
@@ -121,11 +125,14 @@ def needed_by(part, i, now):
 def slipping(part, i, full, now):
     """Moment (N m) with which it lets go in this step, from how it was held to the full one.
 
-    Of a load that grows, both are the same to the first order; a blow comes amid the kick.
+    Of a load that grows, both are the same to the first order. A blow comes amid the kick, or a
+    share of the step after (before) that: what the next kick (the last) had too little of being
+    held, this one has.
     """
     if now.time == 0.0:
         return full
-    mean = 0.5 * (full + load(part.state, i, WORKS + HELD_BY))
+    after = load(part.turns.blow, 0, 0)
+    mean = (0.5 - after) * full + (0.5 + after) * load(part.state, i, WORKS + HELD_BY)
     slid = -absolute(load(part.state, i, TOLD))
     return where_negative(slid, full, mean)
 

@@ -115,6 +115,8 @@ def decide(part, world, now):
                     if part.state[i, CAUGHT, s] > 0.0:
                         part.turns.state[t, HOLDS, s] = -1.0
                         part.turns.state[t, TARGET, s] = part.state[i, PLACE, s]
+                        share = (part.state[i, WHEN, s] - now.time) / now.step
+                        part.turns.blow[0, 0, s] = share
                         world.undecided[0] = 1
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from fpm.elements.joints.turn_arrays import TARGET, Turns
 from fpm.elements.joints.turn_kernels import HELD, HELD_BY, add_due, begin_work, end_work
 from fpm.elements.openings.opening_kernels import Openings
-from fpm.kernels.curves import travel
+from fpm.kernels.curves import bend_after, travel
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 
@@ -39,6 +39,10 @@ class RigidMotors(NamedTuple):
 def prepare(part, world, now):
     """Where the openings have to be at the end of the step."""
     for i in range(part.on.shape[0]):
+        if not part.by_rate[i]:
+            bend = bend_after(world, part.curve[i], now.time)
+            if bend < now.step:
+                store(part.turns.blow, 0, 0, bend / now.step)
         way = travel(world, part.curve[i], part.by_rate[i], now.time + now.step)
         target = load(part.numbers, i, START) + way * load(part.numbers, i, BY)
         store(part.turns.state, part.turn[i], TARGET, target)

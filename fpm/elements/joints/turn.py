@@ -53,6 +53,7 @@ class Turn(Kind):
 
         return Turns(
             state=batch.stack(len(cls.of(batch.one)), TURN, starts),
+            blow=batch.blank(1, 1),
         )
 
 

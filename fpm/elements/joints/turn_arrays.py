@@ -16,3 +16,4 @@ class Turns(NamedTuple):
     """What holds openings, and the joints' solver, tell each other."""
 
     state: np.ndarray  # (t, TURN, lanes)
+    blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one

@@ -9,10 +9,13 @@ from typing import get_args, get_type_hints
 
 import pytest
 
+from deployable.campaign.config.check import check_config
 from deployable.campaign.config.models import BoundsChoice, Design, Jobs
+from deployable.campaign.errors import ConfigError
 from deployable.campaign.runs.store import STORES
 from deployable.intervals import METHODS, MODELS
 from deployable.intervals.designs.scan import SEQUENCES
+from evidence.registry import STUDIES
 from fpm.reading import asked_responses, quantity_definitions, responses
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -37,6 +40,13 @@ def test_every_model_can_be_asked_for_and_no_other():
 
 def test_every_store_can_be_asked_for_and_no_other():
     assert words(Jobs, "keep") == set(STORES)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_no_campaign_has_the_name_of_a_study(raw, name):
+    """The results of both are in `results/`."""
+    with pytest.raises(ConfigError, match=f"campaign: '{name}' is not allowed"):
+        check_config({**raw, "campaign": name})
 
 
 @pytest.mark.parametrize(

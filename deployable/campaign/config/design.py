@@ -7,9 +7,6 @@ from typing import Any
 from deployable.campaign.config.accuracy import SOUGHT
 from deployable.campaign.config.sections import DesignChoice, Experiment, Solver
 
-MOST_SAMPLES = 10_000_000
-"""Runs of a scan."""
-
 
 def make_design(choice: DesignChoice, box: Any) -> Any:
     """The `intervals.Design` of a choice in an `intervals.Box`.
@@ -25,7 +22,7 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
         none = np.zeros((0, box.dimension), dtype=int)
         return intervals.Design(points, none, SOUGHT, (0,) * box.dimension)
     options = {name: getattr(choice, name) for name in intervals.METHODS[choice.method].options}
-    most = MOST_SAMPLES if choice.method == "scan" else intervals.designs.MAX_RUNS
+    most = choice.samples if choice.method == "scan" else intervals.designs.MAX_RUNS
     return intervals.make_design(choice.method, box, choice.order, max_runs=most, **options)
 
 

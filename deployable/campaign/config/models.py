@@ -312,7 +312,7 @@ class Config(Section):
         str,
         Key("up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the "
             "name of a study",
-            pattern="(?!(accuracy|benchmark|calibration|extremes|tradeoff|verification)$)"
+            pattern="(?!(accuracy|benchmark|calibration|extremes|scaling|tradeoff|verification)$)"
             "[A-Za-z0-9][A-Za-z0-9_-]{0,63}"),
     ]  # fmt: skip
     """Name of the campaign; its results go to `results/<campaign>/`."""

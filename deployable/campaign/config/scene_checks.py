@@ -199,21 +199,19 @@ def _quantity_problems(experiment: Experiment) -> list[str]:
 
 
 def _design_problems(campaign: Campaign) -> list[str]:
+    """Whether what is kept goes with the design, and whether it can be made."""
     from deployable.intervals import IntervalError
 
     experiment, design = campaign.experiment, campaign.experiment.design
-    if experiment.is_sought:
-        return []
-    problems = keep_problems(campaign)
+    is_plain = design.method == "scan" and design.order is None
+    has_none = experiment.is_sought or (is_plain and campaign.bounds.model == "polynomial")
+    if (problems := keep_problems(campaign)) or has_none:
+        return problems
     try:
-        is_plain = design.method == "scan" and design.order is None
-        if not problems and not (is_plain and campaign.bounds.model == "polynomial"):
-            made = make_design(experiment.design, experiment.box)
-            if campaign.bounds.model == "spline":
-                problems += _spline_problems(experiment, made)
+        made = make_design(design, experiment.box)
     except IntervalError as error:
-        problems.append(_sentence(f"design.{error.key}", error))
-    return problems
+        return [_sentence(f"design.{error.key}", error)]
+    return _spline_problems(experiment, made) if campaign.bounds.model == "spline" else []
 
 
 def _spline_problems(experiment: Experiment, design: Any) -> list[str]:

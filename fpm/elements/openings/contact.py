@@ -15,7 +15,7 @@ from fpm.elements.openings.opening import OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class Contact(OnHinge):
-    """A contact of the faces at a hinge."""
+    """Faces that touch where the opening of a revolute joint is below zero."""
 
     hinge: int = on_hinge(types=("revolute",))
     stiffness: float = stiffness(about="moment for each radian below zero")

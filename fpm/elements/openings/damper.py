@@ -12,7 +12,7 @@ from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class Damper(OnHinge):
-    """A viscous damper on a hinge."""
+    """Resists the motion of a joint, in proportion to its rate."""
 
     hinge: int = on_hinge()
     damping: float = damping(about="moment for each radian a second")

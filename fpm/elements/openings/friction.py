@@ -34,7 +34,9 @@ class Friction(OnHinge):
 
     hinge: int = on_hinge()
     moment: float = number("N m", 0.0, about="at which it slips; below, it sticks for ever")
-    bend: float = number("rad", above=0.0, default=BEND, said=False)
+    bend: float = number(
+        "rad", above=0.0, default=BEND, said=False, about="by how much it gives before it slips"
+    )
     damping: float | None = damping(
         default=None,
         about="while it sticks; left out: 0.3 of critical for the joint's own two particles",

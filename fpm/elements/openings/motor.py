@@ -52,7 +52,9 @@ class Motor(AnyMotor):
     hinge: int = on_hinge()
     stiffness: float = stiffness(about="of its drive train")
     damping: float = damping(about="of its drive train")
-    start: float = number("rad", words="opening of {title}", said=False)
+    start: float = number(
+        "rad", words="opening of {title}", said=False, about="opening before the turn"
+    )
     turn: float = number("rad", words="opening of {title}")
     curve: int = index("curves", -1)
     by_rate: bool = same(False)

@@ -23,16 +23,27 @@ from fpm.errors import SceneError
 class SyncLoop(OnHinges):
     """A loop over two hinges.
 
-    radii: opposite in sign where the loop is crossed; stiffness: of both strands together; rest:
-    openings without slip; preload: of a strand, without which none ever gets slack.
+    stiffness: of both strands together; preload: of each; without it none ever gets slack.
     """
 
     name: str = same()
     hinges: tuple[int, int] = index("hinges", words="hinge of {title}", types=TURNING)
-    radii: tuple[float, float] = number("m", count=2)
-    stiffness: float = stiffness("N/m", "{title} stiffness")
-    rest: tuple[float, float] = number("rad", default=(0.0, 0.0), count=2)
-    preload: float = number("N", 0.0, finite=False, default=np.inf)
+    radii: tuple[float, float] = number(
+        "m", count=2, about="of the pulleys; opposite in sign where the loop is crossed"
+    )
+    stiffness: float = stiffness(
+        "N/m", "{title} stiffness", about="pull at the rims for each metre of slip: 2 EA/l"
+    )
+    rest: tuple[float, float] = number(
+        "rad", default=(0.0, 0.0), count=2, about="openings without slip"
+    )
+    preload: float = number(
+        "N",
+        0.0,
+        finite=False,
+        default=np.inf,
+        about="tension of each strand; left out: never slack",
+    )
 
     stores = Energy("loop", "loop_energy", "energy of the synchronising loops")
     events = ("tightens", "slackens")

@@ -16,11 +16,14 @@ from fpm.elements.openings.opening import on_hinge
 
 @dataclass(frozen=True)
 class TorqueMotor(AnyMotor):
-    """Turns a hinge by a torque times the curve of that index (-1: 1), up to its no-load speed."""
+    """Moves a joint by a torque, or force, that falls with the speed, evenly down to none.
+
+    The torque is multiplied with the curve of that index (-1: 1).
+    """
 
     hinge: int = on_hinge()
     torque: float = number("N m", about="its moment at rest")
-    curve: int = index("curves", -1, default=-1)
+    curve: int = index("curves", -1, default=-1, about="scales it with time; left out: constant")
     no_load: float = number(
         "rad/s", above=0.0, finite=False, default=np.inf, words="no-load speed of {title}",
         about="speed at which no torque is left; left out: it does not fall",

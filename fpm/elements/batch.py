@@ -14,10 +14,8 @@ from fpm.elements.particles.turning import turns_of
 from fpm.kernels import layout as at
 from fpm.kernels.world import Log, Record, World
 
-REST_STRAIN = 1e-10
-"""Rounding strains a scene at rest by less, and moves it by less than that share of its size; the
-energy of so much, and the work of all loads over so far, are the least energy scale.
-"""
+ROUNDINGS = 16.0
+"""Last bits of a place (of the scene's size) and of an angle (rad) that a step may be off by."""
 
 
 def blank(*shape_and_dtype) -> np.ndarray:
@@ -206,8 +204,8 @@ class Batch:
             undecided=self.integers([0]),
         )
 
-    def record(self) -> Record:
-        """An empty record."""
+    def record(self, step: float, steps: int) -> Record:
+        """An empty record, for so many steps of so many seconds."""
         rows, width, dtype = self.instants + 1, self.width, self.dtype
         energies = at.ACCOUNTS + len(self.accounts) + sum(bool(k.stores) for k in self.kinds)
         failed = np.full(width, -1, np.int64)
@@ -220,18 +218,25 @@ class Batch:
             failed_row=np.zeros(width, np.int64),
             failed_balance=np.zeros(width, dtype),
             failed_watched=np.zeros((self.watches.count, width), dtype),
-            scale=self._least_scale(),
+            scale=self._least_scale(step, steps),
         )
 
-    def _least_scale(self) -> np.ndarray:
-        """Energy (lanes,) that rounding may hold in a scene at rest."""
-        scales = [kind.rounding(self.part(kind)) for kind in self.kinds]
-        least = sum((s for s in scales if s is not None), np.zeros(self.width, self.dtype))
-        found = REST_STRAIN**2 * least
+    def _least_scale(self, step: float, steps: int) -> np.ndarray:
+        """Energy (lanes,) that rounding may hold in a scene at rest.
+
+        Joints close in every step what rounding has opened, which adds up as a random walk does; of
+        so much way forces do work. At a stable step no spring has more energy of so much strain
+        than masses have of such motion.
+        """
+        off = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
+        found = np.zeros(self.width, self.dtype)
         for lane, scene in enumerate(self.scenes):
-            size = np.ptp(scene.position, axis=0).max(initial=0.0)
-            found[lane] += REST_STRAIN * size * sum(kind.held_up(scene) for kind in self.kinds)
-            found[lane] += REST_STRAIN * sum(kind.held_round(scene) for kind in self.kinds)
+            free = ~scene.fixed.all(axis=1)
+            reach = np.abs(scene.position).max(initial=0.0)
+            inertia = scene.mass[free].sum() * reach**2 + scene.inertia[free].max(axis=1).sum()
+            moment = reach * sum(kind.held_up(scene) for kind in self.kinds)
+            moment += sum(kind.held_round(scene) for kind in self.kinds)
+            found[lane] = off * moment + 0.5 * inertia * (off / step) ** 2
         return found
 
 

@@ -246,11 +246,6 @@ class Kind:
         return batch.integers(getattr(element, name) for element in elements)
 
     @classmethod
-    def rounding(cls, part: Any) -> np.ndarray | None:
-        """Energy (lanes,) at a strain of one (J), of which rounding strains a scene at rest."""
-        return None
-
-    @classmethod
     def held_up(cls, scene: Scene) -> float:
         """Force (N) that the scene may have to bear at rest, where rounding moves it a little."""
         return 0.0

@@ -109,9 +109,9 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
     from fpm.solver.pack import pack
 
     batch = pack(scenes, width, dtype, instants, room)
-    parts, world, record = batch.parts(), batch.world(), batch.record()
     step, per_instant, per_check = division
     steps = per_instant * (instants - 1)
+    parts, world, record = batch.parts(), batch.world(), batch.record(step, steps)
     # A whole number would be another type, for which the loop would be compiled again.
     arguments = parts, world, record, step, steps, per_instant, per_check, float(tolerance)
     loop_for(arguments)(*arguments)

@@ -79,3 +79,43 @@ def test_random_structures_move_alike_in_other_words():
     assert not count["wrong"], [one for one in verdicts if one["outcome"] == "wrong"]
     assert {one["family"] for one in verdicts if one["outcome"] == "right"} == set(ALL)
     assert count["right"] > 2 * (count["sensitive"] + count["failed"])
+
+
+AT_REST = """
+import random
+import fpm
+from evidence.attack.metamorphic.families import is_quiet, later
+from evidence.attack.metamorphic.image import scale
+from evidence.attack.metamorphic.plain import without_compiling
+from evidence.attack.metamorphic.runs import drawn, scene_of
+from evidence.attack.metamorphic.written import changed
+
+without_compiling()
+for seed in ("500071", "500378", "500709", "500756", *map(str, range(800000, 800030))):
+    rng = random.Random(seed)
+    structure, duration = drawn(seed)
+    if not is_quiet(structure):
+        continue
+    for wait in (0.25, 9.0) if seed.startswith("5") else (9.0,):
+        units = tuple(rng.choice([1e-6, 1.0, 1e6]) for _ in range(3)) if wait > 1.0 else (1, 1, 1)
+        image = later(structure, rng, wait * duration).structure
+        scene = scene_of(changed(image, lambda x, unit: x * scale(units, unit)))
+        (outcome,) = fpm.simulate(
+            scene, duration=1.25 * duration * units[2], instants=11,
+            step=duration * units[2] / 40, energy_tolerance=0.02 if wait > 1.0 else 1.0,
+        )
+        print(seed, wait, units, outcome.failure or "right")
+"""
+
+
+@pytest.mark.slow
+def test_structures_at_rest_are_never_refused():
+    """Random ones, in units a million times larger or smaller, before anything moves them, and
+    some in which something does from an instant on: that they move by rounding is no failure."""
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", AT_REST], env=environment, capture_output=True, text=True, check=True
+    )
+    found = done.stdout.splitlines()
+    assert len(found) > 15
+    assert not [line for line in found if not line.endswith("right")]

@@ -208,13 +208,6 @@ class Beams(Kind):
             return FramedElements(*arrays, batch.stack(len(nodes), AXES, end_axes))
         return StraightElements(*arrays)
 
-    @classmethod
-    def rounding(cls, part):
-        """EA l0 of all elements."""
-        from fpm.elements.bars.beam_kernels import AXIAL, LENGTH
-
-        return np.sum(part.beams[:, AXIAL] * part.beams[:, LENGTH] ** 2, 0)
-
 
 ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
 """Row of `end_axes` of an element whose axes are those of its particles."""

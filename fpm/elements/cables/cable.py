@@ -164,13 +164,6 @@ class Cable(Kind):
         return _with_friction(part, batch) if any(cable.rubs for cable in cables) else part
 
     @classmethod
-    def rounding(cls, part):
-        """EA R of all cables."""
-        from fpm.elements.cables.cable_kernels import EA, REST
-
-        return np.sum(part.cables[:, EA] * part.cables[:, REST], 0)
-
-    @classmethod
     def recorded(cls, part, scene, lane):
         """Tensions and lengths."""
         names = cls.names_of(scene)

@@ -41,6 +41,11 @@ class RigidFriction(HoldsHinge):
         return scene.hinges[self.hinge].opening if abs(rate) <= STILL else None
 
     @classmethod
+    def held_round(cls, scene):
+        """All moments: in a loop that holds itself, friction may stick with any."""
+        return float(sum(friction.moment for friction in cls.of(scene)))
+
+    @classmethod
     def array(cls, name, batch):
         """At the start they slip the way that the hinges turn."""
         if name != "state":

@@ -55,7 +55,8 @@ def split(structure: Structure, rng: random.Random) -> Image | None:
         key for key, motion in entries(out, "motions").items() if motion["part"] == name
     ]:
         out["motions"][f"{name}s"] = out["motions"][name_of[0]] | {"part": other}
-    return Image(out, is_exact=not apart)
+    # The work of damping is counted along the step's way of free bodies, at its end of joined ones.
+    return Image(out, is_exact=not apart and "damping" not in out)
 
 
 def _is_damped_for_its_parts(action: dict) -> bool:

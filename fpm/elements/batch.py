@@ -182,7 +182,7 @@ class Batch:
         one, n, points = self.one, len(self.one.position), self.one.points
         lengths = [len(times) for times, _ in one.curves]
         watching = [(kind, watch) for kind in self.kinds for watch in kind.watches]
-        rows = [self.rows.of[kind] for kind, _ in watching]
+        rows, ones = [self.rows.of[kind] for kind, _ in watching], np.ones(self.width)
         return World(
             state=self.stack(n, at.STATE, _state),
             kept=self.blank(n, at.STATE),
@@ -197,7 +197,8 @@ class Batch:
             givers=self.givers,
             sums=self.blank(1, at.SUMS),
             watched=self._watched,
-            most=np.array([watch.most for _, watch in watching]),
+            size=(size := self.stack(1, 1, lambda s: [[size_of(s)]])),
+            most=np.array([w.most * (size[0, 0] if w.of_size else ones) for _, w in watching]),
             always=np.array([watch.always for _, watch in watching], bool),
             watch_rows=self.integers(((r.start, r.stop) for r in rows), 2),
             rows=self._rows,
@@ -252,6 +253,19 @@ def _state(scene: Scene) -> np.ndarray:
     inertia = turns_of(scene).inertia
     out[:, at.P : at.P + 3] = np.einsum("nij,nj->ni", scene.frame, inertia * local)
     return out
+
+
+def size_of(scene: Scene) -> float:
+    """Size (m) of a scene, by which lengths are large or small: how far apart what moves and the
+    points of joints lie, and at least the largest radius of gyration.
+    """
+    free = ~scene.fixed.all(axis=1)
+    joining = (e for kind, found in scene.kinds.items() if kind.joins for e in found)
+    beams = [beam for element in joining for beam in element.beams]
+    ends = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
+    way = np.ptp(np.vstack([scene.position[free], *ends]), axis=0) if free.any() or ends else 0.0
+    gyration = np.sqrt(scene.inertia[free].max(axis=1) / scene.mass[free])
+    return float(max(np.max(way), gyration.max(initial=0.0))) or 1.0
 
 
 def _particles(scene: Scene) -> np.ndarray:

@@ -35,6 +35,7 @@ class Watch(NamedTuple):
     """A quantity that is watched, and above which value (`most`) a run fails.
 
     always: it counts also where the energy does not balance, as nothing else would explain that.
+    of_size: `most` is a share of the scene's size (m), World.size.
     failure(values) -> (found, remedy): in words, from the largest values of the kind's watches.
     """
 
@@ -42,6 +43,7 @@ class Watch(NamedTuple):
     most: float
     always: bool
     failure: Callable[[dict[str, float]], tuple[str, str]]
+    of_size: bool = False
 
 
 class Recorded(NamedTuple):

@@ -28,7 +28,7 @@ def find_failures(parts, world, record, row, n, tolerance):
         balanced = abs(record.energies[row, BALANCE, s]) <= tolerance * record.scale[s]
         within, cause = balanced, UNBALANCED
         for k in range(world.most.shape[0]):
-            if not world.watched[0, k, s] <= world.most[k]:
+            if not world.watched[0, k, s] <= world.most[k, s]:
                 within = False
                 # Mostly, only what happens while the energy balances is the cause.
                 if balanced or world.always[k]:

@@ -36,7 +36,8 @@ class World(NamedTuple):
     givers: int  # number of accounts that give
     sums: np.ndarray  # (1, SUMS, lanes)
     watched: np.ndarray  # (1, w, lanes) largest so far of what kinds watch
-    most: np.ndarray  # (w,) above which a lane fails
+    size: np.ndarray  # (1, 1, lanes) of the scene (m)
+    most: np.ndarray  # (w, lanes) above which a lane fails
     always: np.ndarray  # (w,) whether also where the energy does not balance
     watch_rows: np.ndarray  # (w, 2) first and end of the rows below of the kind that watches
     rows: np.ndarray  # (e, 1, lanes) how bad each element is, for the report of a failure

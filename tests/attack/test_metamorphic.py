@@ -81,6 +81,18 @@ def test_random_structures_move_alike_in_other_words():
     assert count["right"] > 2 * (count["sensitive"] + count["failed"])
 
 
+def lines_of(script: str) -> list[str]:
+    """What a script prints that runs structures without compiling."""
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.splitlines()
+
+
 AT_REST = """
 import random
 import fpm
@@ -97,7 +109,7 @@ for seed in ("500071", "500378", "500709", "500756", *map(str, range(800000, 800
     if not is_quiet(structure):
         continue
     for wait in (0.25, 9.0) if seed.startswith("5") else (9.0,):
-        units = tuple(rng.choice([1e-6, 1.0, 1e6]) for _ in range(3)) if wait > 1.0 else (1, 1, 1)
+        units = tuple(rng.choice([1e-6, 1.0, 1e6]) for _ in range(3))
         image = later(structure, rng, wait * duration).structure
         scene = scene_of(changed(image, lambda x, unit: x * scale(units, unit)))
         (outcome,) = fpm.simulate(
@@ -112,10 +124,36 @@ for seed in ("500071", "500378", "500709", "500756", *map(str, range(800000, 800
 def test_structures_at_rest_are_never_refused():
     """Random ones, in units a million times larger or smaller, before anything moves them, and
     some in which something does from an instant on: that they move by rounding is no failure."""
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
-    done = subprocess.run(
-        [sys.executable, "-c", AT_REST], env=environment, capture_output=True, text=True, check=True
-    )
-    found = done.stdout.splitlines()
+    found = lines_of(AT_REST)
     assert len(found) > 15
     assert not [line for line in found if not line.endswith("right")]
+
+
+FAR_UNITS = """
+import random
+from evidence.attack.metamorphic import families
+from evidence.attack.metamorphic.image import Image, scale
+from evidence.attack.metamorphic.pairs import Trial
+from evidence.attack.metamorphic.plain import without_compiling
+from evidence.attack.metamorphic.runs import drawn
+from evidence.attack.metamorphic.written import changed
+
+def in_far_units(structure, rng):
+    units = tuple(2.0 ** rng.randint(-30, 30) for _ in range(3))
+    return Image(changed(structure, lambda x, unit: x * scale(units, unit)), units=units)
+
+without_compiling()
+families.FAMILIES["in far units"] = in_far_units
+for seed in range(900000, 900024):
+    for one in Trial(*drawn(str(seed)), str(seed)).verdicts(["in far units"]):
+        print(seed, one.what, one.outcome)
+"""
+
+
+@pytest.mark.slow
+def test_size_mass_and_pace_do_not_matter():
+    """Random structures in units up to 2**30 times as large or small: no length, mass or time is
+    large or small but against others of the structure."""
+    found = lines_of(FAR_UNITS)
+    assert not [line for line in found if line.endswith("wrong")]
+    assert sum(line.endswith("right") for line in found) > 15

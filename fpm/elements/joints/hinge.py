@@ -68,7 +68,7 @@ class Hinge(Kind):
 
     joins = True
     holds_opening = False  # as a joint that is an opening (joint.py)
-    watches = (Watch("gap", MOST_GAP, True, _gapes), Watch("tilt", MOST_TILT, True, _gapes))
+    watches = (Watch("gap", MOST_GAP, True, _gapes, True), Watch("tilt", MOST_TILT, True, _gapes))
 
     @staticmethod
     def between(scene, name, particles, point, axis, references, opening, support) -> "Hinge":

@@ -197,7 +197,7 @@ def move(part, world, now):
         left = False
         for h in range(w.shape[0]):
             if open_[h]:
-                far = distance(w, h, now.step)
+                far = distance(w, h, now.step, load(world.size, 0, 0))
                 open_[h] = any_negative(far)
                 if open_[h] and n + 1 == ROUNDS:
                     open_[h] = False
@@ -248,11 +248,12 @@ def opened(part, state, h):
 
 
 @kernel
-def distance(w, h, step):
-    """Negative where what is ASKED of hinge h is too much for `nudge`."""
+def distance(w, h, step, size):
+    """Negative where what is ASKED of hinge h is too much for `nudge`; size (m) of the scene."""
+    coarse = (step / COARSE_GAP) / size
     gap, off = get3(w, h, ASKED), get3(w, h, ASKED + 5)
     ep, eq = load(w, h, ASKED + 3), load(w, h, ASKED + 4)
-    far = 1.0 - (dot(gap, gap) + dot(off, off)) * (step / COARSE_GAP) ** 2
+    far = 1.0 - (dot(gap, gap) + dot(off, off)) * (coarse * coarse)
     tilt = 1.0 - (ep * ep + eq * eq) * (step / COARSE_TILT) ** 2
     return where_negative(tilt, tilt, far)
 
@@ -285,7 +286,8 @@ def list_excess(part, world):
     """Squares of either gap as shares of what is allowed."""
     for h in range(part.hinges.shape[0]):
         gap2, tilt2 = opened(part, world.state, h)
-        excess = gap2 * (1.0 / MOST_GAP**2) + tilt2 * (1.0 / MOST_TILT**2)
+        size = MOST_GAP * load(world.size, 0, 0)
+        excess = gap2 / (size * size) + tilt2 * (1.0 / MOST_TILT**2)
         store(part.rows, h, 0, excess)
 
 

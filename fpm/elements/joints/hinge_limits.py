@@ -1,8 +1,11 @@
-"""From which gaps a hinge or joint gets another round, and counts as open."""
+"""From which gaps a hinge or joint gets another round, and counts as open.
+
+Those in lengths are shares of the scene's size, World.size (m).
+"""
 
 MOST_GAP = 1e-6
-"""Gap (m) of a hinge point from which a hinge counts as open; it is below 1e-11 m as a rule, and
-1e-7 m in single precision. It gapes when its particles turn too far in a step for its rounds.
+"""Gap of a hinge point from which a hinge counts as open; it is below 1e-11 as a rule, and
+1e-7 in single precision. It gapes when its particles turn too far in a step for its rounds.
 """
 
 MOST_TILT = 1e-5
@@ -12,7 +15,7 @@ ROUNDS = 4
 """Most rounds in a step; smooth motion takes one, a fast impact two."""
 
 COARSE_GAP = 5e-9
-"""Gap (m) of the hinge point above which a sample gets another round."""
+"""Gap of the hinge point above which a sample gets another round."""
 
 COARSE_TILT = 5e-8
 """The same for the angle between the axes (rad)."""

@@ -74,7 +74,7 @@ class Joint(Kind):
     joins = True
     gives = LOAD_WORK
     watches = (
-        Watch("joint_gap", MOST_GAP, True, _gapes),
+        Watch("joint_gap", MOST_GAP, True, _gapes, True),
         Watch("joint_tilt", MOST_TILT, True, _gapes),
     )
 

@@ -223,12 +223,13 @@ def move(part, world, now):
     """
     state, rows = world.state, part.rows
     inverse_step = 1.0 / now.step
+    coarse = (1.0 / COARSE_GAP) / load(world.size, 0, 0)
     for n in range(ROUNDS):
         move_bodies(part, state, n > 0, now.step)
         far = 0.0 * load(state, 0, X) + 1.0
         for j in range(part.types.shape[0]):
             gap2, tilt2 = find_gaps(part, state, j)
-            this = 1.0 - gap2 * (1.0 / COARSE_GAP**2)
+            this = 1.0 - gap2 * (coarse * coarse)
             far = where_negative(this, this, far)
             this = 1.0 - tilt2 * (1.0 / COARSE_TILT**2)
             far = where_negative(this, this, far)
@@ -355,7 +356,8 @@ def list_excess(part, world):
     """Squares of either gap as shares of what is allowed."""
     for j in range(part.types.shape[0]):
         gap2, tilt2 = find_gaps(part, world.state, j)
-        excess = gap2 * (1.0 / MOST_GAP**2) + tilt2 * (1.0 / MOST_TILT**2)
+        size = MOST_GAP * load(world.size, 0, 0)
+        excess = gap2 / (size * size) + tilt2 * (1.0 / MOST_TILT**2)
         store(part.excess, part.names[j], 0, excess)
 
 

@@ -13,7 +13,6 @@ import xarray as xr
 from deployable import campaign
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import Accuracy
-from deployable.campaign.errors import ConfigError
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import _sought, added
 from deployable.campaign.plan.decide import Cost, decide, growth, needed
@@ -47,21 +46,6 @@ def test_a_mesh_of_the_config_is_kept(asked):
     found = check_config(asked).experiment
     assert found.scene.parameters == {"elements": 5}
     assert found.accuracy.mesh == ""
-
-
-@pytest.mark.parametrize(
-    ("change", "told"),
-    [
-        ({"design": {"method": "scan"}}, "design: not allowed beside accuracy"),
-        ({"accuracy": 2}, "accuracy: 2 is not allowed"),
-        ({"accuracy": {"of": {"BX": 0.1}}}, "accuracy.of.BX: there is no such"),
-        ({"accuracy": {"runs": 0}}, "accuracy.runs: 0 is not allowed"),
-        ({"accuracy": {"tolerance": 0.1}}, "accuracy.tolerance: there is no such key"),
-    ],
-)
-def test_what_does_not_go_together_is_refused(asked, change, told):
-    with pytest.raises(ConfigError, match=told):
-        check_config({**asked, **change})
 
 
 COST = Cost(runs=24, seconds=1.0, nodes=16, more=8, checked=8, each=0.01, elements=6)

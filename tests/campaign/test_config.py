@@ -51,11 +51,10 @@ def test_what_is_wrong_is_told_with_key_value_and_what_is_allowed(row):
     assert all("allowed: " in sentence for sentence in wanted)
 
 
-def test_too_many_runs_are_refused_before_they_are_made(raw):
-    for name in ("L", "E", "rho", "K_C"):
-        change(raw, f"intervals.{name}", {"relative": 0.01})
-    with pytest.raises(ConfigError, match=r"design\.order: 64 .*runs"):
-        check_config(change(raw, "design.order", 64))
+def test_what_a_structure_refuses_is_told_with_its_file_and_line(raw):
+    where = r"scene: at the nominal values \(a = 0\.035\): .*bennett\.yaml, line \d+: let\.left: "
+    with pytest.raises(ConfigError, match=where):
+        check_config(change(raw, "scene.parameters.start", 121))
 
 
 @pytest.mark.parametrize("level", [10**20, 2**63, True])
@@ -70,29 +69,6 @@ def test_a_whole_number_that_no_array_holds_is_taken_as_a_number(raw, level):
 
 
 THREE = {name: {"relative": 0.01} for name in ("a", "E", "K_C")}
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (
-            {"intervals": THREE, "design": {"method": "scan", "samples": 3}},
-            ["with 4 runs", "polynomial, or at least 5 runs"],
-        ),
-        (
-            {"design": {"method": "scan", "samples": 4000}},
-            ["with 4001 runs", "polynomial, or at most 4000 runs"],
-        ),
-    ],
-)
-def test_a_spline_that_cannot_be_is_refused(raw, change, words):
-    raw |= {**change, "bounds": {"model": "spline"}}
-    with pytest.raises(ConfigError) as error:
-        check_config(raw)
-    assert len(error.value.problems) == 1, error.value.problems
-    for word in ["bounds.model: 'spline' is not allowed", *words]:
-        assert word in error.value.problems[0]
-    assert check_config({**raw, "bounds": {}}).bounds.model == "polynomial"
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,6 @@ from deployable import campaign
 from deployable.campaign.answers.choice import doubted
 from deployable.campaign.cli import UNMET, main
 from deployable.campaign.config.sections import Choose
-from deployable.campaign.errors import ConfigError
 from deployable.campaign.folder import Folder
 from deployable.campaign.text.templates import sentence
 from deployable.intervals.scalars import Choice
@@ -196,39 +195,6 @@ def test_the_exit_status_tells_of_unmet_requirements_where_asked(tmp_path, capsy
     config.write_text(yaml.safe_dump(raw))
     assert main([*call, "--require"]) == 1
     assert "has no requirements" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        (
-            {"requirements": {"r": {"t": {"at_most": 1}}}},
-            "no such quantity.*allowed: one of t_open",
-        ),
-        ({"requirements": {"r": {"t_open": {"most": 1}}}}, "did you mean at_most"),
-        ({"requirements": {"r": {"t_open": {"at_least": 3, "at_most": 1}}}}, "above at_most"),
-        ({"requirements": {"r": {"t_open": {"happens": False, "at_most": 1}}}}, "no other limit"),
-        ({"choose": {"parameters": {"k": [0.1, 0.2]}}}, "0 goals"),
-        (
-            {"choose": {"parameters": {"k": [0.1, 0.2]}, "minimise": "t_open"}},
-            "choose.minimise: 't_open'.*upper",
-        ),
-        (
-            {"choose": {"parameters": {"k": [0.1, 0.2]}, "maximise": "t_open"}},
-            "choose.maximise: 't_open'.*upper",
-        ),
-        ({"choose": {"parameters": {"k": [0.1, 0.2]}, "minimise": "upper(x)"}}, "no such quantity"),
-        (
-            {"choose": {"parameters": {"k": [0.2, 0.1]}, "minimise": "upper(t_open)"}},
-            "larger upper",
-        ),
-        ({"choose": {"parameters": {"q": [1, 2]}, "minimise": "upper(t_open)"}}, "real parameter"),
-        ({"choose": {"parameters": {"k": [0, 999]}, "minimise": "upper(t_open)"}}, "leaves the"),
-    ],
-)
-def test_what_cannot_be_asked_is_refused_before_any_run(changes, words):
-    with pytest.raises(ConfigError, match=words):
-        campaign.check_config(panel(quantities=QUANTITIES, **changes))
 
 
 @pytest.mark.parametrize(

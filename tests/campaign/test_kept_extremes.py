@@ -181,19 +181,6 @@ def test_the_page_draws_the_runs_at_the_bounds(scan, tmp_path):
     assert "it is no guarantee" in (tmp_path / "test/report.html").read_text()
 
 
-@pytest.mark.parametrize(
-    ("change", "told"),
-    [
-        ({"design": {"method": "tensor_roots", "order": 2}}, "design method scan without order"),
-        ({"design": {"method": "scan", "samples": 40, "order": 2}}, "surrogate, which needs"),
-        ({"bounds": {"model": "spline"}}, "bounds model spline"),
-    ],
-)
-def test_extremes_are_refused_where_every_run_is_needed(scan, change, told):
-    with pytest.raises(ConfigError, match=told):
-        campaign.check_config(scan | change)
-
-
 def test_a_million_runs_are_refused_where_the_disk_has_no_room(scan, monkeypatch):
     monkeypatch.setattr(kept, "_free", lambda folder: 1e9)
     scan["design"]["samples"] = 10**7

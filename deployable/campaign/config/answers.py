@@ -18,13 +18,9 @@ _GOAL = re.compile(r"(\w+)\((\w+)\)")
 def choose_of(given: Choosing, intervals: Mapping[str, Around]) -> Choose:
     """What `choose` of a config asks for; `intervals` as the user gave them."""
     relative = [n for n in given.parameters if n in intervals and intervals[n].relative is not None]
-    return Choose(
-        given.parameters, _texts(given.minimise), _texts(given.maximise), given.order, (*relative,)
-    )
-
-
-def _texts(goals: str | tuple[str, ...]) -> tuple[str, ...]:
-    return (goals,) if isinstance(goals, str) else goals
+    goals = {"minimise": given.minimise, "maximise": given.maximise}
+    goals = {key: (one,) if isinstance(one, str) else one for key, one in goals.items()}
+    return Choose(given.parameters, **goals, order=given.order, relative=(*relative,))
 
 
 def goals_of(choose: Choose) -> list[tuple[float, str, str]]:

@@ -47,11 +47,9 @@ class Key:
         """The limits as pydantic knows them."""
         import annotated_types as types
 
-        kinds = {"gt": types.Gt, "ge": types.Ge, "le": types.Le}
-        kinds |= {"least": types.MinLen, "most": types.MaxLen}
-        for name, kind in kinds.items():
-            if (limit := getattr(self, name)) is not None:
-                yield kind(limit)
+        kinds = (types.Gt, types.Ge, types.Le, types.MinLen, types.MaxLen)
+        limits = (self.gt, self.ge, self.le, self.least, self.most)
+        yield from (kind(n) for kind, n in zip(kinds, limits, strict=True) if n is not None)
         if self.pattern:
             yield types.Predicate(re.compile(self.pattern).fullmatch)
 

@@ -16,6 +16,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from deployable.campaign.config.models import (
     BoundsChoice,
+    Choosing,
     Design,
     ErrorDisplay,
     FigureChoice,
@@ -182,19 +183,16 @@ class Experiment:
 
 
 @dataclass(frozen=True)
-class Choose:
-    """Which nominal values are sought: `parameters` with the range (2,) of each, in its unit, and
-    the goals as text, such as `upper(t)`, that are to be small or large.
+class Choose(Choosing):
+    """Which nominal values are sought, and the goals, such as `upper(t)`.
 
-    order: of the surrogate along the chosen parameters. relative: those whose intervals grow with
-    the nominal value; others keep their width, and a parameter without an interval has none.
+    relative: parameters whose intervals grow with the nominal value; others keep their width, and a
+    parameter without an interval has none.
     """
 
-    parameters: dict[str, tuple[float, ...]]
-    minimise: tuple[str, ...]
-    maximise: tuple[str, ...]
-    order: int
-    relative: tuple[str, ...]
+    minimise: tuple[str, ...] = ()
+    maximise: tuple[str, ...] = ()
+    relative: tuple[str, ...] = ()
 
     def interval(self, name: str, value: float, experiment: Experiment) -> tuple[float, float]:
         """The ends of a parameter's interval about a chosen nominal value."""

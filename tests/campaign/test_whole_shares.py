@@ -14,6 +14,7 @@ from deployable.campaign.answers.ends import settle
 from deployable.campaign.answers.finer import beyond_of, finer_errors
 from deployable.campaign.answers.limits import Asked, judged
 from deployable.intervals import Box
+from deployable.intervals.designs.scan import scan_points
 from deployable.intervals.scalars import Limit, Occurrence, share_of_box
 
 HAPPENS = Asked("there", 0, "happens", 1.0)
@@ -57,6 +58,21 @@ def test_the_truth_lies_within_what_step_and_mesh_leave_open(kind):
     assert np.mean(blind) < np.mean(off)
 
 
+@pytest.mark.parametrize("kind", ["late", "latch"])
+def test_the_error_of_an_end_next_to_a_border_is_known_and_covers_the_true_one(kind):
+    """Where the finer run at an end no longer has the number: by the nearest one that has."""
+    for k, seed in ((1, 11), (1, 12), (2, 22)):
+        closed = Closed(kind, k, seed, 0.1)
+        bench = ClosedBench(closed, 9 * k)
+        (end,) = settle(bench, 4, [HAPPENS])
+        step, mesh = (errors[0] for errors in finer_errors(bench, [end]).values())
+        unit = scan_points(np.ones(k, dtype=bool), 2**12)
+        truth, _ = closed.told(unit, (0.0, 0.0))
+        off = np.abs(np.array(end.outer) - [np.nanmin(truth), np.nanmax(truth)])
+        near = 0.02 * np.ptp(truth[np.isfinite(truth)])
+        assert (off <= step + mesh + end.surrogate.usual_error + near).all()
+
+
 def test_a_border_that_finer_runs_confirm_does_not_move():
     bench = ClosedBench(Closed("latch", 1, 11, 0.0), 9)
     (end,) = settle(bench, 4, [HAPPENS])
@@ -76,7 +92,7 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
 
     bench.told = told
     occurrence = Occurrence(x, np.isfinite(bench.numbers[:, 0]))
-    found = borders.moved(bench, 0, occurrence, None).border
+    found, _ = borders.moved(bench, 0, occurrence, None)
     there = float(occurrence.certainty(np.array([[0.3]]))[0])
     assert found == pytest.approx(2 * there, rel=0.05)
     limit = Limit(SimpleNamespace(occurrence=occurrence), "happens", 1.0, border=found)

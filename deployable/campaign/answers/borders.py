@@ -10,7 +10,7 @@ differ. That is continued as if it fell at the first order: what happens or not 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -22,24 +22,17 @@ _SIDE = 4  # runs at once on each side of a border: eight side by side cost what
 _HALVINGS = 3  # of the stretch on which a border lies
 
 
-class Moved(NamedTuple):
-    """What a finer mesh and step change: the certainty (see `intervals.scalars.Occurrence`), and
-    the number next to the border, NaN where no run there has it."""
-
-    border: float
-    number: float
-
-
-def moved(bench: Bench, q: int, occurrence: Any, finest: Plan) -> Moved:
-    """How far the border of quantity `q` moves. Where all runs agree, by how much their margins
-    change; 0 where they have none."""
+def moved(bench: Bench, q: int, occurrence: Any, finest: Plan) -> tuple[float, float]:
+    """How far the border of quantity `q` moves, as a change of the certainty; and the change of the
+    number next to it, NaN where no run there has it. Where all runs agree, by how much their
+    margins change; 0 where they have none."""
     happens = np.isfinite(bench.numbers[:, q])
     if occurrence.mixed:
         certain, told = occurrence.certainty(bench.unit), occurrence.told
     elif np.isfinite(bench.margins[:, q]).all():
         certain, told = bench.margins[:, q], lambda numbers, margins: margins
     else:
-        return Moved(0.0, np.nan)
+        return 0.0, np.nan
     border, number, taken, differ = 0.0, np.nan, np.zeros(0, int), np.zeros(0, bool)
     for rows in _farther(np.abs(certain), happens):
         numbers, margins = (each[:, q] for each in bench.told(finest, bench.unit[rows]))
@@ -55,7 +48,8 @@ def moved(bench: Bench, q: int, occurrence: Any, finest: Plan) -> Moved:
     if differ.any() and not np.isfinite(change).any():
         ends = _stretches(bench.unit[taken], happens[taken], differ, np.abs(certain[taken]))
         border = max(border, _ceases(bench, q, occurrence, finest, *ends))
-    return Moved(*map(float, continued(np.array([border, number]))))
+    border, number = map(float, continued(np.array([border, number])))
+    return border, number
 
 
 def _farther(size: np.ndarray, happens: np.ndarray) -> Iterator[np.ndarray]:

@@ -28,6 +28,9 @@ from deployable.intervals.estimates import continued, ratio_of
 PLACES = 8
 """Places at which runs are repeated for the responses: eight side by side cost what three do."""
 
+_HALVINGS = 6
+"""Of the way on which finer runs cease to have a number."""
+
 BESIDE = 0.1
 """In unit coordinates: a planned run so near a place stands for it."""
 
@@ -89,8 +92,9 @@ def _mean_size(change: np.ndarray) -> np.ndarray:
 
 def finer_errors(bench: Bench, ends: list[Ends], parts: tuple = PARTS) -> dict[str, np.ndarray]:
     """Errors (q, 2) of `step` and `mesh` by name: of the lower and the upper end of each quantity,
-    by the order at the one that a finer one changes most. NaN where it has none, or happens in one
-    of both runs only; no mesh where no parameter sets it.
+    by the order at the one that a finer one changes most. Where the finer run at an end has no
+    number, by that of the one nearest to it that has. NaN where there is none; no mesh where no
+    parameter sets it.
     """
     points = np.array([at for end in ends for at in (end.argmin, end.argmax)])
     before = np.array([value for end in ends for value in (end.lower, end.upper)])
@@ -106,20 +110,43 @@ def finer_errors(bench: Bench, ends: list[Ends], parts: tuple = PARTS) -> dict[s
 
     for name, level in _levels(bench.plan, parts).items():
         now = numbers(level.finer, np.arange(len(points)))
+        lost = np.isfinite(before) & ~np.isfinite(now)
+        if lost.any():
+            points[lost], now[lost] = _nearest_left(bench, level.finer, of[lost], points[lost])
         change = np.abs(now - before).reshape(-1, 2)
         most = 2 * np.arange(len(ends)) + np.nan_to_num(change).argmax(axis=1)
         third = _third(bench, level, lambda plan, most=most: numbers(plan, most))
-        ratio = None if third is None else level.ratio(before[most], now[most], third)
-        found[name] = continued(change, None if ratio is None else ratio[:, None])
+        if third is not None:  # which tells no order beside a run at another place
+            third = level.ratio(before[most], now[most], np.where(lost[most], np.nan, third))
+        found[name] = continued(change, None if third is None else third[:, None])
         before = now
     return found
+
+
+def _nearest_left(
+    bench: Bench, plan: Plan, of: np.ndarray, points: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Unit points (P, k) and numbers (P) of the runs of a plan that have the quantities `of` (P),
+    nearest to points at which they do not, on the way to the middle of all runs that have them."""
+    left = np.array([bench.unit[np.isfinite(bench.numbers[:, q])].mean(axis=0) for q in of])
+    found, _ = bench.told(plan, left)
+    numbers, row = found[np.arange(len(of)), of], np.arange(len(of))
+    for _ in range(_HALVINGS):
+        middle = (points + left) / 2
+        now = bench.told(plan, middle)[0][row, of]
+        there = np.isfinite(now)
+        numbers = np.where(there, now, numbers)
+        points, left = (
+            np.where(there[:, None], *pair) for pair in ((points, middle), (middle, left))
+        )
+    return left, numbers
 
 
 def beyond_of(
     bench: Bench, ends: list[Ends], errors: dict[str, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
     """What the runs are wrong by (q,) by mesh and step, for shares of the box: the numbers, by the
-    `finer_errors` of their ends, or next to where they cease where an end has none; and the
+    `finer_errors` of their ends, and next to where they cease if that passes an end; and the
     certainty that there are any. Infinite where finer runs tell that it is wrong, not how much."""
     numbers, borders = np.zeros(len(ends)), np.zeros(len(ends))
     if not errors:
@@ -128,11 +155,11 @@ def beyond_of(
     for q, end in enumerate(ends):
         if end.surrogate.fit is None:
             continue
-        found = moved(bench, q, end.surrogate.occurrence, finest.finer)
-        borders[q], parts = found.border, np.array([each[q] for each in errors.values()])
-        numbers[q] = np.nan_to_num(parts).sum(axis=0).max()
-        if np.isnan(parts).any():
-            numbers[q] = max(numbers[q], np.nan_to_num(found.number, nan=np.inf))
+        borders[q], beside = moved(bench, q, end.surrogate.occurrence, finest.finer)
+        numbers[q] = np.sum([each[q] for each in errors.values()], axis=0).max()
+        at_ends, _ = bench.told(finest.finer, [end.argmin, end.argmax])
+        if not np.isfinite(at_ends[:, q]).all():
+            numbers[q] = np.nan_to_num(np.maximum(numbers[q], beside), nan=np.inf)
             borders[q] = borders[q] if end.surrogate.occurrence.mixed else np.inf
     return numbers, borders
 

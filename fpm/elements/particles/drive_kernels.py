@@ -77,16 +77,19 @@ def look_back(part, world, now):
     """Velocities half a step before the start, as if they changed evenly; in place of the momenta,
     which driven particles do not have, the spins on both sides.
     """
-    for array in (world.kept, world.state):
-        for n in range(part.on.shape[0]):
-            for k in (V, P):
-                put3(array, part.on[n], k, 0.0 * get3(array, part.on[n], k))
-    for n in range(part.on.shape[0]):
+    for n in range(part.particle.shape[0]):
+        i = part.particle[n]
+        none = 0.0 * get3(world.state, i, X)
+        put3(world.kept, i, V, none)
+        put3(world.kept, i, P, none)
+        put3(world.state, i, P, none)
+    for n in range(part.particle.shape[0]):
+        i, spin = part.particle[n], get3(part.numbers, n, SPIN)
         after = curve_value(world, part.curve[n], 0.5 * now.step)
         before = 2.0 * curve_value(world, part.curve[n], 0.0) - after
-        for array, factor in ((world.kept, before), (world.state, after)):
-            add3(array, part.on[n], V, factor * get3(part.rate, n, LINEAR))
-            add3(array, part.on[n], P, factor * get3(part.rate, n, SPIN))
+        add3(world.kept, i, V, before * get3(part.numbers, n, LINEAR))
+        add3(world.kept, i, P, before * spin)
+        add3(world.state, i, P, after * spin)
 
 
 @hook(Drives)

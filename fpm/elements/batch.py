@@ -198,7 +198,9 @@ class Batch:
             sums=self.blank(1, at.SUMS),
             watched=self._watched,
             size=(size := self.stack(1, 1, lambda s: [[size_of(s)]])),
-            most=np.array([w.most * (size[0, 0] if w.of_size else ones) for _, w in watching]),
+            most=np.array(
+                [w.most * (size[0, 0] if w.of_size else ones) for _, w in watching]
+            ).reshape(-1, self.width),
             always=np.array([watch.always for _, watch in watching], bool),
             watch_rows=self.integers(((r.start, r.stop) for r in rows), 2),
             rows=self._rows,

@@ -105,14 +105,14 @@ def _parser() -> argparse.ArgumentParser:
             one.add_argument(
                 "--bundle", type=Path, help="file for the runs, if no folder is shared"
             )
-        elif name == "gather":
-            one.add_argument("--bundles", nargs="*", type=Path, default=[], help="runs, as files")
-        elif name == "report":
+        elif name == "page":
             words = "frames of the runs that move, evenly spread (%(default)s)"
             default = signature(stage.work).parameters["frames"].default
             one.add_argument("--frames", type=int, default=default, help=words)
         elif stage.has_threads:
             one.add_argument("--threads", type=int, default=1, help="that share the runs")
+        if name == "bounds":
+            one.add_argument("--bundles", nargs="*", type=Path, default=[], help="runs, as files")
         one.add_argument("--log", type=Path, help="file that messages go to as well")
     if _evidence_is_there():
         command("attack", _attack)  # its words never come here

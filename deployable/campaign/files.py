@@ -22,8 +22,8 @@ _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", defau
 
 @contextmanager
 def results_of(facts: Mapping[str, str]) -> Iterator[None]:
-    """What results written inside this block tell of themselves beside their names."""
-    token = _FACTS.set(facts)
+    """What results written inside this block say of themselves beside their names."""
+    token = _FACTS.set({**_FACTS.get(), **facts})
     try:
         yield
     finally:

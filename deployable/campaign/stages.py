@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -18,9 +19,8 @@ from typing import Any, get_type_hints
 from deployable.campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
 from deployable.campaign.errors import CampaignError, of_files
 from deployable.campaign.files import results_of
-from deployable.campaign.folder import Folder
+from deployable.campaign.folder import ROUND_FILES, Folder
 from deployable.campaign.runs.progress import Tell
-from deployable.campaign.stopping import import_ahead
 from fpm.sealed import DamagedError, check, sweep
 
 
@@ -38,8 +38,25 @@ def plan(folder: Folder, tell: Tell, experiment: Any) -> None:
     )
 
 
-def plan_round(folder: Folder, tell: Tell, experiment: Any) -> None:
-    """Choose the runs of the next round towards an accuracy, or say why it ends."""
+def rounds(
+    folder: Folder, tell: Tell, experiment: Any, bounds: Any, verify: Any, jobs: Any,
+    threads: int = 1,
+) -> None:  # fmt: skip
+    """Make runs in rounds until an accuracy is met or its budget is spent; the last round's results
+    are the campaign's."""
+    number = 0
+    while not _plan_round(place := folder.round(number), tell, experiment):
+        with results_of(_plan_of(place, (_PLAN,))):
+            simulate(place, tell, jobs, threads=threads)
+            _bounds(place, tell, bounds, verify, jobs, threads)
+        number += 1
+    last = [place.plan, *(place.previous() / name for name in ROUND_FILES[1:])]
+    for path in last:
+        shutil.copy(path, folder.path)
+
+
+def _plan_round(folder: Folder, tell: Tell, experiment: Any) -> bool:
+    """Choose the runs of the next round towards an accuracy; whether there is to be none."""
     from deployable.campaign.plan.accuracy import first_plan, next_plan
     from deployable.campaign.plan.plan import read_plan, write_plan
 
@@ -51,161 +68,106 @@ def plan_round(folder: Folder, tell: Tell, experiment: Any) -> None:
     write_plan(made, folder.plan)
     if not made.is_finished:
         tell(f"{experiment.name}: {len(made.unique_runs())} runs")
+    return made.is_finished
 
 
 def simulate(
-    folder: Folder,
-    tell: Tell,
-    jobs: Any,
-    batch: int = 0,
-    batches: int = 1,
-    threads: int = 1,
-    processes: int = 1,
-    bundle: Any = None,
-    ahead: Sequence[str] = (),
-) -> None:
-    """Simulate one batch of the planned runs, except those that are there already.
-
-    ahead: modules that are imported meanwhile.
-    """
+    folder: Folder, tell: Tell, jobs: Any, batch: int = 0, batches: int = 1, threads: int = 1,
+    processes: int = 1, bundle: Any = None,
+) -> None:  # fmt: skip
+    """Simulate one batch of the planned runs, except those that are there already."""
     from deployable.campaign.plan.plan import read_plan
     from deployable.campaign.runs.batch import run_batch
     from deployable.campaign.runs.bundle import pack
 
     made = read_plan(folder.plan)
     store, manifest = folder.runs(jobs.keep), folder.batch(batch)
-    run_batch(made, batch, batches, jobs, store, manifest, tell, threads, processes, ahead)
+    run_batch(made, batch, batches, jobs, store, manifest, tell, threads, processes)
     if bundle:
         pack(store, bundle)
 
 
-def gather(folder: Folder, tell: Tell, jobs: Any, bundles: Any = ()) -> None:
-    """Gather the responses of all runs into samples.nc."""
-    from deployable.campaign.plan.plan import read_plan
-    from deployable.campaign.results.kept_extremes import gather as gather_extremes
-    from deployable.campaign.results.samples import gather
+def bounds(
+    folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int = 1,
+    bundles: Any = (),
+) -> None:  # fmt: skip
+    """Gather the responses of all runs, fit the surrogate, take its bounds, and find which
+    parameter matters; what mesh and step add to the error, where that is to be known."""
     from deployable.campaign.runs.bundle import unpack
 
     unpack(bundles, folder.runs(jobs.keep))
-    collect = gather_extremes if jobs.keep == "extremes" else gather
-    collect(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples, tell)
+    _bounds(folder, tell, bounds, verify, jobs, threads)
 
 
-def bounds(
-    folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int = 1
-) -> None:
-    """Fit the surrogate to samples.nc, take its bounds, and tell which parameter matters.
-
-    What mesh and step add to the error is told too, where that is asked for.
-    """
+def _bounds(folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int) -> None:
     from deployable.campaign.answers.finer import check_bounds, finer_parts
     from deployable.campaign.plan.plan import read_plan
     from deployable.campaign.results.bounds import analyse
+    from deployable.campaign.results.kept_extremes import gather as gather_extremes
+    from deployable.campaign.results.samples import gather
 
-    parts = finer_parts(read_plan(folder.plan), verify)
-    if not parts:
-        analyse(folder, bounds)
-        return
+    made = read_plan(folder.plan)
+    collect = gather_extremes if jobs.keep == "extremes" else gather
+    collect(made, jobs, folder.runs(jobs.keep), folder.samples, tell)
+    parts = finer_parts(made, verify)
 
     def more(found: Any) -> Any:
-        return check_bounds(folder, found, jobs, tell, threads, parts)
+        return check_bounds(folder, found, jobs, tell, threads, parts) if parts else found
 
     analyse(folder, bounds, more)
 
 
-def quantities(
-    folder: Folder, tell: Tell, requirements: Any, verify: Any, jobs: Any, threads: int = 1
-) -> None:
-    """Find the intervals of the quantities, with further runs at their ends, and where
-    requirements are decided."""
-    from deployable.campaign.answers.quantities import answer
-
-    answer(folder, requirements, verify, jobs, tell, threads)
-
-
-def requirements(folder: Folder, tell: Tell, requirements: Any, jobs: Any) -> None:
-    """Tell what of the box meets the requirements, and where they fail."""
-    from deployable.campaign.answers.requirements import answer
-
-    answer(folder, requirements, jobs, tell)
-
-
-def choice(
-    folder: Folder,
-    tell: Tell,
-    choose: Any,
-    requirements: Any,
-    verify: Any,
-    jobs: Any,
-    threads: int = 1,
-) -> None:
-    """Find the nominal values that are best in the worst case."""
-    from deployable.campaign.answers.choice import answer
-
-    answer(folder, choose, requirements, verify, jobs, tell, threads)
-
-
-def envelopes(folder: Folder, tell: Tell, error: Any) -> None:
-    """Draw each response with its bounds and the nominal run."""
-    from deployable.campaign.results.figures import draw_envelopes
-
-    draw_envelopes(folder.bounds, error.shade_above, folder.figures)
-
-
-def ranges(folder: Folder, tell: Tell) -> None:
-    """Draw each quantity over the box, or what each parameter contributes to it."""
-    from deployable.campaign.results.ranges import draw_ranges
-
-    draw_ranges(folder, folder.overviews)
-
-
-def alternatives(folder: Folder, tell: Tell) -> None:
-    """Draw the choices that were tried."""
-    from deployable.campaign.results.alternatives import draw_alternatives
-
-    draw_alternatives(folder, folder.overviews)
-
-
-def sensitivities(folder: Folder, tell: Tell) -> None:
-    """Draw which parameter widens the bounds, and when."""
-    from deployable.campaign.results.figures import draw_sensitivities
-
-    draw_sensitivities(folder.sensitivities, folder.overviews)
-
-
-def moments(folder: Folder, tell: Tell, figures: Any) -> None:
-    """Draw the structure at some moments of the nominal run."""
-    from deployable.campaign.results.moments import draw_nominal
-
-    draw_nominal(folder, figures.moments)
-
-
-def summary(
-    folder: Folder, tell: Tell, published: dict[str, float], requirements: Any, choose: Any
-) -> None:
-    """Write the headline numbers as JSON and as a table for people."""
+def answers(
+    folder: Folder, tell: Tell, requirements: Any, choose: Any, published: Any, verify: Any,
+    jobs: Any, threads: int = 1,
+) -> None:  # fmt: skip
+    """Find the intervals of the quantities, what of the box meets the requirements, and the best
+    choice, with the runs that decide them; sum everything up."""
+    from deployable.campaign.answers import choice as best
+    from deployable.campaign.answers import quantities as intervals
+    from deployable.campaign.answers import requirements as limits
+    from deployable.campaign.plan.plan import read_plan
     from deployable.campaign.results.summary import summarise
 
+    if read_plan(folder.plan).experiment.quantities:
+        intervals.answer(folder, requirements, verify, jobs, tell, threads)
+    if requirements:
+        limits.answer(folder, requirements, jobs, tell)
+    if choose.parameters:
+        best.answer(folder, choose, requirements, verify, jobs, tell, threads)
     tell(summarise(folder, published, bool(requirements), bool(choose.parameters)))
 
 
-def report(
-    folder: Folder, tell: Tell, frames: int = 401, moved: Callable[[], None] = lambda: None
-) -> None:
-    """Make the page that shows and tells everything, with the motion of some runs.
+def figures(folder: Folder, tell: Tell, error: Any, choose: Any) -> None:
+    """Draw each response with its bounds, what each parameter contributes, each quantity over the
+    box, and the choices that were tried."""
+    from deployable.campaign.plan.plan import read_plan
+    from deployable.campaign.results.alternatives import draw_alternatives
+    from deployable.campaign.results.figures import draw_envelopes, draw_sensitivities
+    from deployable.campaign.results.ranges import draw_ranges
 
-    moved: is called as soon as these motions are there.
-    """
+    draw_envelopes(folder.bounds, error.shade_above, folder.figures)
+    wanted = drawings(read_plan(folder.plan).experiment, choose)
+    if "sensitivities" in wanted:
+        draw_sensitivities(folder.sensitivities, folder.overviews)
+    if "ranges" in wanted:
+        draw_ranges(folder, folder.overviews)
+    if "alternatives" in wanted:
+        draw_alternatives(folder, folder.overviews)
+
+
+def page(folder: Folder, tell: Tell, figures: Any, frames: int = 401) -> None:
+    """Make the page that shows and tells everything, with the motion of some runs, and draw some
+    moments of the nominal one."""
     from deployable.campaign.report import from_results, make_motions, write_page
+    from deployable.campaign.results.moments import draw_nominal
 
     if frames < 2:
         raise CampaignError(f"--frames {frames}: allowed: 2 and more")
-    # What turns frames into quaternions is imported while the runs are integrated.
-    import_ahead("scipy.spatial.transform")
     if not make_motions(folder.path, frames):
         tell("no run is made again: the structure or the mechanics have changed since")
-    moved()
     write_page(from_results(folder.path), folder.report)
+    draw_nominal(folder, figures.moments)
     tell(f"Open {folder.report}")
 
 
@@ -236,7 +198,7 @@ class Stage:
         try:
             for place in folder.written:
                 sweep(place)
-            facts = {"basis": self.basis(sections), **self._plan(folder)}
+            facts = {"basis": self.basis(sections), **_plan_of(folder, self.takes)}
             with results_of(facts):
                 self.work(folder, tell, **arguments)
         except (OSError, RuntimeError) as error:
@@ -249,15 +211,6 @@ class Stage:
         """Digest of what the stage's results depend on beside the files that it takes."""
         mechanics = [s.scene_type.digest for s in sections.values() if isinstance(s, Experiment)]
         return digest([program_digest(), json.loads(as_json(**sections)), mechanics])
-
-    def _plan(self, folder: Folder) -> dict[str, str]:
-        """The plan that all files that the stage takes are of, as a fact for its results."""
-        found = {name: check(folder / name, name).get("plan") for name in self.takes}
-        for name, plan in found.items():
-            if plan != (first := next(iter(found.values()))):
-                told = f"it is of plan {plan}, {next(iter(found))} of {first}"
-                raise DamagedError(folder / name, told)
-        return {"plan": next(iter(found.values()))} if found else {}
 
     def typed(self, data: dict) -> dict[str, Any]:
         """The stage's sections from plain data."""
@@ -292,24 +245,32 @@ UNCOUNTED = {"shipped", "__pycache__"}
 
 _PLAN, _SAMPLES, _BOX = "nodes.json", "samples.nc", "bounds.nc"
 
+
+def _plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
+    """The plan that all these files are of, as a fact for results that are made from them."""
+    found = {name: check(folder / name, name).get("plan") for name in names}
+    for name, plan in found.items():
+        if plan != (first := next(iter(found.values()))):
+            raise DamagedError(
+                folder / name, f"it is of plan {plan}, {next(iter(found))} of {first}"
+            )
+    return {"plan": next(iter(found.values()))} if found else {}
+
+
 STAGES = {
     stage.name: stage
     for stage in (
         Stage(plan, ("experiment",)),
-        Stage(plan_round, ("experiment",)),
+        Stage(rounds, ("experiment", "bounds", "verify", "jobs")),
         Stage(simulate, ("jobs",), (_PLAN,)),
-        Stage(gather, ("jobs",), (_PLAN,)),
-        Stage(bounds, ("bounds", "verify", "jobs"), (_PLAN, _SAMPLES)),
-        Stage(quantities, ("requirements", "verify", "jobs"), (_PLAN, _SAMPLES)),
-        Stage(requirements, ("requirements", "jobs"), (_PLAN, _SAMPLES, "further.nc")),
-        Stage(choice, ("choose", "requirements", "verify", "jobs"), (_PLAN,)),
-        Stage(envelopes, ("error",), (_BOX,)),
-        Stage(sensitivities, (), ("sensitivities.nc",)),
-        Stage(ranges, (), (_SAMPLES, "quantities.nc", "further.nc")),
-        Stage(alternatives, (), ("choice.json",)),
-        Stage(moments, ("figures",), (_PLAN, _SAMPLES)),
-        Stage(summary, ("published", "requirements", "choose"), (_PLAN, _SAMPLES, _BOX)),
-        Stage(report, (), (_SAMPLES, _BOX, "sensitivities.nc", "summary.json")),
+        Stage(bounds, ("bounds", "verify", "jobs"), (_PLAN,)),
+        Stage(
+            answers,
+            ("requirements", "choose", "published", "verify", "jobs"),
+            (_PLAN, _SAMPLES, _BOX),
+        ),
+        Stage(figures, ("error", "choose"), (_PLAN, _BOX, "sensitivities.nc")),
+        Stage(page, ("figures",), (_SAMPLES, _BOX, "sensitivities.nc", "summary.json")),
     )
 }
 
@@ -333,18 +294,8 @@ def batch_count(campaign: Campaign, runs: int) -> int:
     return count - count % cores if count > cores else count
 
 
-def answers(campaign: Campaign) -> list[str]:
-    """The stages that answer what is asked of quantities, in their order."""
-    asked = campaign.experiment.quantities, campaign.requirements, campaign.choose.parameters
-    stages = ("quantities", "requirements", "choice")
-    return [stage for stage, wanted in zip(stages, asked, strict=True) if wanted]
-
-
-def drawings(campaign: Campaign) -> list[str]:
-    """The stages that draw something of the campaign."""
-    experiment = campaign.experiment
+def drawings(experiment: Experiment, choose: Any) -> list[str]:
+    """Names of the figures of the whole campaign that `figures` draws."""
     several = len(experiment.intervals) > 1 and experiment.design.order is not None
-    asked = bool(experiment.quantities)
-    chosen = bool(campaign.choose.parameters)
-    others = ["sensitivities"] * several + ["ranges"] * asked + ["alternatives"] * chosen
-    return ["envelopes", "moments", *others]
+    quantities, chosen = bool(experiment.quantities), bool(choose.parameters)
+    return ["sensitivities"] * several + ["ranges"] * quantities + ["alternatives"] * chosen

@@ -1,9 +1,5 @@
-"""How a process ends, and imports beside the work, which Ctrl-C must not meet.
-
-An exception that Ctrl-C raises amid an import, while a thread imports as well, can leave Python's
-lock of imports held for ever: the process then hangs. In a shell the process ends at once instead:
-what it has published is whole, and the next run removes what it had begun.
-"""
+"""How a process ends. In a shell Ctrl-C ends it at once, with one sentence: what it has made is
+whole, and the next run removes what it had begun."""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ import atexit
 import os
 import signal
 import sys
-from importlib import import_module
-from threading import Thread
 from typing import NoReturn
 
 STOPPED = 130
@@ -35,12 +29,6 @@ def leave(status: int) -> NoReturn:
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)
-
-
-def import_ahead(name: str) -> None:
-    """Import a module in a thread, while others integrate; not where Ctrl-C raises."""
-    if not _raises():
-        Thread(target=import_module, args=(name,), daemon=True).start()
 
 
 def _raises() -> bool:

@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import os
-import shutil
 import sys
 from collections.abc import Mapping
-from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
 from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.sections import Campaign
-from deployable.campaign.drawing import Draughtsman
 from deployable.campaign.files import open_dataset
-from deployable.campaign.folder import ROUND_FILES, Folder
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.runs.progress import Tell, Teller
-from deployable.campaign.stages import STAGES, answers, batch_count, drawings
+from deployable.campaign.stages import STAGES, batch_count
 from deployable.campaign.workflow import Workflow
 from fpm.sealed import DamagedError
-
-_NEEDED_NEXT = ("xarray",)
-"""What takes long to import and is needed after the runs."""
 
 
 def run(
@@ -43,27 +38,17 @@ def run(
     folder = Folder(Path(results, campaign.name))
     for error in _damaged_in(campaign, results, figures):
         tell(f"{error}; it is made again")
-    with Draughtsman() if figures else nullcontext() as draughtsman:
-        wanted = drawings(campaign) if draughtsman else []
-        if campaign.experiment.is_sought:
-            _run_rounds(campaign, folder, tell)
-        else:
-            _stage("plan", campaign, folder, tell)
-            _sample(campaign, folder, tell)
-            _stage("bounds", campaign, folder, tell)
-        for name in answers(campaign):
-            _stage(name, campaign, folder, tell)
-        for name in wanted:
-            if name != "moments":
-                draughtsman.ask(name, campaign, folder)
-        _stage("summary", campaign, folder, tell)
-        if draughtsman:
-
-            def draw_moments() -> None:
-                draughtsman.ask("moments", campaign, folder)
-
-            _stage("report", campaign, folder, tell, moved=draw_moments)
-        return _open(folder.bounds)
+    if campaign.experiment.is_sought:
+        _stage("rounds", campaign, folder, tell)
+    else:
+        _stage("plan", campaign, folder, tell)
+        batches = batch_count(campaign, len(read_plan(folder.plan).runs))
+        for batch in range(batches):
+            _stage("simulate", campaign, folder, tell, batch=batch, batches=batches)
+        _stage("bounds", campaign, folder, tell)
+    for name in ("answers", *["figures", "page"] * figures):
+        _stage(name, campaign, folder, tell)
+    return _open(folder.bounds)
 
 
 def _open(path: Path) -> Any:
@@ -92,32 +77,3 @@ def _stage(name: str, campaign: Campaign, folder: Folder, tell: Tell, **more: An
     if stage.has_threads:
         more["threads"] = os.cpu_count() or 1
     stage.run(folder, tell, **stage.sections_of(campaign), **more)
-
-
-def _sample(campaign: Campaign, folder: Folder, tell: Tell) -> None:
-    """From the plan in `folder` to samples."""
-    from deployable.campaign.plan.plan import read_plan
-
-    batches = batch_count(campaign, len(read_plan(folder.plan).runs))
-    more = {"batches": batches, "ahead": _NEEDED_NEXT}
-    for batch in range(batches):
-        _stage("simulate", campaign, folder, tell, batch=batch, **more)
-    _stage("gather", campaign, folder, tell)
-
-
-def _run_rounds(campaign: Campaign, folder: Folder, tell: Tell) -> None:
-    """Rounds until one is the last; what it left becomes the campaign's."""
-    from deployable.campaign.plan.plan import read_plan
-
-    number = 0
-    while True:
-        place = folder.round(number)
-        _stage("plan_round", campaign, place, tell)
-        if read_plan(place.plan).is_finished:
-            break
-        _sample(campaign, place, tell)
-        _stage("bounds", campaign, place, tell)
-        number += 1
-    last = [place.plan, *(place.previous() / name for name in ROUND_FILES[1:])]
-    for path in last:
-        shutil.copy(path, folder.path)

@@ -5,19 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.design import count_runs
 from deployable.campaign.config.loader import retyped
 from deployable.campaign.config.sections import Campaign, as_json
 from deployable.campaign.folder import PICTURES, Folder
-from deployable.campaign.stages import (
-    STAGES,
-    answers,
-    batch_count,
-    drawings,
-    program_digest,
-)
+from deployable.campaign.stages import STAGES, batch_count, drawings, program_digest
 from fpm.sealed import DamagedError, check
 
 
@@ -53,8 +48,9 @@ class Workflow:
         """The sections of the config that a stage depends on, as JSON."""
         return as_json(**STAGES[stage].sections_of(self.campaign))
 
-    def code(self, stage: str) -> str:
-        """The digest of the code that a stage runs."""
+    @property
+    def code(self) -> str:
+        """Digest of the program."""
         return program_digest()
 
     @property
@@ -62,29 +58,10 @@ class Workflow:
         """Digest of the mechanics and of the structure; another one makes other runs."""
         return self.campaign.experiment.scene_type.digest
 
-    @property
-    def plan_rules(self) -> str:
-        """The rules that plan the runs: all at once, or in rounds."""
-        return f"{'rounds' if self.campaign.experiment.is_sought else 'plan'}.smk"
-
-    @property
-    def any_stage(self) -> str:
-        """Pattern of the folders of the campaign and of its rounds."""
-        return rf"results/{self.name}(/rounds/\d+)?"
-
-    @property
-    def run_stage(self) -> str:
-        """Pattern of the folders in which runs are made: the campaign's, or those of its rounds."""
-        rounds = r"/rounds/\d+" if self.campaign.experiment.is_sought else ""
-        return f"results/{self.name}{rounds}"
-
     @cache  # noqa: B019 - there is one campaign in a process
-    def batch_count(self, plan_path: str | None = None) -> int:
-        """Number of jobs that the runs are shared among, those of a plan or of the config."""
-        from deployable.campaign.plan.plan import read_plan
-
-        runs = len(read_plan(plan_path).runs) if plan_path else count_runs(self.campaign.experiment)
-        return batch_count(self.campaign, runs)
+    def batch_count(self) -> int:
+        """Number of jobs that the runs are shared among."""
+        return batch_count(self.campaign, count_runs(self.campaign.experiment))
 
     @property
     def processes(self) -> int:
@@ -110,53 +87,16 @@ class Workflow:
 
         return job_megabytes(self.campaign)
 
-    def is_last(self, plan_path: str) -> bool:
-        """Whether a round's plan says that the rounds are over."""
-        from deployable.campaign.plan.plan import read_plan
-
-        return read_plan(plan_path).is_finished
-
     def stale(self) -> dict[str, str]:
         """Results that are there and must be made again, with the reason: damaged or of something
         else.
 
         Snakemake knows what it made here itself; the files know it wherever they were made.
         """
-        found: dict[str, str] = {}
-        if not self.campaign.experiment.is_sought:
-            self._stale_in(self.folder, "plan", found)
-            return found
-        self._stale_in(self.folder, "plan_round", found, rounds=False)
-        number = 0
-        while (place := self.folder.round(number)).plan.exists():
-            self._stale_in(place, "plan_round", found, figures=False)
-            if str(place.plan) in found or self.is_last(str(place.plan)):
-                break  # what comes after is made again, or of no more use
-            number += 1
-        return found
-
-    def _stale_in(
-        self, folder: Folder, plan: str, found: dict[str, str], rounds=True, figures=True
-    ) -> None:
-        """Add the stale results in the folder of a campaign or of a round."""
-        files = {plan: [folder.plan], "gather": [folder.samples]}
-        files["bounds"] = [folder.bounds, folder.surrogate, folder.sensitivities]
-        if figures:
-            known = _answer_files(folder)
-            files |= {name: known[name] for name in answers(self.campaign)}
-        if rounds:
-            files["simulate"] = sorted(folder.path.glob("batches/*.json"))
-        if figures:
-            for name in drawings(self.campaign):
-                responses = folder.pictures(self.campaign.experiment.responses)
-                drawn = responses if name == "envelopes" else folder.overview(name)
-                files[name] = list(map(Path, drawn))
-            files["summary"] = [folder / f"summary.{kind}" for kind in ("json", "md")]
-            files["report"] = [folder.report]
-            self._damaged_motions(folder, found)
-        of = None
-        for stage, paths in files.items():
-            there = [path for path in paths if path.exists()]
+        folder, of, found = self.folder, None, {}
+        self._damaged_motions(folder, found)
+        for stage, paths in self._files_of_stages().items():
+            there = [path for path in map(Path, paths) if path.exists()]
             basis = there and STAGES[stage].basis(STAGES[stage].sections_of(self.campaign))
             for path in there:
                 try:
@@ -168,6 +108,23 @@ class Workflow:
                 of = of or facts.get("plan")
                 if (facts.get("basis"), facts.get("plan")) != (basis, of):
                     found[str(path)] = f"{path} was made from something else"
+        return found
+
+    def _files_of_stages(self) -> dict[str, list[Any]]:
+        """The files that each stage leaves, in the order of the stages."""
+        folder = self.folder
+        bounds = [folder.samples, folder.bounds, folder.surrogate, folder.sensitivities]
+        if self.campaign.experiment.is_sought:
+            found = {"rounds": [folder.plan, *bounds]}
+        else:
+            batches = sorted(folder.path.glob("batches/*.json"))
+            found = {"plan": [folder.plan], "simulate": batches, "bounds": bounds}
+        stage = str(folder.path)
+        return found | {
+            "answers": self.answers(stage),
+            "figures": self.figures(stage),
+            "page": [folder.report, *folder.overview("moments")],
+        }
 
     def _damaged_motions(self, folder: Folder, found: dict[str, str]) -> None:
         """Have the page made again, and with it motions that are damaged."""
@@ -178,26 +135,26 @@ class Workflow:
                 self.damaged[str(path)] = error
                 found[str(folder.report)] = str(error)
 
-    def envelope_figures(self, stage: str, *kinds: str) -> list[str]:
-        """The figures of the responses, of some kinds or of all."""
-        return Folder(stage).pictures(self.campaign.experiment.responses, kinds or PICTURES)
-
     def answers(self, stage: str) -> list[str]:
-        """The files that answer what is asked of quantities, if anything is."""
-        files = _answer_files(Folder(stage))
-        return [str(path) for name in answers(self.campaign) for path in files[name]]
+        """The files that sum up a campaign, in the folder `stage`, and answer its questions."""
+        folder, campaign = Folder(stage), self.campaign
+        found = [folder / "summary.json", folder / "summary.md"]
+        found += [folder.quantities, folder.further] * bool(campaign.experiment.quantities)
+        found += [folder.requirements] * bool(campaign.requirements)
+        return list(map(str, found + [folder.choice] * bool(campaign.choose.parameters)))
 
-    def overview(self, stage: str, name: str) -> list[str]:
-        """The files of a figure of the whole campaign."""
-        return Folder(stage).overview(name)
+    def figures(self, stage: str, *kinds: str) -> list[str]:
+        """The figures in the folder `stage` but for that of the structure, of some kinds or all."""
+        names = [*self.campaign.experiment.responses]
+        drawn = drawings(self.campaign.experiment, self.campaign.choose)
+        names += [f"{Folder(stage).overviews.name}/{name}" for name in drawn]
+        return Folder(stage).pictures(names, kinds or PICTURES)
 
     def results(self) -> list[str]:
         """The files that a campaign leaves for its reader."""
-        stages = drawings(self.campaign)[1:]
-        others = [path for stage in stages for path in self.folder.overview(stage)]
-        summary = [str(self.folder / f"summary.{kind}") for kind in ("json", "md")]
-        figures = self.envelope_figures(str(self.folder.path)) + others
-        return [*figures, *summary, str(self.folder.report)]
+        stage = str(self.folder.path)
+        page = [*self.folder.overview("moments"), str(self.folder.report)]
+        return [*self.figures(stage), *self.answers(stage)[:2], *page]
 
     def other_report(self, results: Path = Path("results")) -> str:
         """What to say where the campaign of `--report` was not asked for and is not the last one
@@ -214,17 +171,8 @@ class Workflow:
     def last_words(self) -> str:
         """What was told when the page was made: the answer, and which file to open; nothing where
         the log is kept elsewhere."""
-        log = self.folder / "logs/report.log"
+        log = self.folder / "logs/page.log"
         return log.read_text(encoding="utf-8").strip() if log.exists() else ""
-
-
-def _answer_files(folder: Folder) -> dict[str, list[Path]]:
-    """The files of each stage that answers what is asked of quantities."""
-    return {
-        "quantities": [folder.quantities, folder.further],
-        "requirements": [folder.requirements],
-        "choice": [folder.choice],
-    }
 
 
 def _relative(path: str | Path) -> Path:

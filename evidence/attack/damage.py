@@ -107,7 +107,7 @@ def _lead_on(victim: Victim, folder: Path, path: Path, at_once: bool) -> str:
     workflow.stale()
     if path.parent.name != victim.keep and str(path) not in workflow.damaged:
         return "wrong"
-    for name in () if at_once else ("gather", "bounds", "summary"):
+    for name in () if at_once else ("bounds", "answers"):
         try:
             STAGES[name].run(stages, silent, **STAGES[name].sections_of(sections))
         except CampaignError:

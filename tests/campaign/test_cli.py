@@ -52,10 +52,10 @@ def test_a_campaign_of_too_many_steps_is_refused_by_check(raw, tmp_path, capsys)
 
 def test_an_unknown_command_is_refused_with_those_there_are(capsys):
     with pytest.raises(SystemExit) as refused:
-        main(["reprot", "results/paper"])
+        main(["figurse", "results/paper"])
     assert refused.value.code == 2
     told = capsys.readouterr().err
-    assert "'reprot'" in told and "report" in told
+    assert "'figurse'" in told and "figures" in told
 
 
 def test_the_campaign_of_a_folder_is_checked_without_its_name(file, capsys, monkeypatch):
@@ -96,22 +96,22 @@ def test_the_program_tells_its_version(capsys):
 @pytest.mark.slow
 def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path, capsys):
     folder, log = Folder(tmp_path / "stages"), tmp_path / "logs" / "a.log"
-    for name in ("plan", "simulate", "gather", "bounds", "summary"):
+    for name in ("plan", "simulate", "bounds", "answers"):
         assert main([name, str(folder.path), "--config", file, "--log", str(log)]) == 0
         assert log.read_text() == capsys.readouterr().err
     assert "| BD |" in log.read_text()
     for path in (folder.plan, folder / "summary.json"):
         assert unsealed(path) == unsealed(finished / path.name)
-    assert main(["envelopes", str(folder.path), "--config", '{"error": {"shade_above": 0.2}}']) == 0
+    assert main(["figures", str(folder.path), "--config", file]) == 0
     assert (folder.figures / "vBz.pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_the_page_moves_in_as_many_frames_as_are_asked_for(finished, tmp_path, capsys):
+def test_the_page_moves_in_as_many_frames_as_are_asked_for(finished, file, tmp_path, capsys):
     copy = tmp_path / "copy"
     shutil.copytree(finished.path, copy)
-    assert main(["report", str(copy), "--frames", "1"]) == 1
+    assert main(["page", str(copy), "--config", file, "--frames", "1"]) == 1
     assert "--frames 1: allowed: 2 and more" in capsys.readouterr().err
-    assert main(["report", str(copy), "--frames", "5"]) == 0
+    assert main(["page", str(copy), "--config", file, "--frames", "5"]) == 0
     for path in (copy / "motions").glob("*.nc"):
         with xarray.open_dataset(path) as motion:
             time = motion["time"].values
@@ -161,7 +161,7 @@ def test_errors_of_users_have_no_traceback(finished, file, tmp_path, capsys):
     log = tmp_path / "gather.log"
     plan = json.loads(folder.plan.read_text())
     folder.plan.write_text(json.dumps(plan, indent=1))
-    assert main(["gather", str(folder.path), "--config", file, "--log", str(log)]) == 1
+    assert main(["bounds", str(folder.path), "--config", file, "--log", str(log)]) == 1
     for told in (capsys.readouterr().err, log.read_text()):
         assert told.startswith(f"error: {folder.plan} cannot be used: it was cut off or edited")
         assert "to have it made again" in told
@@ -177,12 +177,12 @@ JOBS = json.dumps({"jobs": {"nodes_per_job": 1, "group": 1, "keep": "responses"}
 
 def test_a_file_that_is_not_there_is_told_by_name(tmp_path):
     log = tmp_path / "a.log"
-    assert main(["gather", str(tmp_path), "--config", JOBS, "--log", str(log)]) == 1
+    assert main(["simulate", str(tmp_path), "--config", JOBS, "--log", str(log)]) == 1
     assert log.read_text() == f"error: {tmp_path}/nodes.json: No such file or directory\n"
 
 
 def test_a_fault_of_the_program_is_in_the_log(tmp_path, monkeypatch):
     log = tmp_path / "a.log"
     monkeypatch.setattr(Stage, "basis", lambda *rest: 1 / 0)
-    assert main(["gather", str(tmp_path), "--config", JOBS, "--log", str(log)]) == 1
+    assert main(["simulate", str(tmp_path), "--config", JOBS, "--log", str(log)]) == 1
     assert "ZeroDivisionError" in log.read_text()

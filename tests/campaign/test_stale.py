@@ -10,7 +10,7 @@ import pytest
 from deployable import campaign
 from deployable.campaign import stages
 from deployable.campaign.folder import Folder
-from deployable.campaign.stages import STAGES, Stage, drawings
+from deployable.campaign.stages import STAGES, Stage
 from deployable.campaign.workflow import Workflow
 from evidence.attack.victim import RAW, results_in
 from fpm.scenes.scene_type import SceneType
@@ -36,7 +36,7 @@ def whole(tmp_path_factory) -> Folder:
     results, wanted = tmp_path_factory.mktemp("stale"), asked()
     campaign.run(wanted, results, figures=False, tell=lambda text: None)
     folder = Folder(results / wanted.name)
-    for name in (*drawings(wanted), "report"):
+    for name in ("figures", "page"):
         STAGES[name].run(folder, lambda text: None, **STAGES[name].sections_of(wanted))
     return folder
 
@@ -78,7 +78,7 @@ def test_every_result_is_of_one_stage(whole, monkeypatch):
         with monkeypatch.context() as patch:
             patch.setattr(Stage, "basis", another)
             found[name] = stale(whole, asked())
-    assert found.pop("plan_round") == set()  # of campaigns in rounds
+    assert found.pop("rounds") == set()  # of campaigns in rounds
     assert all(found.values()), found
     assert set().union(*found.values()) == made(whole)
     assert sum(map(len, found.values())) == len(made(whole))  # every result is of one stage

@@ -24,21 +24,11 @@ ROOT = Path(__file__).parents[2]
 
 SMALL = ("--configfile", "config/small.yaml")
 
-ALL_RULES = {
-    "plan",
-    "simulate",
-    "gather",
-    "bounds",
-    "envelopes",
-    "sensitivities",
-    "moments",
-    "summary",
-    "report",
-}
+ALL_RULES = {"plan", "simulate", "bounds", "answers", "figures", "page"}
 
 
 OVERVIEWS = ("campaign/moments.png", "campaign/moments.pdf", "campaign/moments.svg")
-OF_BOUNDS = {"bounds", "envelopes", "sensitivities", "summary", "report", "moments"}
+OF_BOUNDS = {"bounds", "answers", "figures", "page"}
 
 
 def planned(output: str) -> set[str]:
@@ -132,7 +122,7 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
     [
         (
             ["error={shade_above: 0.2}", "figures={moments: 4}", "published={BD: 0.1}"],
-            {"envelopes", "moments", "summary", "report"},
+            {"answers", "figures", "page"},
         ),
         (["bounds={model: spline}"], OF_BOUNDS),
         (["intervals={a: {nominal: 0.035, relative: 0.02}}"], ALL_RULES),
@@ -234,7 +224,7 @@ def test_results_from_elsewhere_are_not_taken_for_what_is_asked(small, workplace
     asked = workplace.snakemake(*SMALL, "--dry-run", *finer)
     assert planned(asked.stdout) == ALL_RULES
     shaded = workplace.snakemake(*SMALL, "--dry-run", "--config", "error={shade_above: 0.2}")
-    assert planned(shaded.stdout) == {"envelopes"}
+    assert planned(shaded.stdout) == {"figures"}
 
 
 def test_a_campaign_that_was_stopped_goes_on(workplace):

@@ -1,74 +1,31 @@
-# Intervals of quantities, requirements and choices. The runs that they take are made here, through
-# the store of all others.
+# Intervals of quantities, requirements and choices, with the runs that they take; the summary.
 
 
-rule quantities:
+rule answers:
     input:
-        "{stage}/nodes.json",
-        "{stage}/samples.nc",
+        [f"{{stage}}/{name}" for name in ("nodes.json", "samples.nc", "bounds.nc")],
     output:
-        "{stage}/quantities.nc",
-        "{stage}/further.nc",
+        report(
+            "{stage}/summary.md",
+            caption="../report/summary.rst",
+            category="Summary",
+        ),
+        [name for name in WORKFLOW.answers("{stage}") if not name.endswith(".md")],
     log:
-        "{stage}/logs/quantities.log",
+        "{stage}/logs/answers.log",
+    priority: 1  # the page waits for it
     conda:
         ENVIRONMENT
     threads: WORKFLOW.processes
     resources:
-        runtime=lambda wildcards, attempt: attempt * WORKFLOW.minutes(),
-        mem_mb=lambda wildcards, attempt: attempt * WORKFLOW.megabytes(),
+        runtime=minutes,
+        mem_mb=megabytes,
     params:
         folder=folder_of,
-        config=sections("quantities"),
-        code=code("quantities"),
+        config=sections("answers"),
+        code=CODE,
     message:
-        "Finding and verifying the intervals of the quantities"
+        "Finding what the campaign asks for, and summing up"
     shell:
-        "python -P -m deployable quantities {params.folder:q} --config {params.config:q}"
-        " --threads {threads} --log {log:q}"
-
-
-rule requirements:
-    input:
-        "{stage}/nodes.json",
-        "{stage}/samples.nc",
-        "{stage}/further.nc",
-    output:
-        "{stage}/requirements.json",
-    log:
-        "{stage}/logs/requirements.log",
-    localrule: True
-    conda:
-        ENVIRONMENT
-    params:
-        folder=folder_of,
-        config=sections("requirements"),
-        code=code("requirements"),
-    message:
-        "Judging the requirements"
-    shell:
-        "python -P -m deployable requirements {params.folder:q} --config {params.config:q} --log {log:q}"
-
-
-rule choice:
-    input:
-        "{stage}/nodes.json",
-    output:
-        "{stage}/choice.json",
-    log:
-        "{stage}/logs/choice.log",
-    conda:
-        ENVIRONMENT
-    threads: WORKFLOW.processes
-    resources:
-        runtime=lambda wildcards, attempt: attempt * WORKFLOW.minutes(),
-        mem_mb=lambda wildcards, attempt: attempt * WORKFLOW.megabytes(),
-    params:
-        folder=folder_of,
-        config=sections("choice"),
-        code=code("choice"),
-    message:
-        "Finding the best choice"
-    shell:
-        "python -P -m deployable choice {params.folder:q} --config {params.config:q}"
+        "python -P -m deployable answers {params.folder:q} --config {params.config:q}"
         " --threads {threads} --log {log:q}"

@@ -67,11 +67,12 @@ for reason in STALE.values():
     print(f"{reason}; it is made again", file=sys.stderr)
 
 
+CODE = WORKFLOW.code  # with it as `params` rules run again when the program changes
+
+
 wildcard_constraints:
-    campaign=WORKFLOW.name,
-    stage=WORKFLOW.any_stage,
+    stage=f"results/{WORKFLOW.name}",
     batch=r"\d+",
-    round=r"\d+",
 
 
 def campaign_results():
@@ -88,13 +89,15 @@ def no_files(wildcards):
     return []
 
 
+def of_results(stage):
+    """What figures and page are made of: all that the stages before them leave."""
+    return [f"{stage}/{name}" for name in ROUND_FILES] + WORKFLOW.answers(stage)
+
+
 def folder_of(wildcards, output):
     """The folder of a stage's results as its job sees it, with the prefix of a storage or module."""
-    stage = wildcards.get("stage") or f"results/{wildcards.campaign}"
-    if "round" in wildcards.keys():
-        stage = f"{stage}/rounds/{wildcards.round}"
     path = str(output[0])
-    return path[: path.rindex(f"{stage}/") + len(stage)]
+    return path[: path.rindex(f"{wildcards.stage}/") + len(wildcards.stage)]
 
 
 def sections(stage):
@@ -102,25 +105,21 @@ def sections(stage):
     return WORKFLOW.sections(stage)
 
 
-def code(stage):
-    """Digest of a stage's code; with it as `params` a rule runs again when it changes."""
-    return WORKFLOW.code(stage)
-
-
-def batch_count(wildcards):
-    """Number of batches that the runs of a stage are shared among."""
-    if not WORKFLOW.campaign.experiment.is_sought:
-        return WORKFLOW.batch_count()
-    number = wildcards.stage.rsplit("/", 1)[1]
-    plan = checkpoints.plan_round.get(campaign=WORKFLOW.name, round=number).output[0]
-    return WORKFLOW.batch_count(plan)
-
-
-def job_minutes(wildcards, input):
+def job_minutes(input):
     """Minutes to ask a queue for, for a batch of runs."""
     plan = str(input[0])
     there = Path(plan).exists() and plan not in STALE
-    return WORKFLOW.minutes(batch_count(wildcards), plan if there else None)
+    return WORKFLOW.minutes(WORKFLOW.batch_count(), plan if there else None)
+
+
+def minutes(wildcards, attempt):
+    """Minutes to ask a queue for, for a job that may make all runs."""
+    return attempt * WORKFLOW.minutes()
+
+
+def megabytes(wildcards, attempt):
+    """Memory to ask a queue for."""
+    return attempt * WORKFLOW.megabytes()
 
 
 def batch_files(name):
@@ -130,35 +129,7 @@ def batch_files(name):
     )
 
 
-def batches(wildcards, kind="json"):
-    """The manifests of all batches of a stage."""
-    return [
-        f"{wildcards.stage}/batches/{batch}.{kind}"
-        for batch in range(batch_count(wildcards))
-    ]
-
-
-def bundles(wildcards):
-    """The runs of all batches of a stage, where they are not in a folder that all jobs share."""
-    return batches(wildcards, "tar") if IS_APART else []
-
-
-def previous_round(wildcards):
-    """The files of the round before, which decide about this one; none for the first."""
-    before = WORKFLOW.folder.round(int(wildcards.round)).previous()
-    return (
-        [before.plan, before.samples, before.bounds] if before else no_files(wildcards)
-    )
-
-
-def last_round(wildcards):
-    """The files of the last round, and its plan with the reason to stop."""
-    number = 0
-    while True:
-        plan = checkpoints.plan_round.get(
-            campaign=wildcards.campaign, round=number
-        ).output[0]
-        if WORKFLOW.is_last(plan):
-            before = WORKFLOW.folder.round(number).previous()
-            return [plan, *(before / name for name in ROUND_FILES[1:])]
-        number += 1
+def batches(kind):
+    """What all batches leave, of a kind: their manifests, or their runs where jobs share no folder."""
+    count = WORKFLOW.batch_count()
+    return [f"{{stage}}/batches/{batch}.{kind}" for batch in range(count)]

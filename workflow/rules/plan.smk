@@ -14,9 +14,64 @@ rule plan:
     params:
         folder=folder_of,
         config=sections("plan"),
-        code=code("plan"),
+        code=CODE,
         mechanics=WORKFLOW.mechanics,
     message:
         "Choosing the runs and the time step"
     shell:
         "python -P -m deployable plan {params.folder:q} --config {params.config:q} --log {log:q}"
+
+
+# Trajectories are not listed as outputs: they are named by their content, so that any later design
+# and a campaign that was killed find them again. Where jobs share no folder, a bundle carries them.
+rule simulate:
+    input:
+        "{stage}/nodes.json",
+    output:
+        **batch_files("{stage}/batches/{batch}"),
+    log:
+        "{stage}/logs/batch-{batch}.log",
+    conda:
+        ENVIRONMENT
+    threads: WORKFLOW.processes
+    resources:
+        runtime=lambda wildcards, input, attempt: attempt * job_minutes(input),
+        mem_mb=megabytes,
+    params:
+        folder=folder_of,
+        config=sections("simulate"),
+        code=CODE,
+        batch_count=WORKFLOW.batch_count(),
+        bundle=lambda wildcards, output: (
+            f"--bundle {quote(output.bundle)}" if IS_APART else ""
+        ),
+    message:
+        "Simulating batch {wildcards.batch}"
+    shell:
+        "python -P -m deployable simulate {params.folder:q} --config {params.config:q}"
+        " --batch {wildcards.batch} --batches {params.batch_count}"
+        " --processes {threads} {params.bundle} --log {log:q}"
+
+
+# Gathers the responses, fits the surrogate, and takes its bounds, which may be a spline's.
+rule bounds:
+    input:
+        nodes="{stage}/nodes.json",
+        batches=batches("json"),
+        bundles=batches("tar") if IS_APART else [],
+    output:
+        [f"{{stage}}/{name}" for name in ROUND_FILES[1:]],
+    log:
+        "{stage}/logs/bounds.log",
+    localrule: True
+    conda:
+        ENVIRONMENT
+    params:
+        folder=folder_of,
+        config=sections("bounds"),
+        code=CODE,
+    message:
+        "Gathering the responses and taking their bounds"
+    shell:
+        "python -P -m deployable bounds {params.folder:q} --config {params.config:q} --log {log:q}"
+        " --bundles {input.bundles:q}"

@@ -1,183 +1,57 @@
-# Figures, headline numbers, and the page.
+# Figures, and the page.
 
 
-rule envelopes:
+rule figures:
     input:
-        "{stage}/bounds.nc",
+        of_results("{stage}"),
     output:
         report(
-            WORKFLOW.envelope_figures("{stage}", "png"),
-            caption="../report/envelope.rst",
-            category="Bounds",
+            WORKFLOW.figures("{stage}", "png"),
+            caption="../report/figures.rst",
+            category="Figures",
         ),
-        WORKFLOW.envelope_figures("{stage}", "pdf", "svg"),
+        WORKFLOW.figures("{stage}", "pdf", "svg"),
     log:
-        "{stage}/logs/envelopes.log",
-    priority: 1
+        "{stage}/logs/figures.log",
     localrule: True
     conda:
         ENVIRONMENT
     params:
         folder=folder_of,
-        config=sections("envelopes"),
-        code=code("envelopes"),
+        config=sections("figures"),
+        code=CODE,
     message:
-        "Drawing the envelopes"
+        "Drawing the figures"
     shell:
-        "python -P -m deployable envelopes {params.folder:q} --config {params.config:q} --log {log:q}"
+        "python -P -m deployable figures {params.folder:q} --config {params.config:q} --log {log:q}"
 
 
-rule sensitivities:
+rule page:
     input:
-        "{stage}/sensitivities.nc",
-    output:
-        report(
-            "{stage}/figures/campaign/sensitivities.png",
-            caption="../report/sensitivities.rst",
-            category="Parameters",
-        ),
-        WORKFLOW.overview("{stage}", "sensitivities")[1:],
-    log:
-        "{stage}/logs/sensitivities.log",
-    localrule: True
-    conda:
-        ENVIRONMENT
-    params:
-        folder=folder_of,
-        code=code("sensitivities"),
-    message:
-        "Drawing which parameter matters when"
-    shell:
-        "python -P -m deployable sensitivities {params.folder:q} --log {log:q}"
-
-
-rule ranges:
-    input:
-        "{stage}/samples.nc",
-        "{stage}/quantities.nc",
-        "{stage}/further.nc",
-    output:
-        report(
-            "{stage}/figures/campaign/ranges.png",
-            caption="../report/ranges.rst",
-            category="Parameters",
-        ),
-        WORKFLOW.overview("{stage}", "ranges")[1:],
-    log:
-        "{stage}/logs/ranges.log",
-    localrule: True
-    conda:
-        ENVIRONMENT
-    params:
-        folder=folder_of,
-        code=code("ranges"),
-    message:
-        "Drawing the quantities over the box"
-    shell:
-        "python -P -m deployable ranges {params.folder:q} --log {log:q}"
-
-
-rule alternatives:
-    input:
-        "{stage}/choice.json",
-    output:
-        report(
-            "{stage}/figures/campaign/alternatives.png",
-            caption="../report/alternatives.rst",
-            category="Parameters",
-        ),
-        WORKFLOW.overview("{stage}", "alternatives")[1:],
-    log:
-        "{stage}/logs/alternatives.log",
-    localrule: True
-    conda:
-        ENVIRONMENT
-    params:
-        folder=folder_of,
-        code=code("alternatives"),
-    message:
-        "Drawing the choices that were tried"
-    shell:
-        "python -P -m deployable alternatives {params.folder:q} --log {log:q}"
-
-
-rule moments:
-    input:
-        "{stage}/samples.nc",
-        "{stage}/report.html",  # with the motion that is drawn
-    output:
-        report(
-            "{stage}/figures/campaign/moments.png",
-            caption="../report/moments.rst",
-            category="Structure",
-        ),
-        WORKFLOW.overview("{stage}", "moments")[1:],
-    log:
-        "{stage}/logs/moments.log",
-    localrule: True
-    conda:
-        ENVIRONMENT
-    params:
-        folder=folder_of,
-        config=sections("moments"),
-        code=code("moments"),
-    message:
-        "Drawing the structure"
-    shell:
-        "python -P -m deployable moments {params.folder:q} --config {params.config:q} --log {log:q}"
-
-
-rule summary:
-    input:
-        "{stage}/bounds.nc",
-        "{stage}/samples.nc",
-        "{stage}/nodes.json",
-        WORKFLOW.answers("{stage}"),
-    output:
-        "{stage}/summary.json",
-        report(
-            "{stage}/summary.md",
-            caption="../report/summary.rst",
-            category="Summary",
-        ),
-    log:
-        "{stage}/logs/summary.log",
-    priority: 2  # the page waits for it
-    localrule: True
-    conda:
-        ENVIRONMENT
-    params:
-        folder=folder_of,
-        config=sections("summary"),
-        code=code("summary"),
-    message:
-        "Summing up"
-    shell:
-        "python -P -m deployable summary {params.folder:q} --config {params.config:q} --log {log:q}"
-
-
-rule report:
-    input:
-        "{stage}/bounds.nc",
-        "{stage}/samples.nc",
-        "{stage}/sensitivities.nc",
-        "{stage}/summary.json",
+        of_results("{stage}"),
     output:
         report(
             "{stage}/report.html",
             caption="../report/page.rst",
             category="Summary",
         ),
+        report(
+            "{stage}/figures/campaign/moments.png",
+            caption="../report/moments.rst",
+            category="Figures",
+        ),
+        [f"{{stage}}/figures/campaign/moments.{kind}" for kind in ("pdf", "svg")],
     log:
-        "{stage}/logs/report.log",
-    priority: 2  # the longest of the last jobs
+        "{stage}/logs/page.log",
+    priority: 1  # the longest of the last jobs
     localrule: True
     conda:
         ENVIRONMENT
     params:
         folder=folder_of,
-        code=code("report"),
+        config=sections("page"),
+        code=CODE,
     message:
         "Making the page"
     shell:
-        "python -P -m deployable report {params.folder:q} --log {log:q}"
+        "python -P -m deployable page {params.folder:q} --config {params.config:q} --log {log:q}"

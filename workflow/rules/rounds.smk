@@ -1,41 +1,27 @@
-# `accuracy`: rounds of runs until the error is small enough or the budget is spent.
-# Each round has a plan of its own; the rules for runs and bounds serve rounds as they serve others.
+# `accuracy`: rounds of runs until the error is small enough or the budget is spent, in one job: each
+# round decides about the next. Runs that were made are found again.
 
 
-checkpoint plan_round:
+rule rounds:
     input:
-        previous_round,
+        no_files,
     output:
-        "results/{campaign}/rounds/{round}/nodes.json",
+        [f"{{stage}}/{name}" for name in ROUND_FILES],
     log:
-        "results/{campaign}/rounds/{round}/logs/plan.log",
-    localrule: True
+        "{stage}/logs/rounds.log",
     conda:
         ENVIRONMENT
+    threads: max(WORKFLOW.processes, workflow.cores or 1)
+    resources:
+        runtime=minutes,
+        mem_mb=megabytes,
     params:
         folder=folder_of,
-        config=sections("plan_round"),
-        code=code("plan_round"),
+        config=sections("rounds"),
+        code=CODE,
         mechanics=WORKFLOW.mechanics,
     message:
-        "Choosing the runs of round {wildcards.round}"
+        "Making runs until the accuracy is met"
     shell:
-        "python -P -m deployable plan_round {params.folder:q} --config {params.config:q} --log {log:q}"
-
-
-rule settle:
-    input:
-        last_round,
-    output:
-        [f"results/{{campaign}}/{name}" for name in ROUND_FILES],
-    log:
-        "results/{campaign}/logs/settle.log",
-    localrule: True
-    conda:
-        ENVIRONMENT
-    params:
-        folder=folder_of,
-    message:
-        "Taking the last round's results"
-    shell:
-        "cp {input:q} {params.folder:q} 2> {log:q}"
+        "python -P -m deployable rounds {params.folder:q} --config {params.config:q}"
+        " --threads {threads} --log {log:q}"

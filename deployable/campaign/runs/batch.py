@@ -32,7 +32,6 @@ from deployable.campaign.runs.processes import spread
 from deployable.campaign.runs.progress import Progress, Tell, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
-from deployable.campaign.stopping import import_ahead
 from fpm.asked import Column, words
 from fpm.sealed import sweep
 
@@ -54,12 +53,10 @@ def run_batch(
     tell: Tell,
     threads: int = 1,
     processes: int = 1,
-    ahead: Iterable[str] = (),
 ) -> None:
     """Simulate batch `batch` of `batches` into the store in `folder`, then write the manifest.
 
-    Groups are shared among `processes`, and each among `threads`, which changes no number. The
-    modules `ahead` are imported while threads integrate, but not while they load what they need.
+    Groups are shared among `processes`, and each among `threads`, which changes no number.
     Raises `CampaignError` that lists the runs that failed, after all others were written; then
     there is no manifest.
     """
@@ -76,8 +73,6 @@ def run_batch(
         check_structure(plan)
         scene = plan.experiment.build(plan.named(work[0][1][0]))
         warm_up(scene, tell, plan.experiment.asked)
-        for name in ahead:
-            import_ahead(name)
         total = sum(map(len, groups))
         progress = Progress(plan.experiment.name, total, store.counter(groups), tell, Path(folder))
         begun = clocks()

@@ -111,6 +111,8 @@ def test_the_share_of_the_box_that_meets_a_limit():
     assert 0 < open_ < 1e-6
     both = [Limit(surrogate, "at_most", level), Limit(surrogate, "at_least", 1.9 / np.sqrt(1.04))]
     assert share_of_box(both, np.ones(1))[0] == pytest.approx((0.8 - 0.123) / 2, abs=1e-6)
+    part = share_of_box(both, np.ones(1), np.array([-0.5]), np.array([0.5]))
+    assert part[0] == pytest.approx(0.5 - 0.123, abs=1e-6)
 
 
 def test_the_share_is_open_by_what_the_runs_themselves_may_be_wrong_by():

@@ -9,6 +9,8 @@
     together       {met, share, open, runs, largest_share, fails, whole}: of all; `fails` is the
                    nearest place at which one fails: {requirement, quantity, kind, level, units, at,
                    simulated}; whole: whether errors have those of step and mesh
+    halved         (in together) {name: {share, open}}: if the interval of one parameter were half
+                   as wide about its nominal value
     runs, further_runs
 
 The runs that decide were made with those of the quantities' ends. Margins are below 0 where a limit
@@ -90,6 +92,7 @@ def _limit(bench: Bench, found: Judged, i: int) -> dict:
 def _together(bench: Bench, found: Judged) -> dict:
     largest, which, _ = found.largest
     all_ = {**_met(bench, found, list(range(len(found.asked)))), "largest_share": largest}
+    all_["halved"] = _halved(bench, found)
     if which is None:
         return {**all_, "fails": None}
     asked = found.asked[which]
@@ -98,3 +101,16 @@ def _together(bench: Bench, found: Judged) -> dict:
     simulated = np.nan if fails["simulated"] is None else fails["simulated"]
     fails["kept"] = bool(fails["ran"] and found.limits[which].slack_of(simulated) >= 0)
     return {**all_, "fails": fails}
+
+
+def _halved(bench: Bench, found: Judged) -> dict[str, dict[str, float]]:
+    """The share that meets all if one interval were half as wide, by the parameter's name."""
+    from deployable.intervals.scalars import share_of_box
+
+    box, rows = bench.experiment.box, {}
+    for j in np.flatnonzero(box.free):
+        lower, upper = -np.ones(box.dimension), np.ones(box.dimension)
+        lower[j], upper[j] = (0.5 * (bench.nominal[j] + end) for end in (-1.0, 1.0))
+        share, open_ = share_of_box(found.limits, box.free, lower, upper)
+        rows[box.names[j]] = {"share": share, "open": open_}
+    return rows

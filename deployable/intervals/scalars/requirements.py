@@ -101,10 +101,12 @@ def share_reaching(nominal: np.ndarray, unit: np.ndarray) -> np.ndarray:
     return np.divide(np.abs(away), room, out=np.zeros_like(away), where=room > 0).max(axis=1)
 
 
-def share_of_box(limits: Sequence[Limit], free: np.ndarray) -> tuple[float, float]:
+def share_of_box(
+    limits: Sequence[Limit], free: np.ndarray, lower: np.ndarray = -1.0, upper: np.ndarray = 1.0
+) -> tuple[float, float]:
     """Share of the box, by volume, in which all limits are kept, and how much of it is open: by
     how much it would be more or less if all errors were to one side. `free` (k): directions of
-    width.
+    width; of a part of the box, its unit corners `lower` and `upper` (k each).
 
     Along one line in one dimension, along many lines spread over the box in several; the borders on
     each are found by linear interpolation of what must not be below 0.
@@ -122,7 +124,7 @@ def share_of_box(limits: Sequence[Limit], free: np.ndarray) -> tuple[float, floa
     for first in range(0, len(starts), _AT_ONCE):
         points = np.repeat(starts[first : first + _AT_ONCE, None], len(line), axis=1)
         points[:, :, along] = line
-        flat = points.reshape(-1, len(free))
+        flat = lower + 0.5 * (points.reshape(-1, len(free)) + 1.0) * (upper - lower)
         found = [one for limit in limits for one in limit.conditions(flat)]
         found = [tuple(each.reshape(-1, len(line)) for each in one) for one in found]
         kept.append([_kept(found, sign).mean(axis=1) for sign in (0.0, -1.0, 1.0)])

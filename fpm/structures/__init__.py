@@ -76,7 +76,14 @@ def load(path: str | Path) -> SceneType:
 def loads(text: str, source: str = "structure") -> SceneType:
     """The structure of a YAML file's text; `source` names it in messages."""
     problems = Problems(source)
-    table = as_meant(read(text, problems), KEYS, problems)
+    stated = read(text, problems)
+    if {"campaign", "intervals"} <= stated.entries.keys():
+        what = (
+            "this is a campaign's file; allowed: a structure's, such as the one its `scene` names"
+        )
+        problems.say(0, what)
+        problems.stop()
+    table = as_meant(stated, KEYS, problems)
     parameters = table.entries.get("parameters", Table({}, {}, 0))
     if not isinstance(parameters, Table):
         problems.refuse(parameters.line, "parameters", plain(parameters), "a mapping from names")

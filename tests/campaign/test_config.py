@@ -51,6 +51,11 @@ def test_what_is_wrong_is_told_with_key_value_and_what_is_allowed(row):
     assert all("allowed: " in sentence for sentence in wanted)
 
 
+def test_a_structure_is_told_from_a_campaign():
+    with pytest.raises(ConfigError, match=r"has 1 problem:\n.*a structure's file; allowed"):
+        load_config([ROOT / "config/structures/panel.yaml"])
+
+
 def test_what_a_structure_refuses_is_told_with_its_file_and_line(raw):
     where = r"scene: at the nominal values \(a = 0\.035\): .*bennett\.yaml, line \d+: let\.left: "
     with pytest.raises(ConfigError, match=where):

@@ -129,6 +129,13 @@ def test_all_that_is_wrong_is_said_at_once():
                                                         "joints.root.axis"]  # fmt: skip
 
 
+def test_a_campaign_is_told_from_a_structure():
+    (problem,) = problems_of(
+        "campaign: one\nintervals: {a: {relative: 0.1}}\nscene: {name: mast}\n"
+    )
+    assert "this is a campaign's file; allowed: a structure's" in problem
+
+
 def test_a_wrong_thing_does_not_make_its_users_wrong():
     # The joint, spring and recorded point of a bar without section are not complained about.
     assert len(problems_of(SMALL.replace("section: tube, ", ""))) == 1

@@ -18,6 +18,9 @@ from deployable.campaign.config.scenes import anchored
 from deployable.campaign.config.sections import Campaign
 from deployable.campaign.errors import ConfigError
 
+_OF_STRUCTURES = {"points", "bars", "bodies", "joints", "parameters"}
+"""Keys by which a structure's file is known."""
+
 
 def load_config(
     paths: Sequence[str | Path], overrides: Mapping | None = None, source: str | None = None
@@ -42,6 +45,11 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     from deployable.campaign.config.read import read
     from deployable.campaign.config.scene_checks import resolve
 
+    if "campaign" not in raw and len(raw.keys() & _OF_STRUCTURES) > 1:
+        raise ConfigError(source, [
+            "this is a structure's file; allowed: `python -m deployable structure` with it, or a "
+            "campaign that names it (`scene: {file: ...}`)"
+        ])  # fmt: skip
     config, given, problems = read(raw)
     campaign = None
     if config is not None:

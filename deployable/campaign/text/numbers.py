@@ -116,12 +116,6 @@ def spread(parameter: Mapping[str, Any]) -> str:
     return f"{number(parameter['lower'], 4)} to {quantity(parameter['upper'], units, 4)}"
 
 
-def joined(parts: Iterable[str], last: str = "and") -> str:
-    """`one, two and three`."""
-    *others, end = parts
-    return f"{', '.join(others)} {last} {end}" if others else end
-
-
 def escaped(text: str) -> str:
     """A name from outside as one line of Markdown that says just that."""
     return re.sub(r"([|<>`*\[\]\\])", r"\\\1", " ".join(text.split()))

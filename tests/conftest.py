@@ -61,7 +61,9 @@ def _check_loops(item: pytest.Item) -> None:
     """Fail a quick test that was the first to need another time loop."""
     compiled = sys.modules.get("fpm.kernels.compiled")
     ready = compiled.READY if compiled else ()
-    needed = {"-".join(kind.__name__ for kind in kinds) for kinds, _ in ready} - _seen
+    needed = {
+        "+".join(["-".join(kind.__name__ for kind in kinds), *more]) for kinds, more, _ in ready
+    } - _seen
     _seen.update(needed)
     if (more := needed - SHARED) and not item.get_closest_marker("slow"):
         pytest.fail(f"needs a time loop of its own, {', '.join(sorted(more))}: mark it slow")

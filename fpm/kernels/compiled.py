@@ -93,7 +93,8 @@ LOOPS: dict[tuple[type, ...], Dispatcher] = {}
 """The loop for every set of kinds met so far, by the named tuples of the kinds."""
 
 READY: set[tuple] = set()
-"""The sets of kinds and precisions for which that was compiled or loaded."""
+"""The sets of kinds, what is optional of them and there, and precisions for which that was
+compiled or loaded."""
 
 THREADS = threading.Lock()
 """Held by the thread that makes a loop ready."""
@@ -119,7 +120,8 @@ def loop_for(arguments: tuple) -> Callable:
     """
     parts, world = arguments[:2]
     kinds = tuple(map(type, parts))
-    if (kinds, world.state.dtype) not in READY:  # to find the whole signature takes milliseconds
+    ready = kinds, _optional(parts), world.state.dtype
+    if ready not in READY:  # to find the whole signature takes milliseconds
         with THREADS, _one_at_a_time(folder := cache_folder(kinds)) as is_locked:
             run = _loop(kinds, is_cached=is_locked)
             if is_locked and (damaged := _damaged(folder)):
@@ -133,8 +135,13 @@ def loop_for(arguments: tuple) -> Callable:
             if is_locked:
                 with suppress(OSError):  # a full disk, say
                     (folder / DIGESTS).write_text(json.dumps(_digests(folder)), encoding="utf-8")
-            READY.add((kinds, world.state.dtype))
+            READY.add(ready)
     return LOOPS[kinds]
+
+
+def _optional(parts: tuple) -> tuple[str, ...]:
+    """The fields of named tuples that may be None, and are not."""
+    return tuple(n for p in parts for n in p._field_defaults if getattr(p, n) is not None)
 
 
 DIGESTS = "digests.json"

@@ -23,6 +23,7 @@ import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable_bounds import bounding_springs
+from fpm.elements.fields import index, number, same
 from fpm.elements.kind import Energy, Kind, Recorded, Watch
 from fpm.errors import SceneError
 
@@ -42,18 +43,20 @@ def _crowded(values: dict[str, float]) -> tuple[str, str]:
 class Cable(Kind):
     """A cable through the free ends of two or more virtual beams.
 
-    stiffness: EA (N); rest: its unstrained length R (m); reel: length (m) taken from that, times
-    the curve of that index (-1: none); friction: coefficient mu at the points between its ends;
-    None: they turn freely.
+    stiffness: EA; rest: its unstrained length R; reel: length taken from that, times the curve of
+    that index (-1: none); friction: coefficient mu at the points between its ends; None: they turn
+    freely.
     """
 
-    name: str
+    name: str = same()
     beams: tuple[VirtualBeam, ...]
-    stiffness: float
-    rest: float
-    reel: float = 0.0
-    curve: int = -1
-    friction: float | None = None
+    stiffness: float = number("N", above=0.0, words="EA of {title}")
+    rest: float = number("m", words="unstrained length of {title}")
+    reel: float = number("m", default=0.0)
+    curve: int = index("curves", -1, default=-1)
+    friction: float | None = number(least=0.0, default=None)
+
+    called = "cable"
 
     stores = Energy("cable", "cable_energy", "strain energy of the cables")
     gives = REEL_WORK
@@ -83,25 +86,21 @@ class Cable(Kind):
 
     def check(self, scene):
         """Stiffness and lengths, also while it is reeled; names are for messages and files."""
-        what = f"of cable {self.name}"
+        super().check(scene)
+        what = f"of {self.title(scene)}"
         if self.name in Cable.names_of(scene):
             raise SceneError("cable", self.name, "a name that no other cable has")
-        if not (np.isfinite(self.stiffness) and self.stiffness > 0):
-            raise SceneError(f"EA {what}", self.stiffness, "a finite number > 0 (N)")
-        if not -1 <= self.curve < len(scene.curves):
-            raise SceneError(f"curve {what}", self.curve, f"-1 to {len(scene.curves) - 1}")
-        if not np.isfinite(self.reel) or (self.reel and self.curve < 0):
+        if self.reel and self.curve < 0:
             raise SceneError(f"reel {what}", self.reel, "a finite length (m), with a curve")
-        if self.friction is not None and not 0 <= self.friction < np.inf:
-            raise SceneError(f"friction {what}", self.friction, "a finite coefficient >= 0")
         if self.rubs and not self.lengths(scene).min() > 0:
             raise SceneError(f"stretches {what}", self.lengths(scene).tolist(), "points apart")
         if len({beam.particle for beam in self.beams}) < 2:
             raise SceneError(f"points {what}", self.beams[0].particle, "points of two particles")
-        if not (np.isfinite(self.rest) and self.shortest(scene) > 0):
-            raise SceneError(
-                f"unstrained length {what}", self.shortest(scene), "above 0 m at all times"
-            )
+        if not (shortest := self.shortest(scene)) > 0:
+            raise SceneError(f"unstrained length {what}", shortest, "above 0 m at all times")
+
+    def title(self, scene):
+        return f"cable {self.name}"
 
     def rest_at(self, scene, time: float) -> float:
         """The unstrained length (m) at a time (s)."""
@@ -134,7 +133,7 @@ class Cable(Kind):
 
     @classmethod
     def names(cls, scene):
-        return [f"cable {name}" for name in cls.names_of(scene)]
+        return [cable.title(scene) for cable in cls.of(scene)]
 
     @classmethod
     def deformations(cls, scene):

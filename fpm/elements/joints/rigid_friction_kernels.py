@@ -166,7 +166,8 @@ def work_after(part, world, now):
     """What it loses in the half step up to now by the moments of this step."""
     for i in range(part.on.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], now)
-        tell_late(part.openings, part.on[i], moment - load(part.state, i, TOLD))
+        late = moment - load(part.state, i, TOLD)
+        tell_late(part.openings.told, part.openings, part.on[i], late)
         end_work_of(part, world, i, moment, WORKS, -1.0)
 
 

@@ -7,16 +7,15 @@ import numpy as np
 from fpm.elements.joints.turn_arrays import HOLDS, RATE, TARGET, Turns
 from fpm.elements.joints.turn_kernels import HELD, add_due, begin_work, end_work, moment_of
 from fpm.elements.openings.latch_kernels import (
-    ANGLE,
     CAUGHT,
     IMPULSE,
     MOMENT,
-    NEAR,
     NEWS,
     RATE_THERE,
-    TOLERANCE,
     WHEN,
+    note_events,
     pass_by,
+    reached,
 )
 from fpm.elements.openings.latch_kernels import HELD as PLACE
 from fpm.elements.openings.latch_kernels import NUMBERS as OF_ALL
@@ -24,9 +23,8 @@ from fpm.elements.openings.latch_kernels import STATE as LATCH
 from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.losses_kernels import half_rate
 from fpm.elements.openings.opening_kernels import NOW, Openings
-from fpm.kernels.events import note
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
+from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.vectors import kernel
 from fpm.kernels.world import Log
 
@@ -59,16 +57,7 @@ class RigidLatches(NamedTuple):
     track: np.ndarray  # ((instants + 1) l, TRACK, lanes)
 
 
-@hook(RigidLatches)
-def note_events(part, world, now):
-    """Note the latches that caught or missed since the last step."""
-    for i in range(part.on.shape[0]):
-        if any_negative(0.5 - load(part.state, i, NEWS)):
-            for s in range(part.state.shape[2]):
-                news = part.state[i, NEWS, s]
-                if news > 0.0:
-                    note(part.log, s, part.state[i, WHEN, s], i, news - 1.0)
-        store(part.state, i, NEWS, 0.0)
+hook(RigidLatches, "note_events")(note_events)
 
 
 @hook(RigidLatches)
@@ -103,8 +92,7 @@ def decide(part, world, now):
         t = part.turn[i]
         before, after = load(part.state, i, SEEN), foreseen(part, i, now)
         store(part.state, i, AHEAD, after)
-        off = absolute(0.5 * (before + after) - load(part.numbers, i, ANGLE))
-        reach = off - 0.5 * absolute(after - before) - load(part.numbers, i, TOLERANCE) - NEAR
+        reach = reached(part, i, before, after)
         open_ = 0.5 - load(part.state, i, CAUGHT) - load(part.state, i, NEWS)
         if any_negative(where_negative(open_, 1.0, reach)):
             end = now.time + now.step

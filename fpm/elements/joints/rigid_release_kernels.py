@@ -9,16 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.turn_arrays import HOLDS, Turns
-from fpm.elements.joints.turn_kernels import HELD, HELD_BY, add_due, begin_work, end_work
+from fpm.elements.joints.turn_kernels import HELD_BY, add_due, begin_work, end_work
 from fpm.elements.openings.opening_kernels import Openings, turn
-from fpm.elements.openings.release_kernels import let_go
-from fpm.kernels.events import note
+from fpm.elements.openings.release_kernels import AGO, let_go, note_events
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, load, store, where_negative
+from fpm.kernels.lanes import load, store, where_negative
 from fpm.kernels.world import Log
 
-WORKS = 0  # of turn_kernels
-AGO = WORKS + HELD  # when it let go, in steps before the forces at which it did; else below zero
+WORKS = 0  # of turn_kernels, up to AGO, where all releases have it
 LEFT = AGO + 1  # moment that was left then (N m)
 STATE = LEFT + 1
 
@@ -57,15 +55,7 @@ def forces(part, world, now):
         turn(part.openings, world.state, part.on[i], left)
 
 
-@hook(RigidReleases)
-def note_events(part, world, now):
-    """Note those that let go in this step."""
-    for i in range(part.on.shape[0]):
-        ago = load(part.state, i, AGO)
-        if any_negative(where_negative(ago, 1.0, -1.0)):
-            for s in range(part.state.shape[2]):
-                if part.state[i, AGO, s] >= 0.0:
-                    note(part.log, s, now.time - now.step * part.state[i, AGO, s], i, 0.0)
+hook(RigidReleases, "note_events")(note_events)
 
 
 @hook(RigidReleases)

@@ -5,13 +5,11 @@ the trapezium rule it does half of its work on the way to the positions at which
 on the way from there, as all other moments do (losses_kernels.lose).
 """
 
-from numba.extending import overload
-
 from fpm.elements.joints.turn_arrays import IMPULSE
-from fpm.elements.openings.opening_kernels import BEFORE, MOMENT, NOW, TELLING, WORK
+from fpm.elements.openings.opening_kernels import BEFORE, MOMENT, NOW, WORK
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import ACCOUNTS
-from fpm.kernels.vectors import INLINED, kernel
+from fpm.kernels.vectors import kernel
 
 # Kept for each element from one step to the next, in this order from a first field.
 HELD_BY, DUE = 0, 1  # moment (N m) at the last positions; work of the half step up to them (J)
@@ -36,26 +34,15 @@ def moment_of(turns, t, now):
     return (1.0 / now.kick) * load(turns.state, t, IMPULSE)
 
 
-def tell_late(openings, h, moment):
-    """Count a moment of the kicks that are over, where moments are told apart."""
-    if isinstance(openings, TELLING):
-        add_late(openings, h, moment)
-
-
 @kernel
-def add_late(openings, h, moment):
-    """Add a moment to what the kind has on opening h, and its work up to now."""
-    row = h * openings.parts + openings.which
-    store(openings.told, row, MOMENT, load(openings.told, row, MOMENT) + moment)
-    work = work_on(openings, h, moment)
-    store(openings.told, row, WORK, load(openings.told, row, WORK) + work)
-
-
-@overload(tell_late, jit_options=INLINED)
-def _tell_late(openings, h, moment):
-    if openings.instance_class in TELLING:
-        return lambda openings, h, moment: add_late(openings, h, moment)
-    return lambda openings, h, moment: None
+def tell_late(told, openings, h, moment):
+    """Count a moment of the kicks that are over, and its work up to now, where moments are told
+    apart.
+    """
+    if told is not None:
+        row = h * openings.parts + openings.which
+        store(told, row, MOMENT, load(told, row, MOMENT) + moment)
+        store(told, row, WORK, load(told, row, WORK) + work_on(openings, h, moment))
 
 
 @kernel
@@ -75,7 +62,7 @@ def end_work(part, world, now, first, sign):
     """The other half, of the moments of this step (`work_after`)."""
     for i in range(part.on.shape[0]):
         moment = moment_of(part.turns, part.turn[i], now)
-        tell_late(part.openings, part.on[i], moment)
+        tell_late(part.openings.told, part.openings, part.on[i], moment)
         end_work_of(part, world, i, moment, first, sign)
 
 

@@ -51,15 +51,19 @@ class Latches(NamedTuple):
 def watch(part, i, h, now):
     """Catch the opening of latch i in the lanes where it has come by in this step."""
     angles = part.openings.angles
-    store(part.state, i, NEWS, 0.0)
-    after, before = load(angles, h, NOW), load(angles, h, BEFORE)
-    off = absolute(0.5 * (after + before) - load(part.numbers, i, ANGLE))
-    reach = off - 0.5 * absolute(after - before) - load(part.numbers, i, TOLERANCE) - NEAR
+    reach = reached(part, i, load(angles, h, BEFORE), load(angles, h, NOW))
     if any_negative(where_negative(0.5 - load(part.state, i, CAUGHT), 1.0, reach)):
         for s in range(angles.shape[2]):
             if part.state[i, CAUGHT, s] == 0.0:
                 before, after = angles[h, BEFORE, s], angles[h, NOW, s]
                 pass_by(part, i, s, before, after, part.past[i, RATE, s], now.time, now.step)
+
+
+@kernel
+def reached(part, i, before, after):
+    """Below zero where latch i must be looked at on the way from an opening to another (rad)."""
+    off = absolute(0.5 * (after + before) - load(part.numbers, i, ANGLE))
+    return off - 0.5 * absolute(after - before) - load(part.numbers, i, TOLERANCE) - NEAR
 
 
 @kernel
@@ -147,6 +151,7 @@ def note_events(part, world, now):
                 news = part.state[i, NEWS, s]
                 if news > 0.0:
                     note(part.log, s, part.state[i, WHEN, s], i, news - 1.0)
+        store(part.state, i, NEWS, 0.0)
 
 
 @hook(Latches)

@@ -15,11 +15,11 @@ NUMBERS = "stiffness", "damping", "start", "turn"
 STIFFNESS, DAMPING, START, TURN = range(4)
 
 # Of a motor, at the last forces and a step before.
-OFF = 0  # target less opening
-WAY = 1  # of the target over the last step
-TARGET = 2
-MOMENT, MOMENT_BEFORE = 3, 4
-VISCOUS, VISCOUS_BEFORE = 5, 6  # its part by damping
+MOMENT, MOMENT_BEFORE = 0, 1
+VISCOUS, VISCOUS_BEFORE = 2, 3  # its part by damping
+OFF = 4  # target less opening
+WAY = 5  # of the target over the last step
+TARGET = 6
 STATE = 7
 
 TRACK = 1

@@ -64,35 +64,27 @@ class Opening(Kind):
 
         hinges = batch.one.hinges
         rows = batch.instants + 1
-        openings = at.Openings(
+        slides = [hinge.slides for hinge in hinges]
+        told = Probe.asked(batch.one).moments
+        count = len(hinges) * len(PARTS)
+        return at.Openings(
             ends=batch.integers(p for hinge in hinges for p in hinge.particles),
             sides=batch.stack(2 * len(hinges), at.SIDE, _sides),
             axes=batch.blank(len(hinges), 3),
             angles=batch.table(cls, 2, lambda hinge: [hinge.opening] * 2),
             followed=batch.is_read(cls),
             track=batch.blank(rows * len(hinges), 1),
+            slides=batch.integers(slides) if any(slides) else None,
+            told=batch.blank(count, at.TOLD) if told else None,
+            told_track=batch.blank(rows * count, 2) if told else None,
+            parts=len(PARTS),
+            which=PARTS.index("other"),
         )
-        slides = [hinge.slides for hinge in hinges]
-        more = (batch.integers(slides),) if any(slides) else ()
-        if not Probe.asked(batch.one).moments:
-            return at.SlidingOpenings(*openings, *more) if more else openings
-        count = len(hinges) * len(PARTS)
-        told = (
-            PARTS.index("other"),
-            len(PARTS),
-            batch.blank(count, at.TOLD),
-            batch.blank(rows * count, 2),
-        )
-        kind = at.ToldSlidingOpenings if more else at.ToldOpenings
-        return kind(*openings, *told, *more)
 
     @classmethod
     def seen_by(cls, kind: type[Kind], batch):
         """The arrays of all openings as a kind that acts on them gets them."""
-        openings = batch.part(cls)
-        if Probe.asked(batch.one).moments and kind.acts_as:
-            return openings._replace(which=PARTS.index(kind.acts_as))
-        return openings
+        return batch.part(cls)._replace(which=PARTS.index(kind.acts_as or "other"))
 
     @classmethod
     def recorded(cls, part, scene, lane):

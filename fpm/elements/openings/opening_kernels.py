@@ -4,14 +4,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import overload
 
 from fpm.kernels.angles import arctan2
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import floor, load, store
 from fpm.kernels.layout import F, M, P, X
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import INLINED, add3, cross, dot, get3, kernel, put3, to_global, to_local
+from fpm.kernels.vectors import add3, cross, dot, get3, kernel, put3, to_global, to_local
 
 TURN = 2 * math.pi
 
@@ -27,7 +26,7 @@ TOLD = 3
 
 
 class Openings(NamedTuple):
-    """Opening h has the sides 2h and 2h + 1."""
+    """Opening h has the sides 2h and 2h + 1; of what is None nothing is compiled."""
 
     ends: np.ndarray  # (2h,) particles of the sides
     sides: np.ndarray  # (2h, SIDE, lanes)
@@ -35,47 +34,36 @@ class Openings(NamedTuple):
     angles: np.ndarray  # (h, 2, lanes) now and one step ago (rad)
     followed: bool  # whether they are needed in every step
     track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded
+    slides: np.ndarray | None = None  # (h,) 1 where the opening is a length
+    told: np.ndarray | None = None  # (h parts, TOLD, lanes) who acts on them, where told apart
+    told_track: np.ndarray | None = None  # ((instants + 1) h parts, 2, lanes): moment, work
+    parts: int = 0  # into which the moment is told apart
+    which: int = 0  # of them is the kind's own that sees these openings
 
 
-_PLAIN = [*Openings.__annotations__.items()]
-_TELLING = [
-    ("which", int),
-    ("parts", int),
-    ("told", np.ndarray),  # (h parts, TOLD, lanes)
-    ("told_track", np.ndarray),  # ((instants + 1) h parts, 2, lanes) recorded: moment, work
-]
-_SLIDES = [("slides", np.ndarray)]  # (h,) 1 where the opening is a length
-
-ToldOpenings = NamedTuple("ToldOpenings", _PLAIN + _TELLING)
-"""Openings that tell apart who acts on them; the part `which` of `parts` is a kind's own."""
-
-SlidingOpenings = NamedTuple("SlidingOpenings", _PLAIN + _SLIDES)
-"""Openings some of which are lengths."""
-
-ToldSlidingOpenings = NamedTuple("ToldSlidingOpenings", _PLAIN + _TELLING + _SLIDES)
-"""The same that tell apart who acts on them."""
-
-TELLING = (ToldOpenings, ToldSlidingOpenings)
-SLIDING = (SlidingOpenings, ToldSlidingOpenings)
-
-
-def is_slide(openings, h):
-    """Whether opening h is a length; nothing is compiled of slides where there are none."""
-    return isinstance(openings, SLIDING) and openings.slides[h] != 0
-
-
-@overload(is_slide, jit_options=INLINED)
-def _is_slide(openings, h):
-    if openings.instance_class in SLIDING:
-        return lambda openings, h: openings.slides[h] != 0
-    return lambda openings, h: False
+@kernel
+def is_slide(slides, h):
+    """Whether opening h is a length."""
+    if slides is None:
+        return False
+    return slides[h] != 0
 
 
 @hook(Openings)
 def forces(part, world, now):
-    """None; but the kinds that act on openings follow, and need them."""
+    """No moments yet; but the kinds that act on openings follow, and need these."""
     if part.followed:
         update(part, world.state)
+    begin_told(part.told)
+
+
+@kernel
+def begin_told(told):
+    """Nobody acts yet."""
+    if told is not None:
+        for r in range(told.shape[0]):
+            store(told, r, MOMENT_BEFORE, load(told, r, MOMENT))
+            store(told, r, MOMENT, 0.0)
 
 
 @kernel
@@ -89,7 +77,7 @@ def update(part, state):
         put3(part.axes, h, 0, axis)
         first = get3(sides, 2 * h, REFERENCE)
         second = to_global(frame(state, two), get3(sides, 2 * h + 1, REFERENCE))
-        if is_slide(part, h):
+        if is_slide(part.slides, h):
             between = (get3(state, two, X) + second) - (
                 get3(state, one, X) + to_global(axes, first)
             )
@@ -111,7 +99,7 @@ def turn(openings, state, h, moment):
     """
     one, two = openings.ends[2 * h], openings.ends[2 * h + 1]
     axis = get3(openings.axes, h, 0)
-    if is_slide(openings, h):
+    if is_slide(openings.slides, h):
         arm = to_global(frame(state, two), get3(openings.sides, 2 * h + 1, REFERENCE))
         force = moment * axis
         lever = get3(state, two, X) + arm - get3(state, one, X)
@@ -123,7 +111,7 @@ def turn(openings, state, h, moment):
         couple = moment * axis
         put3(state, two, M, get3(state, two, M) + couple)
         put3(state, one, M, get3(state, one, M) - couple)
-    tell(openings, h, moment)
+    tell(openings.told, openings, h, moment)
 
 
 @kernel
@@ -135,83 +123,53 @@ def push(openings, state, h, impulse):
     put3(state, one, P, get3(state, one, P) - turned)
 
 
-def tell(openings, h, moment):
+@kernel
+def tell(told, openings, h, moment):
     """Count a moment as that of the kind that sees these openings, where they are told apart."""
-    if isinstance(openings, TELLING):
-        add_told(openings, h, moment)
+    if told is not None:
+        row = h * openings.parts + openings.which
+        store(told, row, MOMENT, load(told, row, MOMENT) + moment)
+
+
+@hook(Openings)
+def work_before(part, world, now):
+    """Work of every part over the step up to now."""
+    work_told(part.told, part)
 
 
 @kernel
-def add_told(openings, h, moment):
-    """Add a moment to what the kind has on opening h."""
-    row = h * openings.parts + openings.which
-    store(openings.told, row, MOMENT, load(openings.told, row, MOMENT) + moment)
-
-
-@overload(tell, jit_options=INLINED)
-def _tell(openings, h, moment):
-    if openings.instance_class in TELLING:
-        return lambda openings, h, moment: add_told(openings, h, moment)
-    return lambda openings, h, moment: None
+def work_told(told, part):
+    """The same by the trapezium rule (losses_kernels.lose)."""
+    if told is not None:
+        for h in range(part.angles.shape[0]):
+            turned = load(part.angles, h, NOW) - load(part.angles, h, BEFORE)
+            for r in range(h * part.parts, (h + 1) * part.parts):
+                both = load(told, r, MOMENT) + load(told, r, MOMENT_BEFORE)
+                store(told, r, WORK, load(told, r, WORK) + 0.5 * both * turned)
 
 
 @hook(Openings)
 def record(part, world, row):
-    """Record the openings."""
+    """Record the openings, and the moment and work of every part."""
     if not part.followed:
         update(part, world.state)
     count = part.angles.shape[0]
     for h in range(count):
         store(part.track, row * count + h, 0, load(part.angles, h, NOW))
+    record_told(part.told, part, row)
 
 
-@hook(ToldOpenings, "forces")
-def begin_told(part, world, now):
-    """New openings; nobody acts on them yet."""
-    forces(part, world, now)
-    for r in range(part.told.shape[0]):
-        store(part.told, r, MOMENT_BEFORE, load(part.told, r, MOMENT))
-        store(part.told, r, MOMENT, 0.0)
-
-
-@hook(ToldOpenings, "work_before")
-def work_told(part, world, now):
-    """Work of every part over the step up to now, by the trapezium rule (losses_kernels.lose)."""
-    for h in range(part.angles.shape[0]):
-        turned = load(part.angles, h, NOW) - load(part.angles, h, BEFORE)
-        for r in range(h * part.parts, (h + 1) * part.parts):
-            both = load(part.told, r, MOMENT) + load(part.told, r, MOMENT_BEFORE)
-            store(part.told, r, WORK, load(part.told, r, WORK) + 0.5 * both * turned)
-
-
-@hook(ToldOpenings, "record_step")
-def record_told_after(part, world, row, now):
-    """The same with the moments of what holds openings exactly, which are known now."""
-    record_tellings(part, row)
-
-
-@hook(ToldOpenings, "record")
-def record_told(part, world, row):
-    """Record the openings, and the moment and work of every part."""
-    record(part, world, row)
-    record_tellings(part, row)
+@hook(Openings)
+def record_step(part, world, row, now):
+    """The latter with the moments of what holds openings exactly, which are known now."""
+    record_told(part.told, part, row)
 
 
 @kernel
-def record_tellings(part, row):
+def record_told(told, part, row):
     """Record the moment and work of every part."""
-    count = part.told.shape[0]
-    for r in range(count):
-        store(part.told_track, row * count + r, 0, load(part.told, r, MOMENT))
-        store(part.told_track, row * count + r, 1, load(part.told, r, WORK))
-
-
-for _name, _kernel in (("forces", forces), ("record", record)):
-    hook(SlidingOpenings, _name)(_kernel)
-for _name, _kernel in (
-    ("forces", begin_told),
-    ("work_before", work_told),
-    ("record_step", record_told_after),
-    ("record", record_told),
-):
-    hook(ToldSlidingOpenings, _name)(_kernel)
+    if told is not None:
+        count = told.shape[0]
+        for r in range(count):
+            store(part.told_track, row * count + r, 0, load(told, r, MOMENT))
+            store(part.told_track, row * count + r, 1, load(told, r, WORK))

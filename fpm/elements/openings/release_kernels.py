@@ -22,11 +22,11 @@ NUMBERS = "time", "level", "stiffness", "damping", "hold"
 TIME, LEVEL, STIFFNESS, DAMPING, HOLD = range(5)
 
 # Of a release, at the last forces and a step before.
-HELD, HELD_BEFORE = 0, 1  # -1 while it holds, then 1
-AGO = 2  # when it let go, in steps before the forces at which it did
-MOMENT, MOMENT_BEFORE = 3, 4
-ENERGY, ENERGY_BEFORE = 5, 6
-STATE = 7
+MOMENT, MOMENT_BEFORE = 0, 1
+AGO = 2  # when it let go, in steps before the forces at which it did; else below zero
+ENERGY, ENERGY_BEFORE = 3, 4
+HELD = 5  # -1 while it holds, then 1
+STATE = 6
 
 
 class Releases(NamedTuple):
@@ -63,13 +63,14 @@ def let_go(part, now, i):
 def forces(part, world, now):
     """Moments of those that hold; of those that let go in this step, what is left of it."""
     for i in range(part.on.shape[0]):
-        for k in (HELD, MOMENT, ENERGY):
+        for k in (MOMENT, ENERGY):
             store(part.state, i, k + 1, load(part.state, i, k))
         h = part.on[i]
         psi = load(part.openings.angles, h, NOW)
         ago, held = let_go(part, now, i), load(part.state, i, HELD)
         if now.time == 0.0:
             ago, held = 0.0 * psi - 1.0, 0.0 * psi - 1.0
+        ago = where_negative(held, ago, -1.0)
         off = load(part.numbers, i, HOLD) - psi
         way = psi - load(part.openings.angles, h, BEFORE)
         then = off + where_negative(ago, 0.0, ago) * way  # when it let go, or now
@@ -90,11 +91,11 @@ def forces(part, world, now):
 def note_events(part, world, now):
     """Note those that let go in this step."""
     for i in range(part.on.shape[0]):
-        if any_negative(load(part.state, i, HELD) * load(part.state, i, HELD_BEFORE)):
+        ago = load(part.state, i, AGO)
+        if any_negative(where_negative(ago, 1.0, -1.0)):
             for s in range(part.state.shape[2]):
-                if part.state[i, HELD, s] * part.state[i, HELD_BEFORE, s] < 0.0:
-                    time = now.time - now.step * part.state[i, AGO, s]
-                    note(part.log, s, time, i, 0.0)
+                if part.state[i, AGO, s] >= 0.0:
+                    note(part.log, s, now.time - now.step * part.state[i, AGO, s], i, 0.0)
 
 
 @hook(Releases)

@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.openings.losses_kernels import follow_rate
+from fpm.elements.openings.motor_kernels import MOMENT, MOMENT_BEFORE, record
+from fpm.elements.openings.motor_kernels import TRACK as TRACK
 from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
 from fpm.kernels.curves import curve_value
 from fpm.kernels.hooks import hook
@@ -13,11 +15,7 @@ from fpm.kernels.lanes import load, store, where_negative
 NUMBERS = "torque", "no_load"
 TORQUE, NO_LOAD = range(2)
 
-# Of a motor, at the last forces and a step before.
-MOMENT, MOMENT_BEFORE = 0, 1
-STATE = 2
-
-TRACK = 1
+STATE = 2  # moment, at the last forces and a step before
 
 
 class TorqueMotors(NamedTuple):
@@ -63,9 +61,4 @@ def work_before(part, world, now):
     store(world.accounts, 0, part.given, given)
 
 
-@hook(TorqueMotors)
-def record(part, world, row):
-    """The moments."""
-    count = part.on.shape[0]
-    for i in range(count):
-        store(part.track, row * count + i, 0, load(part.state, i, MOMENT))
+hook(TorqueMotors, "record")(record)

@@ -152,7 +152,6 @@ class Hinge(Kind):
             HINGE,
             HINGE_SCRATCH,
             SUMS,
-            CountedHinges,
             Hinges,
         )
 
@@ -163,7 +162,8 @@ class Hinge(Kind):
             return lambda scene: rows_of(scene, [scene.hinges[i] for i in which])
 
         held = [[axis in hinge.support for axis in AXES] for hinge in hinges]
-        found = Hinges(
+        counted = Probe.asked(batch.one).impulses
+        return Hinges(
             ends=batch.integers(cls.moved(batch.one)),
             bodies=batch.stack(2 * h, BODY, each(_bodies)),
             hinges=batch.stack(h, HINGE, each(_places)),
@@ -175,10 +175,9 @@ class Hinge(Kind):
             watched=batch.watched_by(cls),
             rows=batch.rows_of(cls),
             gaps=batch.blank(rows, 2),
+            sums=batch.blank(h, SUMS) if counted else None,
+            forces=batch.blank(rows * h, SUMS) if counted else None,
         )
-        if not Probe.asked(batch.one).impulses:
-            return found
-        return CountedHinges(*found, batch.blank(h, SUMS), batch.blank(rows * h, SUMS))
 
     @classmethod
     def recorded(cls, part, scene, lane):

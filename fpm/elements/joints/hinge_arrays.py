@@ -62,6 +62,8 @@ class Hinges(NamedTuple):
     watched: np.ndarray  # (1, 2, lanes)
     rows: np.ndarray  # (h, 1, lanes)
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)
+    sums: np.ndarray | None = None  # (h, SUMS, lanes) impulses of this step, where they are counted
+    forces: np.ndarray | None = None  # ((instants + 1) h, SUMS, lanes) recorded
 
 
 ON_ONE, ABOUT_ONE, ON_TWO, ABOUT_TWO = 0, 3, 6, 9
@@ -69,16 +71,6 @@ SUMS = 12
 """Impulses of a joint over a step: force on a body and moment about it, of both (3 each). Divided
 by the length of the kick they are its constraint forces.
 """
-
-CountedHinges = NamedTuple(
-    "CountedHinges",
-    [
-        *Hinges.__annotations__.items(),
-        ("sums", np.ndarray),  # (h, SUMS, lanes) of this step
-        ("forces", np.ndarray),  # ((instants + 1) h, SUMS, lanes) recorded
-    ],
-)
-"""Hinges whose impulses are counted."""
 
 
 @kernel

@@ -36,14 +36,13 @@ from fpm.elements.joints.hinge_arrays import (
     REF,
     SUMS,
     TILT,
-    CountedHinges,
     Hinges,
     get6,
 )
 from fpm.elements.joints.hinge_limits import COARSE_GAP, COARSE_TILT, MOST_GAP, MOST_TILT, ROUNDS
 from fpm.elements.joints.hinge_matrix import find_impulses, prepare_bodies, prepare_matrices
 from fpm.elements.joints.hinge_supports import prepare_supports
-from fpm.elements.joints.impulse_sums import ALL, clear, count
+from fpm.elements.joints.impulse_sums import ALL, clear, count_hinge
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
 from fpm.kernels.layout import D2, D3, HALF, P, V, X
@@ -66,6 +65,7 @@ from fpm.kernels.vectors import (
 @hook(Hinges)
 def prepare(part, world, now):
     """Kick the particles of all hinges, and aim the impulses; all forces must be summed."""
+    clear(part.sums)
     prepare_bodies(world, part, now.kick)
     prepare_matrices(part)
     if part.supported:
@@ -93,7 +93,7 @@ def aim(part, state):
     find_impulses(part)
     for h in range(w.shape[0]):
         push(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b)
-        count(part, h, ALL)
+        count_hinge(part.sums, part, h, ALL)
 
 
 @kernel
@@ -206,12 +206,12 @@ def move(part, world, now):
                     left = True
                     for r in (2 * h, 2 * h + 1):
                         push_where_far(state, ends[r], r, b, far)
-                    count(part, h, far)
+                    count_hinge(part.sums, part, h, far)
         if not left:
             break
     for h in range(w.shape[0]):
         nudge(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, now.step)
-        count(part, h, ALL)
+        count_hinge(part.sums, part, h, ALL)
 
 
 @hook(Hinges)
@@ -232,7 +232,7 @@ def look_back(part, world, now):
         add3(kept, on, V, -2.0 * get3(b, rows, DV))
         add3(kept, on, P, -2.0 * get3(b, rows, DP))
         restore(kept, on, rows, b)
-        count(part, h, ALL)
+        count_hinge(part.sums, part, h, ALL)
 
 
 @kernel
@@ -291,27 +291,17 @@ def list_excess(part, world):
         store(part.rows, h, 0, excess)
 
 
-@hook(CountedHinges, "prepare")
-def prepare_counted(part, world, now):
-    """Count from zero."""
-    clear(part.sums)
-    prepare(part, world, now)
-
-
-@hook(CountedHinges)
+@hook(Hinges)
 def record_step(part, world, row, now):
-    """Record the constraint forces of the step."""
-    count = part.sums.shape[0]
-    for h in range(count):
-        for k in range(SUMS):
-            force = (1.0 / now.kick) * load(part.sums, h, k)
-            store(part.forces, row * count + h, k, force)
+    """Record the constraint forces of the step, where they are counted."""
+    record_sums(part.sums, part.forces, row, now)
 
 
-for _name, _kernel in (
-    ("move", move),
-    ("look_back", look_back),
-    ("record", record),
-    ("list_excess", list_excess),
-):
-    hook(CountedHinges, _name)(_kernel)
+@kernel
+def record_sums(sums, forces, row, now):
+    """The sums as forces."""
+    if sums is not None:
+        count = sums.shape[0]
+        for h in range(count):
+            for k in range(SUMS):
+                store(forces, row * count + h, k, (1.0 / now.kick) * load(sums, h, k))

@@ -231,18 +231,19 @@ class Joint(Kind):
             excess=batch.rows_of(cls),
             gaps=batch.blank(rows, 2),
         )
-        sums = ()
-        if counted := Probe.asked(one).impulses:
+        if Probe.asked(one).impulses:
             from fpm.elements.joints.hinge_arrays import SUMS
 
-            sums = batch.blank(conditions, 1), batch.blank(rows * len(joints), SUMS)
+            sums, forces = batch.blank(conditions, 1), batch.blank(rows * len(joints), SUMS)
+            coupled = coupled._replace(sums=sums, forces=forces)
         if not (turns := len(Turn.of(one))):
-            return at.CountedJoints(*coupled, *sums) if counted else coupled
+            return coupled
         first = len(joints) - turns
-        turned = at.CountedTurnedJoints if counted else at.TurnedJoints
-        turn_of = batch.integers(max(number - first, -1) for number in order)
-        turn_at = batch.integers(order.index(first + t) for t in range(turns))
-        return turned(*coupled, *sums, batch.part(Turn), turn_of, turn_at)
+        return at.TurnedJoints(*coupled)._replace(
+            turns=batch.part(Turn),
+            turn_of=batch.integers(max(number - first, -1) for number in order),
+            turn_at=batch.integers(order.index(first + t) for t in range(turns)),
+        )
 
     @classmethod
     def recorded(cls, part, scene, lane):

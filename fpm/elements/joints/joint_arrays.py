@@ -90,31 +90,12 @@ class Joints(NamedTuple):
     watched: np.ndarray  # (1, 2, lanes)
     excess: np.ndarray  # (j, 1, lanes) rows that say how bad a joint is
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)
+    sums: np.ndarray | None = None  # (r, 1, lanes) impulses of the conditions in this step
+    forces: np.ndarray | None = None  # ((instants + 1) j, SUMS of hinges, lanes) recorded
+    turns: Turns | None = None  # openings that are held exactly
+    turn_of: np.ndarray | None = None  # (j,) number of the opening that a joint holds; -1: none
+    turn_at: np.ndarray | None = None  # (t,) and the joints that hold openings
 
 
-CountedJoints = NamedTuple(
-    "CountedJoints",
-    [
-        *Joints.__annotations__.items(),
-        ("sums", np.ndarray),  # (r, 1, lanes) impulses of the conditions in this step
-        ("forces", np.ndarray),  # ((instants + 1) j, SUMS of hinges, lanes) recorded
-    ],
-)
-"""Joints whose impulses are counted."""
-
-_TURNS = [
-    ("turns", Turns),
-    ("turn_of", np.ndarray),  # (j,) number of the opening that a joint holds; -1: none
-    ("turn_at", np.ndarray),  # (t,) and the joints that hold openings
-]
-
-TurnedJoints = NamedTuple("TurnedJoints", [*Joints.__annotations__.items(), *_TURNS])
-"""Joints among which some hold openings exactly."""
-
-CountedTurnedJoints = NamedTuple(
-    "CountedTurnedJoints", [*CountedJoints.__annotations__.items(), *_TURNS]
-)
-"""The same whose impulses are counted."""
-
-TURNED = (TurnedJoints, CountedTurnedJoints)
-COUNTED = (CountedJoints, CountedTurnedJoints)
+class TurnedJoints(Joints):
+    """Joints among which some hold openings exactly."""

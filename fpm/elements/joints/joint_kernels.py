@@ -10,7 +10,7 @@ from fpm.elements.joints.hinge_arrays import ABOUT_ONE, ABOUT_TWO, ON_ONE, ON_TW
 from fpm.elements.joints.hinge_kernels import watch
 from fpm.elements.joints.hinge_limits import COARSE_GAP, COARSE_TILT, MOST_GAP, MOST_TILT, ROUNDS
 from fpm.elements.joints.hinge_matrix import world_inverse
-from fpm.elements.joints.impulse_sums import ALL, clear, count
+from fpm.elements.joints.impulse_sums import ALL, clear, count_joints
 from fpm.elements.joints.joint_arrays import (
     ALL_FORCE,
     ALL_MOMENT,
@@ -35,7 +35,6 @@ from fpm.elements.joints.joint_arrays import (
     TURN1,
     TURN2,
     TURNS,
-    CountedJoints,
     Joints,
 )
 from fpm.elements.joints.joint_matrix import build, factorise, substitute
@@ -62,6 +61,7 @@ from fpm.kernels.vectors import (
 @hook(Joints)
 def prepare(part, world, now):
     """Kick the bodies of all joints, and aim the impulses; all forces must be summed."""
+    clear(part.sums)
     kick_bodies(part, world.state, now.kick)
     find_rows(part, world.state)
     build(part)
@@ -124,7 +124,7 @@ def push_all(part, state):
     """Push all bodies, by the impulses that were found."""
     for s in range(part.on.shape[0]):
         push(part, state, s)
-    count(part, 0, ALL)
+    count_joints(part, ALL)
 
 
 @kernel
@@ -244,10 +244,10 @@ def move(part, world, now):
             break
         for s in range(part.on.shape[0]):
             push_where_far(part, state, s, far)
-        count(part, 0, far)
+        count_joints(part, far)
     for s in range(part.on.shape[0]):
         nudge(part, state, s, now.step)
-    count(part, 0, ALL)
+    count_joints(part, ALL)
 
 
 @hook(Joints)
@@ -295,7 +295,7 @@ def close_before(part, kept, step):
         put3(kept, i, X, get3(b, s, OLD_X))
         put3(kept, i, D2, get3(b, s, OLD_D2))
         put3(kept, i, D3, get3(b, s, OLD_D3))
-    count(part, 0, ALL)
+    count_joints(part, ALL)
 
 
 @hook(Joints)
@@ -361,41 +361,30 @@ def list_excess(part, world):
         store(part.excess, part.names[j], 0, excess)
 
 
-@hook(CountedJoints, "prepare")
-def prepare_counted(part, world, now):
-    """Count from zero."""
-    clear(part.sums)
-    prepare(part, world, now)
-
-
-@hook(CountedJoints)
+@hook(Joints)
 def record_step(part, world, row, now):
-    """Record the constraint forces of the step, in the order of the scene.
+    """Record the constraint forces of the step, where they are counted."""
+    record_sums(part.sums, part, row, now)
+
+
+@kernel
+def record_sums(sums, part, row, now):
+    """The sums as forces, in the order of the scene.
 
     Of moments only those about axes about which a body may turn.
     """
-    rows, pattern, count = part.rows, part.pattern, part.types.shape[0]
-    for j in range(count):
-        force = 0.0 * get3(rows, 0, ALONG)
-        first, second = force, force
-        for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
-            impulse = (1.0 / now.kick) * load(part.sums, r, 0)
-            force = force + impulse * get3(rows, r, ALONG)
-            first = first + impulse * get3(rows, r, TURN1)
-            second = second + impulse * get3(rows, r, TURN2)
-        at = row * count + part.names[j]
-        put3(part.forces, at, ON_ONE, force)
-        put3(part.forces, at, ABOUT_ONE, first)
-        put3(part.forces, at, ON_TWO, -1.0 * force)
-        put3(part.forces, at, ABOUT_TWO, -1.0 * second)
-
-
-for _name, _kernel in (
-    ("move", move),
-    ("look_back", look_back),
-    ("work_after", work_after),
-    ("work_due", work_due),
-    ("record", record),
-    ("list_excess", list_excess),
-):
-    hook(CountedJoints, _name)(_kernel)
+    if sums is not None:
+        rows, pattern, count = part.rows, part.pattern, part.types.shape[0]
+        for j in range(count):
+            force = 0.0 * get3(rows, 0, ALONG)
+            first, second = force, force
+            for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
+                impulse = (1.0 / now.kick) * load(sums, r, 0)
+                force = force + impulse * get3(rows, r, ALONG)
+                first = first + impulse * get3(rows, r, TURN1)
+                second = second + impulse * get3(rows, r, TURN2)
+            at = row * count + part.names[j]
+            put3(part.forces, at, ON_ONE, force)
+            put3(part.forces, at, ABOUT_ONE, first)
+            put3(part.forces, at, ON_TWO, -1.0 * force)
+            put3(part.forces, at, ABOUT_TWO, -1.0 * second)

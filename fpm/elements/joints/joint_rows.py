@@ -2,8 +2,6 @@
 
 import math
 
-from numba.extending import overload
-
 from fpm.elements.joints.joint_arrays import (
     ALONG,
     ARM,
@@ -19,7 +17,6 @@ from fpm.elements.joints.joint_arrays import (
     ROOT1,
     SLID,
     TURN1,
-    TURNED,
     TURNS,
     UNIVERSAL,
 )
@@ -29,7 +26,6 @@ from fpm.kernels.lanes import floor, load, store, where_negative
 from fpm.kernels.layout import X
 from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import (
-    INLINED,
     cross,
     dot,
     get3,
@@ -95,7 +91,7 @@ def unit_vectors(like):
 def find_rows(part, state):
     """Store the conditions of all joints, as their bodies are."""
     for j in range(part.types.shape[0]):
-        if put_opening_row(part, state, j):
+        if put_opening_row(part.turns, part, state, j):
             continue
         kind, r = part.types[j], part.pattern.first[j]
         x1, first, point = place(part, state, j, 0)
@@ -146,8 +142,8 @@ def find_gaps(part, state, j):
 
     Returns the sums of their squares.
     """
-    if is_opening(part, j):
-        off = opening_gap(part, state, j)
+    if is_opening(part.turns, part, j):
+        off = opening_gap(part.turns, part, state, j)
         store(part.rows, part.pattern.first[j], OFF, off)
         if part.types[j] == SLID:
             return off * off, 0.0 * off
@@ -211,18 +207,27 @@ def put_gap(rows, r, off):
 # -- openings that are held: nothing is compiled of these where none is --------------------------
 
 
-def is_opening(part, j):
+@kernel
+def is_opening(turns, part, j):
     """Whether joint j holds an opening."""
-    return isinstance(part, TURNED) and part.turn_of[j] >= 0
+    if turns is None:
+        return False
+    return part.turn_of[j] >= 0
 
 
-def put_opening_row(part, state, j):
+@kernel
+def put_opening_row(turns, part, state, j):
     """Store the condition of joint j if it holds an opening; returns whether it does."""
-    return isinstance(part, TURNED) and put_held_row(part, state, j)
+    if turns is None:
+        return False
+    return put_held_row(part, state, j)
 
 
-def opening_gap(part, state, j):
+@kernel
+def opening_gap(turns, part, state, j):
     """How far (rad, m) the opening that joint j holds is off; 0 in lanes where it is free."""
+    if turns is None:
+        return 0.0 * load(state, 0, X)
     return held_gap(part, state, j)
 
 
@@ -260,24 +265,3 @@ def held_gap(part, state, j):
     off = arctan2(dot(q, other), dot(p, other)) - load(part.turns.state, t, TARGET)
     off = off - FULL * floor((1.0 / FULL) * off + 0.5)
     return where_negative(load(part.turns.state, t, HOLDS), off, 0.0)
-
-
-@overload(is_opening, jit_options=INLINED)
-def _is_opening(part, j):
-    if part.instance_class in TURNED:
-        return lambda part, j: part.turn_of[j] >= 0
-    return lambda part, j: False
-
-
-@overload(put_opening_row, jit_options=INLINED)
-def _put_opening_row(part, state, j):
-    if part.instance_class in TURNED:
-        return lambda part, state, j: put_held_row(part, state, j)
-    return lambda part, state, j: False
-
-
-@overload(opening_gap, jit_options=INLINED)
-def _opening_gap(part, state, j):
-    if part.instance_class in TURNED:
-        return lambda part, state, j: held_gap(part, state, j)
-    return lambda part, state, j: 0.0 * load(state, 0, X)

@@ -20,7 +20,6 @@ from fpm.elements.joints.joint_arrays import (
     TURN1,
     TURN2,
     TURNS,
-    CountedTurnedJoints,
     TurnedJoints,
 )
 from fpm.elements.joints.joint_arrays import IMPULSE as FOUND
@@ -45,6 +44,7 @@ from fpm.kernels.vectors import add3, cross, dot, get3, kernel, put3, symmetric,
 @hook(TurnedJoints)
 def prepare(part, world, now):
     """Kick the bodies of all joints; all forces must be summed."""
+    clear(part.sums)
     kick_bodies(part, world.state, now.kick)
     world.undecided[0] = 1
     for t in range(part.turn_at.shape[0]):
@@ -130,22 +130,5 @@ def look_back(part, world, now):
     close_before(part, kept, now.step)
 
 
-@hook(CountedTurnedJoints, "prepare")
-def prepare_counted(part, world, now):
-    """Count from zero."""
-    clear(part.sums)
-    prepare(part, world, now)
-
-
-for _name, _kernel in (
-    ("work_after", joint_kernels.work_after),
-    ("work_due", joint_kernels.work_due),
-    ("record", joint_kernels.record),
-    ("list_excess", joint_kernels.list_excess),
-):
-    hook(TurnedJoints, _name)(_kernel)
-    hook(CountedTurnedJoints, _name)(_kernel)
-hook(CountedTurnedJoints, "solve")(solve)
-hook(CountedTurnedJoints, "move")(move)
-hook(CountedTurnedJoints, "look_back")(look_back)
-hook(CountedTurnedJoints, "record_step")(joint_kernels.record_step)
+for _name in ("work_after", "work_due", "record", "record_step", "list_excess"):
+    hook(TurnedJoints, _name)(getattr(joint_kernels, _name))

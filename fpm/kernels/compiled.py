@@ -141,7 +141,10 @@ def loop_for(arguments: tuple) -> Callable:
 
 def _optional(parts: tuple) -> tuple[str, ...]:
     """The fields of named tuples that may be None, and are not."""
-    return tuple(n for p in parts for n in p._field_defaults if getattr(p, n) is not None)
+    may = (
+        (part, n) for part in parts for n, value in part._field_defaults.items() if value is None
+    )
+    return tuple(name for part, name in may if getattr(part, name) is not None)
 
 
 DIGESTS = "digests.json"

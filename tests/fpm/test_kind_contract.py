@@ -4,11 +4,22 @@ import inspect
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
 from flaps import bare
 
 import fpm
-from fpm.elements import Joint, Latch, Motor, Release, RigidLatch, RigidMotor, RigidRelease, fields
+from fpm.elements import (
+    Damper,
+    Joint,
+    Latch,
+    Motor,
+    Release,
+    RigidLatch,
+    RigidMotor,
+    RigidRelease,
+    fields,
+)
 from fpm.elements.kind import SHARED, Kind
 from fpm.files.outcome import eventful
 from fpm.kernels import hooks
@@ -64,6 +75,25 @@ def test_a_joint_is_added_beside_it_and_its_events_are_on_no_hinge():
     assert eventful(scene) == (("Door 0", ("opens",), ""),)
     with pytest.raises(fpm.SceneError, match="a name not yet used"):
         scene.add_joint("hinge", "spherical", more, (1, 0, 0))
+
+
+@pytest.mark.parametrize(
+    ("add", "message"),
+    [
+        (lambda scene: scene.add_load(1, curve=3), "curve of load = 3 .*-1 to -1"),
+        (
+            lambda scene: scene.add_load(1, force=(0, np.nan, 0)),
+            r"force of load .*3 finite",
+        ),
+        (lambda scene: scene.drive(9), "particle of drive = 9 .*0 to 1"),
+        (lambda scene: scene.drive(1, curve=0), "curve of drive = 0"),
+        (lambda scene: scene.add_torsion_spring(0, 1.0, np.inf), "rest of torsion spring hinge"),
+        (lambda scene: scene.add(Damper(0.0, 1.0)), "hinge of damper = 0.0"),
+    ],
+)
+def test_what_fields_say_is_checked(add, message):
+    with pytest.raises(fpm.SceneError, match=message):
+        add(bare())
 
 
 def test_the_page_names_all_that_a_kind_may_state():

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from evidence.tradeoff.measure.asked_cases import ASKED
 from evidence.tradeoff.measure.cases import CASES
-from fpm.sources import syntax_digest
+from fpm.kernels.sources import syntax_digest
 
 ROOT = Path(__file__).parents[1]
 

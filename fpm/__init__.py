@@ -14,9 +14,9 @@ from fpm.files import trajectory
 from fpm.files.outcome import Outcome
 from fpm.reading import quantities, responses
 from fpm.scenes.scene import Link, Scene
+from fpm.scenes.timestep import SAFETY, StableStep, stable_step
 from fpm.solver.simulate import divide_time, simulate
 from fpm.solver.warming import warm_up
-from fpm.timestep import SAFETY, StableStep, stable_step
 
 __all__ = [
     "SAFETY",

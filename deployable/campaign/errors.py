@@ -6,7 +6,7 @@ import errno
 import shutil
 from pathlib import Path
 
-from fpm.sealed import DamagedError
+from fpm.files.sealed import DamagedError
 
 _NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 

@@ -1,4 +1,4 @@
-"""A campaign's files: whole or absent, sealed (`fpm.sealed`), and told apart by what they are of.
+"""A campaign's files: whole or absent, sealed (`fpm.files.sealed`), and known by what they are of.
 
 The seal of a result says, beside its name, of which `plan` it is (the digest of its runs), what
 its stage made it from (`basis`, the digest of code and config), and what computed it when.
@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from deployable.campaign.provenance import dated
-from fpm.sealed import check, whole_file
+from fpm.files.sealed import check, whole_file
 
 __all__ = ["open_dataset", "open_netcdf", "result_file", "whole_file", "write_result", "write_text"]
 
@@ -38,7 +38,7 @@ def result_file(path: str | Path, **facts: str) -> AbstractContextManager[Path]:
 def open_netcdf(path: str | Path) -> Any:
     """An open `netCDF4.Dataset` of a result with plain arrays; its import is faster than xarray's.
 
-    Raises `fpm.sealed.DamagedError`.
+    Raises `fpm.files.sealed.DamagedError`.
     """
     import netCDF4
 
@@ -49,7 +49,7 @@ def open_netcdf(path: str | Path) -> Any:
 
 
 def open_dataset(path: str | Path) -> Any:
-    """An open `xarray.Dataset` of a result; raises `fpm.sealed.DamagedError`."""
+    """An open `xarray.Dataset` of a result; raises `fpm.files.sealed.DamagedError`."""
     import xarray
 
     check(path, Path(path).name)

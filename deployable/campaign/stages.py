@@ -21,7 +21,7 @@ from deployable.campaign.errors import CampaignError, of_files
 from deployable.campaign.files import results_of
 from deployable.campaign.folder import ROUND_FILES, Folder
 from deployable.campaign.runs.progress import Tell
-from fpm.sealed import DamagedError, check, sweep
+from fpm.files.sealed import DamagedError, check, sweep
 
 
 def plan(folder: Folder, tell: Tell, experiment: Any) -> None:
@@ -228,7 +228,7 @@ def program_digest() -> str:
 
     Runs are of the mechanics alone, by their names.
     """
-    from fpm.sources import syntax_digest
+    from fpm.kernels.sources import syntax_digest
 
     here = Path(__file__).parents[1]
     files = (path for room in (here, here.parent / "fpm") for path in room.rglob("*"))

@@ -16,7 +16,7 @@ from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.runs.progress import Tell, Teller
 from deployable.campaign.stages import STAGES, batch_count
 from deployable.campaign.workflow import Workflow
-from fpm.sealed import DamagedError
+from fpm.files.sealed import DamagedError
 
 
 def run(

@@ -13,7 +13,7 @@ from deployable.campaign.config.loader import retyped
 from deployable.campaign.config.sections import Campaign, as_json
 from deployable.campaign.folder import PICTURES, Folder
 from deployable.campaign.stages import STAGES, batch_count, drawings, program_digest
-from fpm.sealed import DamagedError, check
+from fpm.files.sealed import DamagedError, check
 
 
 class Workflow:

@@ -37,7 +37,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fpm.cross import columns, cross
+from fpm.elements.cross import columns, cross
 from fpm.errors import SceneError
 
 LINKS = ("AB", "BC", "CD", "DA")

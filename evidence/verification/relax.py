@@ -6,7 +6,7 @@ import numpy as np
 
 import fpm
 from evidence.verification.bench import Bench
-from fpm.timestep import scaled_modes
+from fpm.scenes.timestep import scaled_modes
 
 
 def frequencies(scene: fpm.Scene) -> np.ndarray:

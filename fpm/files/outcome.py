@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from fpm.asked import VARIABLES, Column
 from fpm.elements import kinds_of
 from fpm.elements.kind import Energy, Eventful, Kind, Recorded
 from fpm.errors import InstabilityError
 from fpm.files.trajectory import LATCHES, to_dataset
+from fpm.files.variables import VARIABLES, Column
 from fpm.scenes.scene import Scene
-from fpm.timestep import StableStep
+from fpm.scenes.timestep import StableStep
 
 if TYPE_CHECKING:
     import xarray
@@ -80,7 +80,7 @@ class Outcome:
 
     @property
     def asked(self) -> dict[Column, np.ndarray]:
-        """What was recorded because it was asked (fpm.asked): values (t,) by column."""
+        """What was recorded because it was asked (fpm.files.variables): values (t,) by column."""
         return {
             (name, label): values
             for name in VARIABLES

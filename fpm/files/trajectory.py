@@ -1,4 +1,4 @@
-"""Trajectory files: one netCDF file per run, complete or absent, and sealed (`fpm.sealed`).
+"""Trajectory files: one netCDF file per run, complete or absent, and sealed (`fpm.files.sealed`).
 
 Written in the classic format, which is quick for files of this kind (`fpm.classic`); to be read by
 any netCDF library, and by `read_curves`. The format has no empty arrays: a run without events has
@@ -14,12 +14,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fpm import sealed
-from fpm.asked import VARIABLES, Column
-from fpm.cross import columns
+from fpm.elements.cross import columns
 from fpm.elements.kind import Eventful
 from fpm.elements.openings.latch import RECORDED
-from fpm.files import classic
+from fpm.files import classic, sealed
+from fpm.files.variables import VARIABLES, Column
 
 if TYPE_CHECKING:
     import xarray
@@ -53,7 +52,7 @@ class Curves(NamedTuple):
     Also events (e, 3) of contacts: time (s), index among the contacts, 1 if it closes; contacts:
     names of their hinges. happened: times (s) by element and event, of all that have events;
     events_dropped: how many more there were; step: of the time loop (s). asked: values (t,) of the
-    columns that were asked for (fpm.asked).
+    columns that were asked for (fpm.files.variables).
     """
 
     time: np.ndarray

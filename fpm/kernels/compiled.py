@@ -21,8 +21,8 @@ from pathlib import Path
 import numba
 from numba.core.dispatcher import Dispatcher
 
-from fpm import sources
 from fpm.kernels import run as loop
+from fpm.kernels import sources
 from fpm.kernels.hooks import KERNELS
 from fpm.kernels.vectors import OPTIONS
 

@@ -1,7 +1,7 @@
 """Responses that are recorded only when they are asked: their definitions, and what they need.
 
-Each kind has the keys of its definition here, the columns (`fpm.asked`) that it needs, and how its
-curve follows from them.
+Each kind has the keys of its definition here, the columns (`fpm.files.variables`) that it needs,
+and how its curve follows from them.
 """
 
 from collections.abc import Callable, Mapping
@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fpm.asked import VARIABLES, Column
 from fpm.errors import SceneError, did_you_mean
+from fpm.files.variables import VARIABLES, Column
 
 if TYPE_CHECKING:
     from fpm.scenes.scene import Scene

@@ -1,7 +1,7 @@
 """Columns that are recorded only when asked: where each comes from.
 
-For each variable of `fpm.asked` there is a `Source`: which labels a scene has, what a probe must
-keep for one (kinds/probe.py), and how its values follow from what was kept.
+For each variable of `fpm.files.variables` there is a `Source`: which labels a scene has, what a
+probe must record for one (elements/particles/probe.py), and how its values follow from that.
 """
 
 from collections.abc import Callable, Iterable

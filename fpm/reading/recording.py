@@ -1,6 +1,6 @@
 """What is recorded only when it is asked: what the loop has to keep for it, and the columns.
 
-`fpm.asked` has names and units, `fpm.columns` where each comes from.
+`fpm.files.variables` has names and units, `fpm.reading.columns` where each comes from.
 """
 
 from collections.abc import Iterable
@@ -8,13 +8,13 @@ from copy import copy
 
 import numpy as np
 
-from fpm.asked import VARIABLES, Column
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import Recorded
 from fpm.elements.openings.opening import PARTS
 from fpm.elements.particles.probe import Probe
 from fpm.errors import SceneError, did_you_mean
+from fpm.files.variables import VARIABLES, Column
 from fpm.reading.columns import PLACE, SOURCES
 from fpm.reading.kept import Kept
 from fpm.scenes.scene import Scene

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fpm.asked import Column
 from fpm.elements import Latch, RigidLatch
 from fpm.elements.openings.latch import RECORDED
 from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError
+from fpm.files.variables import Column
 from fpm.reading import asked_responses
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ class Response:
     """A named response: `kind`, what it is about (points, a hinge, ...), `component` of a vector.
 
     unit (UDUNITS) and long_name are those of the values that `evaluate` returns. needs: columns
-    that a run must record for it (fpm.asked), beside what is always recorded.
+    that a run must record for it (fpm.files.variables), beside what is always recorded.
     """
 
     name: str

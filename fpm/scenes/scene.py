@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.cross import length as size
 from fpm.elements import (
     Beams,
     Cable,
@@ -30,6 +29,7 @@ from fpm.elements import (
 from fpm.elements.bars.beam import Material, Section, triad
 from fpm.elements.bars.lumping import lump
 from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.cross import length as size
 from fpm.errors import SceneError
 
 

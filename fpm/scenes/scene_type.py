@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from fpm import sources
 from fpm.elements import energies_of
 from fpm.errors import SceneError
+from fpm.kernels import sources
 from fpm.scenes.scene import Scene
 
 

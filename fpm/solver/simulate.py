@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.asked import Column
 from fpm.errors import SceneError
 from fpm.files.outcome import Outcome
+from fpm.files.variables import Column
 from fpm.scenes.scene import Scene
+from fpm.scenes.timestep import SAFETY, stable_step
 from fpm.solver.start import started
 from fpm.solver.unpack import outcome_of
-from fpm.timestep import SAFETY, stable_step
 
 CHECK_EVERY = 50
 """The energy balance is checked at least every this many steps."""
@@ -54,9 +54,9 @@ def simulate(
     instants; None: `safety` times the smallest stable step of the scenes given. A sample's
     numbers depend on its scene and the step only, bit for bit, not on the scenes beside it.
     energy_tolerance: a sample fails when its energy balance is off by more than this share of the
-    largest energy it held. record: columns that are recorded as well (fpm.asked); the motion and
-    what is always recorded do not depend on them. SceneError for bad arguments or topologies that
-    differ.
+    largest energy it held. record: columns that are recorded as well (fpm.files.variables); the
+    motion and what is always recorded do not depend on them. SceneError for bad arguments or
+    topologies that differ.
     """
     from fpm.kernels.lanes import width as lanes_of
     from fpm.solver.pack import check_topology

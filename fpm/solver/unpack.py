@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fpm.cross import columns, cross
+from fpm.elements.cross import columns, cross
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.turning import turns_of
 from fpm.errors import InstabilityError
@@ -11,7 +11,7 @@ from fpm.kernels import layout as at
 from fpm.reading.kept import Kept
 from fpm.reading.recording import recorded as columns_of
 from fpm.scenes.scene import Scene
-from fpm.timestep import StableStep, stable_step
+from fpm.scenes.timestep import StableStep, stable_step
 
 
 def outcome_of(

@@ -12,9 +12,9 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from fpm.errors import SceneError, did_you_mean
+from fpm.kernels.sources import syntax_digest
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
-from fpm.sources import syntax_digest
 from fpm.structures.builder import Builder
 from fpm.structures.model import KEYS, TEXTS, Model
 from fpm.structures.parameters import Given, read_parameters

@@ -10,9 +10,9 @@ from functools import cache
 from pathlib import Path
 
 from fpm.errors import SceneError
+from fpm.kernels.sources import own_sources, syntax_digest
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
-from fpm.sources import own_sources, syntax_digest
 from fpm.structures.problems import Problem, StructureError
 
 

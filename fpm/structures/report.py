@@ -5,12 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.effort import machine, run_seconds
 from fpm.elements.joints.joint import Joint, as_joints
 from fpm.elements.kind import AXES
+from fpm.scenes.effort import machine, run_seconds
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
-from fpm.timestep import stable_step
+from fpm.scenes.timestep import stable_step
 
 SMALLEST = 1e-9
 """Singular values below this share of the largest are zero: what a joint adds there is rounding."""

@@ -14,7 +14,7 @@ from deployable import campaign
 from evidence.attack.damage import HARMS, attack_files, cut, flip, kinds_in, zero
 from evidence.attack.ledger import Ledger
 from evidence.attack.victim import RAW, Victim, broken_in, silent
-from fpm.sealed import check
+from fpm.files.sealed import check
 
 
 def attacked(victim, place, kinds):

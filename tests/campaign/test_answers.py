@@ -17,7 +17,7 @@ from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.ranges import Seen, draw_ranges, ranges, runs_of
 from deployable.intervals.scalars import fit_scalar
-from fpm.sealed import unsealed
+from fpm.files.sealed import unsealed
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ import yaml
 from deployable.campaign.cli import main
 from deployable.campaign.folder import Folder
 from deployable.campaign.stages import STAGES, Stage
-from fpm.sealed import unsealed
+from fpm.files.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
 

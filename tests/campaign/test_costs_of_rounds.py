@@ -13,7 +13,7 @@ from deployable.campaign.config.check import check_config
 from deployable.campaign.plan.accuracy import _cost, _halved, first_plan, next_plan
 from deployable.campaign.plan.estimate import run_seconds
 from deployable.campaign.plan.plan import Round
-from fpm.sealed import whole_file
+from fpm.files.sealed import whole_file
 
 
 @pytest.fixture

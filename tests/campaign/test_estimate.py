@@ -11,7 +11,7 @@ import fpm
 from deployable.campaign.config.check import load_config
 from deployable.campaign.plan.estimate import LANES, estimate, run_seconds
 from deployable.campaign.plan.make import choose_step
-from fpm.effort import machine
+from fpm.scenes.effort import machine
 
 CONFIG = Path(__file__).parents[2] / "config"
 SHIPPED = sorted(path.stem for path in CONFIG.glob("*.yaml"))
@@ -65,7 +65,7 @@ def test_the_time_foretold_is_what_is_taken(name):
 
 
 def _of(experiment, steps: int, instants: int) -> float:
-    from fpm import effort
+    from fpm.scenes import effort
 
     nominal = dict(zip(experiment.box.names, experiment.nominal, strict=True))
     return effort.run_seconds(experiment.build(nominal), steps, instants)

@@ -26,8 +26,8 @@ from deployable.campaign.results.moments import draw_nominal
 from deployable.campaign.results.summary import summarise
 from deployable.campaign.text.numbers import pretty
 from deployable.campaign.text.templates import sentence, summary_text
+from fpm.files.sealed import unsealed
 from fpm.scenes.scene_type import SceneType
-from fpm.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
 SUMMARY_SCHEMA = ROOT / "deployable/campaign/results/summary.schema.json"

@@ -14,7 +14,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.stages import STAGES
 from deployable.campaign.stopping import end_on_ctrl_c
-from fpm.sealed import _host
+from fpm.files.sealed import _host
 
 
 @pytest.fixture

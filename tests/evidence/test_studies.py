@@ -12,7 +12,7 @@ from evidence.__main__ import main
 from evidence.registry import ROOT, STUDIES
 from evidence.rows import within
 from evidence.verification import study as verification
-from fpm.sources import syntax_digest
+from fpm.kernels.sources import syntax_digest
 
 
 @pytest.mark.parametrize("study", STUDIES.values(), ids=STUDIES)

@@ -8,7 +8,7 @@ import pytest
 
 import fpm
 from deployable.campaign.config.scenes import scene_type
-from fpm import sources
+from fpm.kernels import sources
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def test_comments_and_formatting_do_not_count(copied):
         ("kernels/run.py", "NORMALISE_EVERY = 16", "NORMALISE_EVERY = 17"),
         ("elements/bars/beam_kernels.py", "slope + 4.0", "slope + 4.1"),
         ("elements/bars/lumping.py", "19 / 720", "19 / 721"),
-        ("timestep.py", "SAFETY = 0.9", "SAFETY = 0.8"),
+        ("scenes/timestep.py", "SAFETY = 0.9", "SAFETY = 0.8"),
         ("assembly/__init__.py", "CLOSED = 1e-11", "CLOSED = 1e-9"),
         ("elements/openings/contact.py", "> 1e-10 * size", "> 1e-9 * size"),
     ],
@@ -149,7 +149,7 @@ def test_digests_kept_by_another_version_are_not_met(tmp_path, monkeypatch):
     path.write_text("VALUE = 1")
     first = sources.tree_digest(path)
     other = tmp_path / "sources.py"
-    other.write_text((sources.HERE / "sources.py").read_text())
+    other.write_text((sources.HERE / "kernels" / "sources.py").read_text())
     edit(other, "return ast.dump(tree)", "return ast.dump(tree, include_attributes=True)")
     spec = importlib.util.spec_from_file_location("other_sources", other)
     module = importlib.util.module_from_spec(spec)

@@ -10,9 +10,10 @@ import pytest
 from deployable.campaign.config.scenes import scene_type
 from evidence.extremes.joints import parallelogram
 from evidence.scaling.joints import chain, pairs
-from fpm import effort, structures
+from fpm import structures
 from fpm.elements import KINDS, Joint
 from fpm.elements.joints.joint_pattern import elimination, neighbours, pattern
+from fpm.scenes import effort
 
 STRUCTURES = Path(__file__).parents[2] / "config" / "structures"
 

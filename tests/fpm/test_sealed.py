@@ -8,8 +8,8 @@ import time
 
 import pytest
 
-from fpm import sealed
-from fpm.sealed import DamagedError, check, check_content, seal, sweep, unsealed, whole_file
+from fpm.files import sealed
+from fpm.files.sealed import DamagedError, check, check_content, seal, sweep, unsealed, whole_file
 
 CONTENT = {
     ".nc": bytes(range(256)) * 20,
@@ -102,7 +102,7 @@ def test_a_file_that_breaks_off_leaves_nothing(tmp_path):
 
 KILLED = """
 import os, sys
-from fpm.sealed import whole_file
+from fpm.files.sealed import whole_file
 with whole_file(sys.argv[1]) as temporary:
     temporary.write_text("half")
     os.kill(os.getpid(), 9)

@@ -11,7 +11,7 @@ from fpm.elements import Contact, Damper, Friction, Latch, RigidFriction, Stop, 
 from fpm.files import trajectory
 from fpm.reading import responses
 from fpm.scenes.scene_type import SceneType
-from fpm.timestep import stable_step
+from fpm.scenes.timestep import stable_step
 
 X, Y = np.eye(3)[:2]
 J = (0.02, 0.03, 0.05)

@@ -8,9 +8,9 @@ import pytest
 
 import fpm
 from deployable.campaign.config.scenes import scene_type
-from fpm.asked import VARIABLES
 from fpm.elements.kind import Recorded
-from fpm.sealed import DamagedError, seal
+from fpm.files.sealed import DamagedError, seal
+from fpm.files.variables import VARIABLES
 
 BENNETT = scene_type("bennett")
 DEFINITIONS = {

@@ -13,9 +13,10 @@ from structures_for_tests import FOLDER, SMALL, structure
 
 import fpm
 from evidence.verification.deployables import crossing, scissor
-from fpm import sources, structures
-from fpm.effort import machine, run_seconds
+from fpm import structures
 from fpm.elements.particles.drive import Drive
+from fpm.kernels import sources
+from fpm.scenes.effort import machine, run_seconds
 from fpm.structures import check, load, loads, report
 
 PYTHON = FOLDER.parents[1].joinpath("docs", "structures.md").read_text(encoding="utf-8")

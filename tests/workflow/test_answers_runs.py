@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from deployable import campaign
-from fpm.sealed import unsealed
+from fpm.files.sealed import unsealed
 
 ROOT = Path(__file__).parents[2]
 

@@ -123,7 +123,7 @@ class Experiment:
 
     @cached_property
     def asked(self) -> tuple[tuple[str, str], ...]:
-        """Columns that runs have to record for the responses (fpm.asked), in order."""
+        """Columns that runs have to record for the responses (fpm.files.variables), in order."""
         return tuple(sorted({need for curve in self.curves for need in curve.needs}))
 
     @cached_property

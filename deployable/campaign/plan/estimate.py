@@ -63,8 +63,8 @@ class Estimate:
 
 
 def estimate(campaign: Campaign) -> Estimate:
-    """What a campaign takes; time is right to a factor of two or so (`fpm.effort`)."""
-    from fpm.effort import machine
+    """What a campaign takes; time is right to a factor of two or so (`fpm.scenes.effort`)."""
+    from fpm.scenes.effort import machine
 
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
@@ -135,7 +135,7 @@ def found(campaign: Campaign, folder: Folder) -> str:
     is there, and for an `accuracy`, whose runs are not known beforehand."""
     from deployable.campaign.plan.make import make_plan
     from deployable.campaign.runs.store import open_store
-    from fpm.asked import words
+    from fpm.files.variables import words
 
     keep = campaign.jobs.keep
     if campaign.experiment.is_sought or not folder.runs(keep).is_dir():
@@ -161,9 +161,10 @@ def found(campaign: Campaign, folder: Folder) -> str:
 def run_seconds(experiment: Experiment, time: TimeStep) -> float:
     """Seconds of a core for a run, one of eight side by side.
 
-    Of a core as `fpm.effort` has them, whichever this one is: what rounds may spend depends on it.
+    Of a core as `fpm.scenes.effort` has them, whichever this one is: what rounds may spend depends
+    on it.
     """
-    from fpm.effort import run_seconds as seconds
+    from fpm.scenes.effort import run_seconds as seconds
 
     instants = experiment.solver.instants
     return seconds(_nominal_scene(experiment), time.steps_per_instant * (instants - 1), instants)

@@ -49,7 +49,7 @@ def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
 
     time: as for `job_minutes`.
     """
-    from fpm.effort import machine
+    from fpm.scenes.effort import machine
 
     experiment = campaign.experiment
     known = campaign.jobs.run_seconds

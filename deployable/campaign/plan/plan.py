@@ -29,7 +29,7 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, digest, from_data, plain_data
 from deployable.campaign.files import write_result
 from deployable.campaign.plan.runs import Run, Runs, namer, values_of
-from fpm.sealed import check_content
+from fpm.files.sealed import check_content
 
 MOST_LISTED = 10_000
 """Runs that have a line each in `nodes.json`; of more, programs are the only readers."""
@@ -150,7 +150,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 
 def read_plan(path: str | Path) -> Plan:
-    """The plan in `nodes.json`; raises `fpm.sealed.DamagedError` unless it is as it was written."""
+    """The plan in `nodes.json`; `fpm.files.sealed.DamagedError` unless it is as it was written."""
     data = _content(path)
     experiment, mechanics = from_data(Experiment, data["config"]), data["mechanics"]
     time = _time(data)

@@ -13,7 +13,7 @@ import numpy as np
 
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.which import ids, keeps_extremes, nominal_row
-from fpm.sealed import DamagedError, check
+from fpm.files.sealed import DamagedError, check
 
 if TYPE_CHECKING:
     import xarray

@@ -27,7 +27,7 @@ from deployable.campaign.report.failing import meets
 from deployable.campaign.report.motions import Shown, shown_runs
 from deployable.campaign.results.facts import read_json
 from deployable.campaign.results.which import counts, ids, keeps_extremes, roles
-from fpm.sealed import DamagedError, check
+from fpm.files.sealed import DamagedError, check
 
 if TYPE_CHECKING:
     import xarray

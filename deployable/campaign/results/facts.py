@@ -17,7 +17,7 @@ from deployable.campaign.plan.plan import Plan, read_plan
 from deployable.campaign.results.which import counts, nominal_row
 from deployable.campaign.text.numbers import percent
 from deployable.intervals.estimates import BEYOND
-from fpm.sealed import check
+from fpm.files.sealed import check
 
 PARTS = ("surrogate", "step", "mesh")
 """Parts of an error."""
@@ -128,7 +128,7 @@ def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
 
 
 def read_json(path: Path) -> dict:
-    """A result in JSON; raises `fpm.sealed.DamagedError`."""
+    """A result in JSON; raises `fpm.files.sealed.DamagedError`."""
     check(path, path.name)
     data = json.loads(path.read_text(encoding="utf-8"))
     return {name: value for name, value in data.items() if name != "seal"}

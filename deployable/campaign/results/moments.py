@@ -8,7 +8,7 @@ from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.figures import save
 from deployable.campaign.results.which import ids, nominal_row
-from fpm.sealed import DamagedError
+from fpm.files.sealed import DamagedError
 
 
 def draw_nominal(folder: Folder, count: int) -> None:

@@ -32,8 +32,8 @@ from deployable.campaign.runs.processes import spread
 from deployable.campaign.runs.progress import Progress, Tell, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
-from fpm.asked import Column, words
-from fpm.sealed import sweep
+from fpm.files.sealed import sweep
+from fpm.files.variables import Column, words
 
 Failure = tuple[Run, str]
 

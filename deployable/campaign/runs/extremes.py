@@ -20,7 +20,7 @@ from deployable.campaign.files import whole_file
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs import results as common
 from deployable.campaign.runs.share import Share
-from fpm.sealed import DamagedError, check
+from fpm.files.sealed import DamagedError, check
 
 FEWEST, MOST = 4, 128
 """Shares of a scan; quarters consist of whole ones."""

@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
-from fpm.sources import user_cache
+from fpm.kernels.sources import user_cache
 
 Tell = Callable[[str], None]
 

@@ -6,7 +6,7 @@ absent, and is noted in `damaged` until it is written again. Three ways to keep 
 methods:
 
 `Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded. What is recorded
-                only when a response asks (`fpm.asked`) may be lacking: then the run is noted in
+                on request (`fpm.files.variables`) may be lacking: then the run is noted in
                 `lacking` and counts as absent, and what it had is recorded again as well;
 `Responses`     one netCDF file per group, `<digest of the group's runs>.nc`, with the
                 responses, contact events and quantities only. Other groups have other files:
@@ -41,8 +41,8 @@ from deployable.campaign.runs.results import (
     padded,
     write_dimension,
 )
-from fpm.asked import Column
-from fpm.sealed import DamagedError, check
+from fpm.files.sealed import DamagedError, check
+from fpm.files.variables import Column
 
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:

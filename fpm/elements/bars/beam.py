@@ -20,8 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.cross import columns, cross, length
 from fpm.elements.bars.beam_limits import BEND, STRAIN
+from fpm.elements.cross import columns, cross, length
 from fpm.elements.kind import Deformations, Energy, Kind
 from fpm.errors import SceneError
 

@@ -16,13 +16,13 @@ T exp(mu a) on the other (Eytelwein's law of the capstan). A metre that slips fr
 T' (1 + e'/2) - T (1 + e/2) to friction. Cables from point to point have none.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
-from fpm.elements.cables.cable_bounds import bounding_springs
+from fpm.elements.cables.cable_bounds import Piece, bounding_springs
 from fpm.elements.fields import index, number, same
 from fpm.elements.kind import Energy, Kind, Recorded, Watch
 from fpm.errors import SceneError
@@ -122,6 +122,16 @@ class Cable(Kind):
         places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
+    def pieces(self, scene) -> Iterator[Piece]:
+        """What has one tension: all of it, or each stretch of a cable that rubs."""
+        shortest = self.shortest(scene)
+        if not self.rubs:
+            yield self.beams, self.stiffness / shortest
+            return
+        lengths = self.lengths(scene)
+        for i, length in enumerate(lengths):
+            yield self.beams[i : i + 2], self.stiffness * lengths.sum() / (shortest * length)
+
     def topology(self):
         """Name, particles, curve, and whether it rubs."""
         return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.rubs
@@ -138,7 +148,7 @@ class Cable(Kind):
     @classmethod
     def deformations(cls, scene):
         """Bounds that hold wherever the cables' points move to (cable_bounds.py)."""
-        return bounding_springs(scene, cls.of(scene))
+        return bounding_springs(scene, (cable.pieces(scene) for cable in cls.of(scene)))
 
     @classmethod
     def pack(cls, batch):

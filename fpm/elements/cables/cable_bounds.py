@@ -11,8 +11,7 @@ A cable that rubs is at most as stiff as its stretches, each stuck at both ends.
 lengths are those at the start; where one becomes much shorter, the balance of energies tells.
 """
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -20,17 +19,17 @@ from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.kind import Deformations
 from fpm.elements.particles.turning import turns_of
 
-if TYPE_CHECKING:
-    from fpm.elements.cables.cable import Cable
-
 TURNED = 2.0
 
+Piece = tuple[Sequence[VirtualBeam], float]
+"""The points of what has one tension, and its stiffness (N/m) at its shortest."""
 
-def bounding_springs(scene, cables: Sequence["Cable"]) -> Deformations | None:
-    """Springs from the cables' points to the ground; None if all points are held."""
+
+def bounding_springs(scene, cables: Iterable[Iterable[Piece]]) -> Deformations | None:
+    """Springs from the points of cables, in pieces, to the ground; None if all points are held."""
     rows = []
-    for number, cable in enumerate(cables):
-        for beams, stiffness in _pieces(scene, cable):
+    for number, pieces in enumerate(cables):
+        for beams, stiffness in pieces:
             ends = (0, len(beams) - 1)
             found = [(*_motion(scene, beam), 1.0 if i in ends else TURNED**2)
                      for i, beam in enumerate(beams)]  # fmt: skip
@@ -41,17 +40,6 @@ def bounding_springs(scene, cables: Sequence["Cable"]) -> Deformations | None:
                     springs = np.full(3, stiffness * total / moved)
                     rows.append((dofs, values, springs, np.full(3, number)))
     return Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True))) if rows else None
-
-
-def _pieces(scene, cable: "Cable") -> Iterator[tuple[Sequence[VirtualBeam], float]]:
-    """The points of what has one tension, and its stiffness (N/m) at its shortest."""
-    shortest = cable.shortest(scene)
-    if not cable.rubs:
-        yield cable.beams, cable.stiffness / shortest
-        return
-    lengths = cable.lengths(scene)
-    for i, length in enumerate(lengths):
-        yield cable.beams[i : i + 2], cable.stiffness * lengths.sum() / (shortest * length)
 
 
 def _motion(scene, beam: VirtualBeam) -> tuple[np.ndarray, float]:

@@ -23,8 +23,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from fpm.cross import cross, length
 from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.cross import cross, length
 from fpm.elements.joints.hinge_limits import MOST_GAP, MOST_TILT
 from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import AXES, Kind, Recorded, Watch

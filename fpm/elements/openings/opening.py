@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from fpm.cross import cross
+from fpm.elements.cross import cross
 from fpm.elements.fields import index
 from fpm.elements.kind import Deformations, Energy, Kind, Recorded
 from fpm.elements.particles.probe import Probe

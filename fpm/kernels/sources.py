@@ -12,7 +12,7 @@ from pathlib import Path
 
 from fpm.errors import SceneError
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[1]
 
 UNCOUNTED = ("files", "motions", "reading", "structures")
 """Rooms of the mechanics that change no run's numbers: how runs are kept and what is read off them.

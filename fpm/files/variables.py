@@ -1,8 +1,8 @@
-"""What of a run is recorded only when it is asked: names, units and words of its variables.
+"""Variables of a run that are recorded on request only: names, units and words.
 
 Each variable has columns along a dimension of its own; a column's label says of what it is (a
-point and an axis, a bar, ...). Who asks names columns, as (variable, label). `fpm.columns` finds
-them in a run.
+point and an axis, a bar, ...). A request names columns, as (variable, label);
+`fpm.reading.columns` computes them from a run.
 """
 
 from collections.abc import Iterable

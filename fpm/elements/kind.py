@@ -258,6 +258,14 @@ class Kind:
         return 0.0
 
     @classmethod
+    def weight(cls, scene: Scene, particle: int, time: np.ndarray) -> np.ndarray:
+        """Force (3,) or (t, 3) N on a particle at times (t,) s that is there because of its mass.
+
+        The ground has a mass that means nothing: its reaction leaves this force out.
+        """
+        return np.zeros(3)
+
+    @classmethod
     def recorded(cls, part: Any, scene: Scene, lane: int) -> dict[str, Recorded]:
         """What was recorded of one lane, by the names of its variables in a trajectory file."""
         return {}

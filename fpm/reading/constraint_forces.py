@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fpm.elements import kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
@@ -104,9 +105,9 @@ def reaction(kept: Kept, name: str) -> tuple[np.ndarray, np.ndarray]:
     Of a particle that is held: what all other forces, and those of joints, lack to its own change
     of momentum, along and about the axes that are held. Several supports on one particle are one.
     What is held altogether and is neither on a bar nor a body with a name is the ground: it has no
-    weight.
+    weight (`Kind.weight`).
     """
-    found = reactions_of(kept.scene)[name]
+    scene, found = kept.scene, reactions_of(kept.scene)[name]
     force, moment = np.zeros((2, len(kept.time), 3))
     for joint, sides in kept.joints:
         if joint.name in found.holders and len(joint.beams) == 2:
@@ -115,14 +116,15 @@ def reaction(kept: Kept, name: str) -> tuple[np.ndarray, np.ndarray]:
             force = force + sides.on_one
     if found.particle:
         particle = found.beam.particle
-        fixed = kept.scene.fixed[particle]
+        fixed = scene.fixed[particle]
         terms = zip(
             kept.inertia(particle), kept.force(particle), on_particle(kept, particle), strict=True
         )
         held, turned = (change - applied - joined for change, applied, joined in terms)
         held, turned = held * fixed[:3], turned * fixed[3:]
-        if _is_ground(kept.scene, particle):
-            held = held + kept.scene.mass[particle] * kept.scene.gravity
+        if _is_ground(scene, particle):
+            weights = [kind.weight(scene, particle, kept.time) for kind in kinds_of([scene])]
+            held = held + sum(weights)
         force = force + held
         moment = turned - np.cross(kept.arm(found.beam), held)
     return force, moment

@@ -1,11 +1,15 @@
 """What joints and supports bear, accelerations and spins of rigid bodies: against closed forms."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from asking import curves, vector, vectors
 from test_joints import DOWN, G, Z, on_ground, rod
 
 import fpm
+from fpm.elements.particles.gravity import Gravity
+from fpm.elements.particles.gravity_kernels import Weight
 
 pytestmark = pytest.mark.slow  # a time loop of its own
 
@@ -146,3 +150,37 @@ def test_what_is_asked_changes_no_motion_and_no_neighbour(run):
     batch = fpm.simulate(scenes, duration=1.0, instants=201, step=1e-3, record=need)
     for column, values in outcome.asked.items():
         assert np.array_equal(values, batch[1].asked[column])
+
+
+@dataclass(frozen=True)
+class Pull(Gravity):
+    """A weight by a user's own kind, of which `Scene.gravity` knows nothing."""
+
+    @classmethod
+    def of(cls, scene):
+        return scene.kinds.get(cls, [])
+
+    @classmethod
+    def weight(cls, scene, particle, time):
+        return scene.mass[particle] * cls.of(scene)[0].acceleration
+
+    @classmethod
+    def pack(cls, batch):
+        rows = batch.stack(1, 3, lambda scene: cls.of(scene)[0].acceleration[None])
+        return Weight(rows, batch.given_by(cls))
+
+
+def test_the_ground_has_no_weight_whichever_kind_gives_it():
+    """The reaction of a pendulum is what its hinge bears, m g (3 cos θ - 2 cos θ0); 1e-4 of m g."""
+    scene, ground = on_ground()
+    scene.gravity = (0.0, 0.0, 0.0)
+    scene.add(Pull(np.array(DOWN)))
+    bob = int(scene.add_particles(hung(START, 1.0), 2.0, [1e-9] * 3)[0])
+    scene.add_hinge("hinge", (ground, bob), (0, 0, 0), Z)
+    scene.add_point("bob", bob)
+    scene.add_point("ground", ground)
+    definition = {"reaction_force": "ground", "component": "norm"}
+    _, found, outcome = curves(scene, {"R": definition}, duration=1.0, instants=101, step=1e-3)
+    angle, _, _ = polar(outcome, "bob")
+    exact = 2.0 * G * (3 * np.cos(angle) - 2 * np.cos(START))
+    np.testing.assert_allclose(found["R"], exact, atol=1e-4 * 2.0 * G)

@@ -33,6 +33,11 @@ class Gravity(Kind):
         return float(scene.mass.sum() * np.linalg.norm(scene.gravity))
 
     @classmethod
+    def weight(cls, scene, particle, time):
+        """Mass times the sum of all."""
+        return scene.mass[particle] * scene.gravity
+
+    @classmethod
     def pack(cls, batch):
         from fpm.elements.particles.gravity_kernels import Weight
 

@@ -3,16 +3,15 @@
 A run in which what is asked for does not happen has no number: NaN.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Union
+from typing import NamedTuple, Union
 
 import numpy as np
 
+from fpm.files.trajectory import Curves
 from fpm.reading.events import value_at
 from fpm.reading.responses import Response
-
-if TYPE_CHECKING:
-    from fpm.files.trajectory import Curves
 
 
 @dataclass(frozen=True)
@@ -40,19 +39,17 @@ class Quantity:
     @property
     def is_peak(self) -> bool:
         """Whether it is as large as a response is for an instant."""
-        return self.kind in ("largest", "smallest", "overshoot", "rms")
+        return KINDS[self.kind].peak
 
     @property
     def is_time(self) -> bool:
         """Whether it is a time of the run (s)."""
-        return self.kind in ("crossing", "settling", "event")
+        return KINDS[self.kind].unit == "s"
 
     @property
     def least(self) -> float | None:
         """The least value that it can have; None where there is none."""
-        if self.is_time or self.kind in ("overshoot", "rms"):
-            return 0.0
-        return self.response.least
+        return 0.0 if self.is_time or KINDS[self.kind].positive else self.response.least
 
     @property
     def decider(self) -> "Quantity | None":
@@ -70,59 +67,14 @@ class Quantity:
             return self.within - np.abs(values[..., -1] - self.about)
         return crossing_margin(values - self.level, self.way, self.number)
 
-    def evaluate(self, curves: "Curves") -> float:
+    def evaluate(self, curves: Curves) -> float:
         """The number of one run; NaN where what is asked for does not happen in it.
 
         ValueError where the run had more events than were kept, and it may be among the others.
         """
-        found = self._evaluate(curves)
+        found = KINDS[self.kind].read(self, curves)
         # Parabolas and cubics between instants go below what can be.
         return found if self.least is None else float(np.maximum(found, self.least))
-
-    def _evaluate(self, curves: "Curves") -> float:
-        if self.kind == "event":
-            return self._event(curves)
-        time, values = curves.time, self.response.evaluate(curves)
-        if self.kind == "crossing":
-            return crossing(time, values, self.level, self.way, self.number)
-        if self.kind == "settling":
-            return settling(time, values, self.within, self.about)
-        if self.kind == "value":
-            return self._value(curves)
-        if self.kind == "overshoot":
-            about = values[-1] if self.about is None else self.about
-            way = np.sign(about - values[0])
-            return peak(way * (values - about)) if way else 0.0
-        if self.kind in ("largest", "smallest"):
-            sign = 1.0 if self.kind == "largest" else -1.0
-            return sign * peak(sign * values)
-        if self.kind == "final":
-            return float(values[-1])
-        span = time[-1] - time[0]
-        if self.kind == "mean":
-            return float(np.trapezoid(values, time) / span)
-        if self.kind == "rms":
-            return float(np.sqrt(np.trapezoid(values**2, time) / span))
-        raise ValueError(f"{self.name}: nothing is read off a run for the kind {self.kind}")
-
-    def _event(self, curves: "Curves") -> float:
-        found = [curves.happened.get((place, self.event), ()) for place in self.places]
-        times = np.sort(np.concatenate([np.zeros(0), *found]))
-        if len(times) >= self.number:
-            return float(times[self.number - 1])
-        if curves.events_dropped:
-            raise ValueError(
-                f"{self.name}: a run has {curves.events_dropped} events more than are kept; "
-                f"{self.long_name} may be among them"
-            )
-        return float("nan")
-
-    def _value(self, curves: "Curves") -> float:
-        at = self.at.evaluate(curves) if isinstance(self.at, Quantity) else self.at
-        if not np.isfinite(at) or not curves.time[0] <= at <= curves.time[-1]:
-            return float("nan")
-        event = isinstance(self.at, Quantity) and self.at.kind == "event"
-        return float(value_at(curves, self.response, at, event))
 
 
 def peak(values: np.ndarray) -> float:
@@ -210,3 +162,94 @@ def _root(time: np.ndarray, values: np.ndarray, i: int) -> float:
         else:
             low = middle
     return 0.5 * (low + high)
+
+
+def _of_values(number: Callable[[Quantity, np.ndarray, np.ndarray], float]):
+    """What reads a number off times (t,) and the values (t,) of the quantity's response."""
+    return lambda quantity, curves: number(
+        quantity, curves.time, quantity.response.evaluate(curves)
+    )
+
+
+def _mean(time: np.ndarray, values: np.ndarray) -> float:
+    return float(np.trapezoid(values, time) / (time[-1] - time[0]))
+
+
+def _overshoot(values: np.ndarray, about: float | None) -> float:
+    about = values[-1] if about is None else about
+    way = np.sign(about - values[0])
+    return peak(way * (values - about)) if way else 0.0
+
+
+def _value(quantity: Quantity, curves: Curves) -> float:
+    other = quantity.at if isinstance(quantity.at, Quantity) else None
+    at = other.evaluate(curves) if other else quantity.at
+    if not np.isfinite(at) or not curves.time[0] <= at <= curves.time[-1]:
+        return float("nan")
+    event = other is not None and other.kind == "event"
+    return float(value_at(curves, quantity.response, at, event))
+
+
+def _event(quantity: Quantity, curves: Curves) -> float:
+    found = [curves.happened.get((place, quantity.event), ()) for place in quantity.places]
+    times = np.sort(np.concatenate([np.zeros(0), *found]))
+    if len(times) >= quantity.number:
+        return float(times[quantity.number - 1])
+    if curves.events_dropped:
+        raise ValueError(
+            f"{quantity.name}: a run has {curves.events_dropped} events more than are kept; "
+            f"{quantity.long_name} may be among them"
+        )
+    return float("nan")
+
+
+class Kind(NamedTuple):
+    """A kind of quantity, by the key that names the response (or event) that it is of.
+
+    read(quantity, curves): its number; text: its long name, with `about` for the response's and
+    what else quantity_definitions puts in; needed, optional: the other keys of its definition;
+    unit: None for the response's; positive: whether it is never below 0; peak: `Quantity.is_peak`.
+    """
+
+    read: Callable[[Quantity, Curves], float]
+    text: str
+    needed: tuple[str, ...] = ()
+    optional: tuple[str, ...] = ()
+    unit: str | None = None
+    positive: bool = False
+    peak: bool = False
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """All other keys."""
+        return self.needed + self.optional
+
+
+KINDS = {
+    "largest": Kind(_of_values(lambda q, time, y: peak(y)), "largest {about}", peak=True),
+    "smallest": Kind(_of_values(lambda q, time, y: -peak(-y)), "smallest {about}", peak=True),
+    "final": Kind(_of_values(lambda q, time, y: float(y[-1])), "final {about}"),
+    "mean": Kind(_of_values(lambda q, time, y: _mean(time, y)), "mean {about}"),
+    "rms": Kind(
+        _of_values(lambda q, time, y: float(np.sqrt(_mean(time, y**2)))), "rms {about}",
+        positive=True, peak=True,
+    ),
+    "value": Kind(_value, "{about} {moment}", ("at",)),
+    "overshoot": Kind(
+        _of_values(lambda q, time, y: _overshoot(y, q.about)), "overshoot of the {about}",
+        optional=("about",), positive=True, peak=True,
+    ),
+    "settling": Kind(
+        _of_values(lambda q, time, y: settling(time, y, q.within, q.about)),
+        "time from which the {about} stays within {within:.6g}", ("within",), ("about",), "s",
+    ),
+    "crossing": Kind(
+        _of_values(lambda q, time, y: crossing(time, y, q.level, q.way, q.number)),
+        "time of the {nth}crossing of {level:.6g}{way} by the {about}",
+        ("level",), ("way", "number"), "s",
+    ),
+    "event": Kind(
+        _event, "time of the {nth}event '{event}'{whose}", optional=("of", "number"), unit="s"
+    ),
+}  # fmt: skip
+"""All kinds of quantities, in the order of messages."""

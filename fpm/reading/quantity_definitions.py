@@ -7,25 +7,9 @@ import numpy as np
 
 from fpm.elements.kind import Eventful
 from fpm.errors import SceneError, did_you_mean
-from fpm.reading.quantities import Quantity
+from fpm.reading.quantities import KINDS, Quantity
 from fpm.reading.responses import Response
 
-KEYS = {
-    "largest": (),
-    "smallest": (),
-    "final": (),
-    "mean": (),
-    "rms": (),
-    "value": ("at",),
-    "overshoot": ("about",),
-    "settling": ("within", "about"),
-    "crossing": ("level", "way", "number"),
-    "event": ("of", "number"),
-}
-"""The kinds of quantity, by the key that names what each is of, and the other keys that it takes.
-All are of a response, but for an event, which is that of an element."""
-
-NEEDED = {"value": ("at",), "settling": ("within",), "crossing": ("level",)}
 WAYS = ("rising", "falling", "either")
 
 
@@ -35,7 +19,7 @@ def parse(
     """The quantities of a config by their definitions, and what is wrong with the others.
 
     responses: those of the config; elements: what has events in the scene
-    (`fpm.outcome.eventful`). Each definition is one of KEYS with its keys; docs/quantities.md
+    (`fpm.outcome.eventful`). Each definition is one of KINDS with its keys; docs/quantities.md
     describes them.
     """
     known, elements = {response.name: response for response in responses}, list(elements)
@@ -85,21 +69,20 @@ def _parse(name, definition, responses, elements, others) -> Quantity:
             raise SceneError(f"{key}.way", more["way"], f"one of {', '.join(WAYS)}")
     if kind == "value":
         more["at"] = _moment(key, definition["at"], others)
-    time = kind in ("crossing", "settling")
-    quantity = Quantity(name, kind, "s" if time else response.unit, "", response, **more)
-    return _named(quantity)
+    return _named(Quantity(name, kind, KINDS[kind].unit or response.unit, "", response, **more))
 
 
 def _kind_of(key: str, definition: object) -> str:
     """The kind that a definition is of; SceneError if its keys are not those of one."""
-    if not isinstance(definition, Mapping) or len(set(definition) & set(KEYS)) != 1:
-        raise SceneError(key, definition, f"exactly one of {', '.join(KEYS)}")
-    kind = next(k for k in KEYS if k in definition)
+    if not isinstance(definition, Mapping) or len(set(definition) & set(KINDS)) != 1:
+        raise SceneError(key, definition, f"exactly one of {', '.join(KINDS)}")
+    kind = next(k for k in KINDS if k in definition)
+    keys = KINDS[kind].keys
     for other in definition:
-        if other != kind and other not in KEYS[kind]:
-            allowed = f"{kind} with {', '.join(KEYS[kind])}" if KEYS[kind] else f"{kind} alone"
+        if other != kind and other not in keys:
+            allowed = f"{kind} with {', '.join(keys)}" if keys else f"{kind} alone"
             raise SceneError(f"{key}.{other}", definition[other], allowed)
-    for needed in NEEDED.get(kind, ()):
+    for needed in KINDS[kind].needed:
         if needed not in definition:
             raise SceneError(key, definition, f"{kind} with {needed}")
     return kind
@@ -139,24 +122,17 @@ def _parse_event(name, definition, number, elements) -> Quantity:
 
 def _named(quantity: Quantity, places: tuple[str, ...] = (), of: str = "") -> Quantity:
     """The quantity with its long name, and the elements whose events count."""
-    kind, about = quantity.kind, quantity.response.long_name if quantity.response else ""
-    nth = "" if quantity.number == 1 else f"{_ordinal(quantity.number)} "
-    if kind == "event":
-        whose = f" of {places[0] if len(places) == 1 else of}" if of else ""
-        text = f"time of the {nth or 'first '}event '{quantity.event}'{whose}"
-    elif kind == "crossing":
-        way = "" if quantity.way == "either" else f" {quantity.way}"
-        text = f"time of the {nth or 'first '}crossing of {quantity.level:.6g}{way} by the {about}"
-    elif kind == "settling":
-        text = f"time from which the {about} stays within {quantity.within:.6g}"
-    elif kind == "value":
-        at = quantity.at
-        moment = f"at {at.name}" if isinstance(at, Quantity) else f"at {at:.6g} s"
-        text = f"{about} {moment}"
-    elif kind == "overshoot":
-        text = f"overshoot of the {about}"
-    else:
-        text = f"{kind} {about}"
+    at = quantity.at
+    text = KINDS[quantity.kind].text.format(
+        about=quantity.response.long_name if quantity.response else "",
+        nth="first " if quantity.number == 1 else f"{_ordinal(quantity.number)} ",
+        level=quantity.level,
+        way="" if quantity.way == "either" else f" {quantity.way}",
+        within=quantity.within,
+        moment=f"at {at.name}" if isinstance(at, Quantity) else f"at {at or 0.0:.6g} s",
+        event=quantity.event,
+        whose=f" of {places[0] if len(places) == 1 else of}" if of else "",
+    )
     return replace(quantity, long_name=text, places=places)
 
 

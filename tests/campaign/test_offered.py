@@ -16,7 +16,7 @@ from deployable.campaign.runs.store import STORES
 from deployable.intervals import METHODS, MODELS
 from deployable.intervals.designs.scan import SEQUENCES
 from evidence.registry import STUDIES
-from fpm.reading import asked_responses, quantity_definitions, responses
+from fpm.reading import asked_responses, quantities, responses
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -53,10 +53,19 @@ def test_no_campaign_has_the_name_of_a_study(raw, name):
     ("page", "known"),
     [
         ("responses.md", {*responses.ALWAYS, *asked_responses.KINDS}),
-        ("quantities.md", set(quantity_definitions.KEYS)),
+        ("quantities.md", set(quantities.KINDS)),
     ],
 )
 def test_every_kind_of_a_definition_is_in_its_table_and_no_other(page, known):
     text = (DOCS / page).read_text(encoding="utf-8")
     table = re.findall(r"^\| (`\{\w+: [^|]*) \|", text, re.MULTILINE)
     assert {kind for row in table for kind in re.findall(r"`\{(\w+): ", row)} == known
+
+
+def test_definitions_of_quantities_show_all_their_keys():
+    text = (DOCS / "quantities.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`\{\w+: [^|]*) \|", text, re.MULTILINE)
+    shown = [re.findall(r"(\w+): ", each) for row in rows for each in re.findall("`{(.*?)}`", row)]
+    assert {kind: set(keys) for kind, *keys in shown} == {
+        kind: set(known.keys) for kind, known in quantities.KINDS.items()
+    }

@@ -9,8 +9,8 @@ from fpm import SceneError
 from fpm.elements.kind import Eventful
 from fpm.files.trajectory import Curves, happened
 from fpm.reading.events import value_at
-from fpm.reading.quantities import crossing, crossing_margin
-from fpm.reading.quantity_definitions import KEYS, NEEDED, parse
+from fpm.reading.quantities import KINDS, Kind, crossing, crossing_margin
+from fpm.reading.quantity_definitions import parse
 from fpm.reading.responses import Response
 
 TIME = np.linspace(0.0, 2.0, 401)
@@ -63,14 +63,14 @@ def test_numbers_of_a_decaying_wave(definition, exact):
     assert read(definition, WAVE) == pytest.approx(exact, abs=1e-6)
 
 
-def test_every_kind_is_read_and_none_that_is_unknown(monkeypatch):
-    for kind in KEYS:
+def test_every_kind_of_the_table_is_read_and_one_more_takes_a_line_of_it(monkeypatch):
+    median = Kind(lambda q, curves: float(np.median(q.response.evaluate(curves))), "median {about}")
+    monkeypatch.setitem(KINDS, "median", median)
+    for kind, known in KINDS.items():
         of = "closes" if kind == "event" else "x"
-        definition = {kind: of} | dict.fromkeys(NEEDED.get(kind, ()), 0.25)
+        definition = {kind: of} | dict.fromkeys(known.needed, 0.25)
         assert np.isfinite(read(definition, WAVE)), kind
-    monkeypatch.setitem(KEYS, "median", ())
-    with pytest.raises(ValueError, match="median"):
-        read({"median": "x"}, WAVE)
+    assert read({"median": "x"}, TIME) == pytest.approx(1.0)
 
 
 def test_means_overshoot_and_settling():

@@ -5,15 +5,15 @@ and how its curve follows from them.
 """
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from fpm.elements import kinds_of
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.variables import VARIABLES, Column
-
-if TYPE_CHECKING:
-    from fpm.scenes.scene import Scene
+from fpm.reading.recording import labels
+from fpm.scenes.scene import Scene
 
 AXES = ("x", "y", "z")
 FORCES = {"axial": ("axial",), "shear_y": ("shear_y",), "shear_z": ("shear_z",),
@@ -46,7 +46,7 @@ class Definition(NamedTuple):
     name: str
     kind: str
     data: Mapping[str, Any]
-    scene: "Scene"
+    scene: Scene
 
     def one_of(self, value: object, known, key: str = "") -> Any:
         """The value; SceneError unless it is a known name. key: of another key than the kind."""
@@ -60,8 +60,6 @@ class Definition(NamedTuple):
     @property
     def labels(self) -> list[str]:
         """The labels that the variable of this kind may have in the scene."""
-        from fpm.reading.recording import labels
-
         return labels(self.scene, self.kind)
 
 
@@ -99,10 +97,8 @@ def _rate(it: Definition) -> Found:
     return Found((name,), "", VARIABLES[variable].unit, text, ((variable, name),))
 
 
-def parts_on(scene: "Scene", hinge: str) -> list[str]:
+def parts_on(scene: Scene, hinge: str) -> list[str]:
     """The parts of the moment on a hinge that something in the scene has."""
-    from fpm.elements import kinds_of
-
     index = [h.name for h in scene.hinges].index(hinge)
     found: dict[str, None] = {}
     for kind in kinds_of([scene]):
@@ -190,7 +186,7 @@ KINDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], Callable[[Definition], 
 """Each kind with the other keys that its definition needs, those that it may have, its reader."""
 
 
-def read(name: str, kind: str, data: Mapping[str, Any], scene: "Scene") -> Found:
+def read(name: str, kind: str, data: Mapping[str, Any], scene: Scene) -> Found:
     """What the definition of a response of one of KINDS means; SceneError names what is wrong."""
     needed, optional, reader = KINDS[kind]
     missing = [key for key in needed if key not in data]

@@ -6,13 +6,10 @@ recorded, as of points, it goes through values and rates of three instants (Herm
 Interpolation and Approximation, ch. 2), and the error falls with the sixth power of their distance.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-if TYPE_CHECKING:
-    from fpm.files.trajectory import Curves
-    from fpm.reading.responses import Response
+from fpm.files.trajectory import Curves
+from fpm.reading.responses import Response
 
 SPREAD = 2
 """Steps after an event in which velocities may still be between those before and after it: the
@@ -24,7 +21,7 @@ TOLD_APART = 5
 touches: a step before the later one, SPREAD after the earlier one, and up to one to the first."""
 
 
-def value_at(curves: "Curves", response: "Response", at: float, event: bool) -> float:
+def value_at(curves: Curves, response: Response, at: float, event: bool) -> float:
     """A response of a run at a time (s), or just before the event then.
 
     By the cubic at most through the nearest instants that no other event parts from that time, or
@@ -53,7 +50,7 @@ def value_at(curves: "Curves", response: "Response", at: float, event: bool) -> 
     return np.interp(at, time, values)
 
 
-def _continued(curves: "Curves", response: "Response", near, at: float) -> float | None:
+def _continued(curves: Curves, response: Response, near, at: float) -> float | None:
     """A response at a time after the instants `near`, by what it is made of and the rates of that.
 
     None where these are not recorded, or would not have foretold the last of five instants better
@@ -71,7 +68,7 @@ def _continued(curves: "Curves", response: "Response", near, at: float) -> float
     return float(response.evaluate(then)[0])
 
 
-def _with_rates(curves: "Curves", kind: str, name: str) -> tuple[np.ndarray, np.ndarray] | None:
+def _with_rates(curves: Curves, kind: str, name: str) -> tuple[np.ndarray, np.ndarray] | None:
     """What a response of a kind is made of, of that point or hinge, and its rates (t, k)."""
     if kind in ("position", "distance"):
         return curves.points[name]

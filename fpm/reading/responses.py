@@ -1,7 +1,6 @@
 """Responses: scalar functions of time that are read off a trajectory."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,12 +8,10 @@ from fpm.elements import Latch, RigidLatch
 from fpm.elements.openings.latch import RECORDED
 from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError
+from fpm.files.outcome import Outcome
 from fpm.files.variables import Column
 from fpm.reading import asked_responses
-
-if TYPE_CHECKING:
-    from fpm.files.outcome import Outcome
-    from fpm.scenes.scene_type import SceneType
+from fpm.scenes.scene_type import SceneType
 
 _NEVER_NEGATIVE = ("strain", "spring", "contact")  # energies: sums of squares
 LATCH = tuple(RECORDED)
@@ -51,7 +48,7 @@ class Response:
         stored = self.kind == "energy" and self.about[0] in _NEVER_NEGATIVE
         return 0.0 if size or stored else None
 
-    def evaluate(self, outcome: "Outcome") -> np.ndarray:
+    def evaluate(self, outcome: Outcome) -> np.ndarray:
         """Values (t,) of the response for one outcome; KeyError if it did not record its needs."""
         if self.kind in asked_responses.KINDS:
             return asked_responses.evaluate(
@@ -82,7 +79,7 @@ def _one_of(key: str, value: object, known: tuple[str, ...]) -> str:
     return value
 
 
-def parse(name: str, definition: dict, scene_type: "SceneType") -> Response:
+def parse(name: str, definition: dict, scene_type: SceneType) -> Response:
     """A response from its definition in a config; SceneError names what is wrong.
 
     One of: {distance: [P, Q]}, {position: P, component: z}, {velocity: P, component: z},

@@ -4,17 +4,13 @@ Two cases: a latch that holds exactly stops its joint within one step, and what 
 runs through elastic bars as a wave whose front is a few elements long, whatever their length.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from fpm.elements.bars.viscosity import Viscosity
 from fpm.elements.joints.rigid_latch import RigidLatch
 from fpm.elements.particles.load import Load
-
-if TYPE_CHECKING:
-    from fpm.reading.responses import Response
-    from fpm.scenes.scene import Scene
+from fpm.reading.responses import Response
+from fpm.scenes.scene import Scene
 
 FORCES = (
     "acceleration", "constraint_force", "constraint_moment", "joint_moment", "joint_power",
@@ -28,7 +24,7 @@ _HOLDING = ("sum", "latch", "motor", "release")
 others follow from openings and their rates."""
 
 
-def doubt(scene: "Scene", response: "Response") -> str:
+def doubt(scene: Scene, response: Response) -> str:
     """Why the peaks of a response mean nothing in a scene, and what to do, as a sentence; nothing
     where they mean something."""
     kind = response.kind
@@ -63,7 +59,7 @@ def _listed(latches: list[str]) -> str:
     )
 
 
-def _sudden(scene: "Scene", load: Load) -> bool:
+def _sudden(scene: Scene, load: Load) -> bool:
     """Whether a load is there from the start on."""
     first = 1.0
     if load.curve >= 0:

@@ -9,6 +9,7 @@ import numpy as np
 from fpm.errors import SceneError
 from fpm.files.outcome import Outcome
 from fpm.files.variables import Column
+from fpm.reading.recording import prepared
 from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import SAFETY, stable_step
 from fpm.solver.start import started
@@ -66,8 +67,6 @@ def simulate(
         return []
     record = tuple(dict.fromkeys(record))
     if record:
-        from fpm.reading.recording import prepared
-
         scenes = [prepared(scene, record) for scene in scenes]
     if not (np.isfinite(duration) and duration > 0):
         raise SceneError("duration", duration, "a positive number (s)")

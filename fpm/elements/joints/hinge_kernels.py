@@ -250,7 +250,7 @@ def opened(part, state, h):
 @kernel
 def distance(w, h, step, size):
     """Negative where what is ASKED of hinge h is too much for `nudge`; size (m) of the scene."""
-    coarse = (step / COARSE_GAP) / size
+    coarse = (step / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
     gap, off = get3(w, h, ASKED), get3(w, h, ASKED + 5)
     ep, eq = load(w, h, ASKED + 3), load(w, h, ASKED + 4)
     far = 1.0 - (dot(gap, gap) + dot(off, off)) * (coarse * coarse)

@@ -15,7 +15,8 @@ ROUNDS = 4
 """Most rounds in a step; smooth motion takes one, a fast impact two."""
 
 COARSE_GAP = 5e-9
-"""Gap of the hinge point above which a sample gets another round."""
+"""Gap of the hinge point above which a sample gets another round, as a share of the scene's size,
+of a metre at most: more than that on light bodies grows from step to step."""
 
 COARSE_TILT = 5e-8
 """The same for the angle between the axes (rad)."""

@@ -223,7 +223,8 @@ def move(part, world, now):
     """
     state, rows = world.state, part.rows
     inverse_step = 1.0 / now.step
-    coarse = (1.0 / COARSE_GAP) / load(world.size, 0, 0)
+    size = load(world.size, 0, 0)
+    coarse = (1.0 / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
     for n in range(ROUNDS):
         move_bodies(part, state, n > 0, now.step)
         far = 0.0 * load(state, 0, X) + 1.0

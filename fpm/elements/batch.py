@@ -14,8 +14,9 @@ from fpm.elements.particles.turning import turns_of
 from fpm.kernels import layout as at
 from fpm.kernels.world import Log, Record, World
 
-ROUNDINGS = 16.0
-"""Last bits of a place (of the scene's size) and of an angle (rad) that a step may be off by."""
+ROUNDINGS = 64.0
+"""Last bits of a place (of the scene's size) and of an angle (rad) that a step may be off by; 16
+where no conditions of joints repeat each other, which the solution of a locked loop amplifies."""
 
 
 def blank(*shape_and_dtype) -> np.ndarray:

@@ -171,7 +171,7 @@ def test_impacts_are_those_of_the_runs(scan, tmp_path):
 def test_the_page_draws_the_runs_at_the_bounds(scan, tmp_path):
     campaign.run(scan, tmp_path, tell=silent)
     data = from_results(tmp_path / "test")
-    assert data.run_count == SAMPLES + 1
+    assert data.facts["design"]["runs"] == SAMPLES + 1
     assert 3 <= len(data.runs) == len(data.moving)
     for i, response in enumerate(data.responses):
         at = response.widest

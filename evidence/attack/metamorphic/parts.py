@@ -19,7 +19,11 @@ def split(structure: Structure, rng: random.Random) -> Image | None:
     """A body as two that are fixed to each other, each with a share of its mass; together with all
     their points where that share has the same centre, or side by side along x."""
     driven = {one["part"] for one in entries(structure, "drives").values()}
-    bodies = [name for name in entries(structure, "bodies") if name not in driven]
+    # What is held about one axis alone may be in no joint, and the two would be joined.
+    tied = {
+        one["part"] for one in entries(structure, "supports").values() if one["rotations"] == "x"
+    }
+    bodies = [name for name in entries(structure, "bodies") if name not in driven | tied]
     if not bodies or any(map(_is_damped_for_its_parts, entries(structure, "actions").values())):
         return None
     name = rng.choice(bodies)

@@ -65,16 +65,30 @@ def simulate(runs: list[Run], beside: Callable[[Structure], Structure]) -> None:
             continue
         key = topology(scene), run.duration, run.instants, run.step
         batches.setdefault(key, []).append((run, scene))
-    for (_, duration, instants, step), batch in batches.items():
+    for batch in batches.values():
+        _simulate_alike(batch)
+
+
+def _simulate_alike(batch: list[tuple[Run, fpm.Scene]]) -> None:
+    """Run what differs in numbers alone; where one is refused only now, each by itself."""
+    first = batch[0][0]
+    try:
         outcomes = fpm.simulate(
-            [scene for _, scene in batch], duration=duration, instants=instants, step=step,
-            energy_tolerance=1.0,
+            [scene for _, scene in batch], duration=first.duration, instants=first.instants,
+            step=first.step, energy_tolerance=1.0,
         )  # fmt: skip
-        for (run, _), outcome in zip(batch, outcomes, strict=True):
-            if outcome.failure is None:
-                run.curves = curves_of(outcome)
-            else:
-                run.why = str(outcome.failure)
+    except SceneError as error:
+        if len(batch) == 1:
+            first.why = f"refused: {error}"
+        else:
+            for one in batch:
+                _simulate_alike([one])
+        return
+    for (run, _), outcome in zip(batch, outcomes, strict=True):
+        if outcome.failure is None:
+            run.curves = curves_of(outcome)
+        else:
+            run.why = str(outcome.failure)
 
 
 def curves_of(outcome: fpm.Outcome) -> Curves:

@@ -80,9 +80,7 @@ def _change(data: Any, rng: random.Random) -> None:
     elif how < 0.7 and type(holder[key]) in (int, float) and abs(holder[key]) < 1e12:
         holder[key] *= rng.choice([-1, 10, 1000, 1e-3, 1e6])
     elif how < 0.8 and isinstance(holder, dict):
-        holder[rng.choice(["a", "E", "K_F", "order", "order ", "", "B" * 250, "x y"])] = holder.pop(
-            key
-        )
+        holder[rng.choice(KEYS)] = holder.pop(key)
     elif how < 0.9:
         del holder[key]
     else:

@@ -1,6 +1,6 @@
 """Configs are changed at random: refused in words, or run.
 
-`python -m evidence attack --only configs` does the same for longer.
+`python -m deployable attack --only configs` does the same for longer.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import pytest
 from evidence.attack.configs import attack_by_config, attack_by_running, mutated
 from evidence.attack.ledger import Ledger
 
-COUNT, RUNS = 2300, 100
+COUNT, RUNS = 600, 20
 
 
 @pytest.mark.slow

@@ -15,18 +15,26 @@ import numba
 import numpy as np
 import pytest
 
+import fpm.elements  # noqa: F401 - registers the kernels of all kinds
 from fpm.kernels import compiled
 from fpm.kernels.hooks import KERNELS
 
-PROGRAM = """
+PROGRAM = '''
 import fpm
-from deployable.campaign.config.scenes import scene_type
-scene = scene_type("bennett").build(elements=2)
-outcome = fpm.simulate(scene, duration=0.5, instants=3, step=1e-4)[0]
-print(outcome.points["B"][0].tobytes().hex())
 from fpm.kernels.compiled import LOOPS
+from fpm.structures import loads
+scene = loads("""
+points: {hub: [0, 0, 0], tip: [1, 0, 0]}
+materials: {wood: {E: 1e10, rho: 500}}
+sections: {square: {type: square, side: 0.05}}
+bars: {arm: {through: [hub, tip], section: square, material: wood, elements: 2}}
+motions: {whirl: {part: arm, about: hub, spin: [1, 2, 3]}}
+record: {B: {part: arm, at: tip}}
+""").build()
+outcome = fpm.simulate(scene, duration=0.05, instants=3, step=5e-5)[0]
+print(outcome.points["B"][0].tobytes().hex())
 print(sum(sum(run.stats.cache_hits.values()) for run in LOOPS.values()))
-"""
+'''
 
 
 @pytest.mark.slow

@@ -1,6 +1,6 @@
 """Pairs of structures that must move alike: random ones, and the same once more in other words.
 
-    python -m evidence attack --only pairs
+    python -m deployable attack --only pairs
 
 `drawn` draws a structure in the language of docs/structures.md, `families` says it otherwise
 (turned, mirrored, later, renamed, ...), `pairs` runs both and compares.

@@ -4,6 +4,7 @@ import errno
 import fcntl
 import importlib
 import os
+import pkgutil
 import subprocess
 import sys
 import threading
@@ -15,7 +16,7 @@ import numba
 import numpy as np
 import pytest
 
-import fpm.elements  # noqa: F401 - registers the kernels of all kinds
+import fpm.elements
 from fpm.kernels import compiled
 from fpm.kernels.hooks import KERNELS
 
@@ -156,7 +157,10 @@ def test_another_processor_has_another_cache_beside(monkeypatch):
 def test_a_loop_of_all_kinds_has_a_folder_that_can_be_made(tmp_path, monkeypatch):
     """A name of more than 255 letters was none: the loop was compiled in every process again."""
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    for module in pkgutil.walk_packages(fpm.elements.__path__, "fpm.elements."):
+        importlib.import_module(module.name)  # else a kind is known once a scene has it
     every = tuple({arrays: None for arrays, _ in KERNELS})
+    assert len(every) > 20
     folders = [compiled.cache_folder(kinds) for kinds in (every, every[:-1])]
     with compiled._one_at_a_time(folders[0]) as is_locked:
         assert is_locked

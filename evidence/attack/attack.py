@@ -23,9 +23,11 @@ from evidence.attack.victim import Victim
 KINDS = ("files", "kills", "disks", "configs", "pairs", "mutants")
 
 
-def attack(kinds: tuple[str, ...], minutes: float, seed: int, folder: Path) -> tuple[Ledger, Hunt]:
-    """Attack in turn, each kind with the same share of the time."""
-    rng, ledger, hunt = random.Random(seed), Ledger(), Hunt(seed)
+def attack(
+    kinds: tuple[str, ...], minutes: float, seed: int, folder: Path, code: tuple[str, ...] = ("*",)
+) -> tuple[Ledger, Hunt]:
+    """Attack in turn, each kind with the same share of the time; code: the files of mutants."""
+    rng, ledger, hunt = random.Random(seed), Ledger(), Hunt(seed, code)
     with tempfile.TemporaryDirectory() as name:
         place = Path(name)
         victims = [Victim(place), Victim(place, "responses"), Victim(place, drawn=True)]
@@ -70,9 +72,12 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--minutes", type=float, default=60.0, help="%(default)s")
     parser.add_argument("--seed", type=int, default=1, help="%(default)s")
     parser.add_argument("--only", nargs="+", choices=KINDS, default=KINDS, help="these kinds")
+    parser.add_argument("--code", nargs="+", default=("*",), help="files that mutants change")
     parser.add_argument("--output", type=Path, default=Path("results", "attack"))
     options = parser.parse_args(arguments)
-    ledger, hunt = attack(tuple(options.only), options.minutes, options.seed, options.output)
+    ledger, hunt = attack(
+        tuple(options.only), options.minutes, options.seed, options.output, tuple(options.code)
+    )
     found = {
         "minutes": options.minutes,
         "seed": options.seed,

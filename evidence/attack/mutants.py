@@ -6,37 +6,37 @@ import ast
 import copy
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
-import tempfile
 from fnmatch import fnmatch
 from pathlib import Path
 
-from evidence.attack.reach import PACKAGES, Reach
-
 ROOT = Path(__file__).parents[2]
-MUTATED = (
-    "deployable/intervals/**/*.py", "deployable/campaign/**/*.py", "fpm/*.py",
-    "fpm/[afmrs]*/**/*.py",
-)  # fmt: skip
-"""What is changed: all that numba does not compile, which would take minutes for each change."""
+ROOMS = {
+    "fpm": ("fpm", "structures", "golden"),
+    "deployable/intervals": ("intervals", "golden"),
+    "deployable/campaign": ("campaign", "report", "export"),
+}
+"""The code that is changed, and the folders of its tests."""
 LEFT_OUT = (
     "*/__init__.py", "*/__main__.py", "*/cli.py", "*/table.py", "*/progress.py", "*/warming.py",
     "*/campaign/pictures/*", "*/campaign/drawing.py", "*/campaign/results/figures.py",
 )  # fmt: skip
 """Command lines, drawings, progress: nothing there changes a number."""
-TESTS = ("intervals", "campaign", "structures", "fpm", "golden", "export", "report")
-LONGEST = 300.0  # s, of the tests of one change, as they were measured without coverage's share
+NEAREST = 3
+"""Files of tests whose slow ones judge a change, too; kernels are compiled anew for each."""
+LIMIT = 900.0
+"""Seconds for the tests of a change; one that takes them all is noticed."""
 
 
 class Hunt:
     """Mutants made so far: file, line, change, and by what it was noticed (None: not)."""
 
-    def __init__(self, seed: int, reach: Path | None = None):
-        self.rng, self.found = random.Random(seed), []
+    def __init__(self, seed: int, patterns: tuple[str, ...] = ("*",)):
+        self.rng, self.found, self._patterns = random.Random(seed), [], patterns
         self._place: Path | None = None
-        self._reach = Reach.read(reach) if reach else None
 
     @property
     def tried(self) -> int:
@@ -51,26 +51,16 @@ class Hunt:
         if self._place != place:
             make_copy(place)
             self._place = place
-        self._reach = self._reach or measured(place)
-        name, number = self.rng.choice(all_sites())
-        line, last, what, tree = change_at(parsed(name), number)
+        name, number = self.rng.choice(all_sites(self._patterns))
+        line, what, tree = change_at(parsed(name), number)
         path = place / name
         before = path.read_bytes()
         path.write_text(ast.unparse(tree), encoding="utf-8")
         try:
-            noticed = noticed_by(place, self._tests(name, line, last))
+            noticed = noticed_by(place, nearest(name))
         finally:
             path.write_bytes(before)
         self.found.append({"file": name, "line": line, "change": what, "noticed": noticed})
-
-    def _tests(self, name: str, first: int, last: int) -> list[str]:
-        """The tests of a change, as long as they take no longer than they may."""
-        chosen, spent = [], 0.0
-        for test in self._reach.tests(name, first, last):
-            if (spent := spent + self._reach.cost(test)) > LONGEST:
-                break
-            chosen.append(test)
-        return chosen
 
     def table(self) -> str:
         """The share noticed, and what was not."""
@@ -83,16 +73,33 @@ class Hunt:
         return "\n".join(lines) + "\n"
 
 
+def nearest(name: str) -> list[str]:
+    """The files of tests for a file of code, those first that mention it most."""
+    (folders,) = [tests for room, tests in ROOMS.items() if name.startswith(f"{room}/")]
+    stem = Path(name).stem.removesuffix("_kernels")
+    words = {stem, stem.title().replace("_", ""), stem.replace("_", " ")}
+    found = []
+    for path in (path for folder in folders for path in (ROOT / "tests" / folder).glob("test_*")):
+        text = path.read_text(encoding="utf-8")
+        count = sum(len(re.findall(re.escape(word), text)) for word in words)
+        found.append((stem not in path.stem, -count, str(path.relative_to(ROOT))))
+    return [test for *_, test in sorted(found)]
+
+
 def parsed(name: str) -> ast.Module:
     """The syntax tree of a file of the checkout."""
     return ast.parse((ROOT / name).read_text(encoding="utf-8"))
 
 
-def all_sites() -> list[tuple[str, int]]:
-    """Every place that can be changed: file, and number in it."""
-    files = {path for pattern in MUTATED for path in ROOT.glob(pattern)}
-    names = sorted(str(path.relative_to(ROOT)) for path in files)
-    mutated = [name for name in names if not any(fnmatch(name, out) for out in LEFT_OUT)]
+def all_sites(patterns: tuple[str, ...] = ("*",)) -> list[tuple[str, int]]:
+    """Every place that can be changed, in files of these patterns: file, and number in it."""
+    names = sorted(str(p.relative_to(ROOT)) for room in ROOMS for p in (ROOT / room).rglob("*.py"))
+    mutated = [
+        name
+        for name in names
+        if any(fnmatch(name, pattern) for pattern in patterns)
+        and not any(fnmatch(name, out) for out in LEFT_OUT)
+    ]
     return [(name, number) for name in mutated for number in sites(parsed(name))]
 
 
@@ -100,7 +107,7 @@ def make_copy(place: Path) -> None:
     """A copy of what the tests need."""
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
-    for name in (*PACKAGES, "evidence", "tests", "config", "workflow", "docs"):
+    for name in ("deployable", "fpm", "evidence", "tests", "config", "workflow", "docs"):
         ignored = shutil.ignore_patterns("*.nb?", "numba-*", "__pycache__")
         shutil.copytree(ROOT / name, place / name, ignore=ignored)
     for name in ("Snakefile", "pyproject.toml", "README.md"):
@@ -108,41 +115,31 @@ def make_copy(place: Path) -> None:
     (place / "profiles").symlink_to("workflow/profiles")
 
 
-def measured(place: Path) -> Reach:
-    """Which tests run what, measured in a copy; takes some minutes."""
-    left = place / "reach.json"
-    folders = [f"tests/{name}" for name in TESTS]
-    run_tests(place, ["-p", "evidence.attack.reach", *folders], 3600.0, REACH=str(left))
-    return Reach.read(left)
-
-
 def noticed_by(place: Path, tests: list[str]) -> str | None:
     """What notices that something is wrong in a copy: the first test that fails, or the time."""
-    if not tests:
-        return None
-    with tempfile.NamedTemporaryFile("w", suffix=".txt") as chosen:
-        chosen.write("\n".join(tests))
-        chosen.flush()
+    for marked, chosen in (("not slow", tests), ("slow", tests[:NEAREST])):
         try:
-            done = run_tests(place, ["-x", f"@{chosen.name}"], 60.0 + 5.0 * LONGEST)
+            done = run_tests(place, ["-x", "-m", marked, *chosen])
         except subprocess.TimeoutExpired:
             return "time"
-    if done.returncode == 0:
-        return None
-    failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    return failed[0].split(" - ")[0] if failed else done.stdout[-300:]
+        if done.returncode not in (0, NO_TESTS):
+            failed = [x for x in done.stdout.splitlines() if x.startswith(("FAILED", "ERROR"))]
+            return failed[0].split(" - ")[0] if failed else done.stdout[-300:]
+    return None
 
 
-def run_tests(
-    place: Path, words: list[str], limit: float, **more: str
-) -> subprocess.CompletedProcess:
+NO_TESTS = 5
+"""Pytest's status where it finds none."""
+
+
+def run_tests(place: Path, words: list[str]) -> subprocess.CompletedProcess:
     """Run pytest in a copy; what it compiles is kept there."""
-    environment = {**os.environ, "PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1", **more}
+    environment = {**os.environ, "PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1"}
     environment["NUMBA_CACHE_DIR"] = str(place / "numba")
     command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider"]
     return subprocess.run(
         [*command, *words], cwd=place, env=environment, stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=limit, check=False, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=LIMIT, check=False, text=True,
     )  # fmt: skip
 
 
@@ -165,14 +162,14 @@ def sites(tree: ast.Module) -> list[int]:
     ]
 
 
-def change_at(tree: ast.Module, number: int) -> tuple[int, int, str, ast.Module]:
-    """A copy of a module with one node changed: its lines, what, and the changed tree."""
+def change_at(tree: ast.Module, number: int) -> tuple[int, str, ast.Module]:
+    """A copy of a module with one node changed: its line, what, and the changed tree."""
     changed = copy.deepcopy(tree)
     node = next(node for i, node in enumerate(ast.walk(changed)) if i == number)
     before = ast.unparse(node)
     _change(node)
     what = f"`{before}` to `{ast.unparse(node)}`".replace("|", "or")
-    return node.lineno, node.end_lineno or node.lineno, what, changed
+    return node.lineno, what, changed
 
 
 def _change(node: ast.AST) -> bool:

@@ -38,7 +38,7 @@ def test_killed_runs_and_full_disks_leave_nothing_broken(victims, tmp_path):
 def test_a_mutant_is_changed_in_one_place():
     tree = ast.parse("def f(a, b):\n    return max(a + 1, b) if a < b and not b else True\n")
     found = [
-        (what, ast.unparse(made)) for *_, what, made in (change_at(tree, i) for i in sites(tree))
+        (what, ast.unparse(made)) for _, what, made in (change_at(tree, i) for i in sites(tree))
     ]
     assert len(found) >= 7
     assert len({text for _, text in found} | {ast.unparse(tree)}) == len(found) + 1

@@ -103,7 +103,7 @@ from evidence.attack.metamorphic.runs import drawn, scene_of
 from evidence.attack.metamorphic.written import changed
 
 without_compiling()
-for seed in ("500071", "500378", "500709", "500756", *map(str, range(800000, 800030))):
+for seed in ("500071", "500378", "500709", "500756", *map(str, range(800000, 800014))):
     rng = random.Random(seed)
     structure, duration = drawn(seed)
     if not is_quiet(structure):
@@ -125,7 +125,7 @@ def test_structures_at_rest_are_never_refused():
     """Random ones, in units a million times larger or smaller, before anything moves them, and
     some in which something does from an instant on: that they move by rounding is no failure."""
     found = lines_of(AT_REST)
-    assert len(found) > 15
+    assert len(found) > 8
     assert not [line for line in found if not line.endswith("right")]
 
 
@@ -144,7 +144,7 @@ def in_far_units(structure, rng):
 
 without_compiling()
 families.FAMILIES["in far units"] = in_far_units
-for seed in range(900000, 900024):
+for seed in range(900000, 900014):
     for one in Trial(*drawn(str(seed)), str(seed)).verdicts(["in far units"]):
         print(seed, one.what, one.outcome)
 """
@@ -156,4 +156,4 @@ def test_size_mass_and_pace_do_not_matter():
     large or small but against others of the structure."""
     found = lines_of(FAR_UNITS)
     assert not [line for line in found if line.endswith("wrong")]
-    assert sum(line.endswith("right") for line in found) > 15
+    assert sum(line.endswith("right") for line in found) > 8

@@ -159,6 +159,31 @@ def test_rounding_is_within_the_outer_range(k, order, constant, size, seed):
     assert found.gap[0] <= 0.06 * (found.inner_upper[0] - found.inner_lower[0]) + rounding
 
 
+@pytest.mark.parametrize("power", [-80, -20, 20, 80])
+@pytest.mark.parametrize(("k", "order"), [(1, 9), (2, 4), (3, 3)])
+def test_the_unit_of_a_response_does_not_matter(k, order, power):
+    indices = tensor([order] * k)
+    c = np.random.default_rng(7).standard_normal((len(indices), 20))
+    found, other = (surrogate_range(Surrogate(f * c, indices)) for f in (1.0, 2.0**power))
+    for name in ("lower", "upper", "inner_lower", "inner_upper", "gap"):
+        np.testing.assert_array_equal(getattr(other, name), 2.0**power * getattr(found, name))
+
+
+@pytest.mark.parametrize(("order", "density"), [(200, 8), (200, 4), (60, 2)])
+def test_a_grid_encloses_no_wider_than_its_density_foretells(order, density):
+    """By Ehlich and Zeller each end lies 1 / cos(pi / (2 density)) - 1 of half the width beyond."""
+    indices = np.arange(order + 1)[:, None]
+    c = np.random.default_rng(5).standard_normal((order + 1, 10))
+    values = np.polynomial.chebyshev.chebval(np.cos(np.linspace(0, np.pi, 200 * order)), c)
+    low, high = values.min(axis=1), values.max(axis=1)
+    beyond = (1 / np.cos(np.pi / (2 * density)) - 1) * (high - low) / 2 + 1e-9
+    lower, upper = grid_enclosure(c, indices, density)
+    assert (lower <= low).all() and (lower >= low - beyond).all()
+    assert (upper >= high).all() and (upper <= high + beyond).all()
+    found = grid_enclosure(2.0**70 * c, indices, density)
+    np.testing.assert_array_equal(found, 2.0**70 * np.array([lower, upper]))
+
+
 def test_gap_meets_the_tolerance_where_coefficients_decay():
     generator = np.random.default_rng(3)
     indices = tensor([3, 3, 3])

@@ -1,4 +1,4 @@
-"""The largest value of a function over a part of the box, where it has values in some of it only."""
+"""The largest value of a function over a part of the box, where only some of it has values."""
 
 import numpy as np
 import pytest

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from deployable.intervals.scalars.extremes import extreme
+from deployable.intervals.scalars.fits import Corrected, best_fit
 
 
 @pytest.mark.parametrize("level", [-1000.0, 0.0, 1000.0])
@@ -17,3 +18,16 @@ def test_the_search_comes_back_from_where_there_are_no_values(level, edge, sign)
     value, where = extreme(rising, sign, -np.ones(2), np.ones(2))
     assert sign * value == pytest.approx(level + edge, abs=1e-3)
     assert where.sum() <= edge
+
+
+def test_what_a_polynomial_leaves_of_runs_fades_between_them():
+    """Nowhere more than at the runs, so that noise does not swing beyond them."""
+    points = np.linspace(-1.0, 1.0, 13)[:, None]
+    noise = 0.05 * np.random.default_rng(3).standard_normal(13)
+    fit = best_fit(points, 1.0 + points[:, 0] + noise)
+    assert isinstance(fit.function, Corrected)
+    np.testing.assert_allclose(fit.evaluate(points), fit.values, atol=1e-9)
+    left = np.abs(fit.values - fit.trend.evaluate(points)).max()
+    dense = np.linspace(-1.0, 1.0, 1001)[:, None]
+    away = np.abs(fit.evaluate(dense) - fit.trend.evaluate(dense))
+    assert away.max() <= left + 1e-9

@@ -22,12 +22,13 @@ def test_the_search_comes_back_from_where_there_are_no_values(level, edge, sign)
 
 def test_what_a_polynomial_leaves_of_runs_fades_between_them():
     """Nowhere more than at the runs, so that noise does not swing beyond them."""
-    points = np.linspace(-1.0, 1.0, 13)[:, None]
-    noise = 0.05 * np.random.default_rng(3).standard_normal(13)
-    fit = best_fit(points, 1.0 + points[:, 0] + noise)
+    generator = np.random.default_rng(3)
+    points = generator.uniform(-1.0, 1.0, (20, 2))
+    fit = best_fit(points, 1.0 + points[:, 0] + 0.05 * generator.standard_normal(20))
     assert isinstance(fit.function, Corrected)
     np.testing.assert_allclose(fit.evaluate(points), fit.values, atol=1e-9)
     left = np.abs(fit.values - fit.trend.evaluate(points)).max()
-    dense = np.linspace(-1.0, 1.0, 1001)[:, None]
+    dense = generator.uniform(-1.0, 1.0, (5000, 2))
     away = np.abs(fit.evaluate(dense) - fit.trend.evaluate(dense))
-    assert away.max() <= left + 1e-9
+    assert away.max() <= left
+    assert np.median(away) < 0.5 * left

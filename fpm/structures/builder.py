@@ -1,6 +1,6 @@
 """What statements see of the sample that is being built: its numbers, points, parts and scene."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 from fpm.structures.expressions import ExpressionError
 from fpm.structures.names import Bound
-from fpm.structures.problems import Problems, SkippedError
+from fpm.structures.reading import Problems, SkippedError
 
 APART = 1e-9
 """Points that differ by less, as a share of the structure's size, are one."""
@@ -58,11 +58,11 @@ class Builder:
     """One sample in the making; `sample.build` adds to it statement by statement.
 
     scene: complete when no problem was found; numbers: all named numbers in SI units; size (m): the
-    largest extent of the structure; joined: the joints at each particle; hold: joints that are held
-    while parts are forced together, None where they are not.
+    largest extent of the structure; joined: the joints at each particle; hold(builder): hinges that
+    are held while parts are forced together, None where they are not.
     """
 
-    hold: list[tuple[str, int]] | None = None
+    hold: Callable[["Builder"], list[int]] | None = None
     scene: Scene
     size: float = 0.0
 

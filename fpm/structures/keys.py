@@ -1,12 +1,13 @@
-"""Kinds of values that the keys of a statement take: each reads its node, and finds its value.
+"""Kinds of values that the keys of a statement take.
 
-`read` is called once for a file and notes what is wrong with the text; `value` is called for every
-sample and raises SceneError for numbers that are not allowed. A further kind of value goes here.
+`read` is called once for a file and notes what is wrong with the text; what it gives is called with
+the Builder of every sample and gives the value there, or raises SceneError for numbers that are not
+allowed. A further kind of value goes here.
 """
 
-from collections.abc import Container
+from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,17 +15,18 @@ from fpm.elements.joints.hinge import ANGLES
 from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError
 from fpm.structures.builder import Builder
-from fpm.structures.names import Bound
-from fpm.structures.place import Place
-from fpm.structures.problems import SkippedError
-from fpm.structures.reading import Items, Node, Table, Text
-from fpm.structures.units import NUMBER, unit
+from fpm.structures.names import Context, Place
+from fpm.structures.reading import Node, SkippedError, among
+from fpm.structures.units import unit
 
 AXES = "xyz"
 REQUIRED = object()
 COMMA = " (an expression with a comma stands in quotes)"
 MOST = 1000
 """Largest count, or number of elements between two points."""
+
+Value = Callable[[Builder], Any]
+"""The value of a key in a sample, in SI units; SceneError if that is not allowed."""
 
 
 @dataclass(frozen=True)
@@ -43,13 +45,9 @@ class Key:
         """The key where `joints`, keys of the statement, name slides: with units of lengths."""
         return self
 
-    def read(self, node: Node, place: Place) -> Any:
+    def read(self, node: Node, place: Place) -> Value:
         """What the node means; what is wrong is noted, and SkippedError raised."""
         raise NotImplementedError
-
-    def value(self, read: Any, build: Builder, key: str) -> Any:
-        """Its value in one sample, SI units; SceneError if that is not allowed."""
-        return read
 
 
 @dataclass(frozen=True)
@@ -69,44 +67,39 @@ class Number(Key):
         end = f" >= {self.least:g}" if self.least is not None else ""
         return what + (f" > {self.above:g}" if self.above is not None else end)
 
-    def sliding(self, joints: Container[str]) -> "Number":
-        return (
-            replace(self, unit=SLIDING.get(self.unit, self.unit)) if self.joint in joints else self
-        )
+    def sliding(self, joints):
+        of_slide = SLIDING.get(self.unit, self.unit)
+        return replace(self, unit=of_slide) if self.joint in joints else self
 
-    def read(self, node: Node, place: Place) -> Bound:
-        return place.number(node, unit(self.unit).dimension, self.allowed, self.unit == "rad")
+    def read(self, node, place):
+        bound = place.number(node, unit(self.unit).dimension, self.allowed, self.unit == "rad")
 
-    def value(self, read: Bound, build: Builder, key: str) -> float:
-        found = build.number(read, key)
-        low = self.least is not None and found < self.least
-        if low or (self.above is not None and found <= self.above):
-            raise SceneError(key, found, self.allowed)
-        return found
+        def value(build: Builder) -> float:
+            found = build.number(bound, place.key)
+            low = self.least is not None and found < self.least
+            if low or (self.above is not None and found <= self.above):
+                raise SceneError(place.key, found, self.allowed)
+            return found
+
+        return value
 
 
 @dataclass(frozen=True)
 class Whole(Key):
     """A whole number, which decides the structure's topology."""
 
-    least: int = 1
-    most: int = MOST
+    allowed = f"a whole number from 1 to {MOST}, of parameters with `whole: true`"
 
-    @property
-    def allowed(self) -> str:
-        return f"a whole number from {self.least} to {self.most}, of parameters with `whole: true`"
+    def read(self, node, place):
+        bound = place.whole(node, self.allowed)
 
-    def read(self, node: Node, place: Place) -> Bound:
-        bound = place.number(node, NUMBER, self.allowed)
-        if not place.names.is_whole(bound):
-            place.refuse(node, self.allowed)
-        return bound
+        def value(build: Builder) -> int:
+            found = build.number(bound, place.key)
+            if found != round(found) or not 1 <= found <= MOST:
+                raise SceneError(place.key, found, self.allowed)
+            return round(found)
 
-    def value(self, read: Bound, build: Builder, key: str) -> int:
-        found = build.number(read, key)
-        if found != round(found) or not self.least <= found <= self.most:
-            raise SceneError(key, found, self.allowed)
-        return round(found)
+        return value
 
 
 @dataclass(frozen=True)
@@ -119,14 +112,12 @@ class Vector(Key):
     def allowed(self) -> str:
         return f"three numbers [x, y, z]{f' in {self.unit}' if self.unit else ''}{COMMA}"
 
-    def read(self, node: Node, place: Place) -> tuple[Bound, ...]:
-        if not isinstance(node, Items) or len(node.items) != 3:
+    def read(self, node, place):
+        if len(node.items) != 3:
             place.refuse(node, self.allowed)
         wanted = unit(self.unit).dimension
-        return tuple(place.number(item, wanted, self.allowed) for item in node.items)
-
-    def value(self, read: tuple[Bound, ...], build: Builder, key: str) -> np.ndarray:
-        return np.array([build.number(bound, key) for bound in read])
+        bounds = [place.number(item, wanted, self.allowed) for item in node.items]
+        return lambda build: np.array([build.number(bound, place.key) for bound in bounds])
 
 
 @dataclass(frozen=True)
@@ -135,32 +126,41 @@ class Direction(Key):
 
     allowed = "x, y, z, -x, -y, -z, [x, y, z], or {from: P, to: Q} with two points"
 
-    def read(self, node: Node, place: Place) -> tuple:
-        if isinstance(node, Text) and node.value.lstrip("-") in (*AXES,) and len(node.value) < 3:
-            sign = -1.0 if node.value.startswith("-") else 1.0
-            return "letter", sign * np.eye(3)[AXES.index(node.value[-1])]
-        if isinstance(node, Items) and len(node.items) == 3:
+    def read(self, node, place):
+        if (letter := node.text.removeprefix("-")) in (*AXES,):
+            axis = (1.0 - 2.0 * (letter != node.text)) * np.eye(3)[AXES.index(letter)]
+            return lambda build: axis
+        if len(node.items) == 3:
             bounds = [place.number(item, None, self.allowed) for item in node.items]
-            found = [b.dimension(place.names.numbers) for b in bounds]
+            found = [bound.dimension(place.names.numbers) for bound in bounds]
             if len({d.powers for d in found if not d.bare}) > 1:
                 place.refuse(node, "three numbers of one unit")
-            return "numbers", bounds
-        if isinstance(node, Table) and node.entries.keys() == {"from", "to"}:
-            return "points", [
-                place.inside(end).reference(node.entries[end], "points") for end in ("from", "to")
-            ]
+            return lambda build: self._of(
+                np.array([build.number(bound, place.key) for bound in bounds]), place
+            )
+        if node.entries.keys() == {"from", "to"}:
+            ends = ((end, node.entries[end]) for end in ("from", "to"))
+            one, two = (place.inside(end).reference(at, "points") for end, at in ends)
+            return lambda build: self._of(build.point(two) - build.point(one), place)
         return place.refuse(node, self.allowed)
 
-    def value(self, read: tuple, build: Builder, key: str) -> np.ndarray:
-        how, what = read
-        if how == "numbers":
-            what = np.array([build.number(bound, key) for bound in what])
-        elif how == "points":
-            what = build.point(what[1]) - build.point(what[0])
-        size = np.linalg.norm(what)
+    def _of(self, vector: np.ndarray, place: Place) -> np.ndarray:
+        size = np.linalg.norm(vector)
         if not 0 < size < np.inf:
-            raise SceneError(key, what.tolist(), "a direction that is not zero")
-        return what if how == "letter" else what / size
+            raise SceneError(place.key, vector.tolist(), "a direction that is not zero")
+        return vector / size
+
+
+class Named(NamedTuple):
+    """What is built for a name of a group; of a universal joint, the hinge of that number."""
+
+    group: str
+    name: str
+    number: int | None = None
+
+    def __call__(self, build: Builder) -> Any:
+        made = build.made(self.group, self.name)
+        return made if self.number is None else made + self.number
 
 
 @dataclass(frozen=True)
@@ -173,11 +173,8 @@ class Reference(Key):
     def allowed(self) -> str:
         return f"the name of one of `{self.group}`"
 
-    def read(self, node: Node, place: Place) -> str:
-        return place.reference(node, self.group)
-
-    def value(self, read: str, build: Builder, key: str) -> Any:
-        return build.made(self.group, read)
+    def read(self, node, place):
+        return Named(self.group, place.reference(node, self.group))
 
 
 @dataclass(frozen=True)
@@ -193,34 +190,31 @@ class Opening(Key):
         more = f", or of a universal one with {' or '.join(ANGLES)} behind it"
         return f"the name of a {one} joint{more if 'universal' in self.types else ''}{self.hint}"
 
-    def read(self, node: Node, place: Place) -> tuple[str, int]:
-        names, text = place.names, node.value if isinstance(node, Text) else ""
-        for k, end in enumerate(ANGLES):
-            known = [n for n, type in names.types.items() if type == "universal"]
-            try:
-                place.context.find(text.removesuffix(end), known if text.endswith(end) else ())
-            except KeyError:
-                continue
-            full = place.reference(Text(text.removesuffix(end), node.line), "joints")
-            self._check(node, place, full, "universal")
-            return full, k
-        full = place.reference(node, "joints")
-        type = names.types.get(full, "")
+    def read(self, node, place):
+        types, crosses = place.names.types, self.types if "universal" in self.types else ()
+        angle, name = self._angle(node.text, place), node
+        if angle is not None:
+            name = Node(node.text.removesuffix(ANGLES[angle]), node.line)
+        full = place.reference(name, "joints")
+        type = types.get(full, "")
         if not type:  # which is told of the joint
             raise SkippedError(full)
-        self._check(node, place, full, "" if type == "universal" else type)
-        return full, 0
-
-    def _check(self, node: Node, place: Place, full: str, type: str) -> None:
+        if type == "universal" and crosses and angle is None:
+            place.refuse(node, f"one of its two angles, {' or '.join(full + e for e in ANGLES)}")
         if type not in self.types:
-            if place.names.types.get(full) == "universal" and "universal" in self.types:
-                place.refuse(
-                    node, f"one of its two angles, {' or '.join(full + e for e in ANGLES)}"
-                )
             place.refuse(node, self.allowed)
+        return Named("joints", full, angle or 0)
 
-    def value(self, read: tuple[str, int], build: Builder, key: str) -> int:
-        return build.made("joints", read[0]) + read[1]
+    def _angle(self, text: str, place: Place) -> int | None:
+        """Which angle of a universal joint a name has behind that of the joint."""
+        known = [name for name, type in place.names.types.items() if type == "universal"]
+        for k, end in enumerate(ANGLES):
+            try:
+                place.context.find(text.removesuffix(end), known if text.endswith(end) else ())
+                return k
+            except KeyError:
+                continue
+        return None
 
 
 @dataclass(frozen=True)
@@ -234,65 +228,78 @@ class Part(Reference):
     def allowed(self) -> str:
         return "the name of a bar or body" + (", or ground" if self.ground else "")
 
-    def read(self, node: Node, place: Place) -> str:
-        full = place.reference(node, self.group)
-        if full == "ground" and not self.ground:
+    def read(self, node, place):
+        found = super().read(node, place)
+        if found.name == "ground" and not self.ground:
             place.refuse(node, self.allowed)
-        return full
+        return found
 
 
 @dataclass(frozen=True)
 class PointOfPart(Key):
-    """A point of a part: both names, or the point's alone where only one part has it."""
+    """A point of a part or the ground: both names, or the point's where only one part has it."""
 
-    ground: bool = False
+    part = Part(ground=True)
+    allowed = f"{{part: {part.allowed}, at: one of its points}}, or a point that only one part has"
 
-    @property
-    def allowed(self) -> str:
-        part = Part(ground=self.ground).allowed
-        return f"{{part: {part}, at: one of its points}}, or a point that only one part has"
-
-    def read(self, node: Node, place: Place) -> tuple[str, str]:
-        if isinstance(node, Table) and node.entries.keys() == {"part", "at"}:
-            part = Part(ground=self.ground).read(node.entries["part"], place.inside("part"))
-            return part, place.inside("at").reference(node.entries["at"], "points")
-        if not isinstance(node, Text):
+    def read(self, node, place):
+        if node.entries.keys() == {"part", "at"}:
+            part = self.part.read(node.entries["part"], place.inside("part"))
+            point = place.inside("at").reference(node.entries["at"], "points")
+            return lambda build: (part(build), build.made("points", point))
+        if not isinstance(node.value, str):
             place.refuse(node, self.allowed)
-        return "", place.reference(node, "points")
-
-    def value(self, read: tuple[str, str], build: Builder, key: str) -> tuple:
-        part, point = read
-        if part:
-            return build.made("parts", part), build.made("points", point)
-        return build.only_part_with(point, key), build.made("points", point)
+        point = place.reference(node, "points")
+        return lambda build: (build.only_part_with(point, place.key), build.made("points", point))
 
 
 @dataclass(frozen=True)
 class Many(Key):
-    """A list of values of one kind, `least` to `most` of them, no two the same name."""
+    """A list of values of one kind, `least` to `most` of them, no two the same name.
+
+    units: whether {each: REPEAT, through: [...]} may stand for those of all units of a repeat.
+    """
 
     kind: Key | None = None
     least: int = 1
     most: int = MOST
+    units: bool = False
 
     @property
     def allowed(self) -> str:
         count = f"{self.least}" if self.least == self.most else f"{self.least} or more"
-        return f"a list of {count}, each {self.kind.allowed}"
+        more = (
+            "; or {each: a repeat, through: such a list}, which stands for those of all its units"
+        )
+        return f"a list of {count}, each {self.kind.allowed}{more if self.units else ''}"
 
-    def sliding(self, joints: Container[str]) -> "Many":
+    def sliding(self, joints):
         return replace(self, kind=self.kind.sliding(joints))
 
-    def read(self, node: Node, place: Place) -> list:
-        if not isinstance(node, Items) or not self.least <= len(node.items) <= self.most:
+    def read(self, node, place):
+        right = self.units or self.least <= len(node.items) <= self.most
+        if not isinstance(node.value, list) or not right:
             place.refuse(node, self.allowed)
-        found = [self.kind.read(item, place) for item in node.items]
-        if isinstance(self.kind, Reference | Opening) and len(set(found)) < len(found):
+        found = list(self._each(node, place))
+        if len(found) < self.least:
+            place.refuse(node, self.allowed)
+        if len({*found}) < len(found) and not self.units:
             place.refuse(node, f"{self.allowed}, each once")
-        return found
+        return lambda build: [one(build) for one in found]
 
-    def value(self, read: list, build: Builder, key: str) -> list:
-        return [self.kind.value(one, build, key) for one in read]
+    def _each(self, node: Node, place: Place) -> Iterator[Value]:
+        if not isinstance(node.value, list):
+            place.refuse(node, self.allowed)
+        for item in node.items:
+            if self.units and item.entries.keys() == {"each", "through"}:
+                units, at = place.context.units(), item.entries["each"]
+                if at.text not in units:
+                    place.inside("each").refuse(at, f"one of {among(units)}")
+                for prefix in units[at.text]:
+                    inside = replace(place, context=Context(place.context.ends, prefix))
+                    yield from self._each(item.entries["through"], inside)
+            else:
+                yield self.kind.read(item, place)
 
 
 @dataclass(frozen=True)
@@ -307,53 +314,49 @@ class Each(Key):
         names = "its parts" if self.group == "parts" else f"names of `{self.group}`"
         return f"a mapping from {names}, each to {self.kind.allowed}"
 
-    def read(self, node: Node, place: Place) -> dict:
-        if not isinstance(node, Table):
+    def read(self, node, place):
+        if not node.is_table:
             place.refuse(node, self.allowed)
         found = {}
         for name, entry in node.entries.items():
             inside = place.inside(name)
-            full = inside.reference(Text(name, node.lines[name]), self.group)
+            full = inside.reference(Node(name, node.lines[name]), self.group)
             found[full] = self.kind.read(entry, inside)
-        return found
-
-    def value(self, read: dict, build: Builder, key: str) -> dict:
-        return {n: self.kind.value(one, build, f"{key}.{n}") for n, one in read.items()}
+        return lambda build: {name: one(build) for name, one in found.items()}
 
 
 @dataclass(frozen=True)
 class Either(Key):
-    """One value for all, or a mapping for each."""
+    """One value for all parts, or a mapping for each."""
 
     kind: Key | None = None
-    each: Each | None = None
+
+    @property
+    def _each(self) -> Each:
+        return Each(group="parts", kind=self.kind)
 
     @property
     def allowed(self) -> str:
-        return f"{self.kind.allowed}, or {self.each.allowed}"
+        return f"{self.kind.allowed}, or {self._each.allowed}"
 
-    def read(self, node: Node, place: Place) -> tuple[Key, Any]:
-        is_each = isinstance(node, Table) and node.entries.keys() != {"from", "to"}
-        kind = self.each if is_each else self.kind
-        return kind, kind.read(node, place)
-
-    def value(self, read: tuple[Key, Any], build: Builder, key: str) -> Any:
-        return read[0].value(read[1], build, key)
+    def read(self, node, place):
+        is_each = node.is_table and node.entries.keys() != {"from", "to"}
+        return (self._each if is_each else self.kind).read(node, place)
 
 
 @dataclass(frozen=True)
 class Assembled(Key):
-    """Whether parts are forced together: None, or the names of the joints that are held then."""
+    """Whether parts are forced together: None, or the hinges that are held then."""
 
     allowed = "true, false, or {hold: [joints]}"
 
-    def read(self, node: Node, place: Place) -> list[tuple[str, int]] | None:
-        if isinstance(node, Text) and node.value in ("true", "false"):
-            return [] if node.value == "true" else None
-        if not isinstance(node, Table) or node.entries.keys() != {"hold"}:
+    def read(self, node, place):
+        if node.text in ("true", "false"):
+            return lambda build: (lambda made: []) if node.text == "true" else None
+        if node.entries.keys() != {"hold"}:
             place.refuse(node, self.allowed)
-        joints = Many(kind=Opening())
-        return joints.read(node.entries["hold"], place.inside("hold"))
+        held = Many(kind=Opening()).read(node.entries["hold"], place.inside("hold"))
+        return lambda build: held
 
 
 @dataclass(frozen=True)
@@ -366,10 +369,10 @@ class Choice(Key):
     def allowed(self) -> str:
         return ", ".join(self.options)
 
-    def read(self, node: Node, place: Place) -> str:
-        if not isinstance(node, Text) or node.value not in self.options:
+    def read(self, node, place):
+        if node.text not in self.options:
             place.refuse(node, self.allowed)
-        return node.value
+        return lambda build: node.text
 
 
 @dataclass(frozen=True)
@@ -378,10 +381,8 @@ class Letters(Key):
 
     allowed = "letters out of xyz, or none"
 
-    def read(self, node: Node, place: Place) -> str:
-        text = node.value if isinstance(node, Text) else "?"
-        if text == "none":
-            return ""
-        if not text or set(text) - set(AXES) or len(set(text)) < len(text):
+    def read(self, node, place):
+        text = node.text
+        if text != "none" and (not text or set(text) - {*AXES} or len({*text}) < len(text)):
             place.refuse(node, self.allowed)
-        return text
+        return lambda build: "" if text == "none" else text

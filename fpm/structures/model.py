@@ -4,26 +4,26 @@ A model belongs to certain values of the whole-number parameters, since these de
 """
 
 from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from fpm.elements.bars.viscosity import Viscosity
 from fpm.errors import likely
 from fpm.scenes.scene import Scene
-from fpm.structures import repeat
-from fpm.structures.keys import COMMA, Assembled, Number, Vector
-from fpm.structures.names import Context, Names
-from fpm.structures.names import Number as Named
-from fpm.structures.parameters import Given
-from fpm.structures.place import Place, check_keys, is_name, joined, table_at
-from fpm.structures.problems import Problems, SkippedError
-from fpm.structures.reading import Items, Table, Text, plain
-from fpm.structures.repeat import Sheet
+from fpm.structures.expressions import ExpressionError
+from fpm.structures.keys import COMMA, MOST, Assembled, Number, Vector, Whole
+from fpm.structures.names import NEIGHBOURS, Context, Named, Names, Place
+from fpm.structures.parameter import Given
+from fpm.structures.reading import Node, Problems, SkippedError, check_keys, joined, table_at
 from fpm.structures.statement import PARTS, Entry, read_entry, statement
 from fpm.structures.statements import GROUPS
 from fpm.structures.units import NUMBER, unit
 
 TEXTS = ("name", "description", "mesh")
+UNIT_KEYS = ("count", "arrangement", "index", "let", "points", *GROUPS)
+MOST_STATEMENTS = 20_000
+"""Most statements that all units of a repeat may have together."""
 
 
 @statement(
@@ -51,6 +51,15 @@ def overall(build, it):
 KEYS = (*TEXTS, *overall.keys, "parameters", "let", "points", *GROUPS, "repeat")
 
 
+class Sheet(NamedTuple):
+    """A table with points, bars and so on: the file's, or one unit's. number: of the unit, or 0."""
+
+    context: Context
+    table: Node
+    key: str
+    number: int
+
+
 class Model:
     """All statements of a file. `entries`: in the order in which they are built; `points`: names.
 
@@ -59,19 +68,17 @@ class Model:
     """
 
     def __init__(
-        self, table: Table, given: Mapping[str, Given], counts: Mapping, problems: Problems
+        self, table: Node, given: Mapping[str, Given], counts: Mapping, problems: Problems
     ):
         self.problems, self.names = problems, Names(problems)
         self.points: list[str] = []
-        check_keys(table, "", KEYS, problems)
         for name, one in given.items():
             key = f"parameters.{name}"
-            if is_name(name, key, one.line, problems, number=True):
-                number = Named(key, one.line, None, one.unit.dimension, one.whole)
-                self.names.give(name, number)
+            if self.names.allows(name, key, one.line, number=True):
+                self.names.numbers[name] = Named(key, one.line, one.unit.dimension, one.whole)
         ends: dict[str, str] = {}
         file = Sheet(Context(ends), table, "", 0)
-        sheets = [file, *repeat.units(table, self.names, counts, ends)]
+        sheets = [file, *self._units(table, counts, ends)]
         if "repeat" in table.entries:
             problems.stop()  # without its units, every name in them would be unknown
         for sheet in sheets:
@@ -81,24 +88,74 @@ class Model:
         self.names.sort()
         self.overall = self._overall(file)
         self.entries = list(self._entries(sheets))
-        if not problems:
-            self._unused(given)
+        for name, one in given.items() if not problems else ():
+            if name not in self.names.used:  # a slip of the pen
+                allowed = "nothing uses it; allowed: parameters in use"
+                problems.say(one.line, f"parameters.{name}: {allowed}")
+
+    # -- repeats ------------------------------------------------------------------------------
+
+    def _units(self, table: Node, counts: Mapping, ends: dict[str, str]) -> Iterator[Sheet]:
+        """All units of a file's repeats; `ends` is told the prefixes of the first and last ones."""
+        repeats = table_at(table, "repeat", "", self.problems)
+        for name, line in repeats.lines.items():
+            place = Place(f"repeat.{name}", Context({}), self.names)
+            node = table_at(repeats, name, "repeat", self.problems)
+            check_keys(node, place.key, UNIT_KEYS, self.problems)
+            if name[-1:].isdigit():
+                allowed = "ends with a digit; allowed: names that do not"
+                self.problems.say(line, f"{place.key}: {allowed}")
+            if not self.names.allows(name, place.key, line):
+                continue
+            try:
+                count = self._count(node, place.inside("count"), line, counts)
+                ring = self._is_ring(node, place.inside("arrangement"))
+            except SkippedError:
+                continue
+            ends[f"{name}.first"], ends[f"{name}.last"] = f"{name}1.", f"{name}{count}."
+            for i in range(count):
+                beside = [j % count if ring else j for j in (i + 1, i - 1)]
+                prefixes = [f"{name}{j + 1}." if 0 <= j < count else None for j in beside]
+                around = dict(zip(NEIGHBOURS, prefixes, strict=True))
+                yield Sheet(Context(ends, f"{name}{i + 1}.", around), node, place.key, i + 1)
+
+    def _count(self, node: Node, place: Place, line: int, counts: Mapping[str, float]) -> int:
+        """How many units there are, by parameters that are whole numbers."""
+        if "count" not in node.entries:
+            self.problems.say(line, f"{place.key}: missing; allowed: {Whole.allowed}")
+            raise SkippedError(place.key)
+        at = node.entries["count"]
+        each = sum(len(part.entries) for part in node.entries.values())
+        most = min(MOST, MOST_STATEMENTS // max(each, 1))
+        bound = place.whole(at, Whole.allowed)
+        try:
+            found = bound.value(counts)
+        except ExpressionError:
+            found = 0
+        if found != round(found) or not 1 <= found <= most:
+            place.refuse(at, f"a whole number from 1 to {most}")
+        return round(found)
+
+    def _is_ring(self, node: Node, place: Place) -> bool:
+        given = node.entries.get("arrangement", Node("row"))
+        if given.text not in ("row", "ring"):
+            place.refuse(given, "row or ring")
+        return given.text == "ring"
 
     # -- names --------------------------------------------------------------------------------
 
     def _register(self, sheet: Sheet) -> None:
         """Note which names there are."""
-        if sheet.number:
-            self._index(sheet)
+        if "index" in sheet.table.entries and sheet.number:
+            self._index(sheet, sheet.table.entries["index"])
         for group in ("let", "points", *GROUPS):
             node = table_at(sheet.table, group, sheet.key, self.problems)
             for name, line in node.lines.items():
                 key = joined(sheet.key, group, name)
-                if is_name(name, key, line, self.problems, number=group == "let"):
+                if self.names.allows(name, key, line, number=group == "let"):
                     self._name(sheet.context.prefix, name, group, key, line)
                 if group == "joints":
-                    type = getattr(node.entries[name], "entries", {}).get("type")
-                    given = type.value if isinstance(type, Text) else ""
+                    given = node.entries[name].entries.get("type", Node("")).text
                     meant = given if given in GROUPS[group] else likely(given, GROUPS[group])
                     self.names.types[sheet.context.prefix + name] = meant
 
@@ -107,11 +164,10 @@ class Model:
         numbers, things, full = self.names.numbers, self.names.things, prefix + name
         known = numbers if group == "let" else things.setdefault(group, {})
         if full in known or name in known:
-            self.problems.say(
-                line, f"{key}: the name {name} is defined twice; allowed: each name once"
-            )
+            twice = f"the name {name} is defined twice; allowed: each name once"
+            self.problems.say(line, f"{key}: {twice}")
         elif group == "let":
-            numbers[full] = Named(key, line, None)
+            numbers[full] = Named(key, line)
         else:
             known[full] = line
             if group in PARTS:
@@ -119,45 +175,41 @@ class Model:
             if group == "points":
                 self.points.append(full)
                 length = unit("m").dimension
-                numbers.update({f"{full}.{axis}": Named(key, line, None, length) for axis in "xyz"})
+                numbers.update({f"{full}.{axis}": Named(key, line, length) for axis in "xyz"})
 
-    def _index(self, sheet: Sheet) -> None:
+    def _index(self, sheet: Sheet, node: Node) -> None:
         """The number of a unit under the name that the file gives it."""
-        node = sheet.table.entries.get("index")
-        if node is None:
-            return
-        name, key = node.value if isinstance(node, Text) else "", f"{sheet.key}.index"
+        name, key = node.text, f"{sheet.key}.index"
         if name in self.names.numbers:
             self.problems.say(node.line, f"{key}: the name {name} is defined twice")
-        elif is_name(name, key, node.line, self.problems, number=True):
-            number = Named(key, node.line, None, NUMBER, whole=True, given=float(sheet.number))
-            self.names.give(sheet.context.prefix + name, number)
+        elif self.names.allows(name, key, node.line, number=True):
+            number = Named(key, node.line, NUMBER, whole=True, given=float(sheet.number))
+            self.names.numbers[sheet.context.prefix + name] = number
 
     def _define(self, sheet: Sheet) -> None:
         """Tie the numbers under `let` and the points' coordinates to their expressions."""
         context = Context(sheet.context.ends, sheet.context.prefix)  # neighbours may not be there
         for group in ("let", "points"):
-            node = sheet.table.entries.get(group)
-            for name, entry in node.entries.items() if isinstance(node, Table) else ():
+            node = sheet.table.entries.get(group, Node({}))
+            for name, entry in node.entries.items():
                 full = context.prefix + name
                 place = Place(joined(sheet.key, group, name), context, self.names)
                 if group == "let":
                     self._tie(place, [full], [entry])
-                elif isinstance(entry, Items) and len(entry.items) == 3:
+                elif len(entry.items) == 3:
                     self._tie(place, [f"{full}.{axis}" for axis in "xyz"], entry.items)
                 else:
                     allowed = f"three coordinates [x, y, z]{COMMA}"
-                    self.problems.refuse(node.lines[name], place.key, plain(entry), allowed)
+                    self.problems.refuse(node.lines[name], place.key, entry.plain, allowed)
 
-    def _tie(self, place: Place, targets, items) -> None:
+    def _tie(self, place: Place, targets: list[str], items: list[Node]) -> None:
         for target, item in zip(targets, items, strict=True):
             number = self.names.numbers.get(target)
-            if number is None or number.given is not None or target in self.names.order:
-                continue  # the name of something else
-            try:
-                number.bound = place.bind(item, "an expression")
-            except SkippedError:
-                continue
+            if number is not None and number.key == place.key:  # else the name of something else
+                try:
+                    number.bound = place.bind(item, "an expression")
+                except SkippedError:
+                    continue
 
     # -- statements ---------------------------------------------------------------------------
 
@@ -170,15 +222,14 @@ class Model:
                 read[key] = overall.keys[key].read(table.entries[key], place)
             except SkippedError:
                 continue
-        name = table.entries.get("name")
-        name = name.value if isinstance(name, Text) else "structure"
+        name = table.entries.get("name", Node("structure")).text
         return Entry(overall, name, "", 0, table.lines, read)
 
     def _entries(self, sheets: list[Sheet]) -> Iterator[Entry]:
         for group, kinds in GROUPS.items():
             for sheet in sheets:
-                node = sheet.table.entries.get(group)
-                for name, one in node.entries.items() if isinstance(node, Table) else ():
+                node = sheet.table.entries.get(group, Node({}))
+                for name, one in node.entries.items():
                     full = sheet.context.prefix + name
                     if full not in self.names.things.get(group, {}):
                         continue
@@ -190,11 +241,3 @@ class Model:
                     self.names.absent.add((group, full))
                     if group in PARTS:
                         self.names.absent.add(("parts", full))
-
-    def _unused(self, given: Mapping[str, Given]) -> None:
-        """A parameter that nothing depends on is a slip of the pen."""
-        for name, one in given.items():
-            if name not in self.names.used:
-                self.problems.say(
-                    one.line, f"parameters.{name}: nothing uses it; allowed: parameters in use"
-                )

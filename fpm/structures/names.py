@@ -1,17 +1,20 @@
-"""Names in a structure's file: what they stand for, and where they can be seen.
+"""Names in a structure's file: what they stand for, where they can be seen, and values of them.
 
 Units of a `repeat` see their own names first, then those of the file, and their neighbours' as
 `next.P` and `previous.P`. From anywhere a unit's name is `bay3.P`, `bay.first.P` or `bay.last.P`.
 """
 
-from collections.abc import Container, Iterable
-from dataclasses import dataclass, field
+import re
+from collections.abc import Container, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from graphlib import CycleError, TopologicalSorter
+from keyword import iskeyword
 
 from fpm.errors import did_you_mean
-from fpm.structures.expressions import Expression, ExpressionError
-from fpm.structures.problems import Problems, SkippedError
-from fpm.structures.units import Dimension
+from fpm.structures.expressions import RESERVED, Expression, ExpressionError, parse
+from fpm.structures.reading import Node, Problems, SkippedError, among, joined, show
+from fpm.structures.units import NUMBER, Dimension, is_unit
 
 NEIGHBOURS = ("next", "previous")
 
@@ -26,7 +29,7 @@ class Context:
 
     ends: dict[str, str]
     prefix: str = ""
-    around: dict[str, str | None] = field(default_factory=dict)
+    around: Mapping[str, str | None] = field(default_factory=dict)
 
     def find(self, name: str, known: Container[str]) -> str:
         """The full name of what `name` means here; KeyError if there is no such thing.
@@ -50,6 +53,12 @@ class Context:
                 return full
         raise KeyError(name)
 
+    def units(self) -> dict[str, list[str]]:
+        """The prefixes of the units of all repeats, in order, by the repeats' names."""
+        lasts = {end.removesuffix(".last"): at for end, at in self.ends.items() if ".last" in end}
+        counts = {name: int(at.removeprefix(name)[:-1]) for name, at in lasts.items()}
+        return {name: [f"{name}{i + 1}." for i in range(n)] for name, n in counts.items()}
+
 
 @dataclass(frozen=True)
 class Bound:
@@ -58,7 +67,7 @@ class Bound:
     expression: Expression
     full: dict[str, str]
 
-    def value(self, numbers: dict[str, float]) -> float:
+    def value(self, numbers: Mapping[str, float]) -> float:
         """Its value in SI units, from those of the full names."""
         if not self._is_full:
             numbers = {name: numbers[full] for name, full in self.full.items()}
@@ -69,7 +78,7 @@ class Bound:
         """Whether the expression has full names itself, as outside of repeats."""
         return all(name == full for name, full in self.full.items())
 
-    def dimension(self, numbers: dict[str, "Number"]) -> Dimension:
+    def dimension(self, numbers: Mapping[str, "Named"]) -> Dimension:
         """Its dimension; SkippedError if one of its names has none, being wrong itself."""
         found = {name: numbers[full].dimension for name, full in self.full.items()}
         if None in found.values():
@@ -78,104 +87,178 @@ class Bound:
 
 
 @dataclass
-class Number:
-    """A named number: given, or derived by `bound`.
+class Named:
+    """A number with a name: a parameter, a repeat's index (`given`), or derived by `bound`.
 
-    given: the value of a repeat's index; dimension: None while it is unknown, or if it is wrong;
-    whole: it depends on whole numbers only, so that counts may depend on it.
+    dimension: None while it is unknown, or if it is wrong; whole: it depends on whole numbers only,
+    so that counts may depend on it.
     """
 
     key: str
     line: int
-    bound: Bound | None
     dimension: Dimension | None = None
     whole: bool = False
     given: float | None = None
+    bound: Bound | None = None
 
 
 class Names:
-    """All names of a file: numbers (parameters, let, coordinates of points), and what is built."""
+    """All names of a file: numbers (parameters, let, coordinates of points), and what is built.
+
+    things: lines by name, by group; types: of joints, "" where nobody can tell; absent: (group,
+    name) of what is wrong, or at a row's end; order: of numbers, so that they can be computed.
+    """
 
     def __init__(self, problems: Problems):
         self.problems = problems
-        self.numbers: dict[str, Number] = {}
+        self.numbers: dict[str, Named] = {}
         self.things: dict[str, dict[str, int]] = {"parts": {"ground": 0}}
-        self.types: dict[str, str] = {}  # of joints, by name; "" where nobody can tell
+        self.types: dict[str, str] = {}
         self.used: set[str] = set()
-        self.absent: set[tuple[str, str]] = set()  # (group, name): wrong, or at a row's end
+        self.absent: set[tuple[str, str]] = set()
         self.order: list[str] = []
 
-    def give(self, name: str, number: "Number") -> None:
-        """Note a number whose value is given, not derived."""
-        self.numbers[name] = number
-        self.order.append(name)
+    def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:
+        """Whether something, or a number, may be called so; a problem if not."""
+        reserved = name in (*NEIGHBOURS, "first", "last", "ground")
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or reserved:
+            why = "letters, digits and _ after a letter; not ground, next, previous, first, last"
+        elif number and is_unit(name):
+            why = "a name that is not a unit"
+        elif name in RESERVED or iskeyword(name):
+            why = "a name that is no function and no word of Python's"
+        else:
+            return True
+        self.problems.say(line, f"{key}: the name {name!r} is not allowed; allowed: {why}")
+        return False
 
     def unknown(self, line: int, key: str, name: str, known: Iterable[str], what: str) -> None:
         """Note that a name means nothing."""
-        known = list(known)
-        shown = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
-        self.problems.say(
-            line,
-            f"{key}: there is no {what} {name!r}{did_you_mean(name, known)}; "
-            f"allowed: {shown or '(there is none)'}",
-        )
+        hint, known = did_you_mean(name, known), among(known, more=", ...")
+        self.problems.say(line, f"{key}: there is no {what} {name!r}{hint}; allowed: {known}")
 
     def sort(self) -> None:
         """Put the numbers into an order in which they can be computed, and find their dimensions.
 
         Cycles and clashes become problems; what depends on them is left without dimension.
         """
-        done = dict.fromkeys(self.order, True)  # False: being visited
-        for start in self.numbers:
-            stack = [(start, iter(self._needs(start)))] if start not in done else []
-            done.setdefault(start, False)
-            while stack:
-                name, needs = stack[-1]
-                following = next(needs, None)
-                if following is None:
-                    stack.pop()
-                    done[name] = True
-                    self.order.append(name)
-                    self._measure(name)
-                elif following not in done:
-                    done[following] = False
-                    stack.append((following, iter(self._needs(following))))
-                elif not done[following]:
-                    self._cycle([n for n, _ in stack], following)
+        needs = {
+            n: tuple(x.bound.full.values()) if x.bound else () for n, x in self.numbers.items()
+        }
+        while True:
+            try:
+                self.order = [*TopologicalSorter(needs).static_order()]
+                break
+            except CycleError as error:
+                ring = error.args[1][:0:-1]
+                at = ring.index(min(ring, key=[*needs].index))
+                ring = [*ring[at:], *ring[: at + 1]]
+                number, needs[ring[0]] = self.numbers[ring[0]], ()
+                allowed = f"({' -> '.join(ring)}); allowed: names that do not lead back"
+                self.problems.say(number.line, f"{number.key}: defined by itself {allowed}")
+        for name in self.order:
+            self._measure(self.numbers[name])
 
-    def _needs(self, name: str) -> list[str]:
-        bound = self.numbers[name].bound
-        return list(bound.full.values()) if bound else []
-
-    def _cycle(self, visited: list[str], again: str) -> None:
-        ring = [*visited[visited.index(again) :], again]
-        number = self.numbers[again]
-        self.problems.say(
-            number.line,
-            f"{number.key}: defined by itself ({' -> '.join(ring)}); allowed: names that do not "
-            "lead back",
-        )
-
-    def _measure(self, name: str) -> None:
-        number = self.numbers[name]
+    def _measure(self, number: Named) -> None:
         if number.bound is None:
             return
+        text, wanted = number.bound.expression.text, number.dimension
         try:
             found = number.bound.dimension(self.numbers)
         except SkippedError:
             return
         except ExpressionError as error:
-            self.problems.say(number.line, f"{number.key}: {number.bound.expression.text}: {error}")
+            self.problems.say(number.line, f"{number.key}: {text}: {error}")
             return
         number.whole = bool(number.bound.full) and self.is_whole(number.bound)
-        wanted = number.dimension
-        if wanted is not None and not found.bare and found.powers != wanted.powers:
-            self.problems.say(
-                number.line,
-                f"{number.key}: {number.bound.expression.text} is {found}; allowed: {wanted}",
-            )
+        if wanted is not None and not found.fits(wanted):
+            self.problems.say(number.line, f"{number.key}: {text} is {found}; allowed: {wanted}")
         number.dimension = wanted or found
 
     def is_whole(self, bound: Bound) -> bool:
         """Whether an expression depends on nothing but whole numbers."""
         return all(self.numbers[full].whole for full in bound.full.values())
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a value is written: its key, in sentences, and what is known there."""
+
+    key: str
+    context: Context
+    names: Names
+
+    @property
+    def problems(self) -> Problems:
+        """Where to note what is wrong."""
+        return self.names.problems
+
+    def inside(self, *keys: str) -> "Place":
+        """The place of a key in this one."""
+        return replace(self, key=joined(self.key, *keys))
+
+    def refuse(self, node: Node, allowed: str) -> None:
+        """Note that this place's value is not allowed, and leave out what it belongs to."""
+        self.problems.refuse(node.line, self.key, node.plain, allowed)
+        raise SkippedError(self.key)
+
+    def bind(self, node: Node, allowed: str) -> Bound:
+        """The expression at this place with its names found."""
+        if not node.text:
+            self.refuse(node, allowed)
+        try:
+            expression = parse(node.text)
+        except ExpressionError as error:
+            self._say(node, f": {error}")
+        full, known = {}, self.names.numbers
+        for name in sorted(expression.names):
+            try:
+                full[name] = self.context.find(name, known)
+            except KeyError:
+                self.names.unknown(node.line, self.key, name, known, "number called")
+        if len(full) < len(expression.names):
+            raise SkippedError(self.key)
+        self.names.used.update(full.values())
+        return Bound(expression, full)
+
+    def number(self, node: Node, wanted: Dimension | None, allowed: str, angle=False) -> Bound:
+        """An expression of the dimension that is wanted; an angle's unit must be said."""
+        bound = self.bind(node, allowed)
+        try:
+            found = bound.dimension(self.names.numbers)
+            zero = bound.expression.bare and bound.value({}) == 0
+        except ExpressionError as error:
+            self._say(node, f": {error}")
+        if wanted is not None and not found.fits(wanted):
+            self._say(node, f" is {found}; allowed: {allowed}")
+        if angle and found.bare and not zero:
+            self.refuse(node, f"{allowed}, whose unit must be said, such as 90 deg or 1.5 rad")
+        return bound
+
+    def whole(self, node: Node, allowed: str) -> Bound:
+        """An expression of whole numbers, from parameters that are."""
+        bound = self.number(node, NUMBER, allowed)
+        if not self.names.is_whole(bound):
+            self.refuse(node, allowed)
+        return bound
+
+    def _say(self, node: Node, what: str) -> None:
+        """Note what is wrong with this place's value, and leave out what it belongs to."""
+        self.problems.say(node.line, f"{self.key}: {show(node.text)}{what}")
+        raise SkippedError(self.key) from None
+
+    def reference(self, node: Node, group: str) -> str:
+        """The full name of something in a group."""
+        what = group.removesuffix("s")
+        if not isinstance(node.value, str):
+            self.refuse(node, f"the name of a {what}")
+        known = self.names.things.get(group, {})
+        try:
+            full = self.context.find(node.text, known)
+        except KeyError:
+            self.names.unknown(node.line, self.key, node.text, known, what)
+            raise SkippedError(self.key) from None
+        if (group, full) in self.names.absent:
+            raise SkippedError(full)
+        self.names.used.add(f"{group}:{full}")
+        return full

@@ -13,7 +13,7 @@ from fpm.errors import SceneError
 from fpm.kernels.sources import own_sources, syntax_digest
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
-from fpm.structures.problems import Problem, StructureError
+from fpm.structures.reading import Problem, StructureError
 
 
 def load_python(path: Path) -> SceneType:

@@ -1,48 +1,146 @@
-"""YAML as tables, lists and text that know their lines.
+"""A YAML file as nodes that know their lines, and all that is wrong with it, told at once.
 
 Nothing is converted: whether `1e9` is a number, or `on` a name, is up to the key it belongs to.
 A key may be given once; anchors and tags are refused, because names and `let` do their work.
 """
 
-from dataclasses import dataclass
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import yaml
 
-from fpm.structures.problems import Problems
+from fpm.errors import SceneError, did_you_mean, likely
 
 DEEPEST = 20
 """Tables and lists may be nested so deep."""
 
 
-@dataclass(frozen=True)
-class Text:
-    """A single value, as it is written."""
+class Problem(NamedTuple):
+    """One thing that is wrong: its line (0: none), a sentence that starts with the key.
 
-    value: str
+    size: how far a value is off, by which the worst of several samples is told.
+    """
+
     line: int
+    text: str
+    size: float = 0.0
+
+    @property
+    def where(self) -> tuple[int, str]:
+        """Line and key."""
+        return self.line, self.text.partition(":")[0]
+
+    def __str__(self) -> str:
+        return f"line {self.line}: {self.text}" if self.line else self.text
+
+
+class StructureError(SceneError):
+    """A structure that cannot be built; `problems` are all things that are wrong with it.
+
+    `source` names the file. As a `SceneError` it has `key`, `value` and `allowed` too.
+    """
+
+    def __init__(self, source: str, problems: list[Problem]):
+        self.source, self.problems = source, list(problems)
+        super().__init__("structure", source, "a file without problems")
+        count = "1 problem" if len(problems) == 1 else f"{len(problems)} problems"
+        self.args = (f"{source} has {count}:\n" + "\n".join(f"  {p}" for p in problems),)
+
+    def __reduce__(self):
+        return type(self), (self.source, self.problems)
+
+
+class SkippedError(Exception):
+    """Something is left out because what it refers to is wrong, or is no neighbour of the last."""
 
 
 @dataclass(frozen=True)
-class Items:
-    """A list."""
+class Node:
+    """A text, a list or a table (`value`), and the lines where it and a table's keys stand."""
 
-    items: tuple["Node", ...]
-    line: int
+    value: "str | list[Node] | dict[str, Node]"
+    line: int = 0
+    lines: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def text(self) -> str:
+        """The text; an empty one of a list or a table."""
+        return self.value if isinstance(self.value, str) else ""
+
+    @property
+    def items(self) -> "list[Node]":
+        """The list; an empty one of a text or a table."""
+        return self.value if isinstance(self.value, list) else []
+
+    @property
+    def entries(self) -> "dict[str, Node]":
+        """The table; an empty one of a text or a list."""
+        return self.value if isinstance(self.value, dict) else {}
+
+    @property
+    def is_table(self) -> bool:
+        """Whether it is a mapping of keys."""
+        return isinstance(self.value, dict)
+
+    @property
+    def plain(self) -> object:
+        """The node as plain dicts, lists and text, without lines."""
+        if self.is_table:
+            return {name: entry.plain for name, entry in self.entries.items()}
+        return [item.plain for item in self.items] if isinstance(self.value, list) else self.value
 
 
-@dataclass(frozen=True)
-class Table:
-    """A mapping from names to nodes; `lines` has the line of every key."""
+class Problems:
+    """What is wrong with one file; the same sentence once."""
 
-    entries: dict[str, "Node"]
-    lines: dict[str, int]
-    line: int
+    def __init__(self, source: str):
+        self.source = source
+        self._found: dict[Problem, None] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._found)
+
+    def say(self, line: int, sentence: str, size: float = 0.0) -> None:
+        """Note a sentence, which starts with its key, about a line."""
+        sentence = re.sub(r"\S{100,}", lambda word: f"{word[0][:97]}...", sentence)
+        self._found[Problem(line, sentence, size)] = None
+
+    def refuse(self, line: int, key: str, value: object, allowed: str, size: float = 0.0) -> None:
+        """Note that `key` has a value which is not allowed."""
+        self.say(line, f"{key}: {show(value)} is not allowed; allowed: {allowed}", size)
+
+    def no_key(self, line: int, key: str, known: Iterable[str], hint: str | None = None) -> None:
+        """Note a key that means nothing; hint: what may be meant, if not one of a close name."""
+        hint = did_you_mean(key.rpartition(".")[2], known) if hint is None else hint
+        self.say(line, f"{key}: there is no such key{hint}; allowed: {', '.join(known)}")
+
+    def stop(self) -> None:
+        """Raise them as one StructureError, by lines, if there are any."""
+        if self._found:
+            raise StructureError(self.source, sorted(self._found))
 
 
-Node = Text | Items | Table
+def show(value: object) -> str:
+    """A value as short text."""
+    text = f"{value:.9g}" if isinstance(value, float) else repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
-def read(text: str, problems: Problems) -> Table:
+def among(names: Iterable[str], most: int = 12, more: str = ", and {} more") -> str:
+    """Names as a list in a sentence, cut short."""
+    names = list(names)
+    text = ", ".join(names[:most]) or "(there is none)"
+    return text if len(names) <= most else text + more.format(len(names) - most)
+
+
+def joined(*parts: str) -> str:
+    """Keys with dots between them."""
+    return ".".join(part for part in parts if part)
+
+
+def read(text: str, problems: Problems) -> Node:
     """The table that a file's text holds; raises StructureError when it holds none."""
     try:
         root = yaml.compose(text, _Loader)
@@ -53,8 +151,8 @@ def read(text: str, problems: Problems) -> Table:
     except (yaml.YAMLError, RecursionError, ValueError) as error:
         problems.say(0, f"this is not a structure's file: {str(error).splitlines()[0]}")
     else:
-        node = _convert(root, problems, 0) if root else Text("", 0)
-        if not isinstance(node, Table):
+        node = _convert(root, problems, 0) if root else Node("")
+        if not node.is_table:
             problems.say(node.line, "the file is no table; allowed: a mapping of keys")
     problems.stop()
     return node
@@ -75,34 +173,47 @@ class _Loader(yaml.BaseLoader):
         return super().compose_node(parent, index)
 
 
-def plain(node: Node) -> object:
-    """The node as plain dicts, lists and text, without lines."""
-    if isinstance(node, Table):
-        return {name: plain(entry) for name, entry in node.entries.items()}
-    return [plain(item) for item in node.items] if isinstance(node, Items) else node.value
-
-
 def _convert(node: yaml.Node, problems: Problems, depth: int) -> Node:
     line = node.start_mark.line + 1
     if depth > DEEPEST:
         problems.say(line, f"nested too deep; allowed: {DEEPEST} tables and lists in each other")
-        return Text("", line)
+        return Node("", line)
     if isinstance(node, yaml.ScalarNode):
-        return Text(node.value.strip(), line)
+        return Node(node.value.strip(), line)
     if isinstance(node, yaml.SequenceNode):
-        return Items(tuple(_convert(item, problems, depth + 1) for item in node.value), line)
-    entries: dict[str, Node] = {}
-    lines: dict[str, int] = {}
+        return Node([_convert(item, problems, depth + 1) for item in node.value], line)
+    found = Node({}, line)
     for key_node, value_node in node.value:
-        at = key_node.start_mark.line + 1
+        at, key = key_node.start_mark.line + 1, str(key_node.value).strip()
         if not isinstance(key_node, yaml.ScalarNode):
             problems.say(at, "a key is a table or a list; allowed: a name")
-            continue
-        key = key_node.value.strip()
-        if key in entries:
-            problems.say(
-                at, f"{key} is defined twice (first on line {lines[key]}); allowed: each name once"
-            )
-            continue
-        entries[key], lines[key] = _convert(value_node, problems, depth + 1), at
-    return Table(entries, lines, line)
+        elif key in found.entries:
+            first = f"(first on line {found.lines[key]})"
+            problems.say(at, f"{key} is defined twice {first}; allowed: each name once")
+        else:
+            found.entries[key] = _convert(value_node, problems, depth + 1)
+            found.lines[key] = at
+    return found
+
+
+def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:
+    """The table under a key; an empty one if there is none, or, with a problem, no table."""
+    found = node.entries.get(name, Node({}))
+    if not found.is_table:
+        problems.refuse(found.line, joined(key, name), found.plain, "a mapping from names")
+    return found if found.is_table else Node({})
+
+
+def check_keys(node: Node, key: str, known: tuple[str, ...], problems: Problems) -> None:
+    """Note the keys that mean nothing."""
+    for name in node.entries.keys() - set(known):
+        problems.no_key(node.lines[name], joined(key, name), known)
+
+
+def as_meant(node: Node, known: tuple[str, ...], problems: Problems) -> Node:
+    """The table with keys that are likely others under those: told, but not what follows of it."""
+    check_keys(node, "", known, problems)
+    meant = {name: likely(name, known) for name in node.entries.keys() - set(known)}
+    names = {n: n if meant.get(n, n) in node.entries else meant[n] or n for n in node.entries}
+    entries = {names[name]: entry for name, entry in node.entries.items()}
+    return Node(entries, node.line, {names[name]: line for name, line in node.lines.items()})

@@ -10,7 +10,7 @@ from fpm.scenes.scene import Scene
 from fpm.solver.start import check_masses
 from fpm.structures.builder import Builder, Ground, Part, Point
 from fpm.structures.model import Model
-from fpm.structures.problems import Problems, SkippedError
+from fpm.structures.reading import Problems, SkippedError
 from fpm.structures.statement import PARTS, Entry
 
 BEFORE = ("materials", "sections", *PARTS, "masses", "supports", "joints")
@@ -84,10 +84,10 @@ def _build(build: Builder, entry: Entry) -> None:
     except SkippedError:
         return
     except SceneError as error:
-        key = error.key.split(".")[0]
-        joint = "." if key in entry.statement.keys else ", "
-        line = entry.lines.get(key, entry.line)
-        _note(build, line, f"{entry.key}{joint}{error.key}", error)
+        key = error.key.removeprefix(f"{entry.key}.")
+        name = key.split(".")[0]
+        point = "." if name in entry.statement.keys or name in entry.lines else ", "
+        _note(build, entry.lines.get(name, entry.line), f"{entry.key}{point}{key}", error)
         return
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         _note(build, entry.line, entry.key, SceneError("", str(error), "possible numbers"))
@@ -103,9 +103,8 @@ def _assemble(build: Builder, model: Model) -> None:
     if build.hold is None or build.problems:
         return
     line = model.overall.lines.get("assemble", 0)
-    held = [build.made("joints", name) + which for name, which in build.hold]
     try:
-        assemble(build.scene, [build.scene.hinges[hinge].name for hinge in held])
+        assemble(build.scene, [build.scene.hinges[hinge].name for hinge in build.hold(build)])
     except MisfitError as error:
         _note(build, line, f"assemble: {error.key}", error)
     except SceneError as error:

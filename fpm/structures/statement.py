@@ -1,20 +1,25 @@
 """Statements: what can be said about a structure, one function for each kind of thing.
 
-A statement says which keys it takes, with units and ranges, and how it goes into a scene. A new
-kind of joint or action is one such function in a file of `statements/`, and one line in its list.
+A statement says which keys it takes, with units and limits, and how it goes into a scene. For an
+element these follow from the fields of its kind. A new kind of joint or action is one such function
+in a file of `statements/`.
 """
 
 from collections.abc import Callable, Container, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import MISSING, dataclass, fields, replace
+from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+
+from fpm.elements.fields import Index, Word, stated
+from fpm.elements.kind import Kind
 from fpm.errors import did_you_mean, likely
 from fpm.structures.builder import Builder
-from fpm.structures.keys import REQUIRED, Key, Opening
-from fpm.structures.place import Place
-from fpm.structures.problems import SkippedError, among
-from fpm.structures.reading import Table, Text
+from fpm.structures.keys import REQUIRED, Choice, Key, Many, Number, Opening, Reference, Value
+from fpm.structures.names import Place
+from fpm.structures.reading import Node, SkippedError, among
 
 SLIDE = "prismatic"
 ON_SLIDES = {"moment": "force", "angle": "position", "turn": "travel", "torque": "force",
@@ -24,6 +29,14 @@ ON_SLIDES = {"moment": "force", "angle": "position", "turn": "travel", "torque":
 PARTS = ("bars", "bodies")
 """Groups whose things are parts: what joints join, supports hold and loads act on."""
 
+ORDER = ("materials", "sections", *PARTS, "masses", "supports", "joints", "curves", "actions",
+         "loads", "cables", "drives", "motions", "record")  # fmt: skip
+"""The groups of a file in the order in which a scene is built of them: a statement may refer to
+those of groups further up."""
+
+GROUPS: dict[str, dict[str, "Statement"]] = {group: {} for group in ORDER}
+"""All kinds of statements, by group and type (statements/)."""
+
 
 @dataclass(frozen=True)
 class Statement:
@@ -32,142 +45,194 @@ class Statement:
     group: the file's key; type: the entry's `type`, "" in groups of one kind; keys: what it takes,
     by name; build(build, it): puts one into the scene of a Builder and returns what others get that
     refer to it, `it` having the full `name` and the values of all keys; SceneError for what cannot
-    be. about: what it is, as docs/structures.md says. fields: of `it`, by keys of other names.
+    be. about: what it is, as docs/structures.md says.
     """
 
     group: str
     type: str
     keys: dict[str, Key]
     build: Callable[[Builder, SimpleNamespace], Any]
-    fields: Mapping[str, str] = field(default_factory=dict)
+    about: str
 
-    @property
-    def about(self) -> str:
-        """The first line of the building function's docstring."""
-        return (self.build.__doc__ or "").split("\n")[0]
+    def sliding(self, joints: Container[str]) -> dict[str, tuple[str, Key]]:
+        """Names in `it` and kinds of the keys where `joints`, of its keys, name slides."""
+        names = ON_SLIDES if "joint" in joints else {}
+        return {names.get(n, n): (n, key.sliding(joints)) for n, key in self.keys.items()}
 
-    def sliding(self, joints: Container[str]) -> "Statement":
-        """The statement where `joints`, of its keys, name slides: units and names are others."""
-        if not joints:
-            return self
-        named = {(ON_SLIDES.get(n, n) if "joint" in joints else n): n for n in self.keys}
-        keys = {name: self.keys[n].sliding(joints) for name, n in named.items()}
-        return replace(self, keys=keys, fields=named)
+    @cached_property
+    def openings(self) -> dict[str, Opening]:
+        """The keys that may name slides."""
+        keys = {n: k for n, k in self.keys.items() if isinstance(k, Opening)}
+        return {name: key for name, key in keys.items() if SLIDE in key.types}
 
 
-def statement(group: str, type: str = "", **keys: Key) -> Callable[[Callable], Statement]:
-    """Make a kind of statement of the function that builds it."""
-    return lambda build: Statement(group, type, keys, build)
+def statement(group: str, type: str = "", about: str = "", /, **keys: Key) -> Callable:
+    """Make a kind of statement of the function that builds it, which says what it is."""
+
+    def made(build: Callable[[Builder, SimpleNamespace], Any]) -> Statement:
+        words = about or (build.__doc__ or "").split("\n")[0]
+        found = Statement(group, type, keys, build, words)
+        GROUPS.get(group, {})[type] = found
+        return found
+
+    return made
+
+
+# -- keys that are fields of elements --------------------------------------------------------------
+
+JOINT = Opening(about="on which joint it acts")
+"""The key of a field `hinge`."""
+
+
+def key_of(kind: type[Kind], name: str, left_out: str = "", **changes: Any) -> Key:
+    """The key of a field of a kind, with these changes.
+
+    left_out: what it means where the key is left out, which the field does not allow by itself.
+    """
+    field = stated(kind)[name]
+    default = {f.name: f.default for f in fields(kind)}[name]
+    default = REQUIRED if default is MISSING else default
+    if isinstance(field, Index) and field.of == "hinges":
+        return replace(JOINT, types=field.types or JOINT.types)
+    if isinstance(field, Index):
+        default = None if default == -1 else default
+        key: Key = Reference(default, field.about, group=field.of)
+    elif isinstance(field, Word):
+        key = Choice(default, field.about, options=tuple(field.values))
+    else:
+        default = None if default == np.inf else default
+        key = Number(default, field.about, field.unit, field.least, field.above)
+        if (count := field.count) > 1:
+            key = Many(default, field.about, replace(key, default=REQUIRED, about=""), count, count)
+    if left_out:
+        key = replace(key, default=None, about=f"{key.about}; left out: {left_out}")
+    return replace(key, **changes)
+
+
+def keys_of(kind: type[Kind], *names: str) -> dict[str, Key]:
+    """The keys of some fields of a kind."""
+    return {name: key_of(kind, name) for name in names}
+
+
+def element(kind: type[Kind], it: SimpleNamespace, **more: Any) -> Kind:
+    """An element of a kind, from what its keys found and from `more`; None is a field's default."""
+    values = {**vars(it), "hinge": getattr(it, "joint", None), **more}
+    own = {f.name: values.get(f.name) for f in fields(kind)}
+    own = {name: tuple(x) if isinstance(x, list) else x for name, x in own.items()}
+    return kind(**{name: value for name, value in own.items() if value is not None})
+
+
+def acting(kind: type[Kind]) -> Statement:
+    """The statement of a kind that acts on a joint, all of whose fields are keys."""
+    found = keys_of(kind, *stated(kind))
+    keys = {"joint": found.pop("hinge"), **found}
+    about = (kind.__doc__ or "").split("\n")[0]
+    made = statement("actions", kind.called, about, **keys)
+    return made(lambda build, it: build.scene.add(element(kind, it)))
+
+
+# -- entries of a file -----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A statement as a file makes it. `read`: what its keys' `read` found; `lines` of its keys."""
+    """A statement as a file makes it. `read`: what its keys mean; `lines`: of the keys."""
 
     statement: Statement
     name: str
     key: str
     line: int
     lines: dict[str, int]
-    read: dict[str, Any]
+    read: dict[str, Value]
 
     def values(self, build: Builder) -> SimpleNamespace:
         """The values of all keys in one sample."""
         it = SimpleNamespace(name=self.name, key=self.key)
-        for name, kind in self.statement.keys.items():
-            given = name in self.read
-            value = kind.value(self.read[name], build, name) if given else kind.default
-            setattr(it, self.statement.fields.get(name, name), value)
+        for name, key in self.statement.keys.items():
+            setattr(it, name, self.read[name](build) if name in self.read else key.default)
         return it
 
 
 def read_entry(
-    kinds: dict[str, Statement], name: str, node: Any, line: int, place: Place
+    kinds: dict[str, Statement], name: str, node: Node, line: int, place: Place
 ) -> Entry | None:
     """The entry of a node, or None if it is wrong, or belongs to a neighbour that is not there."""
-    problems = place.problems
-    if not isinstance(node, Table):
-        problems.refuse(line, place.key, getattr(node, "value", "a list"), "a mapping of keys")
-        return None
-    statement = _statement(kinds, node, place)
-    if statement is None:
-        return None
     try:
-        slides = _slides(statement, node, place)
+        if not node.is_table:
+            found = node.value if isinstance(node.value, str) else "a list"
+            place.problems.refuse(line, place.key, found, "a mapping of keys")
+            return None
+        statement = kinds.get("") or _statement(kinds, node, place)
+        read = _read_keys(statement, _slides(statement, node, place), node, line, place)
     except SkippedError:
         return None
-    turning, statement = statement, statement.sliding(slides)
-    sound, read, meant = True, {}, set()
-    for key, entry in node.entries.items():
-        if key in statement.keys:
-            try:
-                read[key] = statement.keys[key].read(entry, place.inside(key))
-            except SkippedError:
-                sound = False
-        elif key != "type" or not statement.type:
-            sound = False
-            known = [*(["type"] if statement.type else []), *statement.keys]
-            other, hint = _meant(key, turning, known)
-            meant.add(other)
-            problems.say(
-                node.lines[key],
-                f"{place.key}.{key}: there is no such key{hint}; allowed: {', '.join(known)}",
-            )
-    for key, kind in statement.keys.items():
-        if kind.default is REQUIRED and key not in node.entries:
-            if key in meant:
-                continue  # told already
-            sound = False
-            problems.say(line, f"{place.key}.{key}: missing; allowed: {kind.allowed}")
-    return Entry(statement, name, place.key, line, node.lines, read) if sound else None
+    return Entry(statement, name, place.key, line, node.lines, read)
 
 
-def _meant(key: str, turning: Statement, known: list[str]) -> tuple[str, str]:
-    """Which of the known keys of a statement is meant by another, and the hint that says so;
-    turning: the statement as it is on hinges."""
-    if key in turning.keys:
-        return ON_SLIDES[key], f" on a slide, where it is {ON_SLIDES[key]}"
-    for name in turning.keys:
-        if ON_SLIDES.get(name) == key and "joint" in known:
-            return name, f" on a hinge, where it is {name}"
-    return likely(key, known), did_you_mean(key, known)
+def _statement(kinds: Mapping[str, Statement], node: Node, place: Place) -> Statement:
+    """Which of the group's kinds the entry is."""
+    given, key = node.entries.get("type"), f"{place.key}.type"
+    if given is None:
+        place.problems.say(node.line, f"{key}: missing; allowed: {among(kinds)}")
+    elif given.text not in kinds:
+        allowed = f"is not allowed{did_you_mean(given.text, kinds)}; allowed: {among(kinds)}"
+        place.problems.say(given.line, f"{key}: {given.text!r} {allowed}")
+    else:
+        return kinds[given.text]
+    raise SkippedError(key)
 
 
-def _slides(statement: Statement, node: Table, place: Place) -> list[str]:
+def _slides(statement: Statement, node: Node, place: Place) -> list[str]:
     """The keys of an entry that name slides; SkippedError if one names a joint of which nobody can
     tell what it is."""
-    found = []
-    for key, kind in statement.keys.items():
-        takes = isinstance(kind, Opening) and SLIDE in kind.types
-        if takes and isinstance(entry := node.entries.get(key), Text):
-            types = place.names.types
-            try:
-                full = place.context.find(entry.value, types)
-            except SkippedError:  # of a neighbour that is not there: as of the unit itself
-                full = place.context.prefix + entry.value.partition(".")[2]
-            except KeyError:
-                continue
-            if not types.get(full):
-                raise SkippedError(full)
-            if types[full] == SLIDE:
-                found.append(key)
+    found, types = [], place.names.types
+    for key in statement.openings.keys() & node.entries.keys():
+        text = node.entries[key].text
+        try:
+            full = place.context.find(text, types)
+        except SkippedError:  # of a neighbour that is not there: as of the unit itself
+            full = place.context.prefix + text.partition(".")[2]
+        except KeyError:
+            continue
+        if not types.get(full):
+            raise SkippedError(full)
+        found += [key] * (types[full] == SLIDE)
     return found
 
 
-def _statement(kinds, node: Table, place: Place) -> Statement | None:
-    """Which of the group's kinds the entry is."""
-    if "" in kinds:
-        return kinds[""]
-    given = node.entries.get("type")
-    if given is None:
-        place.problems.say(node.line, f"{place.key}.type: missing; allowed: {among(kinds)}")
-        return None
-    name = given.value if isinstance(given, Text) else ""
-    if name not in kinds:
-        allowed = among(kinds)
-        hint = did_you_mean(name, kinds)
-        place.problems.say(
-            given.line, f"{place.key}.type: {name!r} is not allowed{hint}; allowed: {allowed}"
-        )
-        return None
-    return kinds[name]
+def _read_keys(
+    statement: Statement, slides: list[str], node: Node, line: int, place: Place
+) -> dict[str, Value]:
+    """What the keys of an entry mean, by their names in `it`; SkippedError if any is wrong."""
+    keys, sound, read, meant = statement.sliding(slides), True, {}, set()
+    known = [*(["type"] if statement.type else []), *keys]
+    for key, entry in node.entries.items():
+        if key in keys:
+            name, kind = keys[key]
+            try:
+                read[name] = kind.read(entry, place.inside(key))
+            except SkippedError:
+                sound = False
+        elif key not in known:
+            sound = False
+            other, hint = _meant(key, statement.keys, known)
+            meant.add(other)
+            place.problems.no_key(node.lines[key], f"{place.key}.{key}", known, hint)
+    for key, (_, kind) in keys.items():
+        if kind.default is REQUIRED and key not in node.entries and key not in meant:
+            sound = False
+            place.problems.say(line, f"{place.key}.{key}: missing; allowed: {kind.allowed}")
+    if not sound:
+        raise SkippedError(place.key)
+    return read
+
+
+def _meant(key: str, on_hinges: Container[str], known: list[str]) -> tuple[str, str]:
+    """Which of the known keys of a statement is meant by another, and the hint that says so;
+    on_hinges: those that it has on hinges."""
+    if key in on_hinges:
+        return ON_SLIDES[key], f" on a slide, where it is {ON_SLIDES[key]}"
+    for name in on_hinges:
+        if ON_SLIDES.get(name) == key and "joint" in known:
+            return name, f" on a hinge, where it is {name}"
+    return likely(key, known), did_you_mean(key, known)

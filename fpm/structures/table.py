@@ -16,11 +16,11 @@ def markdown() -> str:
 def _section(one: Statement) -> str:
     what = f"`{one.group}`" if one.group else "at the top of the file"
     title = f"{what}, `type: {one.type}`" if one.type else what
-    slid = one.sliding(["joint", "watch"]) if _slides(one) else one
+    slides = one.sliding(["joint", "watch"] if _slides(one) else [])
     rows = [
         f"| `{name}`{_if(other, name)} | {key.about} | {key.allowed}"
-        f"{_if(slid.keys[other].allowed, key.allowed)} | {_default(key)} |\n"
-        for (name, key), other in zip(one.keys.items(), slid.keys, strict=True)
+        f"{_if(slid.allowed, key.allowed)} | {_default(key)} |\n"
+        for (name, key), (other, (_, slid)) in zip(one.keys.items(), slides.items(), strict=True)
     ]
     return f"### {title}\n\n{one.about}\n\n{HEAD}{''.join(rows)}"
 

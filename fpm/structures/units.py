@@ -23,6 +23,10 @@ class Dimension(NamedTuple):
         """Without the mark of a bare number."""
         return self[:3]
 
+    def fits(self, wanted: "Dimension") -> bool:
+        """Whether a number of this dimension may stand for one of another."""
+        return self.bare or self.powers == wanted.powers
+
     def __str__(self) -> str:
         known = next((n for n, u in _UNITS.items() if u[2] == self.powers and u[0] == u[1]), None)
         if not any(self.powers):

@@ -17,7 +17,7 @@ from fpm import structures
 from fpm.elements.particles.drive import Drive
 from fpm.kernels import sources
 from fpm.scenes.effort import machine, run_seconds
-from fpm.structures import check, load, loads, report
+from fpm.structures import check, load, loads, report, text_file
 
 PYTHON = FOLDER.parents[1].joinpath("docs", "structures.md").read_text(encoding="utf-8")
 PYTHON = PYTHON.split("```python\n")[-1].split("```")[0]
@@ -295,10 +295,10 @@ def copied(tmp_path, monkeypatch):
     folder = tmp_path / "fpm"
     shutil.copytree(sources.HERE, folder, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(sources, "HERE", folder)
-    monkeypatch.setattr(structures, "__file__", str(folder / "structures" / "__init__.py"))
-    structures._language.cache_clear()
+    monkeypatch.setattr(text_file, "__file__", str(folder / "structures" / "text_file.py"))
+    text_file._language.cache_clear()
     yield folder
-    structures._language.cache_clear()
+    text_file._language.cache_clear()
 
 
 @pytest.mark.parametrize(
@@ -306,8 +306,8 @@ def copied(tmp_path, monkeypatch):
     [
         ("kernels/run", True, True),
         ("structures/builder", True, False),
-        ("structures/statements/bars", True, False),
-        ("structures/report", False, False),
+        ("structures/statements/parts", True, False),
+        ("structures/report", True, False),
         ("reading/responses", False, False),
     ],
 )
@@ -316,7 +316,7 @@ def test_the_digest_follows_the_code_that_makes_runs(copied, tmp_path, name, of_
     path.write_text(PYTHON)
 
     def digests():
-        structures._language.cache_clear()
+        text_file._language.cache_clear()
         return loads(SMALL).digest, load(path).digest
 
     before = digests()

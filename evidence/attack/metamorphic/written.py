@@ -29,7 +29,7 @@ def keys_of(structure: Structure, group: str, entry: dict) -> dict[str, Key]:
         for key, kind in statement.keys.items()
         if isinstance(kind, Opening) and joints.get(entry.get(key), {}).get("type") == SLIDE
     ]
-    return statement.sliding(slides).keys
+    return {name: kind for name, (_, kind) in statement.sliding(slides).items()}
 
 
 def changed(structure: Structure, change: Change) -> Structure:

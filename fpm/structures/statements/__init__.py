@@ -1,60 +1,10 @@
-"""All kinds of statements, in the order in which a scene is built of them.
+"""All kinds of statements; each file beside this one has some, which importing it registers."""
 
-A statement may refer to those of groups further up. To add a kind, write a file like those beside
-this one and put it into the list.
-"""
+from fpm.structures.statement import GROUPS, Statement
+from fpm.structures.statements import acting, joints, moved, parts
 
-from fpm.structures.statement import Statement
-from fpm.structures.statements import (
-    acting,
-    bars,
-    bodies,
-    cables,
-    held,
-    joints,
-    masses,
-    motors,
-    moved,
-    recorded,
-    sections,
+__all__ = ["GROUPS", "STATEMENTS", "acting", "joints", "moved", "parts"]
+
+STATEMENTS: tuple[Statement, ...] = tuple(
+    one for kinds in GROUPS.values() for one in kinds.values()
 )
-
-STATEMENTS: tuple[Statement, ...] = (
-    sections.material,
-    sections.square,
-    sections.rectangle,
-    sections.circle,
-    sections.tube,
-    sections.general,
-    bars.bar,
-    bodies.body,
-    masses.mass,
-    held.support,
-    joints.revolute,
-    joints.spherical,
-    joints.fixed,
-    joints.universal,
-    joints.prismatic,
-    moved.curve,
-    acting.torsion_spring,
-    acting.spring,
-    acting.contact,
-    acting.damper,
-    acting.friction,
-    acting.stop,
-    acting.latch,
-    acting.tape_spring,
-    motors.loop,
-    motors.motor,
-    motors.torque_motor,
-    motors.release,
-    moved.load,
-    cables.cable,
-    moved.drive,
-    moved.motion,
-    recorded.recorded,
-)
-
-GROUPS: dict[str, dict[str, Statement]] = {}
-for _one in STATEMENTS:
-    GROUPS.setdefault(_one.group, {})[_one.type] = _one

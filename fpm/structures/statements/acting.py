@@ -1,4 +1,4 @@
-"""What acts on a joint's opening."""
+"""What acts on the openings of joints: springs, dampers, latches, motors and the like."""
 
 from dataclasses import replace
 
@@ -7,59 +7,79 @@ from fpm.elements import (
     Damper,
     Friction,
     Latch,
+    Motor,
+    Release,
     RigidFriction,
     RigidLatch,
+    RigidMotor,
+    RigidRelease,
     Stop,
+    SyncLoop,
     TableSpring,
+    TorqueMotor,
     TorsionSpring,
 )
 from fpm.elements.openings.friction import BEND, SLIDE_BEND
 from fpm.elements.openings.opening import unit_of
-from fpm.structures.elements import JOINT, acting, element, key_of, keys_of
-from fpm.structures.keys import Choice, Many, Number
-from fpm.structures.statement import statement
+from fpm.structures.keys import Choice, Many, Number, Opening, Reference
+from fpm.structures.statement import JOINT, SLIDE, acting, element, key_of, keys_of, statement
 
 TURNING = replace(JOINT, types=("revolute", "universal"))
+AT_START = 1e-9
+"""What holds exactly holds where the joint is at the start, to this angle (rad)."""
 
-contact = acting(Contact)
-damper = acting(Damper)
+
+def _at_start(build, hinge: int) -> float:
+    return build.scene.hinges[hinge].opening
 
 
-def _add_spring(build, it) -> None:
-    """A spring at rest at an opening, or such that it has its preload at the start."""
-    rest = it.rest
-    if it.preload is not None:
-        if rest != 0.0:
-            build.refuse("rest", rest, "none, with a `preload`")
-        if not it.stiffness > 0:
-            build.refuse("stiffness", it.stiffness, "above 0, with a `preload`")
-        rest = build.scene.hinges[it.joint].opening + it.preload / it.stiffness
-    build.scene.add(element(TorsionSpring, it, rest=rest))
+def _rigid(build, it, **without) -> bool:
+    """Whether it holds exactly, having no stiffness; then it has none of what needs one either."""
+    for key, given in without.items() if it.stiffness is None else ():
+        if given:
+            build.refuse(key, getattr(it, key), "none without a `stiffness`")
+    return it.stiffness is None
+
+
+def _of_slide(key: Number) -> Number:
+    about = key.about.replace("moment", "force").replace("radian", "metre")
+    return replace(key.sliding(["joint"]), about=about)
+
+
+SPRING = {
+    **keys_of(TorsionSpring, "stiffness", "rest"),
+    "preload": Number(None, "moment at the start, > 0 where it opens, for `rest`", unit="N m"),
+}
 
 
 @statement(
     "actions",
     "torsion spring",
     joint=replace(TURNING, hint="; for a slide there is `spring`"),
-    **keys_of(TorsionSpring, "stiffness", "rest"),
-    preload=Number(None, "moment at the start, > 0 where it opens, for `rest`", unit="N m"),
+    **SPRING,
 )
 def torsion_spring(build, it):
     """Turns a joint towards an opening."""
-    _add_spring(build, it)
+    rest = it.rest
+    if it.preload is not None:
+        if rest != 0.0:
+            build.refuse("rest", rest, "none, with a `preload`")
+        if not it.stiffness > 0:
+            build.refuse("stiffness", it.stiffness, "above 0, with a `preload`")
+        rest = _at_start(build, it.joint) + it.preload / it.stiffness
+    build.scene.add(element(TorsionSpring, it, rest=rest))
 
 
-@statement(
+statement(
     "actions",
     "spring",
-    joint=replace(JOINT, types=("prismatic",)),
-    stiffness=key_of(TorsionSpring, "stiffness", unit="N/m", about="force for each metre"),
-    rest=key_of(TorsionSpring, "rest", unit="m"),
-    preload=Number(None, "force at the start, > 0 where it opens, for `rest`", unit="N"),
-)
-def spring(build, it):
-    """Pushes or pulls a slide towards an opening."""
-    _add_spring(build, it)
+    "Pushes or pulls a slide towards an opening.",
+    joint=replace(JOINT, types=(SLIDE,)),
+    **{name: _of_slide(key) for name, key in SPRING.items()},
+)(torsion_spring.build)
+
+acting(Contact)
+acting(Damper)
 
 
 @statement(
@@ -118,12 +138,8 @@ def stop(build, it):
 def latch(build, it):
     """Catches a joint at an opening and holds it from then on."""
     one_sided = it.holds == "one way"
-    if it.stiffness is None:
-        for key, given in (("damping", it.damping > 0), ("holds", one_sided)):
-            if given:
-                build.refuse(key, getattr(it, key), "none without a `stiffness`")
-    kind = RigidLatch if it.stiffness is None else Latch
-    build.scene.add(element(kind, it, one_sided=one_sided))
+    rigid = _rigid(build, it, damping=it.damping > 0, holds=one_sided)
+    build.scene.add(element(RigidLatch if rigid else Latch, it, one_sided=one_sided))
 
 
 @statement(
@@ -138,3 +154,67 @@ def latch(build, it):
 def tape_spring(build, it):
     """Moves a joint by a moment, or force, that a table gives, with a peak and a plateau, say."""
     build.scene.add(element(TableSpring, it))
+
+
+@statement(
+    "actions",
+    "loop",
+    joints=Many(kind=TURNING, least=2, most=2, about="the two on which its pulleys sit"),
+    **keys_of(SyncLoop, "radii", "stiffness", "preload"),
+    rest=key_of(SyncLoop, "rest", "those at the start"),
+)
+def loop(build, it):
+    """A closed cable over pulleys on two joints, which so open in the ratio of the radii."""
+    rest = [_at_start(build, hinge) for hinge in it.joints] if it.rest is None else it.rest
+    build.scene.add(element(SyncLoop, it, hinges=it.joints, rest=rest))
+
+
+@statement(
+    "actions",
+    "motor",
+    joint=JOINT,
+    turn=Number(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),
+    rate=Number(None, "how fast it turns, times `curve`", unit="rad/s"),
+    curve=Reference(about="of the opening, or of its rate", group="curves"),
+    start=key_of(Motor, "start", "that at the start"),
+    stiffness=key_of(Motor, "stiffness", "it prescribes exactly"),
+    damping=key_of(Motor, "damping", default=0.0),
+)
+def motor(build, it):
+    """Prescribes the opening of a joint, exactly or through an elastic drive train."""
+    start = _at_start(build, it.joint) if it.start is None else it.start
+    if (it.turn is None) == (it.rate is None):
+        build.refuse("turn", it.turn, "by how much it moves, or a `rate`, not both")
+    kind = RigidMotor if _rigid(build, it, damping=it.damping > 0) else Motor
+    by_rate = it.turn is None
+    turn = it.rate if by_rate else it.turn
+    build.scene.add(element(kind, it, start=start, turn=turn, by_rate=by_rate))
+
+
+acting(TorqueMotor)
+
+
+@statement(
+    "actions",
+    "release",
+    joint=JOINT,
+    stiffness=key_of(Release, "stiffness", "it holds exactly"),
+    damping=key_of(Release, "damping", default=0.0),
+    hold=key_of(Release, "hold", "that at the start"),
+    time=key_of(Release, "time"),
+    watch=Opening(None, "another joint: it lets go where its opening passes `level`"),
+    level=Number(None, "opening of the joint that is watched", unit="rad", joint="watch"),
+)
+def release(build, it):
+    """Holds a joint until a time, or until another has opened so far; the first counts."""
+    if it.time is None and it.watch is None:
+        build.refuse("time", None, "a time, or a joint to `watch`")
+    if (it.watch is None) != (it.level is None):
+        build.refuse("level", it.level, "an opening, with a joint to `watch`")
+    start = _at_start(build, it.joint)
+    hold = start if it.hold is None else it.hold
+    rigid = _rigid(build, it, damping=it.damping > 0)
+    if rigid and abs(hold - start) > AT_START:
+        unit = unit_of(build.scene, it.joint, "rad")
+        build.refuse("hold", hold, f"the opening at the start, {start:g} {unit}, or a `stiffness`")
+    build.scene.add(element(RigidRelease if rigid else Release, it, hold=hold))

@@ -1,5 +1,6 @@
-"""Joints: what parts share where they meet."""
+"""Joints: what parts share where they meet; and supports, which hold points of them."""
 
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -10,28 +11,33 @@ from fpm.structures.keys import Direction, Each, Either, Letters, Many, Number, 
 from fpm.structures.statement import statement
 
 PARTS = Many(kind=Part(ground=True), least=2, about="what it joins")
+PAIR = Many(kind=Part(ground=True), least=2, most=2, about="what it joins")
 AT = Either(
     about="its point, which all parts have; or the point of each part, which must coincide",
     kind=Reference(group="points"),
-    each=Each(group="parts", kind=Reference(group="points")),
 )
 
 
-def meet(build, it) -> tuple[list[int], np.ndarray]:
+def _each(build, it, key: str, what: str) -> list:
+    """The values of a key for each of a joint's parts, stated for each or one for all."""
+    value, names = getattr(it, key), [part.name for part in it.parts]
+    if not isinstance(value, dict):
+        return [value] * len(names)
+    if value.keys() != set(names):
+        build.refuse(key, list(value), f"{what} for each of {', '.join(names)}")
+    return [value[name] for name in names]
+
+
+def _meet(build, it) -> tuple[list[int], np.ndarray]:
     """The particles of a joint's parts, and their points there (k, 3); for every joint."""
-    each = it.at if isinstance(it.at, dict) else {part.name: it.at for part in it.parts}
-    names = [part.name for part in it.parts]
-    if each.keys() != set(names):
-        build.refuse("at", list(each), f"a point for each of {', '.join(names)}")
-    points = [each[name] for name in names]
+    points = _each(build, it, "at", "a point")
     particles = [part.particle(p.name) for part, p in zip(it.parts, points, strict=True)]
-    for (one, two), (p, q) in zip(pairwise(names), pairwise(points), strict=True):
+    for (one, p), (two, q) in pairwise(zip(it.parts, points, strict=True)):
         gap = float(np.linalg.norm(p.position - q.position))
         if not gap <= APART * build.size and build.hold is None:
-            build.refuse(
-                "at", f"{p.name} of {one} and {q.name} of {two}, {gap:.6g} m apart",
-                f"points that coincide to {APART * build.size:.2g} m, or `assemble: true`", gap,
-            )  # fmt: skip
+            found = f"{p.name} of {one.name} and {q.name} of {two.name}, {gap:.6g} m apart"
+            allowed = f"points that coincide to {APART * build.size:.2g} m, or `assemble: true`"
+            build.refuse("at", found, allowed, gap)
     for particle in particles:
         build.joined.setdefault(particle, []).append(it.name)
     if build.hold is None:  # what is apart by rounding meets at the first part's point
@@ -39,18 +45,21 @@ def meet(build, it) -> tuple[list[int], np.ndarray]:
     return particles, np.array([point.position for point in points])
 
 
-def axes_of(build, it) -> np.ndarray:
+def _axes(build, it) -> np.ndarray:
     """The axis of a revolute joint for each of its parts (k, 3)."""
-    names = [part.name for part in it.parts]
-    if not isinstance(it.axis, dict):
-        return np.tile(it.axis, (len(names), 1))
-    if it.axis.keys() != set(names):
-        build.refuse("axis", list(it.axis), f"one for each of {', '.join(names)}")
-    axes = np.array([it.axis[name] for name in names])
+    axes = np.array(_each(build, it, "axis", "one"))
     apart = float(np.abs(axes - axes[0]).max())
     if apart > APART and build.hold is None:
         build.refuse("axis", axes.tolist(), "axes that agree, or `assemble: true`", apart)
-    return axes if build.hold is not None else np.tile(axes[0], (len(names), 1))
+    return axes if build.hold is not None else np.tile(axes[0], (len(axes), 1))
+
+
+def _further(it, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
+    """Name and particles of joints of the first part with those after the second, and their places
+    among the parts."""
+    for k in range(2, len(particles)):
+        own = it.parts[k].name.rpartition(".")[2]  # without that of its unit
+        yield f"{it.name}_{own}", (particles[0], particles[k]), [0, k]
 
 
 @statement(
@@ -61,7 +70,6 @@ def axes_of(build, it) -> np.ndarray:
     axis=Either(
         about="of the turn; or the axis of each part, which must agree",
         kind=Direction(),
-        each=Each(group="parts", kind=Direction()),
     ),
     opening=Number(
         0.0,
@@ -83,37 +91,32 @@ def revolute(build, it):
 
     The opening is that of the first two parts. Further ones are hinged to the first.
     """
-    particles, points = meet(build, it)
-    axes, references = axes_of(build, it), it.references
+    particles, points = _meet(build, it)
+    axes, references, scene = _axes(build, it), it.references, build.scene
     if references is not None:
-        names = [part.name for part in it.parts]
-        if references.keys() != set(names):
-            build.refuse("references", list(references), f"one for each of {', '.join(names)}")
-        references = [
-            _across(build, references[name], axis) for name, axis in zip(names, axes, strict=True)
-        ]
-    scene = build.scene
+        references = _each(build, it, "references", "one")
+        references = [_across(build, *pair) for pair in zip(references, axes, strict=True)]
     pair = particles[:2]
     hinge = scene.add_hinge(it.name, pair, points[:2], axes[:2], references, it.opening, it.held)
-    for k in range(2, len(particles)):
-        both = [0, k]
-        name, pair = f"{it.name}_{_own(it.parts[k])}", (particles[0], particles[k])
+    for name, pair, both in _further(it, particles):
         scene.add_hinge(name, pair, points[both], axes[both])
     return hinge
 
 
-def _own(part) -> str:
-    """A part's name without that of its unit."""
-    return part.name.rpartition(".")[2]
+def _across(build, reference, axis) -> np.ndarray:
+    """A reference without the rounding along the axis."""
+    along = float(reference @ axis)
+    if abs(along) > 1e-6:
+        build.refuse("references", reference.tolist(), "directions normal to the axis")
+    return unit(reference - along * axis, "reference")
 
 
 def _join(build, it, type: str) -> None:
     """Join all parts to the first."""
-    particles, points = meet(build, it)
-    for k in range(1, len(particles)):
-        name = f"{it.name}_{_own(it.parts[k])}" if k > 1 else it.name
-        pair = (particles[0], particles[k])
-        build.scene.add_joint(name, type, pair, points[[0, k]])
+    particles, points = _meet(build, it)
+    build.scene.add_joint(it.name, type, particles[:2], points[:2])
+    for name, pair, both in _further(it, particles):
+        build.scene.add_joint(name, type, pair, points[both])
 
 
 @statement("joints", "spherical", parts=PARTS, at=AT)
@@ -126,9 +129,6 @@ def spherical(build, it):
 def fixed(build, it):
     """Parts that neither move nor turn against each other there."""
     _join(build, it, "fixed")
-
-
-PAIR = Many(kind=Part(ground=True), least=2, most=2, about="what it joins")
 
 
 @statement(
@@ -150,7 +150,7 @@ def universal(build, it):
     if abs(it.axis @ it.other) > 1e-6:
         build.refuse("other", it.other.tolist(), f"a direction normal to {it.axis.tolist()}")
     other = unit(it.other - (it.axis @ it.other) * it.axis, "other")
-    particles, points = meet(build, it)
+    particles, points = _meet(build, it)
     openings = it.openings or (0.0, 0.0)
     return build.scene.add_universal(it.name, particles, points, it.axis, other, openings)
 
@@ -169,13 +169,26 @@ def universal(build, it):
 )
 def prismatic(build, it):
     """A slider: the second part moves along an axis of the first, and does not turn on it."""
-    particles, points = meet(build, it)
+    particles, points = _meet(build, it)
     return build.scene.add_slide(it.name, particles, points, it.axis, it.opening)
 
 
-def _across(build, reference, axis) -> np.ndarray:
-    """A reference without the rounding along the axis."""
-    along = float(reference @ axis)
-    if abs(along) > 1e-6:
-        build.refuse("references", reference.tolist(), "directions normal to the axis")
-    return unit(reference - along * axis, "reference")
+@statement(
+    "supports",
+    part=Part(about="what is held"),
+    at=Reference(group="points", about="one of its points"),
+    translations=Letters("xyz", "axes along which it is held"),
+    rotations=Letters("xyz", "axes about which it is held"),
+)
+def support(build, it):
+    """Holds a point of a part along and about global axes."""
+    scene, particle = build.scene, it.part.particle(it.at.name)
+    scene.supports[it.name] = scene.arm_to(particle, it.at.position)
+    off = np.linalg.norm(it.at.position - scene.position[particle])
+    whole = len(it.translations) == len(it.rotations) == len("xyz")
+    if whole or off <= APART * build.size or not it.translations:
+        scene.fix(particle, it.translations, it.rotations)
+    else:
+        scene.hold_point(it.name, particle, it.at.position, it.translations)
+        build.joined.setdefault(particle, []).append(it.name)
+        scene.fix(particle, "", it.rotations)

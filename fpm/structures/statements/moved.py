@@ -1,10 +1,11 @@
-"""What comes from outside: loads, prescribed motion, and how parts move at the start."""
+"""What comes from outside or moves: loads, prescribed motion, cables, motion at the start; and the
+points whose motion is recorded."""
 
 import numpy as np
 
 from fpm.elements import Load
 from fpm.structures.builder import APART
-from fpm.structures.keys import Many, Number, Part, Reference, Vector
+from fpm.structures.keys import Many, Number, Part, PointOfPart, Reference, Vector
 from fpm.structures.statement import statement
 
 ZERO = np.zeros(3)
@@ -42,6 +43,32 @@ def load(build, it):
 
 
 @statement(
+    "cables",
+    through=Many(kind=PointOfPart(), least=2, about="its points, in order", units=True),
+    EA=Number(unit="N", above=0, about="tension for a strain of one"),
+    rest=Number(None, "its length without tension; this or `preload`", unit="m", above=0),
+    preload=Number(None, "its tension at the start; this or `rest`", unit="N", least=0),
+    reel=Number(0.0, "length that a winch at the first point takes in, times `curve`", unit="m"),
+    curve=Reference(None, "of the winch", group="curves"),
+    friction=Number(
+        None, "coefficient of friction at the points between its ends; left out: they turn", least=0
+    ),
+)
+def cable(build, it):
+    """Pulls its points together where it is tight, and runs through those between its ends."""
+    points = [(part.particle(point.name), point.position) for part, point in it.through]
+    for particle, _ in points:
+        build.joined.setdefault(particle, [])
+    if (it.rest is None) == (it.preload is None):
+        found = None if it.rest is None else [it.rest, it.preload]
+        build.refuse("rest", found, "either `rest` or `preload`")
+    if it.reel and it.curve is None:
+        build.refuse("reel", it.reel, "a length with a `curve`")
+    numbers = it.EA, it.rest, it.preload, it.reel, _index(it.curve), it.friction
+    return build.scene.add_cable(it.name, points, *numbers)
+
+
+@statement(
     "drives",
     part=PART,
     at=AT,
@@ -52,12 +79,13 @@ def load(build, it):
 def drive(build, it):
     """Prescribes how a point of a part moves and turns."""
     particle = it.part.particle(it.at.name)
-    off = float(np.linalg.norm(build.scene.arm_to(particle, it.at.position).arm))
+    arm = build.scene.arm_to(particle, it.at.position)
+    off = float(np.linalg.norm(arm.arm))
     if off > APART * build.size and np.any(it.spin):
         build.refuse("at", it.at.name, "the centre of a body, or a point on the bar's axis", off)
     build.scene.drive(particle, it.velocity, it.spin, _index(it.curve))
     name = f"drive {it.name}" if it.name in build.scene.supports else it.name
-    build.scene.supports[name] = build.scene.arm_to(particle, it.at.position)
+    build.scene.supports[name] = arm
 
 
 @statement(
@@ -73,3 +101,9 @@ def motion(build, it):
     arms = scene.position[particles] - it.about.position
     scene.velocity[particles] = it.velocity + np.cross(it.spin, arms)
     scene.spin[particles] = it.spin
+
+
+@statement("record", part=Part(about="what carries it", ground=True), at=AT)
+def recorded(build, it):
+    """A point of a part whose motion is recorded under this name."""
+    build.scene.add_point(it.name, it.part.particle(it.at.name), it.at.position)

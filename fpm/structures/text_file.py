@@ -1,0 +1,116 @@
+"""Structures from YAML, in the language of docs/structures.md: data, which runs no code."""
+
+import functools
+import hashlib
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from fpm.errors import did_you_mean
+from fpm.kernels.sources import syntax_digest
+from fpm.scenes.scene import Scene
+from fpm.scenes.scene_type import SceneType
+from fpm.structures.builder import Builder
+from fpm.structures.model import KEYS, TEXTS, Model
+from fpm.structures.parameter import Given, read_parameters
+from fpm.structures.reading import Node, Problem, Problems, StructureError, among, as_meant, read
+from fpm.structures.sample import build_sample
+
+NAME = re.compile(r"\w[\w .+()-]{0,63}")
+NAMED = "up to 64 letters, digits, spaces and . + - _ ( ), beginning with a letter or digit"
+"""Names of structures: files are called after them."""
+
+
+class _File:
+    """A structure's file, from which scenes are built."""
+
+    def __init__(self, table: Node, given: dict[str, Given], source: str):
+        self.table, self.given, self.source = table, given, source
+        self._models: dict[tuple, Model] = {}
+
+    def build(self, **parameters) -> Scene:
+        """The scene at the values given, each in its parameter's unit."""
+        problems = Problems(self.source)
+        builder = self.builder(parameters, problems)
+        problems.stop()
+        return builder.scene
+
+    def builder(self, parameters: Mapping, problems: Problems) -> Builder:
+        """The sample at the values given; `problems` has what is wrong."""
+        values = {name: one.si(parameters[name]) for name, one in self.given.items()}
+        counts = {name: values[name] for name, one in self.given.items() if one.whole}
+        key = tuple(counts.values())
+        model = self._models.get(key) or Model(self.table, self.given, counts, problems)
+        if not problems:
+            self._models[key] = model
+        return build_sample(model, values, problems)
+
+    def __getstate__(self) -> dict:
+        """What crosses processes: the file, from which models are made again."""
+        return {**self.__dict__, "_models": {}}
+
+
+def load_text(path: Path) -> SceneType:
+    """The structure of a YAML file; StructureError says all that is wrong with it."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not text in UTF-8"
+        problem = Problem(0, f"the file cannot be read: {reason}")
+        raise StructureError(str(path), [problem]) from None
+    return loads(text, str(path))
+
+
+def loads(text: str, source: str = "structure") -> SceneType:
+    """The structure of a YAML file's text; `source` names it in messages."""
+    problems = Problems(source)
+    found = read(text, problems)
+    if {"campaign", "intervals"} <= found.entries.keys():
+        allowed = "a structure's, such as the one its `scene` names"
+        problems.say(0, f"this is a campaign's file; allowed: {allowed}")
+        problems.stop()
+    table = as_meant(found, KEYS, problems)
+    parameters = table.entries.get("parameters", Node({}))
+    if not parameters.is_table:
+        problems.refuse(parameters.line, "parameters", parameters.plain, "a mapping from names")
+        problems.stop()
+    given = read_parameters(parameters, problems)
+    name, description, mesh = (_text(table, key, problems) for key in TEXTS)
+    if name and not NAME.fullmatch(name):
+        problems.refuse(table.lines["name"], "name", name, NAMED)
+    whole = [other for other, one in given.items() if one.whole]
+    if mesh and mesh not in whole and (mesh in given or mesh not in parameters.entries):
+        allowed = f"{did_you_mean(mesh, whole)}; allowed: a parameter with `whole: true`"
+        line = table.entries["mesh"].line
+        problems.say(line, f"mesh: {mesh!r} is not allowed{allowed}: {among(whole)}")
+    if len(given) < len(parameters.entries):
+        problems.stop()  # every use of a parameter left out would be a problem of its own
+    file = _File(table, given, source)
+    scene = file.builder({n: one.parameter.default for n, one in given.items()}, problems).scene
+    problems.stop()
+    content = f"{_language()} {json.dumps(table.plain)}".encode()
+    return SceneType(
+        name=name or Path(source).stem,
+        description=description,
+        parameters={name: one.parameter for name, one in given.items()},
+        points=tuple(scene.points),
+        hinges=tuple(hinge.name for hinge in scene.hinges),
+        function=file.build,
+        cables=tuple(cable.name for cable in scene.cables),
+        mesh=mesh or None,
+        content=hashlib.sha256(content).hexdigest()[:16],
+    )
+
+
+@functools.cache
+def _language() -> str:
+    """Digest of the code that makes scenes of texts."""
+    return syntax_digest(Path(__file__).parent.rglob("*.py"))
+
+
+def _text(table: Node, key: str, problems: Problems) -> str:
+    node = table.entries.get(key, Node(""))
+    if not isinstance(node.value, str):
+        problems.refuse(node.line, key, node.plain, "text")
+    return node.text

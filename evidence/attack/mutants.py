@@ -25,6 +25,7 @@ LEFT_OUT = (
     "*/campaign/pictures/*", "*/campaign/drawing.py", "*/campaign/results/figures.py",
 )  # fmt: skip
 """Command lines, drawings, progress: nothing there changes a number."""
+ALL_KINDS = "tests/golden/test_all_kinds.py"
 NEAREST = 3
 """Files of tests whose slow ones judge a change, too; kernels are compiled anew for each."""
 LIMIT = 900.0
@@ -117,7 +118,10 @@ def make_copy(place: Path) -> None:
 
 def noticed_by(place: Path, tests: list[str]) -> str | None:
     """What notices that something is wrong in a copy: the first test that fails, or the time."""
-    for marked, chosen in (("not slow", tests), ("slow", tests[:NEAREST])):
+    stages = [("not slow", tests), ("slow", tests[:NEAREST])]
+    if ALL_KINDS in tests:  # nothing is compiled for it
+        stages.insert(0, ("slow", [ALL_KINDS]))
+    for marked, chosen in stages:
         try:
             done = run_tests(place, ["-x", "-m", marked, *chosen])
         except subprocess.TimeoutExpired:

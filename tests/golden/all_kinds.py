@@ -1,0 +1,38 @@
+"""Random structures of all kinds, and what became of them; nothing is compiled.
+
+    NUMBA_DISABLE_JIT=1 PYTHONPATH=. python tests/golden/all_kinds.py
+
+prints what all_kinds.json is to hold: for each structure and quantity the sum of its values, with
+weights, and that of what they are without sign. A change that moves them says why.
+"""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from evidence.attack.metamorphic.plain import without_compiling
+from evidence.attack.metamorphic.runs import STEPS, Run, simulate
+
+CASES = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
+
+
+def sums(curves) -> dict[str, list[float]]:
+    """By quantity; each value has a weight of its own, so that none can stand for another."""
+    found: dict[str, list[float]] = {}
+    for (what, _), (values, _) in sorted(curves.items()):
+        count, total, size = found.get(what, (0, 0.0, 0.0))
+        weights = np.cos(1.0 + count + np.arange(values.size))
+        total += float(weights @ values.ravel())
+        found[what] = [count + values.size, total, size + float(np.abs(values).sum())]
+    return {what: [float(f"{x:.12g}") for x in two] for what, (_, *two) in found.items()}
+
+
+if __name__ == "__main__":
+    without_compiling()
+    for case in CASES:
+        run = Run(case["structure"], case["duration"], case["duration"] / STEPS)
+        simulate([run], lambda structure: structure)
+        case["sums"] = sums(run.curves) if run.curves else run.why
+    lines = (json.dumps(case, separators=(",", ":")) for case in CASES)
+    print("[", ",\n".join(lines), "]", sep="\n")

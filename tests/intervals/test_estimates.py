@@ -5,6 +5,7 @@ import pytest
 
 from deployable.intervals import Surrogate, fit, hausdorff, make_design
 from deployable.intervals.estimates import (
+    BEYOND,
     decay_estimate,
     error_estimate,
     held_out_error,
@@ -12,7 +13,7 @@ from deployable.intervals.estimates import (
     widen,
 )
 from deployable.intervals.metrics import compare_bounds, compare_runs
-from deployable.intervals.points import held_out_points
+from deployable.intervals.points import corner_points, held_out_points
 
 
 def estimated(surrogate, time, unit, values, window=None):
@@ -120,6 +121,23 @@ def test_a_tail_is_not_overruled_where_it_is_there(function, order, dimension):
     assert (left >= np.minimum(true, told)).all()
 
 
+@pytest.mark.parametrize("degree", [(3, 0), (0, 3), (4, 0), (0, 4)])
+def test_the_next_coefficient_of_one_direction_is_told_by_five_runs(degree):
+    design = make_design("tensor_roots", 2, 2)
+
+    def curve(points):
+        x, y = points.T
+        wave = [np.polynomial.Chebyshev.basis(n)(u) for n, u in zip(degree, (x, y), strict=True)]
+        return (x + y + 1e-3 * wave[0] * wave[1])[:, None]
+
+    surrogate = fit(design, curve(design.points))
+    held_out = held_out_points(np.ones(2, dtype=bool), 5)
+    missed = curve(held_out) - surrogate.evaluate(held_out)
+    left = overruled(surrogate, design.points, held_out, missed, np.ones(1), np.zeros(1))
+    largest = max(1e-3, np.abs(missed).max())
+    assert left == pytest.approx(BEYOND * largest, rel=1e-9)
+
+
 def test_runs_that_see_the_same_overrule_nothing():
     """Of x^2 - y^2 at opposite corners, where it is zero, a linear surrogate tells nothing."""
     design = make_design("tensor_roots", 2, 1)
@@ -144,3 +162,12 @@ def test_metrics_of_known_bounds():
     runs = np.array([np.full(201, 0.5), np.full(201, 1.5)])
     found = compare_runs(zero, zero + 1, runs)
     assert found == {"coverage": 0.5, "worst_violation": 0.5}
+
+
+@pytest.mark.parametrize("free", [[], [False], [True], [True, False, True], [True] * 4])
+def test_corners_are_those_of_the_directions_that_are_free(free):
+    found, free = corner_points(np.array(free, dtype=bool)), np.array(free, dtype=bool)
+    assert found.shape == (2 ** int(free.sum()), len(free))
+    assert len(np.unique(found, axis=0)) == len(found)
+    assert (np.abs(found) == free).all()
+    np.testing.assert_array_equal(found[1::2], -found[: 2 * (len(found) // 2) : 2])

@@ -31,5 +31,5 @@ KINETIC, BALANCE, ACCOUNTS = 0, 1, 2
 
 # Sums of energies from which the balance is found.
 TOTAL = 0  # at t = 0: stored, less what was given, and what was taken
-STORED = 1  # now, with a little of the kick
+STORED = 1  # sizes of what is stored now, with a little of the kick
 SUMS = 2

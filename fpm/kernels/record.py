@@ -1,7 +1,7 @@
 """Recording: points, energies, and the balance of the energies."""
 
 from fpm.kernels import hooks
-from fpm.kernels.lanes import load, store
+from fpm.kernels.lanes import absolute, load, store
 from fpm.kernels.layout import (
     ACCOUNTS,
     BALANCE,
@@ -107,13 +107,17 @@ def record_after(parts, world, record, row, now):
 def balance(world, energies, row, kick):
     """Energy that came from nowhere since the start: stored, less given, and taken.
 
-    What begins to move by a blow has none between its half steps yet, but for rounding before it
-    times what is after it, which is some 1e-12 of that of the kick.
+    It is small or large against the sizes of what is stored: where a kind's energy is zero, and
+    thus its sign, is a matter of words, as that of a constant moment. What begins to move by a blow
+    has none between its half steps yet, but for rounding before it times what is after it, which is
+    some 1e-12 of that of the kick.
     """
     stored = load(energies, row, KINETIC)
+    size = absolute(stored)
     accounts = ACCOUNTS + world.accounts.shape[1]
     for k in range(accounts, energies.shape[1]):
-        stored = stored + load(energies, row, k)
+        energy = load(energies, row, k)
+        stored, size = stored + energy, size + absolute(energy)
     total = stored
     for k in range(ACCOUNTS, ACCOUNTS + world.givers):
         total = total - load(energies, row, k)
@@ -124,4 +128,4 @@ def balance(world, energies, row, kick):
         store(world.sums, 0, TOTAL, total)
     else:
         store(energies, row, BALANCE, total - load(world.sums, 0, TOTAL))
-    store(world.sums, 0, STORED, stored + NOTICED * kick)
+    store(world.sums, 0, STORED, size + NOTICED * kick)

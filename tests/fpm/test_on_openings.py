@@ -11,7 +11,10 @@ from fpm.elements import Damper, Friction, Latch, Stop, TableSpring
 
 PANEL = {"spring": (0.1, np.pi)}  # of the closed form for a panel with a latch
 TAPE = ((-0.5, 0.0, 0.1, 0.3, 2.0), (0.1, 0.0, -0.8, -0.2, -0.2))
+CONSTANT = (0.5,) * 5  # N m
 CASES = {
+    "below the table": flap(table=((30.0, 31.0, 32.0, 33.0, 34.0), CONSTANT)),
+    "past the table": flap(table=((-34.0, -33.0, -32.0, -31.0, -30.0), CONSTANT)),
     "held": flap(**PANEL, latch={"angle": np.pi / 2, "stiffness": 100.0, "damping": 1.0}),
     "undamped": flap(**PANEL, latch={"angle": np.pi / 2, "stiffness": 100.0}),
     "one-sided": flap(
@@ -241,6 +244,14 @@ def test_a_spring_by_a_table_has_the_integral_of_its_interpolation(ran):
     np.testing.assert_allclose(stored, np.interp(psi, grid, energy - energy.min()), atol=1e-7)
     kinetic = outcome.energies["kinetic"]
     np.testing.assert_allclose(kinetic + stored, kinetic[0] + stored[0], atol=2e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["below the table", "past the table"])
+def test_where_a_constant_moment_has_no_energy_does_not_matter(ran, name):
+    """Past the table its energy is below zero, and all that is stored with it."""
+    time = np.linspace(0.0, RUN["duration"], RUN["instants"])
+    np.testing.assert_allclose(opening(ran[name]), CONSTANT[0] / J / 2 * time**2, atol=1e-9)
 
 
 @pytest.mark.slow

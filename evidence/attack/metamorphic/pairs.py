@@ -37,6 +37,9 @@ AMID = frozenset(
 )
 """Of the instant at which a latch catches: interpolated in the step, from the axes of a side."""
 
+UNBALANCED = "the energy balance is off"
+"""By more than all there is: the scale is wrong, or energy comes from nowhere."""
+
 LEAST = 0.01
 """In SI units: smaller curves than this (m, N, J, ...) are compared with it."""
 
@@ -126,8 +129,9 @@ class Trial:
         runs = {name: self._run(image) for name, image in images.items()}
         simulate([base, *nudges, *runs.values()], self.beside)
         if base.curves is None:
+            outcome = "wrong" if UNBALANCED in base.why else "failed"
             yield from (
-                Verdict(name, "failed", base.why, self.structure, self.structure) for name in runs
+                Verdict(name, outcome, base.why, self.structure, self.structure) for name in runs
             )
             return
         growth = self._growth(base, nudges)

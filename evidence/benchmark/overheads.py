@@ -63,7 +63,7 @@ def writing(repeats: int, instants: int = 2001, runs: int = 8) -> list[Row]:
 
     scenes = linkages(runs)
     kind = scene_type("bennett")
-    response = fpm.responses.parse("BD", {"distance": ["B", "D"]}, kind)
+    response = fpm.responses.parse("BD", {"distance": ["B", "D"]}, kind.sample)
     outcomes = fpm.simulate(scenes, duration=0.01 * (instants - 1) / 2000, instants=instants)
     datasets = [outcome.dataset([response]) for outcome in outcomes]
     with tempfile.TemporaryDirectory() as folder:

@@ -19,7 +19,7 @@ def columns(variable: str, *names: str) -> list[tuple[str, str]]:
 
 def vector(outcome: fpm.Outcome, variable: str, name: str) -> np.ndarray:
     """A recorded vector (t, 3)."""
-    return np.stack([outcome.asked[variable, f"{name} {axis}"] for axis in AXES], axis=1)
+    return np.stack([outcome.columns[variable, f"{name} {axis}"] for axis in AXES], axis=1)
 
 
 def hinge_force(bench: Bench) -> None:
@@ -39,7 +39,7 @@ def hinge_force(bench: Bench) -> None:
     bench.check_small("force along the arm", off / weight, 1e-4, source, "m g")
     off = np.abs((force * side).sum(axis=1) - across).max()
     bench.check_small("force across it", off / weight, 1e-4, source, "m g")
-    rate = outcome.asked["opening_rate", "O"]
+    rate = outcome.columns["opening_rate", "O"]
     worst = np.abs(rate**2 - square).max() / square.max()
     bench.check_small("square of the rate", worst, 1e-4, "energy", "largest")
     figure = bench.figure("Force of a pendulum's hinge", "angle (°)", "force / m g")
@@ -76,7 +76,7 @@ def clamped_bar(bench: Bench) -> None:
     bench.check_small("reaction", off, 1e-6, "statics", "load")
     off = np.abs(moment + clamp).max() / np.linalg.norm(clamp)
     bench.check_small("moment of the clamp", off, 1e-5, "statics, where the end is", "itself")
-    found = [outcome.asked[column][-1] for column in record if column[0] == "section_moment"]
+    found = [outcome.columns[column][-1] for column in record if column[0] == "section_moment"]
     # Of small deflections; those of both planes, with what the axial force takes off.
     for name, value, load, second in (
         ("about y", found[1], -force[2], section.Iy),
@@ -94,7 +94,7 @@ def clamped_bar(bench: Bench) -> None:
     shear = torque / (0.231 * side * height**2)  # 3 : 2
     exact = max(corner, float(np.hypot(top, np.sqrt(3) * shear)))
     source = "σ = N/A + M/W; τ = T/(0.231 b h²), Timoshenko and Goodier § 109; von Mises"
-    bench.check("largest stress (Pa)", outcome.asked["stress", "bar"][-1], exact, 5e-3, source)
+    bench.check("largest stress (Pa)", outcome.columns["stress", "bar"][-1], exact, 5e-3, source)
 
 
 def balance_of_linkage(bench: Bench) -> None:
@@ -135,12 +135,12 @@ def moments_on_hinge(bench: Bench) -> None:
     (outcome,) = bench.simulate(scene, duration=0.5, instants=501, step=1e-4, record=record)
     opening = outcome.openings["hinge"]
     slides = opening > 2e-3
-    spring, friction = (outcome.asked["joint_moment", f"hinge {part}"] for part in parts)
+    spring, friction = (outcome.columns["joint_moment", f"hinge {part}"] for part in parts)
     worst = np.abs(spring + stiffness * opening).max()
     bench.check_small("spring", worst / (stiffness * opening.max()), 1e-12, "-k ψ", "largest")
     worst = np.abs(friction[slides] + slipping).max() / slipping
     bench.check_small("friction while it slips", worst, 1e-12, "-M", "M")
-    lost = -outcome.asked["joint_work", "hinge friction"][slides]
+    lost = -outcome.columns["joint_work", "hinge friction"][slides]
     exact = slipping * (opening[slides] - 0.5e-3)  # bent by 1 mrad before it slips
     worst = np.abs(lost - exact).max() / exact.max()
     bench.check_small("work against friction", worst, 1e-3, "M Δψ, less the bristle's", "largest")

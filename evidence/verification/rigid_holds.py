@@ -7,7 +7,6 @@ import fpm
 from evidence.verification.bench import Bench, observed_orders
 from fpm.elements import RigidLatch, RigidRelease
 from fpm.elements.bars.beam import Material, Section
-from fpm.files.trajectory import curves_of
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.responses import Response
 
@@ -55,7 +54,7 @@ def just_before(outcome: fpm.Outcome) -> float:
     moving = Response("moving", "energy", ("kinetic",), "", "J", "kinetic energy")
     asked = {"t": {"event": "latches"}, "before": {"value": "moving", "at": "t"}}
     (_, before), _ = parse(asked, [moving], outcome.eventful)
-    return before.evaluate(curves_of(outcome))
+    return before.evaluate(outcome)
 
 
 def impacts(bench: Bench) -> None:

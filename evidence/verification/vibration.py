@@ -138,7 +138,7 @@ def pulled_at_once(bench: Bench) -> None:
         scene.add(Viscosity(share))
         asked = [("stress", "all")]
         (outcome,) = bench.simulate(scene, duration=4 * way, instants=801, record=asked)
-        stress = outcome.asked[asked[0]] / (force / SECTION.A)
+        stress = outcome.columns[asked[0]] / (force / SECTION.A)
         figure.curve(outcome.time / way, stress, f"viscosity {share:g}")
     bench.check("largest stress (F/A)", stress.max(), 2.0, 0.02, "d'Alembert")
     early = (outcome.time > 0.5 * way) & (outcome.time < 0.9 * way)

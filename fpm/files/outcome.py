@@ -1,6 +1,6 @@
 """What a run gives back: the curves of one sample, its events, and why it failed if it did."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -9,8 +9,7 @@ import numpy as np
 from fpm.elements import kinds_of
 from fpm.elements.kind import Energy, Eventful, Kind, Recorded
 from fpm.errors import InstabilityError
-from fpm.files.trajectory import LATCHES, to_dataset
-from fpm.files.variables import VARIABLES, Column
+from fpm.files.trajectory import Column, Curves, to_dataset
 from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import StableStep
 
@@ -40,28 +39,20 @@ def eventful(scene: Scene, kinds: Iterable[type[Kind]] | None = None) -> tuple[E
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What one sample did.
+class Outcome(Curves):
+    """What one sample did: its curves and events, and
 
-    time (t,) s; points: name -> (position (t, 3) m, velocity (t, 3) m/s); energies: name -> (t,) J;
-    recorded: what else was recorded, by the names of the variables in a trajectory file; events
-    (e, 3): time (s), index into `eventful`, number of the event (a contact's: 1 if it closes);
-    events_dropped: how many more there were; largest: of everything that is watched (`bend`, the
-    largest sine of the angle between an element's chord and its ends, or of its twist; `strain` at
-    the surface of an element; ...); final: the motion of all particles at the end; failure: None or
-    the InstabilityError of this sample, whose curves and final motion mean nothing then.
+    energy_kinds, by name as in `energies`; recorded: what else was recorded, by the names of the
+    variables in a trajectory file; steps; limit: the stable step; largest: of everything that is
+    watched (`bend`, the largest sine of the angle between an element's chord and its ends, or of
+    its twist; `strain` at the surface of an element; ...); final: the motion of all particles at
+    the end; failure: None or the InstabilityError of this sample, whose curves and final motion
+    mean nothing then.
     """
 
     scene: Scene
-    time: np.ndarray
-    points: dict[str, tuple[np.ndarray, np.ndarray]]
-    energies: dict[str, np.ndarray]
     energy_kinds: tuple[Energy, ...]
     recorded: dict[str, Recorded]
-    events: np.ndarray
-    eventful: tuple[Eventful, ...]
-    events_dropped: int
-    step: float
     steps: int
     limit: StableStep | None
     failure: InstabilityError | None
@@ -69,28 +60,9 @@ class Outcome:
     final: Motion = field(repr=False)
 
     @property
-    def openings(self) -> dict[str, np.ndarray]:
-        """Openings (t,) in rad, or of slides in m, by the names of the hinges."""
-        return {**self._by_name("opening"), **self._by_name("slide_opening")}
-
-    @property
     def tensions(self) -> dict[str, np.ndarray]:
         """Tensions (t,) in N by the names of the cables."""
-        return self._by_name("cable_tension")
-
-    @property
-    def asked(self) -> dict[Column, np.ndarray]:
-        """What was recorded because it was asked (fpm.files.variables): values (t,) by column."""
-        return {
-            (name, label): values
-            for name in VARIABLES
-            for label, values in self._by_name(name).items()
-        }
-
-    @property
-    def latches(self) -> dict[Column, np.ndarray]:
-        """What was recorded of latches (t,), by variable and latch."""
-        return {(n, label): x for n in LATCHES for label, x in self._by_name(n).items()}
+        return self.labelled("cable_tension")
 
     @property
     def gap(self) -> np.ndarray:
@@ -102,12 +74,6 @@ class Outcome:
         """Largest angle (t,) in rad between the axes of a hinge."""
         return self._recorded_or_zero("hinge_axis_gap")
 
-    def _by_name(self, name: str) -> dict[str, np.ndarray]:
-        if name not in self.recorded:
-            return {}
-        found = self.recorded[name]
-        return {label: found.values[:, i] for i, label in enumerate(found.labels)}
-
     def _recorded_or_zero(self, name: str) -> np.ndarray:
         return self.recorded[name].values if name in self.recorded else np.zeros(len(self.time))
 
@@ -117,3 +83,12 @@ class Outcome:
         responses: sequence of fpm.responses.Response; the others as in fpm.trajectory.contents.
         """
         return to_dataset(self, responses, attributes, parameters)
+
+
+def columns_of(recorded: Mapping[str, Recorded]) -> dict[Column, np.ndarray]:
+    """The columns (t,) of what was recorded along a dimension."""
+    return {
+        (name, label): found.values[:, i]
+        for name, found in recorded.items()
+        for i, label in enumerate(found.labels)
+    }

@@ -1,24 +1,22 @@
 """Trajectory files: one netCDF file per run, complete or absent, and sealed (`fpm.files.sealed`).
 
-Written in the classic format, which is quick for files of this kind (`fpm.classic`); to be read by
-any netCDF library, and by `read_curves`. The format has no empty arrays: a run without events has
-no variables of events. Energies and what else the kinds in a scene record have the names that the
-kinds give them; all others are fixed.
+Written in the classic format, which is quick for files of this kind (`fpm.files.classic`); to be
+read by any netCDF library, and by `read_curves`. The format has no empty arrays: a run without
+events has no variables of events. Energies and what else the kinds in a scene record have the names
+that the kinds give them; all others are fixed.
 """
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fpm.elements.cross import columns
+from fpm.elements.cross import columns as stacked
 from fpm.elements.kind import Eventful
-from fpm.elements.openings.latch import RECORDED
 from fpm.files import classic, sealed
-from fpm.files.variables import VARIABLES, Column
 
 if TYPE_CHECKING:
     import xarray
@@ -28,12 +26,11 @@ CONVENTIONS = "CF-1.8"
 
 _PARAMETER = "parameter_"
 
-LATCHES = {
-    slide + name.replace("moment", load): slide + dimension
-    for slide, load in (("", "moment"), ("slide_", "force"))
-    for name, (_, _, dimension, _) in RECORDED.items()
-}
-"""Variables of latches, and their dimensions (kinds/latch.py)."""
+Column = tuple[str, str]
+"""Of what is recorded beside points and energies: a variable, and a label along its dimension."""
+
+IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
+"""Events at which velocities change all at once, and those that end what they begin."""
 
 
 class Contents(NamedTuple):
@@ -43,30 +40,66 @@ class Contents(NamedTuple):
     variables: dict[str, classic.Variable]
 
 
-class Curves(NamedTuple):
-    """What responses are functions of, as an `fpm.Outcome` has it: time (t,) s; points: name ->
-    (position (t, 3) m, velocity (t, 3) m/s); openings: hinge -> (t,) rad, slide -> (t,) m;
-    tensions: cable -> (t,) N; energies: kind -> (t,) J; latches: what was recorded of latches (t,),
-    by variable (LATCHES) and latch.
+class Impacts(NamedTuple):
+    """Impacts (e, 3): time (s), index into `names`, 1 if it begins, 0 if it ends; and the names of
+    all elements that have some, contacts by those of their hinges."""
 
-    Also events (e, 3) of contacts: time (s), index among the contacts, 1 if it closes; contacts:
-    names of their hinges. happened: times (s) by element and event, of all that have events;
-    events_dropped: how many more there were; step: of the time loop (s). asked: values (t,) of the
-    columns that were asked for (fpm.files.variables).
+    events: np.ndarray
+    names: list[str]
+
+
+@dataclass(frozen=True)
+class Curves:
+    """What responses and quantities are read off: time (t,) s; points: name -> (position (t, 3) m,
+    velocity (t, 3) m/s); energies: name -> (t,) J; columns: values (t,) of what else is recorded;
+    events (e, 3): time (s), index into `eventful`, number of the event; events_dropped: how many
+    more there were; step: of the time loop (s).
     """
 
     time: np.ndarray
     points: dict[str, tuple[np.ndarray, np.ndarray]]
-    openings: dict[str, np.ndarray]
-    tensions: dict[str, np.ndarray]
     energies: dict[str, np.ndarray]
+    columns: Mapping[Column, np.ndarray]
     events: np.ndarray
-    contacts: list[str]
-    happened: dict[tuple[str, str], np.ndarray]
+    eventful: tuple[Eventful, ...]
     events_dropped: int
     step: float
-    asked: Mapping[Column, np.ndarray] = MappingProxyType({})
-    latches: Mapping[Column, np.ndarray] = MappingProxyType({})
+
+    @property
+    def openings(self) -> dict[str, np.ndarray]:
+        """Openings (t,) in rad, or of slides in m, by the names of the hinges."""
+        return {**self.labelled("opening"), **self.labelled("slide_opening")}
+
+    def labelled(self, variable: str) -> dict[str, np.ndarray]:
+        """The columns of a variable by their labels."""
+        return {label: x for (name, label), x in self.columns.items() if name == variable}
+
+    def times(self, event: str, places: Iterable[str]) -> np.ndarray:
+        """Times (s) of an event of elements with these names, in order."""
+        numbers = [e.events.index(event) if e.name in places and event in e.events else -1
+                   for e in self.eventful]  # fmt: skip
+        its = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
+        return np.sort(self.events[its, 0])
+
+    def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
+        """The events that begin or end an impact, by these pairs: where responses bend or jump.
+
+        A latch closes and opens at once: it does not stand in the way of the impacts that follow.
+        """
+        begins = [next((e for e in own.events if e in pairs), None) for own in self.eventful]
+        having = [begin is not None for begin in begins]
+        index, element = np.cumsum(having) - 1, self.events[:, 1].astype(int)
+        found = []
+        for number_of, begun in ((lambda e: e, 1.0), (pairs.get, 0.0)):
+            numbers = [own.events.index(number_of(begin)) if begin else -1
+                       for own, begin in zip(self.eventful, begins, strict=True)]  # fmt: skip
+            its = np.flatnonzero(self.events[:, 2] == np.array(numbers, int)[element])
+            found.append(stacked(self.events[its, 0], index[element[its]], begun))
+        rows = np.concatenate(found)
+        # In order of time; what begins and ends at once begins first.
+        rows = rows[np.lexsort((rows[:, 1], -rows[:, 2], rows[:, 0]))]
+        names = [e.name for e, has in zip(self.eventful, having, strict=True) if has]
+        return Impacts(rows, [name.removeprefix("contact ") for name in names])
 
 
 def contents(outcome, responses=(), attributes=None, parameters=None) -> Contents:
@@ -152,8 +185,7 @@ def _recorded(outcome) -> dict[str, classic.Variable]:
 
 
 def _events(outcome) -> dict[str, classic.Variable]:
-    time, element, which = outcome.events.T
-    eventful = outcome.eventful
+    (time, element, which), eventful = outcome.events.T, outcome.eventful
     return {
         **_names("event_element", (e.name for e in eventful), "element that has events"),
         **_names(
@@ -240,73 +272,6 @@ def read(path: str | os.PathLike) -> "xarray.Dataset":
         return dataset.load()
 
 
-def contact_events(events: np.ndarray, elements: Sequence[str]) -> dict[str, Any]:
-    """Of the events (e, 3) of all elements those of contacts, with indices among these.
-
-    elements: names of all that have events. Returns `events` and `contacts`, as `Curves` has them.
-    """
-    places = [i for i, name in enumerate(elements) if name.startswith("contact ")]
-    found = events[np.isin(events[:, 1], places)]
-    found[:, 1] = np.searchsorted(places, found[:, 1])
-    return {"events": found, "contacts": [elements[i].removeprefix("contact ") for i in places]}
-
-
-IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
-"""Events at which velocities change all at once, and those that end what they begin."""
-
-
-def impact_events(events: np.ndarray, eventful: Iterable[Eventful]) -> dict[str, Any]:
-    """Of the events (e, 3) of all elements those of impacts: where responses bend or jump.
-
-    eventful: elements with their events. Returns `events` and `contacts`, as `Curves` has them;
-    others than contacts go by their whole names. A latch closes and opens at once: it does not
-    stand in the way of the impacts that follow.
-    """
-    names, index, begins, ends = [], [], [], []  # of each element, -1 where it has no impacts
-    for name, own, _ in eventful:
-        impact = next((event for event in own if event in IMPACTS), None)
-        index.append(-1 if impact is None else len(names))
-        begins.append(-1 if impact is None else own.index(impact))
-        ends.append(-1 if impact is None else own.index(IMPACTS[impact]))
-        if impact is not None:
-            names.append(name.removeprefix("contact "))
-    time, number, element = events[:, 0], events[:, 2], events[:, 1].astype(int)
-    found = []
-    for numbers, closing in ((begins, 1.0), (ends, 0.0)):
-        its = np.flatnonzero(number == np.array(numbers, int)[element])
-        found.append(columns(time[its], np.array(index, int)[element[its]], closing))
-    rows = np.concatenate(found)
-    # In order of time; what closes and opens at once closes first.
-    return {"events": rows[np.lexsort((rows[:, 1], -rows[:, 2], rows[:, 0]))], "contacts": names}
-
-
-def happened(events: np.ndarray, eventful: Iterable[Eventful]) -> dict[tuple[str, str], np.ndarray]:
-    """Times (s) by element and event, of events (e, 3); eventful: elements with their events."""
-    return {
-        (name, event): events[(events[:, 1] == i) & (events[:, 2] == number), 0]
-        for i, (name, own, _) in enumerate(eventful)
-        for number, event in enumerate(own)
-    }
-
-
-def curves_of(outcome) -> Curves:
-    """The curves of an outcome (fpm.Outcome), as `read_curves` finds them in its file."""
-    eventful = outcome.eventful
-    return Curves(
-        time=outcome.time,
-        points=outcome.points,
-        openings=outcome.openings,
-        tensions=outcome.tensions,
-        energies=outcome.energies,
-        **impact_events(outcome.events, eventful),
-        happened=happened(outcome.events, eventful),
-        events_dropped=outcome.events_dropped,
-        step=outcome.step,
-        asked=outcome.asked,
-        latches=outcome.latches,
-    )
-
-
 def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
     """The curves of a trajectory, a hundred times faster than `read`; `run`: which it must be.
 
@@ -325,50 +290,33 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
     def values(name: str) -> np.ndarray:
         return variables[name].values
 
-    def events() -> np.ndarray:
-        columns = ("event_time", "event_of", "event_number")
-        if columns[0] not in variables:
-            return np.zeros((0, len(columns)))
-        return np.stack([values(name) for name in columns], axis=1)
-
     try:
-        eventful = [
-            Eventful(name, tuple(events.split(" ")))
-            for name, events in zip(names("event_element"), names("event_names"), strict=True)
-        ]
-        found = events()
+        columns = ("event_time", "event_of", "event_number")
+        events = [values(name) for name in columns if name in variables]
         return Curves(
             time=values("time"),
             points={
                 name: (values("position")[:, i], values("velocity")[:, i])
                 for i, name in enumerate(names("point"))
             },
-            openings={
-                name: values(variable)[:, i]
-                for variable, own in (("opening", "hinge"), ("slide_opening", "slide"))
-                for i, name in enumerate(names(own))
-            },
-            tensions={n: values("cable_tension")[:, i] for i, n in enumerate(names("cable"))},
             energies={
                 v.attributes["energy"]: v.values
                 for v in variables.values()
                 if "energy" in v.attributes
             },
-            **impact_events(found, eventful),
-            happened=happened(found, eventful),
+            columns={
+                (name, label): v.values[:, i]
+                for name, v in variables.items()
+                if len(v.dims) == 2 and v.dims[0] == "time"
+                for i, label in enumerate(names(v.dims[1]))
+            },
+            events=np.stack(events, axis=1) if events else np.zeros((0, len(columns))),
+            eventful=tuple(
+                Eventful(name, tuple(own.split(" ")))
+                for name, own in zip(names("event_element"), names("event_names"), strict=True)
+            ),
             events_dropped=int(attributes.get("events_dropped", 0)),
             step=float(attributes["time_step"]),
-            asked={
-                (name, label): values(name)[:, i]
-                for name, (_, _, dimension) in VARIABLES.items()
-                for i, label in enumerate(names(dimension))
-            },
-            latches={
-                (name, label): values(name)[:, i]
-                for name, dimension in LATCHES.items()
-                if name in variables
-                for i, label in enumerate(names(dimension))
-            },
         )
     except KeyError as missing:
         raise OSError(f"{os.fspath(path)} has no variable {missing}") from None

@@ -14,7 +14,7 @@ from fpm.elements.bars.beam import elements_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.errors import SceneError
 from fpm.files.outcome import Outcome
-from fpm.files.variables import Column
+from fpm.files.trajectory import Column
 from fpm.motions.motion_dataset import BOX_CORNERS, Recorded, to_dataset
 from fpm.scenes.scene import Scene
 from fpm.solver.simulate import simulate

@@ -9,7 +9,7 @@ import numpy as np
 
 from fpm.elements.bars.beam import elements_of
 from fpm.files.outcome import Outcome
-from fpm.files.trajectory import CONVENTIONS, contact_events
+from fpm.files.trajectory import CONVENTIONS
 from fpm.reading.stress import element_stress
 from fpm.scenes.scene import Scene
 
@@ -194,8 +194,7 @@ def _cables(found: Recorded) -> dict[str, tuple]:
 
 
 def _events(outcome: Outcome) -> dict[str, tuple]:
-    names = [element.name for element in outcome.eventful]
-    time, contact, closing = contact_events(outcome.events, names)["events"].T
+    time, contact, closing = outcome.impacts({"closes": "opens"}).events.T
     return {
         "contact_event_time": ("event", time, "s", "time at which a contact closes or opens"),
         "contact_event_contact": ("event", contact.astype(np.int32), "1", "index of the contact"),

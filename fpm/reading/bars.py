@@ -14,8 +14,8 @@ import numpy as np
 from fpm.elements.bars.beam import Beams, Section
 from fpm.scenes.scene import Scene
 
-FORCES = {"axial": 0, "shear_y": 1, "shear_z": 2}
-MOMENTS = {"torsion": 0, "bending_y": 1, "bending_z": 2}
+FORCES = ("axial", "shear_y", "shear_z")
+MOMENTS = ("torsion", "bending_y", "bending_z")
 """Components of forces and moments in a section, in the order of the axes."""
 
 
@@ -56,22 +56,25 @@ def bars_of(scene: Scene) -> dict[str, Bar]:
     return {name: Bar(name, tuple(found)) for name, found in groups.items()}
 
 
+def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Of both ends of the elements of a group: positions (t, m, 3) m, and axes y and z of their
+    sections as the particles there carry them (t, m, 3, 2). place(particle) gives positions (t, 3)
+    m, axes(particle) frames (t, 3, 3)."""
+    start, found = scene.frame if scene.unstrained is None else scene.unstrained, []
+    for nodes in beams.nodes.T:
+        frames = np.stack([axes(int(p)) for p in nodes], axis=1)
+        own = frames @ (start[nodes].transpose(0, 2, 1) @ beams.triad[:, :, 1:])
+        found.append((np.stack([place(int(p)) for p in nodes], axis=1), own))
+    return found
+
+
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
-    """Of the elements of a group; place(particle) gives its positions (t, 3) m, axes(particle) its
-    frames (t, 3, 3)."""
-    nodes, (_, axial, bend_z, bend_y, twist) = beams.nodes, beams.stiffness().T
-    particles = sorted(set(nodes.ravel()))
-    positions = np.stack([place(int(p)) for p in particles], axis=1)
-    frames = np.stack([axes(int(p)) for p in particles], axis=1)
-    rows = np.searchsorted(particles, nodes)
-    chord = positions[:, rows[:, 1]] - positions[:, rows[:, 0]]
+    """Of the elements of a group; place and axes as for `ends_of`."""
+    _, axial, bend_z, bend_y, twist = beams.stiffness().T
+    (first, *own), (second, *other) = ends_of(scene, beams, place, axes)
+    chord, own = second - first, own + other
     length = np.linalg.norm(chord, axis=2)
     chord = chord / length[:, :, None]
-    start = scene.frame if scene.unstrained is None else scene.unstrained
-    own = [  # axes 2 and 3 of the elements as either end carries them, (t, m, 3, 2)
-        frames[:, rows[:, k]] @ (start[nodes[:, k]].transpose(0, 2, 1) @ beams.triad[:, :, 1:])
-        for k in (0, 1)
-    ]
     sines = [np.einsum("tmi,tmik->tmk", chord, each) for each in own]
     angles = [s * (1.0 + s**2 / 6.0) for s in sines]
     stiffness = np.stack([bend_z, bend_y], axis=1)

@@ -8,7 +8,7 @@ each other. Below zero they overlap.
 
 import numpy as np
 
-from fpm.reading.bars import Bar, half_sizes
+from fpm.reading.bars import Bar, ends_of, half_sizes
 from fpm.scenes.scene import Scene
 
 MOST_PAIRS = 1 << 20
@@ -29,14 +29,11 @@ def _lines(scene: Scene, bar: Bar, place, axes) -> tuple[np.ndarray, ...]:
     axes y and z, as vectors (t, m, 2, 3), with radii (t, m) of round ones."""
     found = []
     for beams in bar.groups:
-        ends = [np.stack([place(int(p)) for p in column], axis=1) for column in beams.nodes.T]
-        frames = np.stack([axes(int(p)) for p in beams.nodes[:, 0]], axis=1)
-        start = (scene.frame if scene.unstrained is None else scene.unstrained)[beams.nodes[:, 0]]
-        own = frames @ (start.transpose(0, 2, 1) @ beams.triad[:, :, 1:])
+        (start, own), (end, _) = ends_of(scene, beams, place, axes)
         y, z = half_sizes(beams.section)
         is_round = beams.section.outline == "round"
         sides = own.swapaxes(2, 3) * (0.0 if is_round else np.array([[y], [z]]))
-        found.append((*ends, sides, np.full(ends[0].shape[:2], y if is_round else 0.0)))
+        found.append((start, end, sides, np.full(start.shape[:2], y if is_round else 0.0)))
     return tuple(np.concatenate(arrays, axis=1) for arrays in zip(*found, strict=True))
 
 

@@ -16,7 +16,7 @@ from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.particles.drive import Drive
-from fpm.reading.kept import Kept
+from fpm.reading.recording import Recording, Sides
 from fpm.scenes.scene import Scene
 
 SUPPORT = " (its support)"  # what joints are called that hold the point of a hinge
@@ -24,62 +24,55 @@ SUPPORT = " (its support)"  # what joints are called that hold the point of a hi
 
 def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
     """All joints of two parts by name."""
-    found = {}
-    for joint in (*Hinge.of(scene), *Joint.of(scene)):
-        if len(joint.beams) == 2 and not joint.holds_opening:
-            found[joint.name] = joint
-    return found
+    joints = (*Hinge.of(scene), *Joint.of(scene))
+    return {j.name: j for j in joints if len(j.beams) == 2 and not j.holds_opening}
 
 
-def point_of(kept: Kept, joint: Hinge | Joint) -> np.ndarray:
+def point_of(run: Recording, joint: Hinge | Joint) -> np.ndarray:
     """Where the forces of a joint act (t, 3) m: its point on the first part, on the second of a
     slider."""
     beam = joint.beams[1 if joint.type == "prismatic" else 0]
-    return kept.place(beam.particle) + kept.arm(beam)
+    return run.place(beam.particle) + run.arm(beam)
 
 
-def couple_on_two(kept: Kept, joint: Hinge | Joint, sides) -> np.ndarray:
+def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndarray:
     """Moment (t, 3) N m of a joint on its second part about its point.
 
     About axes about which the second does not turn it is the opposite of that on the first.
     """
-    point = point_of(kept, joint)
-    one, two = (kept.place(beam.particle) for beam in joint.beams)
+    point = point_of(run, joint)
+    one, two = (run.place(beam.particle) for beam in joint.beams)
     found = sides.about_two - np.cross(point - two, sides.on_two)
     other = np.cross(point - one, sides.on_one) - sides.about_one
     second = joint.beams[1].particle
-    turns = ~kept.scene.fixed[second, 3:] | (second in Drive.moved(kept.scene))
+    turns = ~run.scene.fixed[second, 3:] | (second in Drive.moved(run.scene))
     return np.where(turns, found, other)
 
 
-def on_particle(kept: Kept, particle: int) -> tuple[np.ndarray, np.ndarray]:
+def on_particle(run: Recording, particle: int) -> tuple[np.ndarray, np.ndarray]:
     """Force (t, 3) N of all joints on a particle, and their moment (t, 3) N m about it."""
-    force, moment = np.zeros((2, len(kept.time), 3))
-    for joint, sides in kept.joints:
+    force, moment = np.zeros((2, len(run.time), 3))
+    for joint, sides in run.joints:
         for k, beam in enumerate(joint.beams):
             if beam.particle != particle:
                 continue
             on, sign = ((sides.on_one, -1.0), (sides.on_two, 1.0))[k]
             force = force + on
             if len(joint.beams) == 1:
-                moment = moment + np.cross(kept.arm(beam), on)
+                moment = moment + np.cross(run.arm(beam), on)
                 continue
-            lever = point_of(kept, joint) - kept.place(particle)
-            moment = moment + np.cross(lever, on) + sign * couple_on_two(kept, joint, sides)
+            lever = point_of(run, joint) - run.place(particle)
+            moment = moment + np.cross(lever, on) + sign * couple_on_two(run, joint, sides)
     return force, moment
 
 
 class Reaction(NamedTuple):
-    """What holds or drives a point: the end of `beam`; turns: whether there is a moment of it."""
+    """What holds or drives a point, the end of `beam`: joints by their names that hold the point
+    itself; and whether its particle is held or driven, so that there may be a moment, too."""
 
     beam: VirtualBeam
-    holders: tuple[str, ...]  # names of joints that hold the point itself
-    particle: bool  # whether the particle is held or driven
-
-    @property
-    def turns(self) -> bool:
-        """Whether there may be a moment about the point."""
-        return self.particle
+    holders: tuple[str, ...]
+    particle: bool
 
 
 def reactions_of(scene: Scene) -> dict[str, Reaction]:
@@ -98,7 +91,7 @@ def reactions_of(scene: Scene) -> dict[str, Reaction]:
     return found
 
 
-def reaction(kept: Kept, name: str) -> tuple[np.ndarray, np.ndarray]:
+def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Force (t, 3) N of a support or drive on the structure, and its moment (t, 3) N m about its
     point.
 
@@ -107,26 +100,24 @@ def reaction(kept: Kept, name: str) -> tuple[np.ndarray, np.ndarray]:
     What is held altogether and is neither on a bar nor a body with a name is the ground: it has no
     weight (`Kind.weight`).
     """
-    scene, found = kept.scene, reactions_of(kept.scene)[name]
-    force, moment = np.zeros((2, len(kept.time), 3))
-    for joint, sides in kept.joints:
+    scene, found = run.scene, reactions_of(run.scene)[name]
+    particle = found.beam.particle
+    force, moment = np.zeros((2, len(run.time), 3))
+    for joint, sides in run.joints:
         if joint.name in found.holders and len(joint.beams) == 2:
             force = force + (sides.on_one + sides.on_two)
         elif joint.name.removesuffix(SUPPORT) in found.holders and len(joint.beams) == 1:
             force = force + sides.on_one
     if found.particle:
-        particle = found.beam.particle
         fixed = scene.fixed[particle]
-        terms = zip(
-            kept.inertia(particle), kept.force(particle), on_particle(kept, particle), strict=True
-        )
-        held, turned = (change - applied - joined for change, applied, joined in terms)
+        terms = run.inertia(particle), run.force(particle), on_particle(run, particle)
+        held, turned = (a - b - c for a, b, c in zip(*terms, strict=True))
         held, turned = held * fixed[:3], turned * fixed[3:]
         if _is_ground(scene, particle):
-            weights = [kind.weight(scene, particle, kept.time) for kind in kinds_of([scene])]
+            weights = [kind.weight(scene, particle, run.time) for kind in kinds_of([scene])]
             held = held + sum(weights)
         force = force + held
-        moment = turned - np.cross(kept.arm(found.beam), held)
+        moment = turned - np.cross(run.arm(found.beam), held)
     return force, moment
 
 

@@ -6,6 +6,8 @@ recorded, as of points, it goes through values and rates of three instants (Herm
 Interpolation and Approximation, ch. 2), and the error falls with the sixth power of their distance.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from fpm.files.trajectory import Curves
@@ -29,7 +31,7 @@ def value_at(curves: Curves, response: Response, at: float, event: bool) -> floa
     value at the last instant that is a step before, else that between two instants.
     """
     time, step, values = curves.time, curves.step, response.evaluate(curves)
-    times = np.sort(np.concatenate([np.zeros(0), *curves.happened.values()]))
+    times = np.sort(curves.events[:, 0])
     if event:  # those that a few steps cannot tell apart are one
         at = float(times[np.searchsorted(times, at - TOLD_APART * step)])
     after = times[np.searchsorted(times, at, side="left" if event else "right") :]
@@ -63,8 +65,8 @@ def _continued(curves: Curves, response: Response, near, at: float) -> float | N
     if not found or any(value is None for value in found.values()):
         return None
     points = {name: (value, value) for name, value in found.items()}
-    openings = {name: value[:, 0] for name, value in found.items()}
-    then = curves._replace(time=np.array([at]), points=points, openings=openings)
+    columns = {("opening", name): value[:, 0] for name, value in found.items()}
+    then = replace(curves, time=np.array([at]), points=points, columns=columns)
     return float(response.evaluate(then)[0])
 
 
@@ -72,18 +74,14 @@ def _with_rates(curves: Curves, kind: str, name: str) -> tuple[np.ndarray, np.nd
     """What a response of a kind is made of, of that point or hinge, and its rates (t, k)."""
     if kind in ("position", "distance"):
         return curves.points[name]
-    if kind == "velocity":
-        rates, values = (
-            [("acceleration", f"{name} {axis}") for axis in "xyz"],
-            curves.points[name][1],
-        )
-    elif kind == "opening":
-        rates, values = [("opening_rate", name)], curves.openings[name][:, None]
-    else:
+    rates = {
+        "velocity": [("acceleration", f"{name} {axis}") for axis in "xyz"],
+        "opening": [("opening_rate", name)],
+    }.get(kind, [])
+    if not rates or any(column not in curves.columns for column in rates):
         return None
-    if not all(column in curves.asked for column in rates):
-        return None
-    return values, np.stack([curves.asked[column] for column in rates], axis=1)
+    values = curves.points[name][1] if kind == "velocity" else curves.openings[name][:, None]
+    return values, np.stack([curves.columns[column] for column in rates], axis=1)
 
 
 def _continue(time: np.ndarray, values: np.ndarray, rates: np.ndarray, at: float):

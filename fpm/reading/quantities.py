@@ -143,7 +143,7 @@ def settling(
     return _root(time, np.sign(off[last]) * off - within, last)
 
 
-def _polynomial(time: np.ndarray, values: np.ndarray, last: int) -> np.polynomial.Polynomial:
+def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynomial.Polynomial:
     """The cubic through the four instants up to `last`, or the nearest four that there are."""
     stop = min(max(last + 1, 4), len(time))
     near = slice(max(stop - 4, 0), stop)
@@ -152,7 +152,7 @@ def _polynomial(time: np.ndarray, values: np.ndarray, last: int) -> np.polynomia
 
 def _root(time: np.ndarray, values: np.ndarray, i: int) -> float:
     """Where values (t,) vanish between the instants i and i + 1, at which they differ in sign."""
-    cubic = _polynomial(time, values, i + 2)
+    cubic = cubic_through(time, values, i + 2)
     low, high = float(time[i]), float(time[i + 1])
     rising = bool(values[i + 1] > 0)
     for _ in range(60):
@@ -191,8 +191,7 @@ def _value(quantity: Quantity, curves: Curves) -> float:
 
 
 def _event(quantity: Quantity, curves: Curves) -> float:
-    found = [curves.happened.get((place, quantity.event), ()) for place in quantity.places]
-    times = np.sort(np.concatenate([np.zeros(0), *found]))
+    times = curves.times(quantity.event, quantity.places)
     if len(times) >= quantity.number:
         return float(times[quantity.number - 1])
     if curves.events_dropped:

@@ -19,57 +19,49 @@ def parse(
     """The quantities of a config by their definitions, and what is wrong with the others.
 
     responses: those of the config; elements: what has events in the scene
-    (`fpm.outcome.eventful`). Each definition is one of KINDS with its keys; docs/quantities.md
-    describes them.
+    (`fpm.files.outcome.eventful`). Each definition is one of KINDS with its keys;
+    docs/quantities.md describes them.
     """
     known, elements = {response.name: response for response in responses}, list(elements)
     found: dict[str, Quantity] = {}
     problems = []
-    # Those that others refer to come first.
-    for name in sorted(definitions, key=lambda n: _refers(definitions[n])):
+
+    def refers(name: str) -> bool:
+        definition = definitions[name]
+        return isinstance(definition, Mapping) and isinstance(definition.get("at"), str)
+
+    # Those that others refer to come first; what only follows from a wrong one is not told.
+    for name in sorted(definitions, key=refers):
         try:
             found[name] = _parse(name, definitions[name], known, elements, found)
         except SceneError as error:
-            if not _follows(definitions, name, found):
+            at = definitions[name]["at"] if refers(name) else ""
+            if at not in definitions or at in found or refers(at):
                 problems.append(error)
     return [found[name] for name in definitions if name in found], problems
-
-
-def _refers(definition: object) -> bool:
-    return isinstance(definition, Mapping) and isinstance(definition.get("at"), str)
-
-
-def _follows(definitions: Mapping[str, object], name: str, found: Mapping) -> bool:
-    """Whether a definition is at a time whose own one is wrong, which is told already."""
-    return (
-        _refers(definitions[name])
-        and (at := definitions[name]["at"]) in definitions
-        and (at not in found and not _refers(definitions[at]))
-    )
 
 
 def _parse(name, definition, responses, elements, others) -> Quantity:
     key = f"quantities.{name}"
     kind = _kind_of(key, definition)
-    number = definition.get("number", 1)
-    if not isinstance(number, int) or isinstance(number, bool) or number < 1:
-        raise SceneError(f"{key}.number", number, "a whole number of at least 1")
-    if kind == "event":
-        return _parse_event(name, definition, number, elements)
     of = definition[kind]
-    if not isinstance(of, str) or of not in responses:
-        raise SceneError(
-            f"{key}.{kind}", of, f"one of {', '.join(responses)}{_hint(of, responses)}"
-        )
-    response = responses[of]
-    more = _numbers(key, definition, response.unit)
-    if kind == "crossing":
-        more |= {"number": number, "way": definition.get("way", "either")}
-        if more["way"] not in WAYS:
-            raise SceneError(f"{key}.way", more["way"], f"one of {', '.join(WAYS)}")
-    if kind == "value":
-        more["at"] = _moment(key, definition["at"], others)
-    return _named(Quantity(name, kind, KINDS[kind].unit or response.unit, "", response, **more))
+    if kind == "event":
+        number = _whole(f"{key}.number", definition.get("number", 1))
+        places = _places(key, of, definition.get("of"), elements)
+        quantity = Quantity(name, kind, "s", "", number=number, event=of, places=places)
+        return _named(quantity, definition.get("of", ""))
+    response = responses[_one_of(f"{key}.{kind}", of, responses)]
+    read = {
+        **dict.fromkeys(("level", "about"), lambda key, value: _real(key, value, response.unit)),
+        "within": lambda key, value: _above_zero(key, value, response.unit),
+        "number": _whole,
+        "way": lambda key, value: _one_of(key, value, WAYS),
+        "at": lambda key, value: _moment(key, value, others),
+    }
+    fields = {field: read[field](f"{key}.{field}", definition[field])
+              for field in KINDS[kind].keys if field in definition}  # fmt: skip
+    unit = KINDS[kind].unit or response.unit
+    return _named(Quantity(name, kind, unit, "", response, **fields))
 
 
 def _kind_of(key: str, definition: object) -> str:
@@ -88,41 +80,26 @@ def _kind_of(key: str, definition: object) -> str:
     return kind
 
 
-def _numbers(key: str, definition: Mapping, unit: str) -> dict[str, float]:
-    """The numbers of a definition that are in the unit of its response."""
-    fields = [field for field in ("level", "about", "within") if field in definition]
-    found = {field: _real(f"{key}.{field}", definition[field], unit) for field in fields}
-    if found.get("within", 1.0) <= 0:
-        raise SceneError(f"{key}.within", definition["within"], "a number above 0")
-    return found
-
-
-def _parse_event(name, definition, number, elements) -> Quantity:
-    key, event = f"quantities.{name}", definition["event"]
+def _places(key: str, event: object, of: object, elements: list[Eventful]) -> tuple[str, ...]:
+    """Names of the elements whose events count: all that have it, or those that are stated."""
     events = list(dict.fromkeys(e for element in elements for e in element.events))
-    if event not in events:
-        allowed = f"one of {', '.join(events)}" if events else "none: this scene has no events"
-        raise SceneError(f"{key}.event", event, f"{allowed}{_hint(event, events)}")
-    places = [element.name for element in elements if event in element.events]
-    if "of" in definition:
-        of = definition["of"]
-        # An element is known by its whole name, `stop A upper`, or by that of its joint, `A`.
-        chosen = [place for place in places if of == place or of in place.split(" ")[1:]]
-        if not chosen:  # or, of one with a name of its own, by the joint that it is on
-            on = [e.name for e in elements if event in e.events and e.joint == of]
-            if len(on) > 1:
-                raise SceneError(f"{key}.of", of, f"one of those on it: {', '.join(on)}")
-            chosen = on
-        if not chosen:
-            raise SceneError(f"{key}.of", of, f"one of {', '.join(places)}{_hint(of, places)}")
-        places = chosen
-    quantity = Quantity(name, "event", "s", "", None, number=number, event=event)
-    return _named(quantity, tuple(places), definition.get("of", ""))
+    _one_of(f"{key}.event", event, events, "none: this scene has no events")
+    having = [element for element in elements if event in element.events]
+    places = [element.name for element in having]
+    if of is None:
+        return tuple(places)
+    # An element is known by its whole name, `stop A upper`, or by that of its joint, `A`; or, of
+    # one with a name of its own, by the joint that it is on.
+    chosen = [place for place in places if of == place or of in place.split(" ")[1:]]
+    on = [element.name for element in having if element.joint == of]
+    if not chosen and len(on) > 1:
+        raise SceneError(f"{key}.of", of, f"one of those on it: {', '.join(on)}")
+    return tuple(chosen or on or [_one_of(f"{key}.of", of, places)])
 
 
-def _named(quantity: Quantity, places: tuple[str, ...] = (), of: str = "") -> Quantity:
-    """The quantity with its long name, and the elements whose events count."""
-    at = quantity.at
+def _named(quantity: Quantity, of: str = "") -> Quantity:
+    """The quantity with its long name."""
+    at, places = quantity.at, quantity.places
     text = KINDS[quantity.kind].text.format(
         about=quantity.response.long_name if quantity.response else "",
         nth="first " if quantity.number == 1 else f"{_ordinal(quantity.number)} ",
@@ -133,7 +110,7 @@ def _named(quantity: Quantity, places: tuple[str, ...] = (), of: str = "") -> Qu
         event=quantity.event,
         whose=f" of {places[0] if len(places) == 1 else of}" if of else "",
     )
-    return replace(quantity, long_name=text, places=places)
+    return replace(quantity, long_name=text)
 
 
 def _ordinal(number: int) -> str:
@@ -141,14 +118,17 @@ def _ordinal(number: int) -> str:
     return f"{number}{'th' if number % 100 in (11, 12, 13) else ending}"
 
 
+# -- values of keys -------------------------------------------------------------------------------
+
+
 def _moment(key: str, at: object, others: Mapping[str, Quantity]) -> Quantity | float:
     times = [name for name, quantity in others.items() if quantity.is_time]
-    if isinstance(at, str):
-        if at not in times:
-            allowed = f"a time (s), or one of the quantities that are times: {', '.join(times)}"
-            raise SceneError(f"{key}.at", at, allowed)
-        return others[at]
-    return _real(f"{key}.at", at, "s")
+    if not isinstance(at, str):
+        return _real(key, at, "s")
+    if at not in times:
+        allowed = f"a time (s), or one of the quantities that are times: {', '.join(times)}"
+        raise SceneError(key, at, allowed)
+    return others[at]
 
 
 def _real(key: str, value: object, unit: str) -> float:
@@ -157,5 +137,22 @@ def _real(key: str, value: object, unit: str) -> float:
     return float(value)
 
 
-def _hint(name: object, known: Iterable[str]) -> str:
-    return did_you_mean(name, known) if isinstance(name, str) else ""
+def _above_zero(key: str, value: object, unit: str) -> float:
+    if _real(key, value, unit) <= 0:
+        raise SceneError(key, value, "a number above 0")
+    return float(value)
+
+
+def _whole(key: str, value: object) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or value < 1:
+        raise SceneError(key, value, "a whole number of at least 1")
+    return value
+
+
+def _one_of(key: str, value: object, known: Iterable[str], none: str = "one of ") -> str:
+    """The value; SceneError unless it is known, and `none` where nothing is."""
+    names = list(known)
+    if not isinstance(value, str) or value not in names:
+        hint = did_you_mean(value, names) if isinstance(value, str) else ""
+        raise SceneError(key, value, f"one of {', '.join(names)}{hint}" if names else none)
+    return value

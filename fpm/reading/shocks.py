@@ -9,15 +9,8 @@ import numpy as np
 from fpm.elements.bars.viscosity import Viscosity
 from fpm.elements.joints.rigid_latch import RigidLatch
 from fpm.elements.particles.load import Load
-from fpm.reading.responses import Response
+from fpm.reading.responses import KINDS, Response
 from fpm.scenes.scene import Scene
-
-FORCES = (
-    "acceleration", "constraint_force", "constraint_moment", "joint_moment", "joint_power",
-    "latch_moment", "reaction_force", "reaction_moment", "section_force", "section_moment",
-    "stress",
-)  # fmt: skip
-"""Kinds of responses that a shock makes jump, or that are as large as it is short."""
 
 _HOLDING = ("sum", "latch", "motor", "release")
 """Parts of the moment on a joint by which it may be held, which bear what the motion asks for; all
@@ -27,10 +20,10 @@ others follow from openings and their rates."""
 def doubt(scene: Scene, response: Response) -> str:
     """Why the peaks of a response mean nothing in a scene, and what to do, as a sentence; nothing
     where they mean something."""
-    kind = response.kind
-    if kind not in FORCES:
-        return ""
-    if kind in ("joint_moment", "joint_power") and response.about[1] not in _HOLDING:
+    jumps = KINDS[response.kind].shock
+    if response.kind in ("joint_moment", "joint_power"):
+        jumps = response.about[1] in _HOLDING
+    if not jumps:
         return ""
     if latches := [latch.label(scene) for latch in RigidLatch.of(scene)]:
         return (
@@ -53,10 +46,8 @@ def _listed(latches: list[str]) -> str:
     """`latch a`, `latches a and b`, `latches a, b and 4 more`."""
     if len(latches) == 1:
         return f"latch {latches[0]}"
-    more = len(latches) - 2
-    return f"latches {', '.join(latches[:2]) if more else ' and '.join(latches)}" + (
-        f" and {more} more" if more else ""
-    )
+    names = latches if len(latches) == 2 else [", ".join(latches[:2]), f"{len(latches) - 2} more"]
+    return f"latches {' and '.join(names)}"
 
 
 def _sudden(scene: Scene, load: Load) -> bool:

@@ -8,8 +8,8 @@ import numpy as np
 
 from fpm.errors import SceneError
 from fpm.files.outcome import Outcome
-from fpm.files.variables import Column
-from fpm.reading.recording import prepared
+from fpm.files.trajectory import Column
+from fpm.reading.variables import prepared
 from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import SAFETY, stable_step
 from fpm.solver.start import started
@@ -55,7 +55,7 @@ def simulate(
     instants; None: `safety` times the smallest stable step of the scenes given. A sample's
     numbers depend on its scene and the step only, bit for bit, not on the scenes beside it.
     energy_tolerance: a sample fails when its energy balance is off by more than this share of the
-    largest energy it held. record: columns that are recorded as well (fpm.files.variables); the
+    largest energy it held. record: columns that are recorded as well (fpm.reading.variables); the
     motion and what is always recorded do not depend on them. SceneError for bad arguments or
     topologies that differ.
     """

@@ -6,18 +6,18 @@ from fpm.elements.cross import columns, cross
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.turning import turns_of
 from fpm.errors import InstabilityError
-from fpm.files.outcome import BALANCE, KINETIC, Motion, Outcome, eventful
+from fpm.files.outcome import BALANCE, KINETIC, Motion, Outcome, columns_of, eventful
 from fpm.kernels import layout as at
-from fpm.reading.kept import Kept
-from fpm.reading.recording import recorded as columns_of
+from fpm.reading import variables
+from fpm.reading.recording import Recording
 from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import StableStep, stable_step
 
 
 def outcome_of(
-    run, lane: int, times: np.ndarray, division, limit: StableStep | None, asked=()
+    run, lane: int, times: np.ndarray, division, limit: StableStep | None, more=()
 ) -> Outcome:
-    """The outcome of one lane of a run, (Batch, parts, World, Record); asked: further columns."""
+    """The outcome of one lane of a run, (Batch, parts, World, Record); more: further columns."""
     batch, parts, world, record = run
     scene, instants = batch.scenes[lane], len(times)
     steps = division.per_instant * (instants - 1)
@@ -32,8 +32,9 @@ def outcome_of(
             found = found._replace(values=found.values[:instants])
             recorded[name] = found.beside(recorded[name]) if name in recorded else found
     failed = record.failed_step[lane] >= 0
-    if asked and not failed:
-        recorded |= columns_of(Kept(batch, parts, lane, times, division.step), asked)
+    if more and not failed:
+        found = Recording(batch, parts, lane, times, division.step)
+        recorded |= variables.recorded(found, more)
     watches = [watch for kind in batch.kinds for watch in kind.watches]
     values = record.failed_watched[:, lane] if failed else world.watched[0, :, lane]
     largest = {watch.name: float(x) for watch, x in zip(watches, values, strict=True)}
@@ -49,6 +50,7 @@ def outcome_of(
         energies=_energies(batch, record, lane, instants),
         energy_kinds=kinds,
         recorded=recorded,
+        columns=columns_of(recorded),
         events=batch.events[: min(noted, len(batch.events)), :, lane],
         eventful=eventful(scene, batch.eventful.of),
         events_dropped=max(0, noted - len(batch.events)),

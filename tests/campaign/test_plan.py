@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import fpm
+import fpm.reading
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.design import count_runs
 from deployable.campaign.config.scenes import scene_type
@@ -100,9 +102,11 @@ def test_responses_kept_alone_are_named_after_the_code_that_reads_them(
 
     before = {keep: path(keep) for keep in ("responses", "trajectories")}
     assert path("responses") == before["responses"]
-    edited = tmp_path / "responses.py"
-    edited.write_text(Path(fpm.responses.__file__).read_text() + "\nMORE = 1\n")
-    monkeypatch.setattr(fpm.responses, "__file__", str(edited))
+    edited = tmp_path / "reading"
+    shutil.copytree(Path(fpm.reading.__file__).parent, edited)
+    with open(edited / "variables.py", "a", encoding="utf-8") as file:
+        file.write("\nMORE = 1\n")
+    monkeypatch.setattr(fpm.reading, "__file__", str(edited / "__init__.py"))
     assert path("responses") != before["responses"]
     assert path("trajectories") == before["trajectories"]
 

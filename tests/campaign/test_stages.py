@@ -18,7 +18,11 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.mark.parametrize(
     "file",
-    ["deployable/campaign/report/page.html", "deployable/intervals/box.py", "fpm/reading/kept.py"],
+    [
+        "deployable/campaign/report/page.html",
+        "deployable/intervals/box.py",
+        "fpm/reading/stress.py",
+    ],
 )
 def test_any_change_of_the_program_counts_and_a_remark_does_not(tmp_path, monkeypatch, file):
     for room in ("deployable", "fpm"):

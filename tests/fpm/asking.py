@@ -3,14 +3,11 @@
 import numpy as np
 
 import fpm
-from fpm.scenes.scene_type import SceneType
 
 
 def curves(scene: fpm.Scene, definitions: dict[str, dict], **times):
     """Time (t,) and the values (t,) of responses by name, and the outcome, of one run."""
-    hinges = tuple(hinge.name for hinge in scene.hinges)
-    kind = SceneType("scene", "", {}, tuple(scene.points), hinges, lambda: scene)
-    found = [fpm.responses.parse(name, d, kind) for name, d in definitions.items()]
+    found = [fpm.responses.parse(name, d, scene) for name, d in definitions.items()]
     record = [need for response in found for need in response.needs]
     (outcome,) = fpm.simulate(scene, record=record, **times)
     assert outcome.failure is None

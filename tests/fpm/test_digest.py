@@ -60,7 +60,7 @@ def test_what_changes_numbers_counts(copied, file, old, new):
 
 def test_responses_motions_and_other_structures_do_not_count(copied):
     before = [scene_type(name).digest for name in ("bennett", "pendulum")]
-    for name in ("reading/responses", "reading/kept", "motions/motion", "files/trajectory"):
+    for name in ("reading/responses", "reading/recording", "motions/motion", "files/trajectory"):
         with open(copied / f"{name}.py", "a") as file:
             file.write("\nMORE = 1\n")
     for name in ("structures/builder", "structures/other"):

@@ -23,7 +23,7 @@ from fpm.elements import (
 from fpm.elements.kind import SHARED, Kind
 from fpm.files.outcome import eventful
 from fpm.kernels import hooks
-from fpm.reading.asked_responses import parts_on
+from fpm.reading.responses import parts_on
 from fpm.structures.describe import acting
 
 

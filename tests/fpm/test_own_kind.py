@@ -140,10 +140,10 @@ def test_a_kernel_is_not_replaced_in_silence():
 def test_its_energy_can_be_a_response(outcome):
     scene = SceneType("body", "a body on a spring", {}, ("body",), (), body)
     assert scene.energies[0] == "kinetic" and scene.energies[-1] == "balance"
-    response = fpm.responses.parse("U", {"energy": "ground"}, scene)
+    response = fpm.responses.parse("U", {"energy": "ground"}, scene.sample)
     assert np.array_equal(response.evaluate(outcome), outcome.energies["ground"])
     with pytest.raises(fpm.SceneError, match="ground"):
-        fpm.responses.parse("U", {"energy": "heat"}, scene)
+        fpm.responses.parse("U", {"energy": "heat"}, scene.sample)
 
 
 class Tether(GroundSpring):

@@ -7,7 +7,7 @@ import pytest
 
 from fpm import SceneError
 from fpm.elements.kind import Eventful
-from fpm.files.trajectory import Curves, happened
+from fpm.files.trajectory import Curves
 from fpm.reading.events import value_at
 from fpm.reading.quantities import KINDS, Kind, crossing, crossing_margin
 from fpm.reading.quantity_definitions import parse
@@ -29,10 +29,7 @@ def read(definition, values, time=TIME, dropped=0, step=TIME[1], events=EVENTS, 
     """A quantity of a run whose one response has these values."""
     track = np.zeros((len(time), 3))
     track[:, 0] = values
-    curves = Curves(
-        time, {"P": (track, track)}, {}, {}, {}, np.zeros((0, 3)), [],
-        happened(events, ELEMENTS), dropped, step,
-    )  # fmt: skip
+    curves = Curves(time, {"P": (track, track)}, {}, {}, events, ELEMENTS, dropped, step)
     names = {"q": definition, "shut": {"event": "closes"}, "half": {"crossing": "x", "level": 0.5}}
     names |= {} if when is None else {"when": when}
     (found, *_), problems = parse(names, [RESPONSE], ELEMENTS)
@@ -138,7 +135,7 @@ MADE = {
     "position": Response("x", "position", ("P",), "x", "m", ""),
     "distance": Response("x", "distance", ("P", "Q"), "", "m", ""),
     "velocity": Response("x", "velocity", ("P",), "x", "m s-1", ""),
-    "opening": Response("x", "opening", ("knee",), "", "rad", ""),
+    "opening": Response("x", "opening", ("knee",), "", "rad", "", (("opening", "knee"),)),
 }
 
 
@@ -158,12 +155,10 @@ def just_before(kind: str, instants: int, tremble: float = 0.0) -> float:
 
     x, v, a = (track(order) for order in range(3))
     asked = {("acceleration", f"P {axis}"): a[:, k] for k, axis in enumerate("xyz")}
-    asked |= {("opening_rate", "knee"): v[:, 0]}
+    asked |= {("opening_rate", "knee"): v[:, 0], ("opening", "knee"): x[:, 0]}
     events = np.array([[AT, 0, 1]])
-    curves = Curves(
-        time, {"P": (x, v), "Q": (still, 0 * still)}, {"knee": x[:, 0]}, {}, {},
-        np.zeros((0, 3)), [], happened(events, ELEMENTS), 0, 1e-3, asked,
-    )  # fmt: skip
+    points = {"P": (x, v), "Q": (still, 0 * still)}
+    curves = Curves(time, points, {}, asked, events, ELEMENTS, 0, 1e-3)
     exact = {
         "position": motion(AT, 0).real, "distance": abs(motion(AT, 0) - (2 + 1j)),
         "velocity": motion(AT, 1).real, "opening": motion(AT, 0).real,
@@ -236,10 +231,8 @@ def test_what_is_read_between_instants_is_not_below_what_can_be():
     """A norm that falls steeply to 0, and is 0 from then on: a cubic goes on below."""
     norm = replace(RESPONSE, component="norm")
     values = np.maximum(0.5 - TIME, 0.0) ** 2 + 2 * (TIME < 0.35)
-    curves = Curves(
-        TIME, {"P": (np.outer(values, [1, 0, 0]),) * 2}, {}, {}, {}, np.zeros((0, 3)), [], {}, 0,
-        TIME[1],
-    )  # fmt: skip
+    points = {"P": (np.outer(values, [1, 0, 0]),) * 2}
+    curves = Curves(TIME, points, {}, {}, np.zeros((0, 3)), (), 0, TIME[1])
     found = {}
     for response in (RESPONSE, norm):
         (quantity,), _ = parse({"q": {"value": "x", "at": 0.352}}, [response], ELEMENTS)

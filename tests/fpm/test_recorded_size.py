@@ -4,8 +4,7 @@ import pytest
 
 import fpm
 from deployable.campaign.config.scenes import scene_type
-from fpm.reading.columns import SOURCES
-from fpm.reading.recording import labels, numbers, prepared
+from fpm.reading.variables import VARIABLES, numbers, prepared
 from fpm.solver.pack import pack
 
 
@@ -19,17 +18,12 @@ def kept(scene: fpm.Scene) -> int:
     return size(11) - size(10)
 
 
-def column(scene, variable):
-    """A column of a variable that a scene has."""
-    label = labels(scene, variable)[0]
-    return variable, label.replace(" at ", " at 0.5 ")
-
-
-@pytest.mark.parametrize("variable", SOURCES)
+@pytest.mark.parametrize("variable", VARIABLES)
 def test_numbers_are_those_of_the_arrays(variable):
     scene = scene_type("bennett").build(elements=3)
-    if not labels(scene, variable):
+    labels = VARIABLES[variable].labels(scene)
+    if not labels:
         pytest.skip("the linkage has none of it")
-    asked = [column(scene, variable)]
+    asked = [(variable, labels[0])]
     more = kept(prepared(scene, asked)) - kept(scene)
     assert numbers(scene, asked) == more > 0

@@ -1,5 +1,7 @@
 """Openings that are held exactly: catching, letting go, energies, lanes, refusals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rigid_holds import FAR, NONE, J, L, M, bars, caught, held, kinetic, motion
@@ -7,7 +9,6 @@ from rigid_holds import free as chain
 
 import fpm
 from fpm.elements import Hinge, Joint, Latch, Release, RigidLatch, RigidRelease, Turn
-from fpm.files.trajectory import curves_of
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.responses import Response
 
@@ -99,7 +100,7 @@ def test_a_response_at_a_catch_is_that_just_before_at_any_spacing_of_instants(ra
     (_, before), _ = parse(asked, [response], outcome.eventful)
     for every in (1, 2, 20):
         energies = {n: values[::every] for n, values in outcome.energies.items()}
-        curves = curves_of(outcome)._replace(time=outcome.time[::every], energies=energies)
+        curves = replace(outcome, time=outcome.time[::every], energies=energies)
         assert before.evaluate(curves) == pytest.approx(kinetic(state[:2], state[2:]), rel=1e-3)
 
 
@@ -181,7 +182,7 @@ def test_moments_that_hold_are_told_apart_and_reactions_know_them(ran):
              ("constraint_moment", "knee z")]  # fmt: skip
     (outcome,) = fpm.simulate(CASES["swings"], record=asked, **RUN)
     assert np.array_equal(angles_of(outcome), angles_of(ran["swings"]))
-    moment, work, x, y, twist = (outcome.asked[column] for column in asked)
+    moment, work, x, y, twist = (outcome.columns[column] for column in asked)
     np.testing.assert_array_equal(moment, outcome.recorded["latch_moment"].values[:, 0])
     np.testing.assert_allclose(work, -outcome.energies["joint_loss"], atol=1e-14)
     assert np.abs(twist).max() < 1e-9  # about its own axis the hinge itself has none

@@ -10,7 +10,6 @@ from fpm.assembly import assemble
 from fpm.elements import Contact, Damper, Friction, Latch, RigidFriction, Stop, SyncLoop
 from fpm.files import trajectory
 from fpm.reading import responses
-from fpm.scenes.scene_type import SceneType
 from fpm.scenes.timestep import stable_step
 
 X, Y = np.eye(3)[:2]
@@ -143,27 +142,24 @@ def test_files_have_what_slides_and_their_latches_did(tmp_path):
     assert data["slide_motor_force"].sel(slide_motor="driven").attrs["units"] == "N"
     trajectory.write(data, tmp_path / "run.nc")
     curves = trajectory.read_curves(tmp_path / "run.nc")
-    for name in ("openings", "latches"):
-        found, wanted = getattr(curves, name), getattr(outcome, name)
-        assert found.keys() == wanted.keys()
-        assert all(np.array_equal(found[key], values) for key, values in wanted.items())
+    assert curves.columns.keys() == outcome.columns.keys()
+    for column, values in outcome.columns.items():
+        assert np.array_equal(curves.columns[column], values)
     asked = {
         "caught": ({"latch_impact": "caught"}, "N s", -2 / 3),
         "crossed": ({"latch_impact": "crossed_other"}, "N m s", -0.06),
         "rate": ({"latch_rate": "latched"}, "m s-1", 1.0),
     }
-    kind = SceneType("all", "", {}, (), tuple(outcome.openings), scene_of_all)
     for name, (definition, unit, value) in asked.items():
-        found = responses.parse(name, definition, kind)
+        found = responses.parse(name, definition, outcome.scene)
         assert found.unit == unit
         assert found.evaluate(curves)[-1] == pytest.approx(value, rel=1e-5)
     with pytest.raises(fpm.SceneError, match="one of caught, crossed_other"):
-        responses.parse("impact", {"latch_impact": "latched"}, kind)
+        responses.parse("impact", {"latch_impact": "latched"}, outcome.scene)
 
 
 @pytest.mark.slow
 def test_rates_forces_and_work_on_a_slide_are_those_of_the_oscillator():
-    kind = SceneType("boom", "", {}, (), ("boom",), oscillator)
     definitions = {
         "way": {"opening": "boom"},
         "rate": {"opening_rate": "boom"},
@@ -172,7 +168,7 @@ def test_rates_forces_and_work_on_a_slide_are_those_of_the_oscillator():
         "power": {"joint_power": "boom"},
         "lost": {"loss": "damper"},
     }
-    asked = [responses.parse(name, d, kind) for name, d in definitions.items()]
+    asked = [responses.parse(name, d, oscillator()) for name, d in definitions.items()]
     assert [r.unit for r in asked] == ["m", "m s-1", "N", "N", "W", "J"]
     needs = [column for response in asked for column in response.needs]
     (outcome,) = fpm.simulate(oscillator(), duration=1.0, instants=1001, step=1e-4, record=needs)

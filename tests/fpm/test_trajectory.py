@@ -9,8 +9,9 @@ import pytest
 import fpm
 from deployable.campaign.config.scenes import scene_type
 from fpm.elements.kind import Recorded
+from fpm.files.outcome import columns_of
 from fpm.files.sealed import DamagedError, seal
-from fpm.files.variables import VARIABLES
+from fpm.reading.variables import VARIABLES
 
 BENNETT = scene_type("bennett")
 DEFINITIONS = {
@@ -30,7 +31,7 @@ def outcome():
 
 @pytest.fixture
 def dataset(outcome):
-    responses = [fpm.responses.parse(n, d, BENNETT) for n, d in DEFINITIONS.items()]
+    responses = [fpm.responses.parse(n, d, BENNETT.sample) for n, d in DEFINITIONS.items()]
     return outcome.dataset(responses, {"run_id": "0123"})
 
 
@@ -58,7 +59,7 @@ def test_responses_are_what_they_say(dataset):
 def test_a_response_may_have_any_name(outcome, tmp_path):
     names = ["time", "position", "kinetic_energy", "response", "v", "v_inner", "parameter_a"]
     definition = {"distance": ["B", "D"]}
-    responses = [fpm.responses.parse(name, definition, BENNETT) for name in names]
+    responses = [fpm.responses.parse(name, definition, BENNETT.sample) for name in names]
     parameters = {"a": (0.035, "m"), "supports": ("plane", "1"), "elements": (2, "1")}
     fpm.trajectory.write(outcome.dataset(responses, {}, parameters), tmp_path / "run.nc")
     back = fpm.trajectory.read(tmp_path / "run.nc")
@@ -104,7 +105,7 @@ def test_velocity_is_the_rate_of_the_position():
 )
 def test_unknown_responses_are_refused(definition, text):
     with pytest.raises(fpm.SceneError, match=text):
-        fpm.responses.parse("r", definition, BENNETT)
+        fpm.responses.parse("r", definition, BENNETT.sample)
 
 
 def test_a_file_comes_back_whole_and_tells_its_units(dataset, tmp_path):
@@ -121,7 +122,7 @@ def test_a_file_comes_back_whole_and_tells_its_units(dataset, tmp_path):
 
 
 def test_an_outcome_and_its_dataset_give_the_same_file(outcome, tmp_path):
-    response = fpm.responses.parse("BD", DEFINITIONS["BD"], BENNETT)
+    response = fpm.responses.parse("BD", DEFINITIONS["BD"], BENNETT.sample)
     fpm.trajectory.write(fpm.trajectory.contents(outcome, [response]), tmp_path / "one.nc")
     fpm.trajectory.write(outcome.dataset([response]), tmp_path / "other.nc")
     first, second = (fpm.trajectory.read(tmp_path / f"{n}.nc") for n in ("one", "other"))
@@ -131,7 +132,7 @@ def test_an_outcome_and_its_dataset_give_the_same_file(outcome, tmp_path):
 @pytest.mark.parametrize("name", DEFINITIONS)
 def test_responses_of_a_file_are_those_of_the_run_to_the_last_bit(outcome, tmp_path, name):
     fpm.trajectory.write(fpm.trajectory.contents(outcome), tmp_path / "run.nc")
-    response = fpm.responses.parse(name, DEFINITIONS[name], BENNETT)
+    response = fpm.responses.parse(name, DEFINITIONS[name], BENNETT.sample)
     found = response.evaluate(fpm.trajectory.read_curves(tmp_path / "run.nc"))
     assert found.astype(float).tobytes() == response.evaluate(outcome).astype(float).tobytes()
 
@@ -149,19 +150,19 @@ ASKED = {
 
 def test_columns_that_were_asked_come_back_and_make_up_their_responses(outcome, tmp_path):
     """With made-up columns: 1, 2, ... in the order of their names."""
-    responses = {n: fpm.responses.parse(n, d, BENNETT) for n, d in ASKED.items()}
+    responses = {n: fpm.responses.parse(n, d, BENNETT.sample) for n, d in ASKED.items()}
     needs = sorted({need for response in responses.values() for need in response.needs})
     recorded = dict(outcome.recorded)
     for name in dict.fromkeys(variable for variable, _ in needs):
-        unit, text, dimension = VARIABLES[name]
+        unit, text = VARIABLES[name][:2]
         labels = tuple(label for variable, label in needs if variable == name)
         values = np.array([[needs.index((name, label)) + 1.0 for label in labels]] * 11)
-        recorded[name] = Recorded(values, unit, text, dimension, labels)
-    asked = replace(outcome, recorded=recorded)
+        recorded[name] = Recorded(values, unit, text, f"{name}_of", labels)
+    asked = replace(outcome, recorded=recorded, columns=columns_of(recorded))
     fpm.trajectory.write(fpm.trajectory.contents(asked), tmp_path / "run.nc")
     curves = fpm.trajectory.read_curves(tmp_path / "run.nc")
     for i, need in enumerate(needs):
-        assert curves.asked[need].tolist() == [i + 1.0] * 11
+        assert curves.columns[need].tolist() == [i + 1.0] * 11
     found = {name: response.evaluate(curves) for name, response in responses.items()}
     column = {need: i + 1.0 for i, need in enumerate(needs)}
     spring, contact = (column["joint_moment", f"A {part}"] for part in ("spring", "contact"))
@@ -181,11 +182,11 @@ def test_columns_that_were_asked_come_back_and_make_up_their_responses(outcome, 
         assert responses[name].evaluate(asked).tolist() == found[name].tolist()
     back = fpm.trajectory.read(tmp_path / "run.nc")
     assert back["stress"].units == "Pa" and back["stress"].dims == ("time", "stress_of")
-    assert fpm.trajectory.read_curves(tmp_path / "run.nc").asked.keys() == set(needs)
+    assert curves.columns.keys() == set(needs) | set(outcome.columns)
 
 
 def test_a_run_without_what_a_response_needs_says_so(outcome):
-    response = fpm.responses.parse("stress", ASKED["stress"], BENNETT)
+    response = fpm.responses.parse("stress", ASKED["stress"], BENNETT.sample)
     with pytest.raises(KeyError, match="stress"):
         response.evaluate(outcome)
 
@@ -197,7 +198,7 @@ def test_curves_of_a_file_have_its_contact_events(tmp_path):
     curves = fpm.trajectory.read_curves(tmp_path / "run.nc")
     assert len(curves.events) > 0
     np.testing.assert_array_equal(curves.events, outcome.events)
-    assert curves.contacts == ["A", "B", "C", "D"]
+    assert curves.impacts().names == ["A", "B", "C", "D"]
     np.testing.assert_array_equal(curves.time, outcome.time)
 
 

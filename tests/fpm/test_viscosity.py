@@ -40,8 +40,8 @@ def test_a_rod_that_is_pulled_at_once_bears_twice_the_wave_and_no_more(elements)
     The energy balances, and what is taken out is a small part of what is given."""
     exact = 2 * FORCE / BAR.A
     plain, viscous = (run(rod(elements, share)) for share in (0.0, 0.2))
-    assert plain.asked[STRESS[0]].max() > 1.2 * exact
-    assert viscous.asked[STRESS[0]].max() == pytest.approx(exact, rel=0.02)
+    assert plain.columns[STRESS[0]].max() > 1.2 * exact
+    assert viscous.columns[STRESS[0]].max() == pytest.approx(exact, rel=0.02)
     for outcome in (plain, viscous):
         given = outcome.energies["load_work"]
         assert np.abs(outcome.energies["balance"]).max() < 1e-9 * np.abs(given).max()

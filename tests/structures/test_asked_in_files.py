@@ -56,7 +56,7 @@ def definitions(structure) -> list:
         found[f"pin {axis}"] = {"constraint_force": "pin", "component": axis}
         found[f"w {axis}"] = {"angular_velocity": "rod", "component": axis}
         found[f"a {axis}"] = {"acceleration": "block", "component": axis}
-    return [fpm.responses.parse(name, d, structure) for name, d in found.items()]
+    return [fpm.responses.parse(name, d, structure.sample) for name, d in found.items()]
 
 
 @pytest.fixture(scope="module")
@@ -117,4 +117,4 @@ def test_names_that_are_not_there_are_refused_with_those_that_are():
         ({"opening_rate": "pin", "component": "x"}, "opening_rate alone"),
     ):
         with pytest.raises(fpm.SceneError, match=names):
-            fpm.responses.parse("r", definition, structure)
+            fpm.responses.parse("r", definition, structure.sample)

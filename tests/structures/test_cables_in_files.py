@@ -82,7 +82,7 @@ def test_a_point_of_two_parts_needs_the_part():
 
 
 def test_tensions_are_responses():
-    found = loads(TEXT)
+    found = loads(TEXT).sample
     response = fpm.responses.parse("pull", {"tension": "stay"}, found)
     assert (response.unit, response.long_name) == ("N", "tension of cable stay")
     with pytest.raises(fpm.SceneError, match="one of stay, hoist"):

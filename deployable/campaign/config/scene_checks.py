@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 from deployable.campaign.config.accuracy import with_accuracy
@@ -30,21 +31,22 @@ def resolve(config: Config, given: Mapping) -> tuple[Campaign | None, list[str]]
     with it, one sentence each. No campaign without a scene."""
     import fpm
 
-    scene = config.scene
+    stated = config.scene
     try:
-        found = scene_type(scene.name or "", scene.file or "")
+        found = scene_type(stated.name or "", stated.file or "")
     except fpm.SceneError as error:
         return None, _scene_problems(error, "scene.file")
-    intervals, trouble = intervals_of(config.intervals, scene.parameters, found)
-    problems = parameter_problems(scene.parameters, found) + trouble
+    intervals, trouble = intervals_of(config.intervals, stated.parameters, found)
+    problems = parameter_problems(stated.parameters, found) + trouble
     campaign = _campaign(config, given, found, intervals)
-    built = found
     if not problems:
         problems += _build_problems(campaign.experiment)
-        if not problems:
-            built = campaign.experiment.built
-            problems += _time_problems(campaign.experiment)
-    problems += _response_problems(campaign, built)
+    is_built = not problems
+    if is_built:
+        problems += _time_problems(campaign.experiment)
+    with suppress(fpm.SceneError):  # where neither it nor the structure as it stands can be built
+        scene = campaign.experiment.nominal_scene if is_built else found.sample
+        problems += _response_problems(campaign, scene)
     if not problems:
         problems += _memory_problems(campaign.experiment)
     if not problems:
@@ -154,10 +156,10 @@ def _time_problems(experiment: Experiment) -> list[str]:
 
 def _memory_problems(experiment: Experiment) -> list[str]:
     """Whether the runs that are integrated side by side find room in memory."""
-    from fpm.reading.recording import numbers
+    from fpm.reading.variables import numbers
 
     instants, scene, asked = experiment.solver.instants, experiment.nominal_scene, experiment.asked
-    more = numbers(experiment.built.sample, asked) if asked else 0
+    more = numbers(scene, asked) if asked else 0
     found = 8 * (6 * len(scene.points) + len(scene.hinges) + 10 + more)
     if instants * found <= MOST_NUMBERS:
         return []
@@ -168,14 +170,14 @@ def _memory_problems(experiment: Experiment) -> list[str]:
     ]
 
 
-def _response_problems(campaign: Campaign, built: Any) -> list[str]:
+def _response_problems(campaign: Campaign, scene: Any) -> list[str]:
     import fpm
 
     problems = []
     known = campaign.experiment.responses
     for name, definition in known.items():
         try:
-            fpm.responses.parse(name, definition, built)
+            fpm.responses.parse(name, definition, scene)
         except fpm.SceneError as error:
             problems.append(_sentence(error.key, error))
     return problems + [

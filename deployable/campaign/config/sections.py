@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, is_dataclass, replace
+from dataclasses import asdict, dataclass, field, is_dataclass
 from functools import cache, cached_property
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -104,26 +104,15 @@ class Experiment:
         return scene_type(self.scene.name, self.scene.file)
 
     @cached_property
-    def built(self) -> Any:
-        """The `SceneType` with the points and hinges that the nominal scene has.
-
-        How many there are may depend on parameters. Raises `fpm.SceneError`.
-        """
-        scene, values = self.nominal_scene, self.parameters(self._nominal_values)
-        hinges = tuple(hinge.name for hinge in scene.hinges)
-        points = tuple(scene.points)
-        return replace(self.scene_type, points=points, hinges=hinges, values=values)
-
-    @cached_property
     def curves(self) -> list[Any]:
         """The parsed responses, `fpm.responses.Response`; raises `fpm.SceneError`."""
         import fpm
 
-        return [fpm.responses.parse(n, d, self.built) for n, d in self.responses.items()]
+        return [fpm.responses.parse(n, d, self.nominal_scene) for n, d in self.responses.items()]
 
     @cached_property
     def asked(self) -> tuple[tuple[str, str], ...]:
-        """Columns that runs have to record for the responses (fpm.files.variables), in order."""
+        """Columns that runs have to record for the responses (fpm.reading.variables), in order."""
         return tuple(sorted({need for curve in self.curves for need in curve.needs}))
 
     @cached_property
@@ -142,7 +131,7 @@ class Experiment:
     @cached_property
     def doubts(self) -> dict[str, str]:
         """Of responses, and quantities that are peaks of them, that mesh and step alone decide, by
-        name: why, and what to do (fpm.shocks)."""
+        name: why, and what to do (fpm.reading.shocks)."""
         from fpm.reading.shocks import doubt
 
         peaks = [(q.name, q.response) for q in self.numbers if q.is_peak]

@@ -135,7 +135,7 @@ def found(campaign: Campaign, folder: Folder) -> str:
     is there, and for an `accuracy`, whose runs are not known beforehand."""
     from deployable.campaign.plan.make import make_plan
     from deployable.campaign.runs.store import open_store
-    from fpm.files.variables import words
+    from fpm.reading.variables import words
 
     keep = campaign.jobs.keep
     if campaign.experiment.is_sought or not folder.runs(keep).is_dir():

@@ -165,15 +165,13 @@ def motions_of(samples: xarray.Dataset, shown: Sequence[Shown], frames: int = 40
 
 def _own_curves(experiment: Any, outcome: Any) -> dict:
     """Responses and events of a run, as variables of its motion."""
-    from fpm.files.trajectory import impact_events
-
     curves = np.array([response.evaluate(outcome) for response in experiment.curves])
-    impacts = impact_events(outcome.events, outcome.eventful)
+    impacts = outcome.impacts()
     return {
         "curves": (("response", "instant"), curves, {"long_name": "value of the response"}),
-        "impact": (("impacts", "column"), impacts["events"], {
+        "impact": (("impacts", "column"), impacts.events, {
             "long_name": "time (s), index into `eventful`, 1 if it closes"}),
-        "eventful": ("named", np.array(impacts["contacts"], dtype=object), {
+        "eventful": ("named", np.array(impacts.names, dtype=object), {
             "long_name": "contact, stop or latch"}),
     }  # fmt: skip
 

@@ -33,7 +33,8 @@ from deployable.campaign.runs.progress import Progress, Tell, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
 from fpm.files.sealed import sweep
-from fpm.files.variables import Column, words
+from fpm.files.trajectory import Column
+from fpm.reading.variables import words
 
 Failure = tuple[Run, str]
 

@@ -72,14 +72,10 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
 def asked_of(responses: Sequence[Any], quantities: Sequence[Any]) -> list:
     """What a file depends on that holds responses and quantities and not what they are made of:
     their definitions, and the code that reads them."""
+    import fpm.reading
     from fpm.kernels.sources import syntax_digest
-    from fpm.reading import asked_responses as readers
-    from fpm.reading import events
-    from fpm.reading import quantities as numbers
-    from fpm.reading import responses as module
 
-    modules = [module, readers, numbers, events] if quantities else [module, readers]
-    code = syntax_digest(Path(m.__file__) for m in modules)
+    code = syntax_digest(Path(fpm.reading.__file__).parent.glob("*.py"))
     return [code, *(asdict(one) for one in (*responses, *quantities))]
 
 

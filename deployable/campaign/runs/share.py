@@ -49,8 +49,6 @@ class Share:
 
         ValueError if a number is not finite.
         """
-        from fpm.files.trajectory import curves_of, impact_events
-
         outcomes = [result.outcome for result in results]
         values = np.array([[r.evaluate(outcome) for r in self.responses] for outcome in outcomes])
         if not np.isfinite(values).all():
@@ -61,14 +59,14 @@ class Share:
         if rows[0] == 0:
             self.first = values[0]
         for row, outcome in zip(rows, outcomes, strict=True):
-            found = impact_events(outcome.events, outcome.eventful)
-            self.contacts = found["contacts"]
-            self._note(row, found["events"])
+            found = outcome.impacts()
+            self.contacts = found.names
+            self._note(row, found.events)
             self.overlap = max(
                 self.overlap, common.largest_overlap(outcome.openings, self.contacts)
             )
             if self.quantities:
-                self.numbers[row] = common.numbers_of(self.quantities, curves_of(outcome))
+                self.numbers[row] = common.numbers_of(self.quantities, outcome)
             self.done[row] = True
 
     def _note(self, row: int, events: np.ndarray) -> None:

@@ -6,7 +6,7 @@ absent, and is noted in `damaged` until it is written again. Three ways to keep 
 methods:
 
 `Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded. What is recorded
-                on request (`fpm.files.variables`) may be lacking: then the run is noted in
+                on request (`fpm.reading.variables`) may be lacking: then the run is noted in
                 `lacking` and counts as absent, and what it had is recorded again as well;
 `Responses`     one netCDF file per group, `<digest of the group's runs>.nc`, with the
                 responses, contact events and quantities only. Other groups have other files:
@@ -42,7 +42,7 @@ from deployable.campaign.runs.results import (
     write_dimension,
 )
 from fpm.files.sealed import DamagedError, check
-from fpm.files.variables import Column
+from fpm.files.trajectory import Column
 
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
@@ -98,23 +98,24 @@ class Trajectories:
             if (curves := self._curves(run)) is not None:
                 values = np.stack([r.evaluate(curves) for r in self.responses])
                 numbers = numbers_of(self.quantities, curves)
-                overlap = largest_overlap(curves.openings, curves.contacts)
-                found[run.id] = Record(
-                    curves.time, values, curves.events, curves.contacts, numbers, overlap
-                )
+                events, contacts = curves.impacts()
+                overlap = largest_overlap(curves.openings, contacts)
+                found[run.id] = Record(curves.time, values, events, contacts, numbers, overlap)
         return found
 
     def _curves(self, run: Run) -> Any:
         """The run's `fpm.trajectory.Curves`; None if its file is not there, not whole, or lacks
         what responses need."""
         from fpm.files import trajectory
+        from fpm.reading.variables import VARIABLES
 
         try:
             curves = trajectory.read_curves(self.path(run), run.id)
-            lacks = self._needs - set(curves.asked)
+            lacks = self._needs - set(curves.columns)
             if not lacks:
                 return curves
-            self.lacking[run.id], self._had[run.id] = lacks, set(curves.asked)
+            had = {column for column in curves.columns if column[0] in VARIABLES}
+            self.lacking[run.id], self._had[run.id] = lacks, had
         except DamagedError as error:
             self.damaged[error.path] = error
         except FileNotFoundError:
@@ -172,14 +173,12 @@ class Responses:
         """Write the results of runs of a group; ValueError if a number is not finite."""
         import netCDF4
 
-        from fpm.files.trajectory import curves_of, impact_events
-
         results = list(results)
         if not results:
             return
         first = results[0].outcome
-        found = [impact_events(result.outcome.events, first.eventful) for result in results]
-        events, contacts = padded([each["events"] for each in found]), found[0]["contacts"]
+        found = [result.outcome.impacts() for result in results]
+        events, contacts = padded([each.events for each in found]), found[0].names
         path = self.path(group)
         with (
             whole_file(path, {"name": _name(path)}) as temporary,
@@ -208,7 +207,7 @@ class Responses:
                 variable[:, : events.shape[1]] = events[..., column]
             if self.quantities:
                 write_dimension(file, "quantity", [q.name for q in self.quantities], "quantity")
-                numbers = [numbers_of(self.quantities, curves_of(r.outcome)) for r in results]
+                numbers = [numbers_of(self.quantities, r.outcome) for r in results]
                 file.createVariable("quantities", "f8", ("run", "quantity"))[:] = numbers
 
     def read(self, group: Runs) -> dict[str, Record]:

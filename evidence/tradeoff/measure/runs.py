@@ -92,7 +92,7 @@ def simulate(case: Case, elements: int, safety: float, unit: np.ndarray) -> Runs
     RuntimeError if a run breaks down.
     """
     kind = scene_type(case.scene)
-    responses = [fpm.responses.parse(n, d, kind) for n, d in case.responses.items()]
+    responses = [fpm.responses.parse(n, d, kind.sample) for n, d in case.responses.items()]
     box = box_of(case)
 
     def scene(point):

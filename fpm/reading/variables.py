@@ -1,0 +1,322 @@
+"""What a run records on request: one table of variables, and what becomes of a request.
+
+Each variable has columns along a dimension of its own in a trajectory file; a column's label says
+of what it is: a name, and the part of it (an axis, a component, who acts) where there are several.
+A request names columns, as (variable, label).
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from copy import copy
+from functools import partial
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.joints.hinge import Hinge
+from fpm.elements.joints.joint import Joint
+from fpm.elements.kind import AXES, Recorded
+from fpm.elements.openings.opening import PARTS
+from fpm.elements.particles.probe import Probe
+from fpm.errors import SceneError, did_you_mean
+from fpm.files.trajectory import Column
+from fpm.reading import bars
+from fpm.reading.clearance import clearance
+from fpm.reading.constraint_forces import couple_on_two, joints_of, reaction, reactions_of
+from fpm.reading.recording import Recording
+from fpm.reading.stress import element_stress
+from fpm.scenes.scene import Scene
+
+PLACE = " at "  # between a bar and the share of its length
+
+
+class Variable(NamedTuple):
+    """A variable: unit (UDUNITS), words, and where its values come from.
+
+    names(scene): of what it may be; parts: of each; probe(scene, name): what the loop has to keep;
+    values(recording, name): (t,), or (t, parts). form: how a definition of a response names a
+    column (`fpm.reading.responses.FORMS`), "" if there is no response of that name. shock: whether
+    a shock makes it jump, or as large as it is short (`fpm.reading.shocks`); positive: whether it
+    is never below 0; along: with what the name of the dimension ends.
+    """
+
+    unit: str
+    long_name: str
+    names: Callable[[Scene], Iterable[str]]
+    probe: Callable[[Scene, str], Probe]
+    values: Callable[[Recording, str], np.ndarray]
+    parts: Sequence[str] = ()
+    form: str = ""
+    shock: bool = False
+    positive: bool = False
+    along: str = "of"
+
+    def labels(self, scene: Scene) -> list[str]:
+        """Its labels in a scene; of places on bars one in the middle, for all others."""
+        place = f"{PLACE}0.5" if self.form == "section" else ""
+        names = [f"{name}{place}" for name in self.names(scene)]
+        return [f"{name} {part}" for name in names for part in self.parts] if self.parts else names
+
+    def split(self, label: str) -> tuple[str, str]:
+        """Name and part of a label."""
+        return label.rpartition(" ")[::2] if self.parts else (label, "")
+
+    def column(self, recording: Recording, label: str) -> np.ndarray:
+        """The values (t,) of a label."""
+        name, part = self.split(label)
+        found = self.values(recording, name)
+        return found[:, self.parts.index(part)] if self.parts else found
+
+
+# -- points, bodies, openings ---------------------------------------------------------------------
+
+
+def _turning(scene: Scene) -> dict[str, int]:
+    """What has an angular velocity: bodies and named points, with their particles."""
+    return {**{name: beam.particle for name, beam in scene.points.items()}, **scene.bodies}
+
+
+def _acceleration(recording: Recording, name: str) -> np.ndarray:
+    beam = recording.scene.points[name]
+    change, turning = recording.acceleration(beam.particle)
+    spin, arm = recording.spin(beam.particle), recording.arm(beam)
+    return change + np.cross(turning, arm) + np.cross(spin, np.cross(spin, arm))
+
+
+def _hinge(scene: Scene, name: str) -> int:
+    return [hinge.name for hinge in scene.hinges].index(name)
+
+
+def _opening_rate(recording: Recording, name: str) -> np.ndarray:
+    hinge = recording.scene.hinges[_hinge(recording.scene, name)]
+    one, two = hinge.particles
+    axis = recording.axes(one) @ hinge.axes[0]
+    if not hinge.slides:
+        return np.sum(axis * (recording.spin(two) - recording.spin(one)), axis=1)
+    point = recording.place(two) + recording.arm(hinge.beams[1])
+    one, two = (
+        recording.velocity(p) + np.cross(recording.spin(p), point - recording.place(p))
+        for p in (one, two)
+    )
+    return np.sum(axis * (two - one), axis=1)
+
+
+def _openings(scene: Scene, slides: bool) -> list[str]:
+    """Names of the hinges whose openings are lengths, or not."""
+    return [hinge.name for hinge in scene.hinges if hinge.slides == slides]
+
+
+def _acting(which: int, recording: Recording, name: str) -> np.ndarray:
+    """Moments (t, parts) on a hinge (0), or their work (1)."""
+    return recording.moments(_hinge(recording.scene, name))[which]
+
+
+# -- joints and supports --------------------------------------------------------------------------
+
+
+def _keep_joint(scene: Scene, name: str) -> Probe:
+    return Probe(frames=joints_of(scene)[name].particles, impulses=True)
+
+
+def _constraint(moment: bool, recording: Recording, name: str) -> np.ndarray:
+    joint, sides = next(pair for pair in recording.joints if pair[0].name == name)
+    return couple_on_two(recording, joint, sides) if moment else sides.on_two
+
+
+def _keep_reaction(scene: Scene, name: str) -> Probe:
+    found = reactions_of(scene)[name]
+    particle = found.beam.particle
+    joints = [*Hinge.of(scene), *Joint.of(scene)]
+    joined = {p for joint in joints if particle in joint.particles for p in joint.particles}
+    frames = tuple(sorted(joined | {particle}))
+    return Probe(frames, (particle,) if found.particle else (), impulses=bool(joints))
+
+
+# -- bars -----------------------------------------------------------------------------------------
+
+
+def _keep_bars(scene: Scene, names: Iterable[str]) -> Probe:
+    known = bars.bars_of(scene)
+    return Probe(frames=tuple({p for name in names for p in known[name].particles}))
+
+
+def _in_section(which: int, recording: Recording, name: str) -> np.ndarray:
+    bar, _, share = name.partition(PLACE)
+    return bars.at_share(*recording.sections(bar), float(share))[which]
+
+
+def _chosen_bars(scene: Scene, name: str) -> list[str]:
+    return list(bars.bars_of(scene)) if name == "all" else [name]
+
+
+def _stress(recording: Recording, name: str) -> np.ndarray:
+    known = bars.bars_of(recording.scene)
+    largest = np.zeros(len(recording.time))
+    for bar in _chosen_bars(recording.scene, name):
+        stress = element_stress(recording.scene, known[bar].groups, recording.place, recording.axes)
+        largest = np.maximum(largest, stress.max(axis=1))
+    return largest
+
+
+def _clearance(recording: Recording, name: str) -> np.ndarray:
+    pair = (bars.bars_of(recording.scene)[bar] for bar in name.split(" to "))
+    return clearance(recording.scene, *pair, recording.place, recording.axes)
+
+
+_vector = partial(Variable, parts=AXES, form="vector")
+_of_opening = partial(
+    Variable,
+    probe=lambda scene, name: Probe(forces=scene.hinges[_hinge(scene, name)].particles),
+    values=_opening_rate,
+)
+_by_who_acts = partial(
+    Variable, probe=lambda scene, name: Probe(moments=True), parts=PARTS, along="by"
+)
+_in_bar = partial(
+    Variable,
+    names=bars.bars_of,
+    probe=lambda scene, name: _keep_bars(scene, [name.partition(PLACE)[0]]),
+    form="section",
+    shock=True,
+)
+
+VARIABLES = {
+    "acceleration": _vector(
+        "m s-2", "acceleration of points along global axes",
+        lambda scene: scene.points,
+        lambda scene, name: Probe(forces=(scene.points[name].particle,)),
+        _acceleration, shock=True,
+    ),
+    "angular_velocity": _vector(
+        "rad s-1", "angular velocity of points and bodies about global axes",
+        _turning,
+        lambda scene, name: Probe(forces=(_turning(scene)[name],)),
+        lambda recording, name: recording.spin(_turning(recording.scene)[name]),
+    ),
+    "opening_rate": _of_opening(
+        "rad s-1", "rate of the opening of hinges", partial(_openings, slides=False)
+    ),
+    "slide_rate": _of_opening(
+        "m s-1", "rate of the opening of slides", partial(_openings, slides=True)
+    ),
+    "joint_moment": _by_who_acts(
+        "N m", "moment on the second part of a hinge about its axis, by who acts",
+        partial(_openings, slides=False), values=partial(_acting, 0),
+    ),
+    "joint_force": _by_who_acts(
+        "N", "force on the second part of a slide along its axis, by who acts",
+        partial(_openings, slides=True), values=partial(_acting, 0),
+    ),
+    "joint_work": _by_who_acts(
+        "J", "work of these moments and forces so far",
+        lambda scene: [hinge.name for hinge in scene.hinges], values=partial(_acting, 1),
+    ),
+    "constraint_force": _vector(
+        "N", "force by which a joint keeps its second part, along global axes",
+        joints_of, _keep_joint, partial(_constraint, False), shock=True,
+    ),
+    "constraint_moment": _vector(
+        "N m", "moment by which a joint keeps its second part, about its point and global axes",
+        joints_of, _keep_joint, partial(_constraint, True), shock=True,
+    ),
+    "reaction_force": _vector(
+        "N", "force of a support or drive on the structure, along global axes",
+        reactions_of, _keep_reaction, lambda recording, name: reaction(recording, name)[0],
+        shock=True,
+    ),
+    "reaction_moment": _vector(
+        "N m", "moment of a support or drive about its point and global axes",
+        lambda scene: [name for name, found in reactions_of(scene).items() if found.particle],
+        _keep_reaction, lambda recording, name: reaction(recording, name)[1], shock=True,
+    ),
+    "section_force": _in_bar(
+        "N", "force in a section of a bar along its own axes",
+        values=partial(_in_section, 0), parts=bars.FORCES,
+    ),
+    "section_moment": _in_bar(
+        "N m", "moment in a section of a bar about its own axes",
+        values=partial(_in_section, 1), parts=bars.MOMENTS,
+    ),
+    "stress": Variable(
+        "Pa", "largest equivalent stress (von Mises) in bars",
+        lambda scene: ["all", *bars.bars_of(scene)] if scene.beams else [],
+        lambda scene, name: _keep_bars(scene, _chosen_bars(scene, name)),
+        _stress, form="bar", shock=True, positive=True,
+    ),
+    "clearance": Variable(
+        "m", "shortest distance of the surfaces of two bars",
+        lambda scene: [" to ".join(pair) for pair in combinations(bars.bars_of(scene), 2)],
+        lambda scene, name: _keep_bars(scene, name.split(" to ")),
+        _clearance, form="bars",
+    ),
+}  # fmt: skip
+
+
+def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
+    """A copy of a scene with the probe for some columns; itself where there are none.
+
+    SceneError for a column that it does not have.
+    """
+    columns = list(columns)
+    if not columns:
+        return scene
+    probes = []
+    for name, label in columns:
+        variable = VARIABLES[name]
+        of, part = variable.split(label)
+        known = of.partition(PLACE)[0] if variable.form == "section" else of
+        if known not in variable.names(scene) or (part or None) not in (variable.parts or [None]):
+            labels = variable.labels(scene)
+            allowed = f"one of {', '.join(labels) or '(this scene has none)'}"
+            raise SceneError(name, label, allowed + did_you_mean(label, labels))
+        probes.append(variable.probe(scene, of))
+    forces = sorted({p for probe in probes for p in probe.forces})
+    frames = sorted({p for probe in probes for p in probe.frames} | set(forces))
+    probe = Probe(
+        tuple(frames),
+        tuple(forces),
+        any(probe.moments for probe in probes),
+        any(probe.impulses for probe in probes),
+    )
+    out = copy(scene)
+    out.kinds = {**scene.kinds, Probe: [probe]}
+    return out
+
+
+def numbers(scene: Scene, columns: Iterable[Column]) -> int:
+    """How many numbers of a sample the loop keeps at an instant for some columns."""
+    from fpm.elements.joints.hinge_arrays import SUMS
+    from fpm.elements.particles import probe_kernels
+
+    probe = Probe.asked(prepared(scene, columns))
+    found = probe_kernels.FRAME * len(probe.frames) + probe_kernels.FORCES * len(probe.forces)
+    joints = len(Hinge.of(scene)) + len(Joint.of(scene))
+    moments = 2 * len(PARTS) * len(scene.hinges)
+    return found + SUMS * joints * probe.impulses + moments * probe.moments
+
+
+def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Recorded]:
+    """Columns of a run, as variables of its trajectory file."""
+    found = {}
+    for name, labels in _by_variable(columns).items():
+        variable = VARIABLES[name]
+        values = np.stack([variable.column(recording, label) for label in labels], axis=1)
+        dimension = f"{name}_{variable.along}"
+        found[name] = Recorded(values, variable.unit, variable.long_name, dimension, labels)
+    return found
+
+
+def words(columns: Iterable[Column]) -> str:
+    """Columns in words, each variable once with what it is of: for messages."""
+    return "; ".join(
+        f"{name.replace('_', ' ')} of {', '.join(labels)}"
+        for name, labels in _by_variable(columns).items()
+    )
+
+
+def _by_variable(columns: Iterable[Column]) -> dict[str, tuple[str, ...]]:
+    """Labels by variable, each once."""
+    found: dict[str, dict[str, None]] = {}
+    for variable, label in columns:
+        found.setdefault(variable, {})[label] = None
+    return {variable: tuple(labels) for variable, labels in found.items()}

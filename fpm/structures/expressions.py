@@ -1,17 +1,18 @@
 """Arithmetic on names, numbers and units, and nothing else.
 
 A text is parsed by Python's own grammar, its tree is checked against a list of what is allowed, and
-turned into a chain of functions: nothing is ever handed to `eval`. Values are single numbers; a
-batch is evaluated sample by sample, so that a sample's last digits do not depend on its neighbours
-(the vector units of a processor round a sine differently from its scalar ones), and since it takes
-less than a hundredth of the time that building the sample's particles does.
+turned into two chains of functions, for the value and for its dimension: nothing is ever handed to
+`eval`. Values are single numbers; a batch is evaluated sample by sample, so that a sample's last
+digits do not depend on its neighbours (the vector units of a processor round a sine differently
+from its scalar ones), and since it takes less than a hundredth of the time that building the
+sample's particles does.
 """
 
 import ast
 import math
 import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, lru_cache
 
 from fpm.structures.units import BARE, CHAIN, NUMBER, Dimension, power, product, unit
@@ -32,13 +33,10 @@ _OPERATORS = {
     ast.UAdd: operator.pos,
     ast.USub: operator.neg,
 }
+_ANGULAR = ("sin", "cos", "tan")
+_ROUND = {name: getattr(math, name) for name in (*_ANGULAR, "asin", "acos", "atan")}
 _FUNCTIONS: dict[str, tuple[Callable, int, int]] = {  # with the least and largest number of values
-    "sin": (math.sin, 1, 1),
-    "cos": (math.cos, 1, 1),
-    "tan": (math.tan, 1, 1),
-    "asin": (math.asin, 1, 1),
-    "acos": (math.acos, 1, 1),
-    "atan": (math.atan, 1, 1),
+    **{name: (function, 1, 1) for name, function in _ROUND.items()},
     "atan2": (math.atan2, 2, 2),
     "sqrt": (math.sqrt, 1, 1),
     "abs": (abs, 1, 1),
@@ -48,6 +46,9 @@ _FUNCTIONS: dict[str, tuple[Callable, int, int]] = {  # with the least and large
 RESERVED = (*_FUNCTIONS, "pi")
 ALLOWED = f"numbers with units, names, + - * / ** ( ), pi and {', '.join(_FUNCTIONS)}"
 
+Value = Callable[[Mapping[str, float]], float]
+Measure = Callable[[Mapping[str, Dimension]], Dimension]
+
 
 class ExpressionError(ValueError):
     """An expression that is no arithmetic, or has no value; the text says why."""
@@ -56,7 +57,8 @@ class ExpressionError(ValueError):
 class Expression:
     """Arithmetic, read once.
 
-    names: what it refers to, points' coordinates as `P.x`. ExpressionError for anything else.
+    names: what it refers to, points' coordinates as `P.x`; dimension(names): that of the value from
+    those of the names, ExpressionError where they clash. ExpressionError for anything else.
     """
 
     def __init__(self, text: str):
@@ -68,7 +70,7 @@ class Expression:
             raise ExpressionError(f"longer than {LONGEST} characters; allowed: several under `let`")
         try:
             tree = ast.parse(_SUFFIXED.sub(self._quantity, text).strip(), mode="eval").body
-            self._tree, self._function = tree, self._compile(tree)
+            self._value, self.dimension = self._compile(tree)
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             if isinstance(error, ExpressionError):
                 raise
@@ -82,14 +84,10 @@ class Expression:
         """Whether it is made of plain numbers only."""
         return not self.names and self.dimension({}).bare
 
-    def dimension(self, names: Mapping[str, Dimension]) -> Dimension:
-        """The dimension of the value, from those of the names; ExpressionError where they clash."""
-        return self._measure(self._tree, names)
-
     def value(self, names: Mapping[str, float]) -> float:
         """The value in SI units; ExpressionError if it is no finite number."""
         try:
-            found = float(self._function(names))
+            found = float(self._value(names))
         except (ArithmeticError, ValueError):
             found = math.nan
         if not math.isfinite(found):
@@ -114,120 +112,108 @@ class Expression:
             self._divisors.add(name)
         return f"{before} {name} "
 
-    # -- from a tree to functions -------------------------------------------------------------
+    # -- from a tree to functions of the names ------------------------------------------------
 
-    def _compile(self, node: ast.AST) -> Callable[[Mapping[str, float]], float]:
-        if isinstance(node, ast.Constant) and type(node.value) in (int, float):
-            try:
-                value = float(node.value)
-            except OverflowError:  # an integer of more than 308 digits
-                value = math.inf
-            return lambda names: value
-        if isinstance(node, ast.Name | ast.Attribute):
-            return self._compile_name(_dotted(node))
-        if isinstance(node, ast.UnaryOp) and type(node.op) in _OPERATORS:
-            sign, one = _OPERATORS[type(node.op)], self._compile(node.operand)
-            return lambda names: sign(one(names))
-        if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
-            join = _OPERATORS[type(node.op)]
-            one, two = self._compile(node.left), self._compile(node.right)
-            return lambda names: join(one(names), two(names))
-        if isinstance(node, ast.Call):
-            function, values = self._called(node), [self._compile(a) for a in node.args]
-            return lambda names: function(*[value(names) for value in values])
+    def _compile(self, node: ast.AST) -> tuple[Value, Measure]:
+        match node:
+            case ast.Constant(value=number) if type(number) in (int, float):
+                found = float(str(number))  # infinite where an integer has too many digits
+                return (lambda names: found), (lambda names: BARE)
+            case ast.Name() | ast.Attribute():
+                return self._name(_dotted(node))
+            case ast.UnaryOp(op=op, operand=operand) if type(op) in _OPERATORS:
+                sign, (one, measure) = _OPERATORS[type(op)], self._compile(operand)
+                return (lambda names: sign(one(names))), measure
+            case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
+                join, sides = _OPERATORS[type(op)], (self._compile(left), self._compile(right))
+                (one, first), (two, second) = sides
+                measure = self._joined(op, right, two)
+                return (
+                    lambda names: join(one(names), two(names)),
+                    lambda names: measure(first(names), second(names)),
+                )
+            case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in _FUNCTIONS:
+                function, least, most = _FUNCTIONS[name]
+                if not least <= len(args) <= most:
+                    count = f"{least}" if least == most else f"{least} or more"
+                    plural = "s" if most > 1 else ""
+                    raise ExpressionError(f"{name} takes {count} value{plural}, not {len(args)}")
+                values, measures = zip(*map(self._compile, args), strict=True)
+                zero = isinstance(args[0], ast.Constant) and args[0].value == 0
+                return (
+                    lambda names: function(*[value(names) for value in values]),
+                    lambda names: _called(name, [measure(names) for measure in measures], zero),
+                )
         raise ExpressionError(f"not arithmetic; allowed: {ALLOWED}")
 
-    def _compile_name(self, name: str) -> Callable[[Mapping[str, float]], float]:
-        if name == "pi":
-            return lambda names: math.pi
-        if name in self._quantities:
-            value = self._quantities[name][0]
-            return lambda names: value
+    def _name(self, name: str) -> tuple[Value, Measure]:
+        if name == "pi" or name in self._quantities:
+            value, dimension = self._quantities.get(name, (math.pi, NUMBER))
+            return (lambda names: value), (lambda names: dimension)
         if name.startswith("_") or name in _FUNCTIONS:
             raise ExpressionError(f"{name} is not a value; allowed: {ALLOWED}")
         self.names.add(name)
-        return operator.itemgetter(name)
+        return operator.itemgetter(name), operator.itemgetter(name)
 
-    def _called(self, node: ast.Call) -> Callable:
-        name = node.func.id if isinstance(node.func, ast.Name) else ""
-        if name not in _FUNCTIONS or node.keywords:
-            raise ExpressionError(f"not arithmetic; allowed: {ALLOWED}")
-        function, least, most = _FUNCTIONS[name]
-        if not least <= len(node.args) <= most:
-            raise ExpressionError(
-                f"{name} takes {least if least == most else f'{least} or more'} "
-                f"value{'s' if most > 1 else ''}, not {len(node.args)}"
-            )
-        return function
-
-    # -- dimensions ---------------------------------------------------------------------------
-
-    def _measure(self, node: ast.AST, names: Mapping[str, Dimension]) -> Dimension:
-        if isinstance(node, ast.Constant):
-            return BARE
-        if isinstance(node, ast.Name | ast.Attribute):
-            name = _dotted(node)
-            if name == "pi":
-                return NUMBER
-            return self._quantities[name][1] if name in self._quantities else names[name]
-        if isinstance(node, ast.UnaryOp):
-            return self._measure(node.operand, names)
-        if isinstance(node, ast.Call):
-            return self._measure_call(node, names)
-        one = self._measure(node.left, names)
-        if isinstance(node.op, ast.Pow):
-            return self._measure_power(node.right, one, names)
-        two = self._measure(node.right, names)
-        if isinstance(node.op, ast.Div):
-            self._check_quotient(node.right, one, two)
-        if isinstance(node.op, ast.Mult | ast.Div):
-            return product(one, two, 1 if isinstance(node.op, ast.Mult) else -1)
-        return _same((one, two), "added" if isinstance(node.op, ast.Add) else "subtracted")
-
-    def _check_quotient(self, node: ast.AST, one: Dimension, two: Dimension) -> None:
-        """Refuse `1/2 deg`, meant as half a degree: other units show by what they are behind."""
-        if isinstance(node, ast.UnaryOp):
-            node = node.operand
-        divides = isinstance(node, ast.Name) and node.id in self._divisors
-        if divides and one.bare and not any(two.powers):
-            raise ExpressionError(
-                "a plain number over an angle could be meant as a fraction of its unit; allowed: "
-                "brackets as in (1/2)*(1 deg), a decimal as in 0.5 deg, 1/(2 deg)"
-            )
-
-    def _measure_call(self, node: ast.Call, names: Mapping[str, Dimension]) -> Dimension:
-        name = node.func.id
-        found = [self._measure(argument, names) for argument in node.args]
-        if name in ("abs", "min", "max"):
-            return _same(found, f"values of one {name}")
-        if name == "sqrt":
-            return power(found[0], 0.5)
-        if name == "atan2":
-            _same(found, "values of one atan2")
-        elif any(found[0].powers):
-            raise ExpressionError(f"{name} takes {NUMBER}, not {found[0]}")
-        elif name in ("sin", "cos", "tan") and found[0].bare and not _is_zero(node.args[0]):
-            raise ExpressionError(f"{name} takes an angle with a unit, such as 45 deg or 0.5 rad")
-        return NUMBER
-
-    def _measure_power(self, node: ast.AST, base: Dimension, names: Mapping) -> Dimension:
-        exponent = self._measure(node, names)
-        if any(exponent.powers):
-            raise ExpressionError(f"an exponent is a number, not {exponent}")
-        if not any(base.powers):
-            return base if exponent.bare else NUMBER
-        if any(isinstance(part, ast.Name | ast.Attribute) for part in ast.walk(node)):
-            raise ExpressionError(f"a power of {base} takes a plain number as exponent")
-        try:
-            return power(base, float(self._compile(node)({})))
-        except (ArithmeticError, ValueError):
-            raise ExpressionError("an exponent is no finite number") from None
+    def _joined(self, op: ast.AST, right: ast.AST, value: Value) -> Callable[..., Dimension]:
+        """The dimension of two values joined, from theirs; value: of the right one."""
+        named = any(isinstance(part, ast.Name | ast.Attribute) for part in ast.walk(right))
+        divisor = right.operand if isinstance(right, ast.UnaryOp) else right
+        guess = isinstance(divisor, ast.Name) and divisor.id in self._divisors
+        match op:
+            case ast.Mult():
+                return product
+            case ast.Div():
+                return lambda one, two: _quotient(one, two, guess)
+            case ast.Pow():
+                return lambda one, two: _power(one, two, None if named else value)
+        what = "added" if isinstance(op, ast.Add) else "subtracted"
+        return lambda one, two: _same((one, two), what)
 
 
-@lru_cache(maxsize=10_000)
-def parse(text: str) -> Expression:
-    """The expression of a text, read once however often it occurs."""
-    return Expression(text)
+def _quotient(one: Dimension, two: Dimension, guess: bool) -> Dimension:
+    """Refuse `1/2 deg`, meant as half a degree: other units show by what they are behind."""
+    if guess and one.bare and not any(two.powers):
+        raise ExpressionError(
+            "a plain number over an angle could be meant as a fraction of its unit; allowed: "
+            "brackets as in (1/2)*(1 deg), a decimal as in 0.5 deg, 1/(2 deg)"
+        )
+    return product(one, two, -1)
+
+
+def _power(base: Dimension, exponent: Dimension, value: Value | None) -> Dimension:
+    if any(exponent.powers):
+        raise ExpressionError(f"an exponent is a number, not {exponent}")
+    if not any(base.powers):
+        return base if exponent.bare else NUMBER
+    if value is None:
+        raise ExpressionError(f"a power of {base} takes a plain number as exponent")
+    try:
+        return power(base, float(value({})))
+    except (ArithmeticError, ValueError):
+        raise ExpressionError("an exponent is no finite number") from None
+
+
+def _called(name: str, found: list[Dimension], zero: bool) -> Dimension:
+    """The dimension of a function's value from those of its own; zero: of the plain number 0."""
+    if name in ("abs", "min", "max"):
+        return _same(found, f"values of one {name}")
+    if name == "sqrt":
+        return power(found[0], 0.5)
+    if name == "atan2":
+        _same(found, "values of one atan2")
+    elif any(found[0].powers):
+        raise ExpressionError(f"{name} takes {NUMBER}, not {found[0]}")
+    elif name in _ANGULAR and found[0].bare and not zero:
+        raise ExpressionError(f"{name} takes an angle with a unit, such as 45 deg or 0.5 rad")
+    return NUMBER
+
+
+def _same(found: Sequence[Dimension], what: str) -> Dimension:
+    """The dimension that all have; a bare number goes with numbers only."""
+    if len({one.powers for one in found}) > 1:
+        raise ExpressionError(f"{' and '.join(sorted({str(d) for d in found}))} cannot be {what}")
+    return min(found, key=lambda one: one.bare)
 
 
 def _dotted(node: ast.AST) -> str:
@@ -241,13 +227,7 @@ def _dotted(node: ast.AST) -> str:
     return ".".join([node.id, *reversed(parts)])
 
 
-def _same(found: list[Dimension], what: str) -> Dimension:
-    """The dimension that all have; a bare number goes with numbers only."""
-    kinds = {one.powers for one in found}
-    if len(kinds) > 1:
-        raise ExpressionError(f"{' and '.join(sorted({str(d) for d in found}))} cannot be {what}")
-    return min(found, key=lambda one: one.bare)
-
-
-def _is_zero(node: ast.AST) -> bool:
-    return isinstance(node, ast.Constant) and node.value == 0
+@lru_cache(maxsize=10_000)
+def parse(text: str) -> Expression:
+    """The expression of a text, read once however often it occurs."""
+    return Expression(text)

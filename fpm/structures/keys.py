@@ -15,7 +15,7 @@ from fpm.elements.joints.hinge import ANGLES
 from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError
 from fpm.structures.builder import Builder
-from fpm.structures.names import Context, Place
+from fpm.structures.names import Bound, Context, Place
 from fpm.structures.reading import Node, SkippedError, among
 from fpm.structures.units import unit
 
@@ -73,15 +73,11 @@ class Number(Key):
 
     def read(self, node, place):
         bound = place.number(node, unit(self.unit).dimension, self.allowed, self.unit == "rad")
+        return _checked(bound, place, self.allowed, self._allows)
 
-        def value(build: Builder) -> float:
-            found = build.number(bound, place.key)
-            low = self.least is not None and found < self.least
-            if low or (self.above is not None and found <= self.above):
-                raise SceneError(place.key, found, self.allowed)
-            return found
-
-        return value
+    def _allows(self, value: float) -> bool:
+        low = self.least is not None and value < self.least
+        return not low and (self.above is None or value > self.above)
 
 
 @dataclass(frozen=True)
@@ -91,15 +87,23 @@ class Whole(Key):
     allowed = f"a whole number from 1 to {MOST}, of parameters with `whole: true`"
 
     def read(self, node, place):
-        bound = place.whole(node, self.allowed)
+        found = _checked(
+            place.whole(node, self.allowed), place, self.allowed,
+            lambda value: value == round(value) and 1 <= value <= MOST,
+        )  # fmt: skip
+        return lambda build: round(found(build))
 
-        def value(build: Builder) -> int:
-            found = build.number(bound, place.key)
-            if found != round(found) or not 1 <= found <= MOST:
-                raise SceneError(place.key, found, self.allowed)
-            return round(found)
 
-        return value
+def _checked(bound: Bound, place: Place, allowed: str, right: Callable[[float], bool]) -> Value:
+    """The value of an expression, which must be right."""
+
+    def value(build: Builder) -> float:
+        found = build.number(bound, place.key)
+        if not right(found):
+            raise SceneError(place.key, found, allowed)
+        return found
+
+    return value
 
 
 @dataclass(frozen=True)
@@ -165,16 +169,25 @@ class Named(NamedTuple):
 
 @dataclass(frozen=True)
 class Reference(Key):
-    """The name of something in a group; its value is what was built for it."""
+    """The name of something in a group; its value is what was built for it.
+
+    ground: whether that is one of `parts` here.
+    """
 
     group: str = ""
+    ground: bool = False
 
     @property
     def allowed(self) -> str:
+        if self.group == "parts":
+            return "the name of a bar or body" + (", or ground" if self.ground else "")
         return f"the name of one of `{self.group}`"
 
     def read(self, node, place):
-        return Named(self.group, place.reference(node, self.group))
+        full = place.reference(node, self.group)
+        if full == "ground" and not self.ground:
+            place.refuse(node, self.allowed)
+        return Named(self.group, full)
 
 
 @dataclass(frozen=True)
@@ -191,55 +204,28 @@ class Opening(Key):
         return f"the name of a {one} joint{more if 'universal' in self.types else ''}{self.hint}"
 
     def read(self, node, place):
-        types, crosses = place.names.types, self.types if "universal" in self.types else ()
-        angle, name = self._angle(node.text, place), node
-        if angle is not None:
-            name = Node(node.text.removesuffix(ANGLES[angle]), node.line)
+        names, angle, name = place.names, None, node
+        try:
+            joint, angle = names.angles[place.context.find(node.text, names.angles)]
+            name = Node(joint, node.line)
+        except KeyError:
+            pass
         full = place.reference(name, "joints")
-        type = types.get(full, "")
+        type = names.types.get(full, "")
         if not type:  # which is told of the joint
             raise SkippedError(full)
-        if type == "universal" and crosses and angle is None:
+        if type == "universal" and type in self.types and angle is None:
             place.refuse(node, f"one of its two angles, {' or '.join(full + e for e in ANGLES)}")
         if type not in self.types:
             place.refuse(node, self.allowed)
         return Named("joints", full, angle or 0)
-
-    def _angle(self, text: str, place: Place) -> int | None:
-        """Which angle of a universal joint a name has behind that of the joint."""
-        known = [name for name, type in place.names.types.items() if type == "universal"]
-        for k, end in enumerate(ANGLES):
-            try:
-                place.context.find(text.removesuffix(end), known if text.endswith(end) else ())
-                return k
-            except KeyError:
-                continue
-        return None
-
-
-@dataclass(frozen=True)
-class Part(Reference):
-    """The name of a part. ground: whether that is one here."""
-
-    group: str = "parts"
-    ground: bool = False
-
-    @property
-    def allowed(self) -> str:
-        return "the name of a bar or body" + (", or ground" if self.ground else "")
-
-    def read(self, node, place):
-        found = super().read(node, place)
-        if found.name == "ground" and not self.ground:
-            place.refuse(node, self.allowed)
-        return found
 
 
 @dataclass(frozen=True)
 class PointOfPart(Key):
     """A point of a part or the ground: both names, or the point's where only one part has it."""
 
-    part = Part(ground=True)
+    part = Reference(group="parts", ground=True)
     allowed = f"{{part: {part.allowed}, at: one of its points}}, or a point that only one part has"
 
     def read(self, node, place):
@@ -304,17 +290,24 @@ class Many(Key):
 
 @dataclass(frozen=True)
 class Each(Key):
-    """A mapping from names of a group to values of one kind; its value is keyed by full names."""
+    """A mapping from names of a group to values of one kind; its value is keyed by full names.
 
-    group: str = ""
+    one: whether one value for all may stand in its place.
+    """
+
+    group: str = "parts"
     kind: Key | None = None
+    one: bool = False
 
     @property
     def allowed(self) -> str:
         names = "its parts" if self.group == "parts" else f"names of `{self.group}`"
-        return f"a mapping from {names}, each to {self.kind.allowed}"
+        one = f"{self.kind.allowed}, or " if self.one else ""
+        return f"{one}a mapping from {names}, each to {self.kind.allowed}"
 
     def read(self, node, place):
+        if self.one and not (node.is_table and node.entries.keys() != {"from", "to"}):
+            return self.kind.read(node, place)
         if not node.is_table:
             place.refuse(node, self.allowed)
         found = {}
@@ -323,25 +316,6 @@ class Each(Key):
             full = inside.reference(Node(name, node.lines[name]), self.group)
             found[full] = self.kind.read(entry, inside)
         return lambda build: {name: one(build) for name, one in found.items()}
-
-
-@dataclass(frozen=True)
-class Either(Key):
-    """One value for all parts, or a mapping for each."""
-
-    kind: Key | None = None
-
-    @property
-    def _each(self) -> Each:
-        return Each(group="parts", kind=self.kind)
-
-    @property
-    def allowed(self) -> str:
-        return f"{self.kind.allowed}, or {self._each.allowed}"
-
-    def read(self, node, place):
-        is_each = node.is_table and node.entries.keys() != {"from", "to"}
-        return (self._each if is_each else self.kind).read(node, place)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.bars.viscosity import Viscosity
+from fpm.elements.joints.hinge import ANGLES
 from fpm.errors import likely
 from fpm.scenes.scene import Scene
 from fpm.structures.expressions import ExpressionError
@@ -157,7 +158,11 @@ class Model:
                 if group == "joints":
                     given = node.entries[name].entries.get("type", Node("")).text
                     meant = given if given in GROUPS[group] else likely(given, GROUPS[group])
-                    self.names.types[sheet.context.prefix + name] = meant
+                    full = sheet.context.prefix + name
+                    self.names.types[full] = meant
+                    if meant == "universal":
+                        angles = {f"{full}{end}": (full, k) for k, end in enumerate(ANGLES)}
+                        self.names.angles.update(angles)
 
     def _name(self, prefix: str, name: str, group: str, key: str, line: int) -> None:
         """Note one name of a group."""

@@ -7,7 +7,6 @@ Units of a `repeat` see their own names first, then those of the file, and their
 import re
 from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
 from keyword import iskeyword
 
@@ -69,14 +68,7 @@ class Bound:
 
     def value(self, numbers: Mapping[str, float]) -> float:
         """Its value in SI units, from those of the full names."""
-        if not self._is_full:
-            numbers = {name: numbers[full] for name, full in self.full.items()}
-        return self.expression.value(numbers)
-
-    @cached_property
-    def _is_full(self) -> bool:
-        """Whether the expression has full names itself, as outside of repeats."""
-        return all(name == full for name, full in self.full.items())
+        return self.expression.value({name: numbers[full] for name, full in self.full.items()})
 
     def dimension(self, numbers: Mapping[str, "Named"]) -> Dimension:
         """Its dimension; SkippedError if one of its names has none, being wrong itself."""
@@ -105,8 +97,9 @@ class Named:
 class Names:
     """All names of a file: numbers (parameters, let, coordinates of points), and what is built.
 
-    things: lines by name, by group; types: of joints, "" where nobody can tell; absent: (group,
-    name) of what is wrong, or at a row's end; order: of numbers, so that they can be computed.
+    things: lines by name, by group; types: of joints, "" where nobody can tell; angles: joint and
+    number of those of universal joints; absent: (group, name) of what is wrong, or at a row's end;
+    order: of numbers, so that they can be computed.
     """
 
     def __init__(self, problems: Problems):
@@ -114,6 +107,7 @@ class Names:
         self.numbers: dict[str, Named] = {}
         self.things: dict[str, dict[str, int]] = {"parts": {"ground": 0}}
         self.types: dict[str, str] = {}
+        self.angles: dict[str, tuple[str, int]] = {}
         self.used: set[str] = set()
         self.absent: set[tuple[str, str]] = set()
         self.order: list[str] = []

@@ -4,9 +4,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
-from fpm.elements.joints.joint import Joint, as_joints
-from fpm.elements.kind import AXES
+from fpm.assembly.conditions import conditions_of
+from fpm.assembly.places import Places
 from fpm.scenes.effort import machine, run_seconds
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
@@ -40,9 +42,6 @@ class Cost(NamedTuple):
 
 def bodies(scene: Scene) -> np.ndarray:
     """The part (n,) to which each particle belongs; beams make particles one part."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     count = len(scene.position)
     nodes = np.concatenate([np.zeros((0, 2), int), *(beams.nodes for beams in scene.beams)])
     links = coo_array((np.ones(len(nodes)), (nodes[:, 0], nodes[:, 1])), shape=(count, count))
@@ -74,73 +73,47 @@ def mobility(scene: Scene) -> Mobility:
     Elastic bars are taken as rigid. The rank is that at the start; in a singular position, such as
     a mechanism that is folded flat, more ways are open than in the motion that follows.
     """
-    found, parts = jacobian(scene)
-    rows = np.concatenate([np.zeros((0, 6 * parts)), *found.values()])
-    rank = _rank(rows)
-    return Mobility(parts, len(rows), len(rows) - rank, 6 * parts - rank)
+    rows, _ = jacobian(scene)
+    rank, ways = _dependent(rows)[0], rows.shape[1]
+    return Mobility(ways // 6, len(rows), len(rows) - rank, ways - rank)
 
 
-def jacobian(scene: Scene) -> tuple[dict[str, np.ndarray], int]:
-    """Conditions (c, 6 parts) on the parts' velocities and spins, by joint or support, and how many
-    parts may move.
+def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
+    """Conditions (c, 6 parts) on the parts' velocities and spins, and the joint or support of each.
 
     A part's columns are its velocity at the structure's middle, and its spin times the structure's
     size; parts that are held altogether have none.
     """
-    own = bodies(scene)
-    held = {own[p] for p in np.flatnonzero(scene.fixed.all(axis=1))}
-    moving = {part: k for k, part in enumerate(p for p in range(own.max() + 1) if p not in held)}
-    middle = scene.position.mean(axis=0)
+    own, found, count = bodies(scene), conditions_of(scene), len(scene.position)
+    held = np.isin(own, own[scene.fixed.all(axis=1)])
+    moving = np.unique(own[~held])
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
-
-    def motion(particle: int, point: np.ndarray) -> np.ndarray:
-        """Velocity of a point and spin (6, 6 parts) of a particle's part."""
-        out = np.zeros((6, 6 * len(moving)))
-        if own[particle] in moving:
-            at = 6 * moving[own[particle]]
-            arm = (point - middle) / size
-            out[:3, at : at + 3] = np.eye(3)
-            out[:3, at + 3 : at + 6] = -np.cross(np.eye(3), arm)
-            out[3:, at + 3 : at + 6] = np.eye(3)
-        return out
-
-    rows: dict[str, np.ndarray] = {}
-    names = {arm.particle: name for name, arm in scene.supports.items()}
-    for particle in np.flatnonzero(scene.fixed.any(axis=1)):
-        if own[particle] in moving:
-            found = motion(particle, scene.position[particle])[scene.fixed[particle]]
-            rows[f"support {names.get(particle, f'of particle {particle}')}"] = found
-    for joint in _as_joints(scene):
-        first = joint.beams[0].particle
-        point = scene.position[first] + scene.frame[first] @ joint.beams[0].arm
-        one = motion(first, point)
-        if joint.type == "held":
-            rows[f"support {joint.name}"] = one[[AXES.index(c) for c in joint.held]]
-            continue
-        second = joint.beams[1].particle
-        gap = motion(second, point) - one
-        axis, across = scene.frame[first] @ joint.axes[0], scene.frame[first] @ joint.references[0]
-        other = scene.frame[second] @ joint.axes[1]
-        plane = np.array([across, np.cross(axis, across)])
-        points = plane if joint.type == "prismatic" else np.eye(3)
-        turns = {
-            "spherical": np.zeros((0, 3)),
-            "revolute": plane,
-            "universal": np.cross(axis, other)[None],
-        }.get(joint.type, np.eye(3))
-        rows[f"joint {joint.name}"] = np.concatenate([points @ gap[:3], turns @ gap[3:]])
-    return rows, len(moving)
+    motion = np.zeros((count, 6, len(moving), 6))  # of particles, by those of their parts
+    for particle in np.flatnonzero(~held):
+        of = motion[particle, :, np.searchsorted(moving, own[particle])]
+        arm = scene.position[particle] - scene.position.mean(axis=0)
+        of[:3, :3], of[3:, 3:] = np.eye(3), np.eye(3) / size
+        of[:3, 3:] = -np.cross(np.eye(3), arm) / size
+    motion = motion.reshape(6 * count, 6 * len(moving))
+    slopes, _ = found.derivatives(Places(scene.position, scene.frame), np.zeros(len(found.joint)))
+    joints = size * found.weight(size)[:, None] * (slopes @ motion)
+    fixed = np.argwhere(scene.fixed & ~held[:, None])
+    dofs = fixed @ (6, 1)
+    supports = np.where(dofs % 6 < 3, 1.0, size)[:, None] * motion[dofs]
+    by = {arm.particle: name for name, arm in scene.supports.items()}
+    names = [f"support {by.get(p, f'of particle {p}')}" for p, _ in fixed]
+    kinds = np.where(found.second == 0, "support", "joint")
+    names += [f"{kind} {name}" for kind, name in zip(kinds, found.joint, strict=True)]
+    return np.concatenate([supports, joints]), names
 
 
-def _as_joints(scene: Scene) -> list[Joint]:
-    """All joints of a scene, its hinges among them, whoever solves them."""
-    hinges = [joint for hinge in scene.hinges for joint in as_joints(hinge)]
-    return [*hinges, *scene.kinds.get(Joint, [])]
-
-
-def _rank(rows: np.ndarray) -> int:
-    sizes = np.linalg.svd(rows, compute_uv=False) if rows.size else np.zeros(1)
-    return int((sizes > SMALLEST * sizes[0]).sum()) if sizes[0] > 0 else 0
+def _dependent(rows: np.ndarray) -> tuple[int, np.ndarray]:
+    """Rank of some conditions, and the share (c,) of each in what is nothing when combined."""
+    if not rows.size:
+        return 0, np.zeros(len(rows))
+    left, sizes, _ = np.linalg.svd(rows)
+    rank = int((sizes > SMALLEST * sizes[0]).sum())
+    return rank, np.linalg.norm(left[:, rank:], axis=1)
 
 
 def redundant(scene: Scene) -> list[str]:
@@ -148,17 +121,9 @@ def redundant(scene: Scene) -> list[str]:
 
     Rigid parts can only bear them if lengths and axes fit exactly; elastic ones give way.
     """
-    rows, _ = jacobian(scene)
-    if not rows:
-        return []
-    all_rows = np.concatenate(list(rows.values()))
-    left, sizes, _ = np.linalg.svd(all_rows)
-    rank = int((sizes > SMALLEST * sizes[0]).sum()) if sizes[0] > 0 else 0
-    # Combinations of conditions that are nothing: whoever has a share in one is redundant.
-    shares = np.linalg.norm(left[:, rank:], axis=1)
-    ends = np.cumsum([len(r) for r in rows.values()])[:-1]
-    parts = np.split(shares, ends)
-    return [name for name, share in zip(rows, parts, strict=True) if share.max(initial=0.0) > 1e-6]
+    rows, names = jacobian(scene)
+    shares = _dependent(rows)[1]
+    return list(dict.fromkeys(n for n, share in zip(names, shares, strict=True) if share > 1e-6))
 
 
 def longer_steps(found: SceneType, step: float) -> list[tuple[str, float, float]]:

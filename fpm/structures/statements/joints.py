@@ -7,14 +7,16 @@ import numpy as np
 
 from fpm.elements.joints.hinge import unit
 from fpm.structures.builder import APART
-from fpm.structures.keys import Direction, Each, Either, Letters, Many, Number, Part, Reference
+from fpm.structures.keys import Direction, Each, Letters, Many, Number, Reference
 from fpm.structures.statement import statement
 
-PARTS = Many(kind=Part(ground=True), least=2, about="what it joins")
-PAIR = Many(kind=Part(ground=True), least=2, most=2, about="what it joins")
-AT = Either(
+PART = Reference(group="parts", ground=True)
+PARTS = Many(kind=PART, least=2, about="what it joins")
+PAIR = Many(kind=PART, least=2, most=2, about="what it joins")
+AT = Each(
     about="its point, which all parts have; or the point of each part, which must coincide",
     kind=Reference(group="points"),
+    one=True,
 )
 
 
@@ -67,9 +69,10 @@ def _further(it, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
     "revolute",
     parts=PARTS,
     at=AT,
-    axis=Either(
+    axis=Each(
         about="of the turn; or the axis of each part, which must agree",
         kind=Direction(),
+        one=True,
     ),
     opening=Number(
         0.0,
@@ -81,7 +84,6 @@ def _further(it, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
         None,
         "a direction fixed to each part, normal to the axis: the opening is their angle, "
         "on the turn closest to `opening`",
-        group="parts",
         kind=Direction(),
     ),
     held=Letters("", "axes along which the point is held, as by a slider"),
@@ -175,7 +177,7 @@ def prismatic(build, it):
 
 @statement(
     "supports",
-    part=Part(about="what is held"),
+    part=Reference(group="parts", about="what is held"),
     at=Reference(group="points", about="one of its points"),
     translations=Letters("xyz", "axes along which it is held"),
     rotations=Letters("xyz", "axes about which it is held"),

@@ -5,11 +5,11 @@ import numpy as np
 
 from fpm.elements import Load
 from fpm.structures.builder import APART
-from fpm.structures.keys import Many, Number, Part, PointOfPart, Reference, Vector
+from fpm.structures.keys import Many, Number, PointOfPart, Reference, Vector
 from fpm.structures.statement import statement
 
 ZERO = np.zeros(3)
-PART = Part(about="what it is about")
+PART = Reference(group="parts", about="what it is about")
 AT = Reference(group="points", about="one of its points")
 CURVE = Reference(None, "scales it with time; left out: constant", group="curves")
 
@@ -103,7 +103,7 @@ def motion(build, it):
     scene.spin[particles] = it.spin
 
 
-@statement("record", part=Part(about="what carries it", ground=True), at=AT)
+@statement("record", part=Reference(group="parts", about="what carries it", ground=True), at=AT)
 def recorded(build, it):
     """A point of a part whose motion is recorded under this name."""
     build.scene.add_point(it.name, it.part.particle(it.at.name), it.at.position)

@@ -9,7 +9,6 @@ from fpm.elements.bars.lumping import lump
 from fpm.errors import SceneError
 from fpm.structures.builder import APART, Part
 from fpm.structures.keys import Direction, Each, Many, Number, Reference, Vector, Whole
-from fpm.structures.keys import Part as NameOfPart
 from fpm.structures.statement import statement
 
 STRAIGHT = 1e-9
@@ -33,54 +32,42 @@ def material(build, it):
     return Material(it.E, it.nu, it.rho)
 
 
-@statement("sections", "square", side=_size("its side"))
-def square(build, it):
-    """A solid square."""
-    return Section.square(it.side)
-
-
-@statement(
-    "sections",
-    "rectangle",
-    width=_size("across the bar's `up`"),
-    height=_size("along the bar's `up`"),
-)
-def rectangle(build, it):
-    """A solid rectangle."""
-    return Section.rectangle(it.width, it.height)
-
-
-@statement("sections", "circle", diameter=_size("its diameter"))
-def circle(build, it):
-    """A solid circle."""
-    return Section.circle(it.diameter / 2)
-
-
-@statement(
-    "sections",
-    "tube",
-    diameter=_size("outer diameter"),
-    thickness=_size("of the wall, at most half the diameter"),
-)
-def tube(build, it):
-    """A round tube."""
+def _tube(build, it):
     outer, inner = it.diameter / 2, it.diameter / 2 - it.thickness
     if inner < 0:
         build.refuse("thickness", it.thickness, f"at most half the diameter, {outer:.9g} m")
     return Section.tube(outer, inner)
 
 
-@statement(
-    "sections",
-    "general",
-    A=_size("area", "m2"),
-    Iy=_size("∫ z² dA; z is the bar's `up`", "m4"),
-    Iz=_size("∫ y² dA", "m4"),
-    J=_size("torsion constant", "m4"),
-)
-def general(build, it):
-    """Any section, by its four numbers."""
-    return Section(it.A, it.Iy, it.Iz, it.J)
+SECTIONS = (  # type, what it is, its sizes, and the section of them
+    (
+        "square", "A solid square.", {"side": _size("its side")},
+        lambda build, it: Section.square(it.side),
+    ),
+    (
+        "rectangle", "A solid rectangle.",
+        {"width": _size("across the bar's `up`"), "height": _size("along the bar's `up`")},
+        lambda build, it: Section.rectangle(it.width, it.height),
+    ),
+    (
+        "circle", "A solid circle.", {"diameter": _size("its diameter")},
+        lambda build, it: Section.circle(it.diameter / 2),
+    ),
+    (
+        "tube", "A round tube.",
+        {"diameter": _size("outer diameter"),
+         "thickness": _size("of the wall, at most half the diameter")},
+        _tube,
+    ),
+    (
+        "general", "Any section, by its four numbers.",
+        {"A": _size("area", "m2"), "Iy": _size("∫ z² dA; z is the bar's `up`", "m4"),
+         "Iz": _size("∫ y² dA", "m4"), "J": _size("torsion constant", "m4")},
+        lambda build, it: Section(it.A, it.Iy, it.Iz, it.J),
+    ),
+)  # fmt: skip
+for _type, _about, _sizes, _build in SECTIONS:
+    statement("sections", _type, _about, **_sizes)(_build)
 
 
 # -- bars ------------------------------------------------------------------------------------------
@@ -242,7 +229,7 @@ def body(build, it):
 
 @statement(
     "masses",
-    part=NameOfPart(about="what carries it"),
+    part=Reference(group="parts", about="what carries it"),
     at=Reference(group="points", about="a point that the part goes through"),
     mass=_size("its mass", "kg"),
     inertia=Number(0.0, "its moment of inertia, about every axis", unit="kg m2", least=0),

@@ -16,48 +16,52 @@ from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures import report
-from fpm.structures.statement import ON_SLIDES
+from fpm.structures.keys import REQUIRED
+from fpm.structures.model import overall
+from fpm.structures.statement import ON_SLIDES, Statement
+from fpm.structures.statements import STATEMENTS
 
 
 def describe(found: SceneType, duration: float = 1.0) -> str:
     """All that there is to know before a run, at the default values; a run lasts `duration` s."""
     scene = found.build()
     cost, mobility = report.cost(scene, duration), report.mobility(scene)
-    mesh = getattr(found, "mesh", None)
-    rows = [[name, *_row(p, name == mesh)] for name, p in found.parameters.items()]
-    stated = scene.assembly.stated if scene.assembly else [h.opening for h in scene.hinges]
-    openings = zip(scene.hinges, stated, strict=True)
-    joints = [f"{hinge.name} ({_opening(hinge, before)})" for hinge, before in openings]
+    rows = [[name, *_row(p, name == found.mesh)] for name, p in found.parameters.items()]
+    before = scene.assembly.stated if scene.assembly else [h.opening for h in scene.hinges]
+    joints = [f"{h.name} ({_opening(h, was)})" for h, was in zip(scene.hinges, before, strict=True)]
     joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
-    redundant = report.redundant(scene)
-    cables = [_cable(scene, cable) for cable in scene.cables]
-    actions = acting(scene)
     points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
+    lists = {
+        "bars": bars_of(scene) if scene.beams else (),
+        "bodies": scene.bodies,
+        "supports": scene.supports,
+        "joints": joints or ["none"],
+        "cables": [_cable(scene, cable) for cable in scene.cables],
+        "on joints": acting(scene),
+    }
+    facts = {
+        "mass": f"{report.mass(scene):.6g} kg",
+        "its centre": _vector(report.centre(scene)),
+        "mobility": f"{_several(mobility.degrees, 'way')} to move: "
+        f"{_several(mobility.parts, 'moving part')}, {mobility.conditions} conditions, "
+        f"{mobility.redundant} of them redundant",
+        "redundant": ", ".join(report.redundant(scene)),
+        "assembled": _forced(scene) if scene.assembly is not None else "",
+        "stable step": _step(cost),
+        "": _remedy(found, scene, cost),
+        "a run": f"{len(scene.elements)} elements, {cost.steps} steps for {duration:g} s, "
+        f"{cost.element_steps:.3g} steps of elements, about {cost.seconds:.2g} s of a core "
+        "(one of eight side by side)",
+    }
     lines = [
         f"{found.name}: {found.description}" if found.description else found.name,
         "",
         *_table([["parameter", "default", "unit", "allowed", "description"], *rows]),
         "",
-        *_listed("points", points),
-        *(_listed("bars", bars_of(scene)) if scene.beams else ()),
-        *(_listed("bodies", scene.bodies) if scene.bodies else ()),
-        *(_listed("supports", scene.supports) if scene.supports else ()),
-        *_listed("joints", joints),
-        *(_listed("cables", cables) if cables else ()),
-        *(_listed("on joints", actions) if actions else ()),
+        *_listed("points", points or ["none"]),
+        *(line for title, names in lists.items() if names for line in _listed(title, names)),
         "",
-        f"mass          {report.mass(scene):.6g} kg",
-        f"its centre    {_vector(report.centre(scene))}",
-        f"mobility      {_several(mobility.degrees, 'way')} to move: "
-        f"{_several(mobility.parts, 'moving part')}, {mobility.conditions} conditions, "
-        f"{mobility.redundant} of them redundant",
-        *([f"redundant     {', '.join(redundant)}"] if redundant else []),
-        *([f"assembled     {_forced(scene)}"] if scene.assembly is not None else []),
-        f"stable step   {_step(cost)}",
-        *([f"              {remedy}"] if (remedy := _remedy(found, scene, cost)) else []),
-        f"a run         {len(scene.elements)} elements, {cost.steps} steps for {duration:g} s, "
-        f"{cost.element_steps:.3g} steps of elements, about {cost.seconds:.2g} s of a core "
-        "(one of eight side by side)",
+        *(f"{title:14}{text}" for title, text in facts.items() if text),
     ]
     return "\n".join(lines)
 
@@ -150,9 +154,17 @@ def _row(parameter: Parameter, is_mesh: bool) -> list[str]:
     """Default, unit, what is allowed and description of a parameter."""
     default = "(from others)" if parameter.default is None else _number(parameter.default)
     unit = "" if parameter.unit == "1" else parameter.unit
-    kind = "" if parameter.kind == "real" else "no interval"
-    notes = "; ".join(filter(None, [parameter.description, "the mesh" if is_mesh else "", kind]))
-    return [default, unit, parameter.allowed.removesuffix(f" ({unit})"), notes]
+    notes = [
+        parameter.description,
+        "the mesh" * is_mesh,
+        "no interval" * (parameter.kind != "real"),
+    ]
+    return [
+        default,
+        unit,
+        parameter.allowed.removesuffix(f" ({unit})"),
+        "; ".join(filter(None, notes)),
+    ]
 
 
 def _number(value: object) -> str:
@@ -189,4 +201,52 @@ def _table(rows: list[list[str]]) -> list[str]:
 
 def _listed(title: str, names: Iterable[str]) -> list[str]:
     """Names under a title, one a line."""
-    return [title, *(f"  {name}" for name in names or ["none"])]
+    return [title, *(f"  {name}" for name in names)]
+
+
+# -- the language: the table of keys of docs/structures.md -----------------------------------------
+
+HEAD = "| key | what it is | allowed | default |\n|---|---|---|---|\n"
+
+
+def keys_table() -> str:
+    """One heading and table for each kind of statement (`python -m fpm.structures.describe`)."""
+    return "\n".join(_section(one) for one in (*STATEMENTS, overall))
+
+
+def _section(one: Statement) -> str:
+    what = f"`{one.group}`" if one.group else "at the top of the file"
+    title = f"{what}, `type: {one.type}`" if one.type else what
+    both = any(len(opening.types) == 3 for opening in one.openings.values())
+    slides = one.sliding(["joint", "watch"] if both else [])
+    rows = [
+        f"| `{name}`{_if(other, name, '`')} | {key.about} | {key.allowed}"
+        f"{_if(slid.allowed, key.allowed)} | {_default(key.default)} |\n"
+        for (name, key), (other, (_, slid)) in zip(one.keys.items(), slides.items(), strict=True)
+    ]
+    return f"### {title}\n\n{one.about}\n\n{HEAD}{''.join(rows)}"
+
+
+def _if(other: str, own: str, quote: str = "") -> str:
+    """What is other on a slide."""
+    return "" if other == own else f" (on a slide {quote}{other}{quote})"
+
+
+def _default(value: object) -> str:
+    """A default as the file would have it."""
+    match value:
+        case _ if value is REQUIRED:
+            return "required"
+        case None:
+            return ""
+        case str():
+            return f"`{value or 'none'}`"
+        case tuple():
+            return "none"
+        case float():
+            return f"`{value:g}`"
+    return f"`[{', '.join(f'{x:g}' for x in value)}]`"
+
+
+if __name__ == "__main__":
+    print(keys_table(), end="")

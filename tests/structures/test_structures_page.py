@@ -8,7 +8,7 @@ import yaml
 from structures_for_tests import problems_of
 
 from fpm.structures import load, loads
-from fpm.structures.table import markdown
+from fpm.structures.describe import keys_table
 
 PAGE = (Path(__file__).parents[2] / "docs" / "structures.md").read_text()
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```", PAGE, re.M | re.S)
@@ -60,7 +60,7 @@ def test_the_messages_of_the_page_are_those_of_the_program():
 
 
 def test_the_list_of_keys_is_the_program_s():
-    assert PAGE.endswith(markdown())
+    assert PAGE.endswith(keys_table())
 
 
 @pytest.mark.parametrize("what", ["L + 0.1", "90", "stow*L*1 N"])

@@ -18,6 +18,10 @@ ROUNDINGS = 64.0
 """Last bits of a place (of the scene's size) and of an angle (rad) that a step may be off by; 16
 where no conditions of joints repeat each other, which the solution of a locked loop amplifies."""
 
+WORK = 1000.0
+"""How many times the work of loads on such ways may be off where nothing else has energy: that on a
+driven body, which the drive takes back, is off by ten, of which the balance allows a hundredth."""
+
 
 def blank(*shape_and_dtype) -> np.ndarray:
     """Zeros of shape (..., width) and the given dtype (last argument), aligned to 64 bytes.
@@ -240,7 +244,7 @@ class Batch:
             inertia = scene.mass[free].sum() * reach**2 + scene.inertia[free].max(axis=1).sum()
             moment = reach * sum(kind.held_up(scene) for kind in self.kinds)
             moment += sum(kind.held_round(scene) for kind in self.kinds)
-            found[lane] = off * moment + 0.5 * inertia * (off / step) ** 2
+            found[lane] = WORK * off * moment + 0.5 * inertia * (off / step) ** 2
         return found
 
 

@@ -117,6 +117,9 @@ for seed in ("500071", "500378", "500709", "500756", *map(str, range(800000, 800
             step=duration * units[2] / 40, energy_tolerance=0.02 if wait > 1.0 else 1.0,
         )
         print(seed, wait, units, outcome.failure or "right")
+structure, duration = drawn("h15")  # all driven, under loads that nothing feels
+(outcome,) = fpm.simulate(scene_of(structure), duration=duration, instants=11, step=duration / 40)
+print("h15", outcome.failure or "right")
 """
 
 

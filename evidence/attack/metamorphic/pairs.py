@@ -40,6 +40,10 @@ AMID = frozenset(
 UNBALANCED = "the energy balance is off"
 """By more than all there is: the scale is wrong, or energy comes from nowhere."""
 
+BEGINS = frozenset({"motor_moment", "slide_motor_force"})
+"""Of exact motors: at the first instant they follow from half a step before it, in the axes of a
+part, and are of second order (4e-6 of the force, a quarter with half the step); it says nothing."""
+
 LEAST = 0.01
 """In SI units: smaller curves than this (m, N, J, ...) are compared with it."""
 
@@ -87,7 +91,8 @@ def differences(curves: Curves, others: Curves, image: Image) -> Sizes:
         alike = [np.abs(v).max() for (w, _), (v, _) in curves.items() if w == what]
         scale, size = max(LEAST * image.factor(of), *alike), np.inf
         if (what, label) in others:
-            size = np.abs(values - others[what, label][0])[image.skips :].max() / scale
+            skipped = max(image.skips, what in BEGINS)
+            size = np.abs(values - others[what, label][0])[skipped:].max() / scale
         found[what] = max(found.get(what, (0.0, "")), (float(size), label))
     return found
 

@@ -78,7 +78,7 @@ def simulate(
     """Simulate one batch of the planned runs, except those that are there already."""
     from deployable.campaign.plan.plan import read_plan
     from deployable.campaign.runs.batch import run_batch
-    from deployable.campaign.runs.bundle import pack
+    from deployable.campaign.runs.store import pack
 
     made = read_plan(folder.plan)
     store, manifest = folder.runs(jobs.keep), folder.batch(batch)
@@ -93,7 +93,7 @@ def bounds(
 ) -> None:  # fmt: skip
     """Gather the responses of all runs, fit the surrogate, take its bounds, and find which
     parameter matters; what mesh and step add to the error, where that is to be known."""
-    from deployable.campaign.runs.bundle import unpack
+    from deployable.campaign.runs.store import unpack
 
     unpack(bundles, folder.runs(jobs.keep))
     _bounds(folder, tell, bounds, verify, jobs, threads)

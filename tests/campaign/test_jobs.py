@@ -13,8 +13,8 @@ import pytest
 from deployable.campaign.config.check import check_config
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.plan.jobs import job_megabytes, job_minutes, runs_in_job
-from deployable.campaign.runs.bundle import pack, unpack
-from deployable.campaign.runs.processes import spread
+from deployable.campaign.runs.batch import spread
+from deployable.campaign.runs.store import pack, unpack
 from deployable.campaign.stages import CORES, batch_count
 
 RAW = {

@@ -127,7 +127,7 @@ def test_half_a_share_goes_on_where_it_was(scan, tmp_path, monkeypatch):
     assert not len(store.missing(share))
     other = open_store("extremes", tmp_path / "other", plan.experiment)
     other.write(share, made.results(share))
-    one, whole = store.load(share), other.load(share)
+    one, whole = store.read(share), other.read(share)
     for key in ("low", "high", "low_run", "high_run"):
         np.testing.assert_array_equal(getattr(one.running, key), getattr(whole.running, key))
     np.testing.assert_array_equal(one.first, whole.first)

@@ -29,8 +29,8 @@ from deployable.campaign.plan.plan import Plan
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.results import samples
 from deployable.campaign.runs.batch import make_again
+from deployable.campaign.runs.extremes import CURVES, EVENTS, Share
 from deployable.campaign.runs.progress import Tell
-from deployable.campaign.runs.share import CURVES, EVENTS, Share
 from deployable.campaign.runs.store import open_store
 from deployable.intervals.running import Running
 from deployable.intervals.samples import quarter_ends
@@ -79,10 +79,10 @@ def gather(
 
 
 def _share(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> Share:
-    share = store.load(group)
+    share = store.read(group)
     if share is None or not share.done.all():
         make_again(plan, store, group, size, tell)
-        share = store.load(group)
+        share = store.read(group)
     return share
 
 

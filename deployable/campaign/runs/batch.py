@@ -10,10 +10,12 @@ and the failures are listed at the end.
 from __future__ import annotations
 
 import json
+import multiprocessing
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -22,13 +24,13 @@ from typing import Any
 
 import numpy as np
 
+import fpm
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
 from deployable.campaign.plan.plan import Plan, share
 from deployable.campaign.plan.runs import Run, Runs
 from deployable.campaign.provenance import as_attribute
-from deployable.campaign.runs.processes import spread
 from deployable.campaign.runs.progress import Progress, Tell, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
@@ -39,6 +41,9 @@ from fpm.reading.variables import words
 Failure = tuple[Run, str]
 
 _TOLD = 100  # runs that failed, named in a message
+
+_WORK: dict[str, Any] = {}
+"""What the processes of a batch inherit, since it need not be sent to them then."""
 
 _BUILDING = Lock()
 """Structures in Python may have state of their own, and know nothing of threads."""
@@ -75,7 +80,7 @@ def run_batch(
         scene = plan.experiment.build(plan.named(work[0][1][0]))
         warm_up(scene, tell, plan.experiment.asked)
         total = sum(map(len, groups))
-        progress = Progress(plan.experiment.name, total, store.counter(groups), tell, Path(folder))
+        progress = Progress(plan.experiment.name, total, store.counter(groups), tell)
         begun = clocks()
         simulation.after = lambda: progress.report(last=False)
         lots = [work] if processes == 1 else [[one] for one in work]
@@ -97,6 +102,36 @@ def run_batch(
         "seconds_integrating": simulation.seconds.round(3).tolist(),
     }
     write_result(manifest, json.dumps(facts, indent=1) + "\n")
+
+
+def spread(function: Callable, work: Sequence[tuple], processes: int) -> Iterator[Any]:
+    """`function(*arguments)` for all arguments in `work`, as they end, by so many processes.
+
+    They are copies of this one, so that what it has loaded is there once. Raises what a function
+    raises, and `CampaignError` if a process was ended from outside.
+    """
+    processes = min(processes, len(work))
+    if processes < 2:
+        yield from (function(*arguments) for arguments in work)
+        return
+    _WORK.update(function=function, work=work)
+    context = multiprocessing.get_context("fork")
+    with ProcessPoolExecutor(processes, mp_context=context) as pool:
+        try:
+            for done in as_completed([pool.submit(_one, number) for number in range(len(work))]):
+                yield done.result()
+        except BrokenProcessPool:
+            raise CampaignError(
+                "a process of this job was ended from outside, for lack of memory perhaps; "
+                "finished runs are kept"
+            ) from None
+        finally:
+            pool.shutdown(cancel_futures=True)
+            _WORK.clear()
+
+
+def _one(number: int) -> Any:
+    return _WORK["function"](*_WORK["work"][number])
 
 
 def _simulate_groups(
@@ -228,8 +263,6 @@ def simulate(
     """Simulate runs side by side: those that went well, those that failed with the reason, and the
     seconds, of the clock and of this thread's cpu time, that it took to integrate them. also: what
     is recorded beside what the responses need."""
-    import fpm
-
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.named(run)) for run in runs]
     with _BUILDING:

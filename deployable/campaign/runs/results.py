@@ -1,19 +1,23 @@
-"""What stores of runs share: results as they come, what is read of them, and names of files."""
+"""What stores of runs share: results as they come, what is read of them, files and their names."""
 
 from __future__ import annotations
 
 import hashlib
-import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+import fpm.reading
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.plan.runs import Run, Runs
+from fpm.files.sealed import DamagedError, check
+from fpm.files.trajectory import Column
+from fpm.kernels.sources import syntax_digest
 
 # Contact events as the interval side gets them, in the order of the columns of `Record.events`.
 EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
@@ -56,9 +60,78 @@ class Record:
     overlap: float
 
 
+class Store:
+    """Where the results of runs are kept, in `folder`, under names that follow from their content.
+
+    A finished run is found again by a campaign that was killed. A file that is not as it was
+    written, or is another run's, counts as absent, and is noted in `damaged` until it is written
+    again; `lacking` tells by run which columns its file lacks. A store says which runs of a group
+    are `missing`, and can `write` the group's results and `read` them.
+    """
+
+    def __init__(self, folder: Path, experiment: Experiment):
+        self.folder, self.experiment = folder, experiment
+        self.responses, self.quantities = experiment.curves, experiment.numbers
+        self.damaged: dict[Path, DamagedError] = {}
+        self.lacking: dict[str, set[Column]] = {}
+
+    def groups(self, runs: Runs, size: int) -> list[Runs]:
+        """Runs that are written together."""
+        return groups_of(runs, size)
+
+    def had(self, runs: Runs) -> set[Column]:
+        """What must be recorded of runs beside what is asked now, as their files had it."""
+        return set()
+
+    def file_of(self, group: Runs) -> str:
+        """The name of a group's file, without its ending: a digest of its runs and of what it
+        holds."""
+        values = hashlib.sha256(group.values.tobytes()).hexdigest()
+        return digest([self._contents, list(self.experiment.intervals), group[0].id, values])
+
+    @cached_property
+    def _contents(self) -> list:
+        """What files depend on that hold responses and quantities and not what they are made of:
+        their definitions, and the code that reads them off a run."""
+        code = syntax_digest(Path(fpm.reading.__file__).parent.glob("*.py"))
+        wanted = (asdict(one) for one in (*self.responses, *self.quantities))
+        return [type(self).__name__, code, *wanted]
+
+    def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
+        """A function that tells how many runs of groups are there, by the names of files alone."""
+        sizes = {f"{self.file_of(group)}.nc": len(group) for group in groups}
+        return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
+
+    def is_whole(self, path: Path) -> bool:
+        """Whether a file of a group is there as it was written; else damage is noted."""
+        try:
+            check(path, title(path))
+        except DamagedError as error:
+            self.damaged[path] = error
+        except FileNotFoundError:
+            pass
+        else:
+            return True
+        return False
+
+
+def title(path: Path) -> str:
+    """What the file of a group is called in its seal."""
+    return f"runs {path.stem}"
+
+
 def groups_of(runs: Runs, size: int) -> list[Runs]:
     """Runs in groups of `size`; only the last group may be smaller."""
     return [runs[first : first + size] for first in range(0, len(runs), size)]
+
+
+def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
+    """Values (r, n, t) of responses of runs; ValueError for one that is not finite."""
+    values = np.array([[r.evaluate(outcome) for r in responses] for outcome in outcomes])
+    for i, response in enumerate(responses):
+        if not np.isfinite(values[:, i]).all():
+            raise ValueError(f"{response.name} has values that are not finite")
+    return values
 
 
 def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
@@ -69,33 +142,13 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
         raise CampaignError(str(error)) from None
 
 
-def asked_of(responses: Sequence[Any], quantities: Sequence[Any]) -> list:
-    """What a file depends on that holds responses and quantities and not what they are made of:
-    their definitions, and the code that reads them."""
-    import fpm.reading
-    from fpm.kernels.sources import syntax_digest
-
-    code = syntax_digest(Path(fpm.reading.__file__).parent.glob("*.py"))
-    return [code, *(asdict(one) for one in (*responses, *quantities))]
-
-
-def group_digest(asked: list, experiment: Experiment, group: Runs) -> str:
-    """What the file of a group of runs is named after: all that its contents depend on."""
-    values = hashlib.sha256(group.values.tobytes()).hexdigest()
-    return digest([asked, list(experiment.intervals), group[0].id, values])
-
-
-def padded(events: Sequence[np.ndarray]) -> np.ndarray:
+def padded(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
     """Tables (e, 3) of events of several runs as one (r, most, 3), filled with NaN."""
-    out = np.full((len(events), max(map(len, events)), len(EVENT_VARIABLES)), np.nan)
+    most = max(least, *map(len, events))
+    out = np.full((len(events), most, len(EVENT_VARIABLES)), np.nan)
     for row, table in zip(out, events, strict=True):
         row[: len(table)] = table
     return out
-
-
-def listed(folder: Path) -> list[str]:
-    """Names of the files in a folder that may not be there yet."""
-    return os.listdir(folder) if folder.is_dir() else []
 
 
 def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str]) -> float:
@@ -103,10 +156,36 @@ def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str])
     return max((float(-openings[name].min()) for name in contacts if name in openings), default=0.0)
 
 
-def write_dimension(file: Any, dimension: str, names: Sequence[str], long_name: str) -> None:
+def write_dimension(file: Any, dimension: str, names: Iterable[str], long_name: str) -> None:
     """Define a dimension whose coordinate are names."""
+    names = np.array([str(name) for name in names], dtype=object)
     file.createDimension(dimension, len(names))
     variable = file.createVariable(dimension, str, (dimension,))
     variable.long_name = long_name
     if len(names):
-        variable[:] = np.array([str(name) for name in names], dtype=object)
+        variable[:] = names
+
+
+def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapping) -> None:
+    """Write a netCDF file: dimensions with their names, and variables.
+
+    variables: name -> (kind, dimensions, values, options of netCDF4's createVariable).
+    """
+    import netCDF4
+
+    with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
+        for dimension, own in names.items():
+            write_dimension(file, dimension, own, f"name of the {dimension}")
+        for name, (kind, dims, values, options) in variables.items():
+            for dim, size in zip(dims, np.shape(values), strict=True):
+                if dim not in file.dimensions:
+                    file.createDimension(dim, size)
+            file.createVariable(name, kind, dims, **options)[:] = values
+
+
+def names_of(holder: Any) -> dict[str, list[str]]:
+    """The dimensions of a store's, or a share's, responses and quantities."""
+    return {
+        "response": [response.name for response in holder.responses],
+        "quantity": [quantity.name for quantity in holder.quantities],
+    }

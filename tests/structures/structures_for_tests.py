@@ -41,8 +41,23 @@ def structure(name: str) -> SceneType:
     return load(FOLDER / f"{name}.yaml")
 
 
+def changed(text: str, *changes: tuple[str, str]) -> str:
+    """The text with parts replaced once, each of which it has."""
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    return text
+
+
 def problems_of(text: str) -> list[str]:
     """What is wrong with a file's text, sentence by sentence."""
     with pytest.raises(StructureError) as caught:
         loads(text)
     return [str(problem) for problem in caught.value.problems]
+
+
+def refused(text: str, old: str, new: str, said: str) -> list[str]:
+    """All that is said of a text with one part replaced: some of it must be what is expected."""
+    found = problems_of(changed(text, (old, new)))
+    assert any(said in problem for problem in found), found
+    return found

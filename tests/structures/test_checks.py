@@ -4,8 +4,9 @@ import pickle
 import re
 
 import pytest
-from structures_for_tests import SMALL, problems_of
+from structures_for_tests import SMALL, changed, problems_of, refused
 
+from fpm import SceneError
 from fpm.structures import StructureError, check, load, loads
 
 FOURBAR = """
@@ -78,11 +79,7 @@ WRONG = [
     ("[A, B], section", "[A, A], section", "each once"),
     ("type: revolute", "type: spherik", "(did you mean spherical?); allowed: revolute, spherical"),
     ("type: revolute", "type: spherical", "joints.root.axis: there is no such key; allowed: type"),
-    (
-        "[ground, arm]",
-        "[ground, am]",
-        "joints.root.parts: there is no part 'am' (did you mean arm?",
-    ),
+    ("[ground, arm]", "[ground, am]", "joints.root.parts: no part 'am' (did you mean arm?"),
     ("at: A, axis", "at: C, axis", "joints.root.at: there is no point 'C'"),
     ("axis: y", "axis: [0, 0, 0]", "joints.root.axis: [0.0, 0.0, 0.0] is not allowed; allowed: a"),
     ("axis: y", "axis: y, held: w", "joints.root.held: 'w' is not allowed; allowed: letters"),
@@ -90,33 +87,20 @@ WRONG = [
     ("3 N m/rad", "3 N", "actions.spring.stiffness: '3 N' is N; allowed: a value in N m/rad >= 0"),
     ("3 N m/rad", "-3", "actions.spring.stiffness: -3 is not allowed"),
     ("joint: root", "joint: rot", "there is no joint 'rot' (did you mean root?)"),
-    (
-        "record:",
-        "bodies: {box: {mass: 1, centre: B}}\nrecord:",
-        "bodies.box.box: None is not allowed",
-    ),
-    (
-        "record:",
-        "bodies: {inertia: {mass: 1, centre: B, inertia: [1, 1, 3]}}\nrecord:",
-        "none of them more than the sum of the other two",
-    ),
-    (
-        "record:",
-        "bodies: {box: {mass: 1, centre: B, box: [1, 0, 0]}}\nrecord:",
-        "edges >= 0, at most one of them 0",
-    ),
+    ("record:", "bodies: {box: {mass: 1, centre: B}}\nrecord:", "bodies.box.box: None is not"),
+    ("record:", "bodies: {b: {mass: 1, centre: B, inertia: [1, 1, 3]}}\nrecord:",
+     "none of them more than the sum of the other two"),
+    ("record:", "bodies: {box: {mass: 1, centre: B, box: [1, 0, 0]}}\nrecord:",
+     "edges >= 0, at most one of them 0"),
     ("record:", "assemble: yes\nrecord:", "assemble: 'yes' is not allowed; allowed: true, false"),
     ("  L: {", "  M: {value: 1}\n  L: {", "parameters.M: nothing uses it"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("old", "new", "said"), WRONG, ids=[new or old for old, new, _ in WRONG])
 def test_what_is_wrong_is_said_with_its_line(old, new, said):
-    assert old in SMALL
-    text = SMALL.replace(old, new, 1)
-    found = problems_of(text)
-    assert any(said in problem for problem in found), found
-    for problem in found:
+    text = changed(SMALL, (old, new))
+    for problem in refused(SMALL, old, new, said):
         line, key = re.match(r"line (\d+): ([\w.]+)", problem).groups()
         assert key.split(".")[-1] in text.splitlines()[int(line) - 1] or ": missing" in problem
 
@@ -142,10 +126,8 @@ def test_a_wrong_thing_does_not_make_its_users_wrong():
 
 
 def test_a_part_that_nothing_joins_is_refused():
-    text = SMALL.replace(
-        "joints:",
-        "  loose: {through: [B, C], section: tube, material: steel, elements: 2}\njoints:",
-    ).replace("points:", "points:\n  C: [3, 3, 3]")
+    loose = "  loose: {through: [B, C], section: tube, material: steel, elements: 2}\njoints:"
+    text = changed(SMALL, ("joints:", loose), ("points:", "points:\n  C: [3, 3, 3]"))
     assert problems_of(text) == [
         "line 19: bars.loose: nothing joins it to anything; allowed: parts with a joint, a cable, "
         "a support or a drive"
@@ -157,18 +139,10 @@ def test_a_point_that_is_not_the_part_s_is_refused():
     assert "allowed: a point of arm: A, B (or let it carry C)" in problems_of(text)[0]
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        (
-            "{BC: C1, CD: C2}",
-            "{BC: C1}",
-            "joints.C.at: ['BC'] is not allowed; allowed: a point for",
-        ),
-    ],
-)
-def test_every_part_of_a_joint_has_a_point(old, new, said):
-    assert any(said in problem for problem in problems_of(FOURBAR.replace(old, new)))
+def test_every_part_of_a_joint_has_a_point():
+    refused(
+        FOURBAR, "{BC: C1, CD: C2}", "{BC: C1}", "joints.C.at: ['BC'] is not allowed; allowed: a"
+    )
 
 
 def test_loops_that_do_not_close_somewhere_in_a_box_are_told_with_the_worst_place():
@@ -185,8 +159,6 @@ def test_loops_that_do_not_close_somewhere_in_a_box_are_told_with_the_worst_plac
 
 
 def test_values_outside_the_range_are_refused():
-    from fpm import SceneError
-
     with pytest.raises(SceneError, match=r"L = 20.* >= 0.1 and <= 10 \(m\)"):
         loads(SMALL).build(L=20.0)
 

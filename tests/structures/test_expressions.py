@@ -12,35 +12,22 @@ from fpm.structures.units import NAMES, NUMBER, Dimension, UnitError, unit
 LENGTH, TIME = Dimension(length=1), Dimension(time=1)
 
 
+VALUES = {
+    "35 mm": 0.035, "35mm": 0.035, "1e9 Pa": 1e9, "0.1 N m/rad": 0.1,
+    "180 N m/deg": 180 * 180 / math.pi, "90 deg": math.pi / 2, "30 rpm": math.pi, "5 /s": 5.0,
+    "5/s": 5.0, "9.81 m/s2": 9.81, "(2 mm)**2": 4e-6, "6 m/2": 3.0, "-2**2": -4.0,
+    "2*(1 + 3)/4": 2.0, "min(3 mm, 2 mm) + max(1 m, 2 m)": 2.002,
+    "atan2(1, -1)": 3 * math.pi / 4, "sqrt(16 m2)": 4.0, "abs(-pi)": math.pi,
+}  # fmt: skip
+
+
 def value(text, **names):
     return parse(text).value(names)
 
 
-@pytest.mark.parametrize(
-    ("text", "found"),
-    [
-        ("35 mm", 0.035),
-        ("35mm", 0.035),
-        ("1e9 Pa", 1e9),
-        ("0.1 N m/rad", 0.1),
-        ("180 N m/deg", 180 * 180 / math.pi),
-        ("90 deg", math.pi / 2),
-        ("30 rpm", math.pi),
-        ("5 /s", 5.0),
-        ("5/s", 5.0),
-        ("9.81 m/s2", 9.81),
-        ("(2 mm)**2", 4e-6),
-        ("6 m/2", 3.0),
-        ("-2**2", -4.0),
-        ("2*(1 + 3)/4", 2.0),
-        ("min(3 mm, 2 mm) + max(1 m, 2 m)", 2.002),
-        ("atan2(1, -1)", 3 * math.pi / 4),
-        ("sqrt(16 m2)", 4.0),
-        ("abs(-pi)", math.pi),
-    ],
-)
-def test_numbers_and_units(text, found):
-    assert value(text) == pytest.approx(found, rel=1e-15)
+@pytest.mark.parametrize("text", VALUES)
+def test_numbers_and_units(text):
+    assert value(text) == pytest.approx(VALUES[text], rel=1e-15)
 
 
 SAME = {  # every unit, by the base units or by another one
@@ -76,52 +63,17 @@ def test_the_value_is_python_s(x, y, z):
     assert value(text, x=x, y=y, z=z) == found
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "__import__('os').system('true')",
-        "().__class__.__bases__",
-        "(1).real",
-        "L.real()",
-        "[x for x in (1, 2)]",
-        "lambda: 1",
-        "1 if L else 2",
-        "L if 1 else 2",
-        "not 1",
-        "1 < 2",
-        "1 or 2",
-        "f'{1}'",
-        "'a'",
-        "True",
-        "None",
-        "1j",
-        "L[0]",
-        "*L",
-        "L := 1",
-        "1 // 2",
-        "7 % 4",
-        "1 << 9",
-        "~1",
-        "a @ b",
-        "open(1)",
-        "eval(1)",
-        "cos",
-        "cos.x(1)",
-        "cos(1, 2)",
-        "cos(x=1)",
-        "cos(*L)",
-        "_0_",
-        "2 ** ",
-        "",
-        "(" * 300,
-        "1" * 501,
-        "\x00",
-        "a\nb",
-        "await x",
-        "yield",
-        "print",
-    ],
-)
+NO_ARITHMETIC = (
+    "__import__('os').system('true')", "().__class__.__bases__", "(1).real", "L.real()",
+    "[x for x in (1, 2)]", "lambda: 1", "1 if L else 2", "L if 1 else 2", "not 1", "1 < 2",
+    "1 or 2", "f'{1}'", "'a'", "True", "None", "1j", "L[0]", "*L", "L := 1", "1 // 2", "7 % 4",
+    "1 << 9", "~1", "a @ b", "open(1)", "eval(1)", "cos", "cos.x(1)", "cos(1, 2)", "cos(x=1)",
+    "cos(*L)", "_0_", "2 ** ", "", "(" * 300, "1" * 501, "\x00", "a\nb", "await x", "yield",
+    "print",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("text", NO_ARITHMETIC)
 def test_what_is_not_arithmetic_is_refused(text):
     with pytest.raises(ExpressionError):
         expression = parse(text)
@@ -130,59 +82,38 @@ def test_what_is_not_arithmetic_is_refused(text):
         raise ExpressionError(text)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "1/0",
-        "sqrt(-1)",
-        "acos(2)",
-        "(-1)**0.5",
-        "9**9**9**9",
-        "1" * 400,
-        "1e400",
-        "1e308*10",
-        "0**-1",
-    ],
-)
+@pytest.mark.parametrize("text", ["1/0", "sqrt(-1)", "acos(2)", "(-1)**0.5", "9**9**9**9",
+                                  "1" * 400, "1e400", "1e308*10", "0**-1"])  # fmt: skip
 def test_what_has_no_value_is_refused(text):
     with pytest.raises(ExpressionError, match="no finite number"):
         value(text)
 
 
-@pytest.mark.parametrize(
-    ("text", "why"),
-    [
-        ("L + t", "cannot be added"),
-        ("L + 1", "a number without unit and m cannot be added"),
-        ("L - 90 deg", "cannot be subtracted"),
-        ("max(L, t)", "cannot be values of one max"),
-        ("sin(L)", "sin takes a number or an angle, not m"),
-        ("sin(45)", "an angle with a unit"),
-        ("2**L", "an exponent is a number"),
-        ("L**x", "plain number as exponent"),
-        ("atan2(L, t)", "values of one atan2"),
-    ],
-)
-def test_units_that_do_not_fit_are_refused(text, why):
-    with pytest.raises(ExpressionError, match=why):
+REFUSED = {
+    "L + t": "cannot be added",
+    "L + 1": "a number without unit and m cannot be added",
+    "L - 90 deg": "cannot be subtracted",
+    "max(L, t)": "cannot be values of one max",
+    "sin(L)": "sin takes a number or an angle, not m",
+    "sin(45)": "an angle with a unit",
+    "2**L": "an exponent is a number",
+    "L**x": "plain number as exponent",
+    "atan2(L, t)": "values of one atan2",
+    # what a unit behind a number belongs to is never guessed
+    "0.018 m**3*x": r"0\.018 m\*\*: a power right after a unit .* allowed: .*3 m2.*\(3 m\)",
+    "3 m/s**2": "a power right after a unit",
+    "2mm ** 2": "a power right after a unit",
+    "2**3 deg": "an exponent is a number without unit",
+    "2**-3 m": "an exponent is a number without unit",
+    "1/2 deg": r"a plain number over an angle .* allowed: brackets as in \(1/2\)\*\(1 deg\)",
+    "360/-12 mrad": "a plain number over an angle",
+}
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_units_that_do_not_fit_are_refused(text):
+    with pytest.raises(ExpressionError, match=REFUSED[text]):
         parse(text).dimension({"L": LENGTH, "t": TIME, "x": NUMBER})
-
-
-@pytest.mark.parametrize(
-    ("text", "why"),
-    [
-        ("0.018 m**3*rho", r"0\.018 m\*\*: a power right after a unit .* allowed: .*3 m2.*\(3 m\)"),
-        ("3 m/s**2", "a power right after a unit"),
-        ("2mm ** 2", "a power right after a unit"),
-        ("2**3 deg", "an exponent is a number without unit"),
-        ("2**-3 m", "an exponent is a number without unit"),
-        ("1/2 deg", r"a plain number over an angle .* allowed: brackets as in \(1/2\)\*\(1 deg\)"),
-        ("360/-12 mrad", "a plain number over an angle"),
-    ],
-)
-def test_what_a_unit_behind_a_number_belongs_to_is_never_guessed(text, why):
-    with pytest.raises(ExpressionError, match=why):
-        parse(text).dimension({"rho": NUMBER})
 
 
 def test_quotients_that_can_be_meant_in_one_way_only_are_taken():
@@ -192,36 +123,21 @@ def test_quotients_that_can_be_meant_in_one_way_only_are_taken():
         assert value(text, a=math.pi) == pytest.approx(right)
 
 
-@pytest.mark.parametrize(
-    ("text", "powers"),
-    [
-        ("L**2/t", (0, 2, -1)),
-        ("sqrt(L**2)", (0, 1, 0)),
-        ("L**(1/2)*L**0.5", (0, 1, 0)),
-        ("2 kg*L/t**2", (1, 1, -2)),
-        ("L/L", (0, 0, 0)),
-        ("2*3", (0, 0, 0)),
-    ],
-)
-def test_dimensions_follow_the_arithmetic(text, powers):
-    assert parse(text).dimension({"L": LENGTH, "t": TIME}).powers == powers
+POWERS = {
+    "L**2/t": (0, 2, -1), "sqrt(L**2)": (0, 1, 0), "L**(1/2)*L**0.5": (0, 1, 0),
+    "2 kg*L/t**2": (1, 1, -2), "L/L": (0, 0, 0), "2*3": (0, 0, 0),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("text", "udunits"),
-    [
-        ("N m/rad", "N m rad-1"),
-        ("N m rad-1", "N m rad-1"),
-        ("1/s", "s-1"),
-        ("deg", "degree"),
-        ("kg/m3", "kg m-3"),
-        ("", "1"),
-        ("1", "1"),
-        ("mm2", "mm2"),
-    ],
-)
-def test_units_are_spelt_as_netcdf_has_them(text, udunits):
-    assert unit(text).udunits == udunits
+@pytest.mark.parametrize("text", POWERS)
+def test_dimensions_follow_the_arithmetic(text):
+    assert parse(text).dimension({"L": LENGTH, "t": TIME}).powers == POWERS[text]
+
+
+def test_units_are_spelt_as_netcdf_has_them():
+    spelt = {"N m/rad": "N m rad-1", "N m rad-1": "N m rad-1", "1/s": "s-1", "deg": "degree",
+             "kg/m3": "kg m-3", "": "1", "1": "1", "mm2": "mm2"}  # fmt: skip
+    assert {text: unit(text).udunits for text in spelt} == spelt
 
 
 @pytest.mark.parametrize(("text", "guess"), [("Nm", ""), ("mpa", "MPa"), ("degrees", "deg")])

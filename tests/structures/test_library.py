@@ -9,15 +9,14 @@ import pytest
 from exact_motions import zfold
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from structures_for_tests import FOLDER, SMALL, structure
+from structures_for_tests import FOLDER, SMALL, changed, structure
 
 import fpm
 from evidence.verification.deployables import crossing, scissor
-from fpm import structures
 from fpm.elements.particles.drive import Drive
 from fpm.kernels import sources
 from fpm.scenes.effort import machine, run_seconds
-from fpm.structures import check, load, loads, report, text_file
+from fpm.structures import StructureError, check, load, loads, report, text_file
 
 PYTHON = FOLDER.parents[1].joinpath("docs", "structures.md").read_text(encoding="utf-8")
 PYTHON = PYTHON.split("```python\n")[-1].split("```")[0]
@@ -47,18 +46,13 @@ def test_every_structure_of_the_library_is_a_scene_type(library_file):
         assert found.mesh is None
 
 
-def test_a_panel_opens_in_the_time_of_the_closed_form():
-    panel, turning = structure("panel"), 1 / 3 + 0.1**2 / 12  # kg m², of length and of thickness
-    exact = np.sqrt(turning / 0.1) * np.pi / 3
-    for elements in (2, 4):
-        outcome = run(panel.build(elements=elements), 2.5, 2501)
-        time, _ = crossing(outcome.time, outcome.openings["hinge"], np.pi / 2)
-        assert time == pytest.approx(exact, rel=1e-7)
-    # Without thickness this is the published 1.911912403 s; and time goes with k to the -1/2.
-    assert np.sqrt(1 / 3 / 0.1) * np.pi / 3 == pytest.approx(1.911912403, abs=1e-9)
-    outcome = run(panel.build(k=0.2), 2.5, 2501)
+@pytest.mark.parametrize(("values", "share"), [({"elements": 2}, 1), ({"elements": 4}, 1),
+                                               ({"k": 0.2}, np.sqrt(0.5))])  # fmt: skip
+def test_a_panel_opens_in_the_time_of_the_closed_form(values, share):
+    turning = 1 / 3 + 0.1**2 / 12  # kg m², of length and of thickness; without, 1.911912403 s
+    outcome = run(structure("panel").build(**values), 2.5, 2501)
     time, _ = crossing(outcome.time, outcome.openings["hinge"], np.pi / 2)
-    assert time == pytest.approx(exact / np.sqrt(2), rel=1e-7)
+    assert time == pytest.approx(share * np.sqrt(turning / 0.1) * np.pi / 3, rel=1e-7)
 
 
 def test_two_panels_move_as_the_rigid_ones_do():
@@ -118,10 +112,10 @@ def test_masses_and_cost():
 
 
 def test_bars_through_points_have_the_mass_and_inertia_of_their_stretches():
-    bent = SMALL.replace("[A, B], section", "[A, M, B], section").replace(
-        "points:", "points:\n  M: [half, 0.1, 0]"
+    bent = changed(
+        SMALL, ("[A, B], sec", "[A, M, B], sec"), ("points:", "points:\n  M: [half, 0.1, 0]")
     )
-    scene = loads(bent.replace("joints:", "# joints:").split("# joints:")[0]).build(stow=0.0)
+    scene = loads(bent.split("joints:")[0]).build(stow=0.0)
     count = len(scene.position)
     points = np.array([[0, 0, 0], [0.5, 0.1, 0], [1, 0, 0]])
     stretches = [loads(SMALL).build(stow=0.0, L=np.hypot(0.5, 0.1)).mass[1:].sum()] * 2
@@ -137,9 +131,8 @@ def test_bars_through_points_have_the_mass_and_inertia_of_their_stretches():
 
 
 def test_a_straight_bar_through_a_point_moves_as_without_it():
-    middle = SMALL.replace("[A, B], section", "[A, M, B], section").replace(
-        "points:", "points:\n  M: [B.x/2, B.y/2, B.z/2]"
-    )
+    point = ("points:", "points:\n  M: [B.x/2, B.y/2, B.z/2]")
+    middle = changed(SMALL, ("[A, B], section", "[A, M, B], section"), point)
     through = run(loads(middle).build(n=4), 0.5, 51)
     straight = run(loads(SMALL).build(n=8), 0.5, 51)
     tips = [outcome.points["tip"][0] for outcome in (through, straight)]
@@ -172,9 +165,7 @@ repeat:
 
 
 def test_loads_drives_supports_curves_and_motions():
-    text = SMALL.replace(
-        "record:",
-        """
+    more = """
 curves:
   ramp: {times: [0, 1], values: [0, 2]}
 loads:
@@ -186,9 +177,8 @@ supports:
   guide: {part: arm, at: B, translations: y, rotations: none}
 gravity: [0, 0, -9.81]
 damping: 0.5 /s
-record:""",
-    )
-    scene = loads(text).build(stow=0.0)
+record:"""
+    scene = loads(changed(SMALL, ("record:", more))).build(stow=0.0)
     tip = scene.points["tip"].particle
     push, gust = scene.loads
     assert (push.curve, gust.curve, push.beam.particle) == (0, -1, tip)
@@ -199,10 +189,8 @@ record:""",
     np.testing.assert_array_equal(scene.fixed[tip], [False, True, False, False, False, False])
     np.testing.assert_array_equal(scene.gravity, [0, 0, -9.81])
     assert scene.damping == 0.5
-    driven = SMALL.split("joints:")[0] + (
-        "drives: {motor: {part: arm, at: A, spin: [0, 1 rad/s, 0]}}\n"
-    )
-    particles, _, spins = Drive.motion(loads(driven).build(), 0.0)
+    driven = "drives: {motor: {part: arm, at: A, spin: [0, 1 rad/s, 0]}}\n"
+    particles, _, spins = Drive.motion(loads(SMALL.split("joints:")[0] + driven).build(), 0.0)
     np.testing.assert_array_equal(particles, [0])
     np.testing.assert_array_equal(spins, [[0, 1, 0]])
 
@@ -214,12 +202,8 @@ def test_a_structure_crosses_processes():
 
 
 def test_names_that_only_some_counts_have_are_refused_for_the_others():
-    text = (
-        (FOLDER / "scissor.yaml")
-        .read_text()
-        .replace("bay.last.rising, at: bay.last", "bay3.rising, at: bay3")
-    )
-    mast = loads(text)
+    third = ("bay.last.rising, at: bay.last", "bay3.rising, at: bay3")
+    mast = loads(changed((FOLDER / "scissor.yaml").read_text(), third))
     assert mast.build(n=4).points["end"].particle == mast.build(n=3).points["end"].particle
     for _ in range(2):
         with pytest.raises(fpm.SceneError, match=r"no part 'bay3.rising'"):
@@ -263,15 +247,10 @@ def test_the_opening_may_follow_from_directions():
 
 
 def test_sections():
-    from fpm import Section
-
-    text = SMALL.replace(
-        "{type: tube, diameter: 35 mm, thickness: 2 mm}", "{type: circle, diameter: 35 mm}"
-    )
+    text = changed(SMALL, ("tube, diameter: 35 mm, thickness: 2 mm", "circle, diameter: 35 mm"))
     solid, tube = loads(text).build(), loads(SMALL).build()
-    rod = Section.circle(0.0175)
+    rod, hole = (fpm.Section.circle(radius) for radius in (0.0175, 0.0155))
     assert solid.beams[0].section == rod
-    hole = Section.circle(0.0155)
     for name in ("A", "Iy", "Iz", "J"):
         value = getattr(tube.beams[0].section, name)
         assert value == pytest.approx(getattr(rod, name) - getattr(hole, name), rel=1e-12)
@@ -282,11 +261,9 @@ def test_sections():
 
 
 def test_the_digest_follows_what_a_file_says():
-    base = loads(SMALL).digest
-    assert (
-        loads("# a remark\n" + SMALL.replace("  half: L/2", "  half:   L/2  # half")).digest == base
-    )
-    assert loads(SMALL.replace("3 N m/rad", "4 N m/rad")).digest != base
+    base, spaced = loads(SMALL).digest, changed(SMALL, ("  half: L/2", "  half:   L/2  # half"))
+    assert loads("# a remark\n" + spaced).digest == base
+    assert loads(changed(SMALL, ("3 N m/rad", "4 N m/rad"))).digest != base
 
 
 @pytest.fixture
@@ -311,13 +288,10 @@ def copied(tmp_path, monkeypatch):
         ("reading/responses", False, False),
     ],
 )
-def test_the_digest_follows_the_code_that_makes_runs(copied, tmp_path, name, of_text, of_python):
-    path = tmp_path / "mast.py"
-    path.write_text(PYTHON)
-
+def test_the_digest_follows_the_code_that_makes_runs(copied, mast, name, of_text, of_python):
     def digests():
         text_file._language.cache_clear()
-        return loads(SMALL).digest, load(path).digest
+        return loads(SMALL).digest, load(mast()).digest
 
     before = digests()
     with open(copied / f"{name}.py", "a") as file:
@@ -326,84 +300,67 @@ def test_the_digest_follows_the_code_that_makes_runs(copied, tmp_path, name, of_
     assert (text, python) == (of_text, of_python)
 
 
-def test_a_python_file_is_a_structure_too(tmp_path):
-    path = tmp_path / "mast.py"
-    path.write_text(PYTHON)
-    found = load(path)
+# -- structures in Python --------------------------------------------------------------------------
+
+
+@pytest.fixture
+def mast(tmp_path, monkeypatch):
+    """Writes the page's structure in Python, with more behind it, into a file of some name."""
+    monkeypatch.setattr("sys.path", list(sys.path))
+
+    def write(more="", name="mast.py", source=PYTHON):
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(f"{source}\n{more}\n")
+        return path
+
+    return write
+
+
+def test_a_python_file_is_a_structure_too(mast):
+    found = load(mast())
     assert (found.name, found.points, found.hinges) == ("mast", ("tip",), ("hook",))
     assert found.mesh == "elements"
     assert found.description == "A bar that hangs from a hinge."
     assert np.ptp(found.build(L=2.0).position[:, 0]) == 2.0
 
 
-def test_the_digest_of_a_python_file_follows_what_it_imports_from_beside_it(tmp_path, monkeypatch):
-    monkeypatch.setattr("sys.path", list(sys.path))
-    source = PYTHON
-    path, helper = tmp_path / "mast.py", tmp_path / "helper_of_mast.py"
-    path.write_text(f"{source}\nimport helper_of_mast\n")
-    helper.write_text("LENGTH = 1")
-    before = load(path).digest
-    helper.write_text("LENGTH = 1  # m")
-    assert load(path).digest == before
-    helper.write_text("LENGTH = 2")
-    assert load(path).digest != before
+@pytest.mark.parametrize(
+    ("name", "more"),
+    [
+        ("helper_of_mast.py", "import helper_of_mast"),
+        ("lib_of_mast/geometry.py", "from lib_of_mast.geometry import LENGTH"),
+        ("lib_of_mast/table.csv", "TEXT = open({path!r}).read()"),
+    ],
+    ids=["module beside", "package", "file of data"],
+)
+def test_what_a_python_file_imports_or_reads_below_its_folder_counts(mast, name, more):
+    path = mast(name=name, source="LENGTH = 1")
+    file = mast(more.format(path=str(path)), name=f"mast_of_{path.stem}.py")
+    before = load(file).digest
+    if path.suffix == ".py":
+        path.write_text("LENGTH = 1  # m")
+    assert load(file).digest == before
+    path.write_text("LENGTH = 2")
+    assert load(file).digest != before
 
 
-@pytest.mark.parametrize("also", ["import of a package", "file of data"])
-def test_what_a_python_file_imports_or_reads_below_its_folder_counts(tmp_path, monkeypatch, also):
-    monkeypatch.setattr("sys.path", list(sys.path))
-    (tmp_path / f"lib_{also[:4]}").mkdir()
-    changed = tmp_path / f"lib_{also[:4]}" / ("geometry.py" if "import" in also else "table.csv")
-    changed.write_text("LENGTH = 1")
-    more = f"from lib_{also[:4]}.geometry import LENGTH\n"
-    if "data" in also:
-        more = f"TEXT = open({str(changed)!r}).read()\n"
-    path = tmp_path / f"mast_{also[:4]}.py"
-    path.write_text(f"{PYTHON}\n{more}")
-    before = load(path).digest
-    assert load(path).digest == before
-    changed.write_text("LENGTH = 2")
-    assert load(path).digest != before
+def test_a_helper_whose_name_another_module_has_is_refused(mast):
+    one, two = (
+        mast("import helper_of_both\nassert helper_of_both.NAME", f"{folder}/{folder}.py")
+        for folder in ("one", "two")
+        if mast(name=f"{folder}/helper_of_both.py", source=f"NAME = {folder!r}")
+    )
+    assert load(one).name == "one"
+    with pytest.raises(StructureError, match=r"helper_of_both: is .*one.* already"):
+        load(two)
 
 
-@pytest.mark.parametrize("name", ["../../x", "/tmp/x", "a/b", "..", "a\\b", "x" * 65])
-def test_a_name_that_is_a_path_is_refused(name):
-    with pytest.raises(fpm.SceneError, match=r"name: .* is not allowed; allowed: up to 64 letters"):
-        loads(f"name: {name!r}\n" + SMALL)
-
-
-def test_a_description_is_one_line_whatever_it_holds():
-    found = loads('description: "a mast\\ncampaign: other\\x1b"\n' + SMALL)
-    assert found.description == "a mast campaign: other"
-
-
-def test_a_helper_whose_name_another_module_has_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("sys.path", list(sys.path))
-    source = PYTHON
-    for folder in ("one", "two"):
-        (tmp_path / folder).mkdir()
-        (tmp_path / folder / "helper_of_both.py").write_text(f"NAME = {folder!r}")
-        path = tmp_path / folder / f"{folder}.py"
-        path.write_text(f"{source}\nimport helper_of_both\nassert helper_of_both.NAME")
-    assert load(tmp_path / "one" / "one.py").name == "one"
-    with pytest.raises(structures.StructureError, match=r"helper_of_both: is .*one.* already"):
-        load(tmp_path / "two" / "two.py")
-
-
-def test_a_python_file_may_have_dataclasses_and_postponed_annotations(tmp_path):
-    source = PYTHON
-    path = tmp_path / "mast.py"
-    first, rest = source.split('"""\n', 1)
-    path.write_text(f'''{first}"""
-from __future__ import annotations
-from dataclasses import dataclass
-{rest}
-
-@dataclass
-class Bay:
-    height: float
-''')
-    assert load(path).points == ("tip",)
+def test_a_python_file_may_have_dataclasses_and_postponed_annotations(mast):
+    first, rest = PYTHON.split('"""\n', 1)
+    future = '"""\nfrom __future__ import annotations\nfrom dataclasses import dataclass\n'
+    bay = "@dataclass\nclass Bay:\n    height: float"
+    assert load(mast(bay, source=first + future + rest)).points == ("tip",)
 
 
 @pytest.mark.parametrize(
@@ -418,9 +375,21 @@ class Bay:
         ("def build(:", "it cannot be run: SyntaxError"),
     ],
 )
-def test_python_files_that_are_no_structures_are_refused(tmp_path, source, said):
-    path = tmp_path / "mast.py"
-    path.write_text(source)
+def test_python_files_that_are_no_structures_are_refused(mast, source, said):
     with pytest.raises(fpm.SceneError, match=r"mast\.py has 1 problem") as caught:
-        load(path)
+        load(mast(source=source))
     assert said in str(caught.value)
+
+
+# -- names -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["../../x", "/tmp/x", "a/b", "..", "a\\b", "x" * 65])
+def test_a_name_that_is_a_path_is_refused(name):
+    with pytest.raises(fpm.SceneError, match=r"name: .* is not allowed; allowed: up to 64 letters"):
+        loads(f"name: {name!r}\n" + SMALL)
+
+
+def test_a_description_is_one_line_whatever_it_holds():
+    found = loads('description: "a mast\\ncampaign: other\\x1b"\n' + SMALL)
+    assert found.description == "a mast campaign: other"

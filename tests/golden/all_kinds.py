@@ -11,10 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
+import fpm
 from evidence.attack.metamorphic.plain import without_compiling
-from evidence.attack.metamorphic.runs import STEPS, Run, simulate
+from evidence.attack.metamorphic.runs import STEPS, curves_of, scene_of
 
 CASES = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
+
+GAPS = {"gap", "tilt", "joint_gap", "joint_tilt"}
+"""What is left of them is rounding."""
 
 
 def sums(curves) -> dict[str, list[float]]:
@@ -31,8 +35,14 @@ def sums(curves) -> dict[str, list[float]]:
 if __name__ == "__main__":
     without_compiling()
     for case in CASES:
-        run = Run(case["structure"], case["duration"], case["duration"] / STEPS)
-        simulate([run], lambda structure: structure)
-        case["sums"] = sums(run.curves) if run.curves else run.why
+        (outcome,) = fpm.simulate(
+            scene_of(case["structure"]), duration=case["duration"], instants=9,
+            step=case["duration"] / STEPS, energy_tolerance=1.0,
+        )  # fmt: skip
+        curves = curves_of(outcome)
+        curves["event", ""] = outcome.events, ""
+        for name in outcome.largest.keys() - GAPS:
+            curves["largest", name] = np.array([outcome.largest[name]]), ""
+        case["sums"] = sums(curves)
     lines = (json.dumps(case, separators=(",", ":")) for case in CASES)
     print("[", ",\n".join(lines), "]", sep="\n")

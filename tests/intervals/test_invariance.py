@@ -14,6 +14,7 @@ from deployable.intervals import (
 )
 from deployable.intervals.chebyshev import product_basis
 from deployable.intervals.designs import multi_indices
+from deployable.intervals.models.spline.spline import choose_scales
 from deployable.intervals.ranges import surrogate_range
 from deployable.intervals.surrogate import Surrogate
 
@@ -73,6 +74,17 @@ def test_a_direction_without_width_changes_no_spline(free, place):
         there = np.delete(getattr(found, side), place, axis=-1)
         np.testing.assert_allclose(there, getattr(alone, side), atol=1e-9)
         assert not getattr(found, side)[..., place].any()
+
+
+def test_the_units_of_a_response_do_not_choose_the_scales_of_a_spline():
+    """One changes fast over the first parameter, the other over the second: which is stated in
+    millimetres does not matter."""
+    points = np.random.default_rng(2).uniform(-1, 1, (40, 2))
+    both = np.sin(6 * points)
+    scales = [choose_scales(points, both * units) for units in ([1, 1], [1000, 1], [1, 1000])]
+    one = [choose_scales(points, both[:, [j]]) for j in range(2)]
+    assert one[0].tolist() != one[1].tolist()
+    np.testing.assert_array_equal(scales[1:], [scales[0]] * 2)
 
 
 @pytest.mark.parametrize("dimension", [1, 2, 3])

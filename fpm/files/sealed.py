@@ -48,13 +48,13 @@ def seal(path: str | os.PathLike, facts: Mapping[str, str]) -> None:
     path = Path(path)
     if path.suffix == ".json":
         content = path.read_bytes()
-        told = json.dumps(_with_digest(hashlib.sha256(content), facts))
-        path.write_bytes(f'{{\n "seal": {told},\n'.encode() + content.removeprefix(b"{\n"))
+        line = json.dumps(_with_digest(hashlib.sha256(content), facts))
+        path.write_bytes(f'{{\n "seal": {line},\n'.encode() + content.removeprefix(b"{\n"))
         return
-    told = json.dumps({"seal": _with_digest(_digest(path, path.stat().st_size), facts)})
-    line = f"\n<!-- {told} -->\n" if path.suffix in _COMMENT else f"\n{told}\n"
+    line = json.dumps({"seal": _with_digest(_digest(path, path.stat().st_size), facts)})
+    line = f"<!-- {line} -->" if path.suffix in _COMMENT else line
     with open(path, "ab") as file:
-        file.write(line.encode())
+        file.write(f"\n{line}\n".encode())
 
 
 def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
@@ -108,8 +108,8 @@ def _facts(path: str | os.PathLike, text: bytes | None) -> dict[str, str]:
 
 
 def _compare(path: str | os.PathLike, facts: dict[str, str], content, name: str | None) -> None:
-    told = {key: value for key, value in facts.items() if key != "digest"}
-    if _with_digest(content, told)["digest"] != facts["digest"]:
+    stated = {key: value for key, value in facts.items() if key != "digest"}
+    if _with_digest(content, stated)["digest"] != facts["digest"]:
         raise DamagedError(path, "its contents are not those that were written")
     if name is not None and facts["name"] != name:
         raise DamagedError(path, f"it is {facts['name']}, not {name}")

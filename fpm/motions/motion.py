@@ -51,7 +51,7 @@ def whole_motion(
     points = len(_ARMS) * 6 * instants * 8  # numbers of one particle, with 8 runs side by side
     passes = max(1, round(np.ceil(count * points / MOST_RECORDED)))
     recorded: list[list[tuple]] = [[] for _ in scenes]
-    kept = kept_instants(duration, instants, frames, times)
+    chosen = chosen_instants(duration, instants, frames, times)
     for particles in np.array_split(np.arange(count), min(passes, count)):
         outcomes = simulate([_with_points(s, particles) for s in scenes], **arguments)
         for parts, outcome in zip(recorded, outcomes, strict=True):
@@ -63,15 +63,15 @@ def whole_motion(
         position, velocity, frame = (
             np.concatenate([tracks[k] for tracks, _ in parts], axis=1) for k in range(3)
         )
-        strains = element_strains(scene, position[kept], frame[kept])
-        found = Recorded(scene, parts[0][1], kept, position, velocity[kept], frame, *strains)
+        strains = element_strains(scene, position[chosen], frame[chosen])
+        found = Recorded(scene, parts[0][1], chosen, position, velocity[chosen], frame, *strains)
         extra = attributes[i] if attributes else {}
         data = to_dataset(found, section_corners(scene), extra)
         datasets.append(data.assign(more(i, found.outcome)))
     return datasets
 
 
-def kept_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
+def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
     """Indices of `frames` of `instants` evenly spaced instants, and of those nearest to times."""
     even = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
     nearest = np.round(np.asarray(times, float) / duration * (instants - 1)).astype(int)

@@ -22,7 +22,7 @@ BOX_CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
 
 class Recorded(NamedTuple):
-    """A run with n particles and m elements: at all its instants (t), and at those kept (k,).
+    """A run with n particles and m elements: at all its instants (t), and at those chosen (k,).
 
     position (t, n, 3) m and frame (t, n, 3, 3), axes as columns; velocity (k, n, 3) m/s; axial,
     bending (k, m): strains. outcome holds the scene's own points and the events.
@@ -30,7 +30,7 @@ class Recorded(NamedTuple):
 
     scene: Scene
     outcome: Outcome
-    kept: np.ndarray
+    chosen: np.ndarray
     position: np.ndarray
     velocity: np.ndarray
     frame: np.ndarray
@@ -79,12 +79,12 @@ def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
 
 
 def to_dataset(found: Recorded, corners: np.ndarray, attributes: dict) -> "xarray.Dataset":
-    """The motion at the instants kept; corners (m, 2, 4, 3) m of the sections at their ends."""
+    """The motion at the instants chosen; corners (m, 2, 4, 3) m of the sections at their ends."""
     import xarray
 
-    scene, outcome, kept = found.scene, found.outcome, found.kept
+    scene, outcome, chosen = found.scene, found.outcome, found.chosen
     shapes = shapes_of(scene, corners)
-    still = np.zeros((len(kept), len(shapes.names) - found.axial.shape[1]))
+    still = np.zeros((len(chosen), len(shapes.names) - found.axial.shape[1]))
     found = found._replace(  # rigid bodies are not strained
         axial=np.hstack([found.axial, still]), bending=np.hstack([found.bending, still])
     )
@@ -105,7 +105,7 @@ def to_dataset(found: Recorded, corners: np.ndarray, attributes: dict) -> "xarra
             for name, (dims, values, unit, text) in variables.items()
         },
         coords={
-            "time": ("time", outcome.time[kept], time),
+            "time": ("time", outcome.time[chosen], time),
             "axis": ("axis", list("xyz"), {"long_name": "axis, global or of the particle"}),
             **{n: (n, np.array(v, dtype=str), {"long_name": n}) for n, v in names.items()},
         },
@@ -123,7 +123,7 @@ def to_dataset(found: Recorded, corners: np.ndarray, attributes: dict) -> "xarra
 
 def _moving(found: Recorded, elements: int) -> dict[str, tuple]:
     """What changes in time: name -> dimensions, values, units, long name."""
-    kept = found.kept
+    chosen = found.chosen
     stress = np.zeros((len(found.position), elements))  # none in rigid bodies, which come last
     if beams := found.scene.beams:
         found_stress = element_stress(
@@ -131,17 +131,17 @@ def _moving(found: Recorded, elements: int) -> dict[str, tuple]:
         )
         stress[:, : found_stress.shape[1]] = found_stress
     vector, element = ("time", "particle", "axis"), ("time", "element")
-    points = [found.outcome.points[name][0][kept] for name in found.scene.points]
-    places = np.stack(points, axis=1) if points else np.zeros((len(kept), 0, 3))
+    points = [found.outcome.points[name][0][chosen] for name in found.scene.points]
+    places = np.stack(points, axis=1) if points else np.zeros((len(chosen), 0, 3))
     when = found.outcome.time[stress.argmax(axis=0)]
     return {
-        "position": (vector, found.position[kept], "m", "position of the particles"),
+        "position": (vector, found.position[chosen], "m", "position of the particles"),
         "velocity": (vector, found.velocity, "m s-1", "velocity of the particles"),
-        "frame": ((*vector, "director"), found.frame[kept], "1", "axes of the particle, columns"),
+        "frame": ((*vector, "director"), found.frame[chosen], "1", "axes of the particle, columns"),
         "point_position": (("time", "point", "axis"), places, "m", "position of named points"),
         "axial_strain": (element, found.axial, "1", "stretch over unstrained length"),
         "bending_strain": (element, found.bending, "1", "largest bending strain at surface"),
-        "stress": (element, stress[kept], "Pa", "largest equivalent stress (von Mises)"),
+        "stress": (element, stress[chosen], "Pa", "largest equivalent stress (von Mises)"),
         "largest_stress": ("element", stress.max(axis=0), "Pa", "largest stress of all instants"),
         "largest_stress_time": ("element", when, "s", "instant of the largest stress"),
     }
@@ -184,7 +184,7 @@ def _cables(found: Recorded) -> dict[str, tuple]:
     beams = [beam for cable in cables for beam in cable.beams]
     of = np.repeat(np.arange(len(cables)), [len(cable.beams) for cable in cables])
     on, arms = np.array([beam.particle for beam in beams]), np.array([beam.arm for beam in beams])
-    tension = found.outcome.recorded["cable_tension"].values[found.kept]
+    tension = found.outcome.recorded["cable_tension"].values[found.chosen]
     return {
         "cable_tension": (("time", "cable"), tension, "N", "tension of the cables"),
         "cable_point_cable": ("cable_point", of.astype(np.int32), "1", "cable of the point"),

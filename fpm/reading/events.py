@@ -18,7 +18,7 @@ SPREAD = 2
 impulse of one that holds exactly comes in the step that it happens in and the next, and a velocity
 at an instant is the mean of half a step before and after."""
 
-TOLD_APART = 5
+APART = 5
 """Steps that two events are apart, at least, if two instants shall lie between them that neither
 touches: a step before the later one, SPREAD after the earlier one, and up to one to the first."""
 
@@ -33,7 +33,7 @@ def value_at(curves: Curves, response: Response, at: float, event: bool) -> floa
     time, step, values = curves.time, curves.step, response.evaluate(curves)
     times = np.sort(curves.events[:, 0])
     if event:  # those that a few steps cannot tell apart are one
-        at = float(times[np.searchsorted(times, at - TOLD_APART * step)])
+        at = float(times[np.searchsorted(times, at - APART * step)])
     after = times[np.searchsorted(times, at, side="left" if event else "right") :]
     before = times[times < at] if event else times[times <= at]
     until = np.inf if not len(after) else after[0] - step
@@ -44,12 +44,17 @@ def value_at(curves: Curves, response: Response, at: float, event: bool) -> floa
         return found
     if len(near) > 1:
         middle = np.searchsorted(time[near], at, side="left")
-        stop = min(max(middle + 2, 4), len(near))
-        near = near[max(stop - 4, 0) : stop]
-        return np.polynomial.Polynomial.fit(time[near], values[near], len(near) - 1)(at)
+        return cubic_through(time[near], values[near], middle + 1)(at)
     if event:
         return values[max(np.searchsorted(time, until + rounding, side="right") - 1, 0)]
     return np.interp(at, time, values)
+
+
+def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynomial.Polynomial:
+    """The cubic through the four instants up to `last`, or the nearest four that there are."""
+    stop = min(max(last + 1, 4), len(time))
+    near = slice(max(stop - 4, 0), stop)
+    return np.polynomial.Polynomial.fit(time[near], values[near], len(time[near]) - 1)
 
 
 def _continued(curves: Curves, response: Response, near, at: float) -> float | None:

@@ -10,7 +10,7 @@ from typing import NamedTuple, Union
 import numpy as np
 
 from fpm.files.trajectory import Curves
-from fpm.reading.events import value_at
+from fpm.reading.events import cubic_through, value_at
 from fpm.reading.responses import Response
 
 
@@ -141,13 +141,6 @@ def settling(
     if last == len(time) - 1:
         return float("nan")
     return _root(time, np.sign(off[last]) * off - within, last)
-
-
-def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynomial.Polynomial:
-    """The cubic through the four instants up to `last`, or the nearest four that there are."""
-    stop = min(max(last + 1, 4), len(time))
-    near = slice(max(stop - 4, 0), stop)
-    return np.polynomial.Polynomial.fit(time[near], values[near], len(time[near]) - 1)
 
 
 def _root(time: np.ndarray, values: np.ndarray, i: int) -> float:

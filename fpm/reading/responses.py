@@ -22,6 +22,10 @@ from fpm.reading.variables import VARIABLES, Variable
 from fpm.scenes.scene import Scene
 
 AXES = ("x", "y", "z")
+ALL = {"all": "all bars"}
+
+Names = Callable[[Scene], Iterable[str]]
+"""Of a scene: what something may be of."""
 
 
 @dataclass(frozen=True)
@@ -70,21 +74,10 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
         more = f", perhaps with {', '.join(optional)}" if optional else ""
         alone = "" if needed or optional else " alone"
         raise SceneError(f"responses.{name}", dict(definition), f"{kind}{others}{more}{alone}")
-    found = KINDS[kind].read(Definition(name, kind, definition, scene))
-    return Response(name, kind, *found)
+    return KINDS[kind].read(Definition(name, kind, definition, scene))
 
 
 # -- definitions ----------------------------------------------------------------------------------
-
-
-class Found(NamedTuple):
-    """What a definition means: the fields of a Response."""
-
-    about: tuple[str, ...]
-    component: str
-    unit: str
-    long_name: str
-    columns: tuple[Column, ...] = ()
 
 
 class Definition(NamedTuple):
@@ -116,8 +109,12 @@ class Definition(NamedTuple):
         """The variable of its kind."""
         return VARIABLES[self.kind]
 
+    def response(self, about: tuple[str, ...], component: str, *more: Any) -> Response:
+        """The response that it means, of the other fields of one."""
+        return Response(self.name, self.kind, about, component, *more)
 
-def _vector(it: Definition, names: Callable | None = None, unit: str = "") -> Found:
+
+def _vector(it: Definition, names: Names | None = None, unit: str = "") -> Response:
     """A vector along or about global axes, or its size: of a variable, or of some names."""
     name = it.one_of((names or it.variable.names)(it.scene))
     component = it.one_of((*AXES, "norm"), "component")
@@ -125,37 +122,32 @@ def _vector(it: Definition, names: Callable | None = None, unit: str = "") -> Fo
     what = "magnitude of the " if component == "norm" else f"{component}-component of the "
     columns = () if names else tuple((it.kind, f"{name} {axis}") for axis in own)
     text = f"{what}{it.kind.replace('_', ' ')} of {name}"
-    return Found((name,), component, unit or it.variable.unit, text, columns)
+    return it.response((name,), component, unit or it.variable.unit, text, columns)
 
 
-def _pair(it: Definition, what: str, known: Iterable[str]) -> tuple[str, str]:
-    """Two different ones of the known names."""
-    value = it.data[it.kind]
+def _pair(it: Definition, what: str, known: Names, column: bool = True) -> Response:
+    """Two different ones of the known names, in their order."""
+    value, names = it.data[it.kind], list(known(it.scene))
     if not isinstance(value, list | tuple) or len(value) != 2 or value[0] == value[1]:
         raise SceneError(f"responses.{it.name}.{it.kind}", value, f"two different {what}")
-    first, second = (it.one_of(known, value=name) for name in value)
-    return first, second
+    pair = sorted((it.one_of(names, value=name) for name in value), key=names.index)
+    columns = ((it.kind, " to ".join(pair)),) if column else ()
+    return it.response(tuple(pair), "", "m", f"{it.kind} between {' and '.join(pair)}", columns)
 
 
-def _points(it: Definition) -> Found:
-    pair = _pair(it, "points", it.scene.points)
-    return Found(pair, "", "m", f"distance between {pair[0]} and {pair[1]}")
+def _one(it: Definition, unit: str, text: str, known: Names, variable: str = "") -> Response:
+    """A column of a variable by its label, or what has no column: an energy."""
+    name = it.one_of(known(it.scene))
+    columns = ((variable, name),) if variable else ()
+    return it.response((name,), "", unit, text.format(ALL.get(name, name)), columns)
 
 
-def _bars(it: Definition) -> Found:
-    known = list(bars.bars_of(it.scene))
-    first, second = sorted(_pair(it, "bars", known), key=known.index)
-    text = f"{it.kind} between {first} and {second}"
-    return Found((first, second), "", it.variable.unit, text, ((it.kind, f"{first} to {second}"),))
+def _bar(it: Definition) -> Response:
+    known, unit = it.variable.names, it.variable.unit
+    return _one(it, unit, f"equivalent {it.kind} in {{}}", known, it.kind)
 
 
-def _bar(it: Definition) -> Found:
-    name = it.one_of(it.variable.names(it.scene))
-    text = f"equivalent {it.kind} in {'all bars' if name == 'all' else name}"
-    return Found((name,), "", it.variable.unit, text, ((it.kind, name),))
-
-
-def _section(it: Definition) -> Found:
+def _section(it: Definition) -> Response:
     """A component of what a section of a bar bears, or the size of both of two axes."""
     name, share, parts = it.one_of(it.variable.names(it.scene)), it.data["at"], it.variable.parts
     real = isinstance(share, int | float) and not isinstance(share, bool)
@@ -170,28 +162,17 @@ def _section(it: Definition) -> Found:
     text = f"{text} {what} of {name} at {share:g} of its length"
     columns = tuple((it.kind, f"{name} at {share:g} {each}") for each in own)
     size = "norm" if component == both else component
-    return Found((name, f"{share:g}"), size, it.variable.unit, text, columns)
+    return it.response((name, f"{share:g}"), size, it.variable.unit, text, columns)
 
 
-def _tension(it: Definition) -> Found:
-    name = it.one_of(cable.name for cable in it.scene.cables)
-    return Found((name,), "", "N", f"tension of cable {name}", (("cable_tension", name),))
-
-
-def _energy(it: Definition) -> Found:
-    own = (energy.name for energy in energies_of(it.scene.kinds))
-    name = it.one_of(("kinetic", *own, "balance"))
-    return Found((name,), "", "J", f"{name} energy")
-
-
-def _opening(it: Definition, unit: str, words: str) -> Found:
+def _opening(it: Definition, unit: str, words: str) -> Response:
     """An opening of a hinge or slide, or its rate."""
     name, slides, on = it.hinge()
     variable, unit = (SLIDES[it.kind], SLIDING[unit]) if slides else (it.kind, unit)
-    return Found((name,), "", unit, f"{words} of {on}", ((variable, name),))
+    return it.response((name,), "", unit, f"{words} of {on}", ((variable, name),))
 
 
-def _latch(it: Definition) -> Found:
+def _latch(it: Definition) -> Response:
     """What every run records of a latch; impacts are those of latches that hold exactly."""
     kinds = (RigidLatch,) if it.kind == "latch_impact" else (Latch, RigidLatch)
     latches = {latch.label(it.scene): latch for k in kinds for latch in k.of(it.scene)}
@@ -202,7 +183,7 @@ def _latch(it: Definition) -> Found:
     variable = it.kind
     if hinges[latches[label].hinge].slides:
         unit, variable = SLIDING[unit], f"slide_{variable.replace('moment', 'force')}"
-    return Found((label,), "", unit, f"{text} of latch {label}", ((variable, label),))
+    return it.response((label,), "", unit, f"{text} of latch {label}", ((variable, label),))
 
 
 def parts_on(scene: Scene, hinge: str) -> list[str]:
@@ -213,7 +194,7 @@ def parts_on(scene: Scene, hinge: str) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def _moment(it: Definition) -> Found:
+def _moment(it: Definition) -> Response:
     """The moment on a hinge, or force on a slide, by one part, or by all, or its power."""
     name, slides, on = it.hinge()
     variable, rate = "joint_moment", "opening_rate"
@@ -223,10 +204,10 @@ def _moment(it: Definition) -> Found:
     part = it.one_of((*acting, "sum"), "part", it.data.get("part", "sum"))
     columns = tuple((variable, f"{name} {each}") for each in (acting if part == "sum" else [part]))
     who = "all that acts" if part == "sum" else part
+    what, unit = "force" if slides else "moment", VARIABLES[variable].unit
     if it.kind == "joint_power":
-        return Found((name, part), "", "W", f"power of {who} on {on}", ((rate, name), *columns))
-    text = f"{'force' if slides else 'moment'} of {who} on {on}"
-    return Found((name, part), "", VARIABLES[variable].unit, text, columns)
+        what, unit, columns = "power", "W", ((rate, name), *columns)
+    return it.response((name, part), "", unit, f"{what} of {who} on {on}", columns)
 
 
 SLIDES = {"opening": "slide_opening", "opening_rate": "slide_rate", "joint_moment": "joint_force"}
@@ -240,14 +221,14 @@ TAKEN = {"damping": "damping_work", "cables": "cable_friction"}
 """Losses that are energies of the balance, always recorded."""
 
 
-def _loss(it: Definition) -> Found:
+def _loss(it: Definition) -> Response:
     """Energy lost so far by one kind of element, or by all."""
     acting = {hinge.name: parts_on(it.scene, hinge.name) for hinge in it.scene.hinges}
     losing = [part for part in STORES if any(part in parts for parts in acting.values())]
     kind = it.one_of(["all", *losing, *TAKEN])
     columns = [("joint_work", f"{h} {kind}") for h, parts in acting.items() if kind in parts]
     who = "everything" if kind == "all" else kind
-    return Found((kind,), "", "J", f"energy lost by {who} so far", tuple(columns))
+    return it.response((kind,), "", "J", f"energy lost by {who} so far", tuple(columns))
 
 
 # -- values ---------------------------------------------------------------------------------------
@@ -309,7 +290,7 @@ class Kind(NamedTuple):
     shock: as of a `fpm.reading.variables.Variable`.
     """
 
-    read: Callable[[Definition], Found]
+    read: Callable[[Definition], Response]
     values: Callable[[Response, Curves], np.ndarray] = _of_columns
     needed: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
@@ -321,7 +302,7 @@ FORMS = {
     "vector": (_vector, ("component",)),
     "section": (_section, ("at", "component")),
     "bar": (_bar, ()),
-    "bars": (_bars, ()),
+    "bars": (partial(_pair, what="bars", known=bars.bars_of), ()),
 }
 """How definitions name columns of variables, and the other keys that it takes."""
 
@@ -332,21 +313,32 @@ def _as_recorded(variable: Variable) -> Kind:
     return Kind(read, needed=needed, positive=variable.positive, shock=variable.shock)
 
 
-def _points_of(scene: Scene) -> Iterable[str]:
+def _points(scene: Scene) -> Iterable[str]:
     return scene.points
 
 
+def _cables(scene: Scene) -> Iterable[str]:
+    return (cable.name for cable in scene.cables)
+
+
+def _energies(scene: Scene) -> Iterable[str]:
+    return "kinetic", *(energy.name for energy in energies_of(scene.kinds)), "balance"
+
+
 KINDS = {
-    "distance": Kind(_points, _apart, positive=True),
-    "position": Kind(partial(_vector, names=_points_of, unit="m"), partial(_of_point, 0),
+    "distance": Kind(partial(_pair, what="points", known=_points, column=False), _apart,
+                     positive=True),
+    "position": Kind(partial(_vector, names=_points, unit="m"), partial(_of_point, 0),
                      ("component",)),
-    "velocity": Kind(partial(_vector, names=_points_of, unit="m s-1"), partial(_of_point, 1),
+    "velocity": Kind(partial(_vector, names=_points, unit="m s-1"), partial(_of_point, 1),
                      ("component",)),
     "opening": Kind(partial(_opening, unit="rad", words="opening")),
-    "tension": Kind(_tension, positive=True),
+    "tension": Kind(partial(_one, unit="N", text="tension of cable {}", known=_cables,
+                            variable="cable_tension"), positive=True),
     # Sums of squares; the kinetic energy is a product of velocities half a step apart
     # (`fpm.kernels.record`), which can differ in sign.
-    "energy": Kind(_energy, lambda it, run: run.energies[it.about[0]],
+    "energy": Kind(partial(_one, unit="J", text="{} energy", known=_energies),
+                   lambda it, run: run.energies[it.about[0]],
                    positive=("strain", "spring", "contact")),
     **{name: Kind(_latch, shock=name == "latch_moment") for name in RECORDED},
     **{name: _as_recorded(variable) for name, variable in VARIABLES.items() if variable.form},

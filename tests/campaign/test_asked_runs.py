@@ -54,7 +54,7 @@ def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, t
     assert sorted(folder.runs("trajectories").glob("*.nc")) == files
     for path, before in plain.items():
         curves = read_curves(path)
-        assert recorded(curves) == set(config.experiment.asked)
+        assert recorded(curves) == set(config.experiment.record)
         for name, tracks in before.points.items():
             assert np.array_equal(tracks, curves.points[name])
 

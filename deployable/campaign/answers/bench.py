@@ -155,7 +155,7 @@ class Bench:
             if len(missing):
                 check_structure(plan)
                 scene = plan.experiment.build(plan.named(missing[0]))
-                warm_up(scene, self.tell, plan.experiment.asked)
+                warm_up(scene, self.tell, plan.experiment.record)
                 store.write(group, simulation.results(missing, store.had(missing)))
             found |= store.read(group)
         self.simulated += simulation.count

@@ -24,6 +24,9 @@ from deployable.campaign.config.sections import (
     SceneChoice,
 )
 from fpm.errors import did_you_mean
+from fpm.files.outcome import eventful
+from fpm.reading.quantity_definitions import parse
+from fpm.reading.variables import numbers
 
 
 def resolve(config: Config, given: Mapping) -> tuple[Campaign | None, list[str]]:
@@ -156,16 +159,14 @@ def _time_problems(experiment: Experiment) -> list[str]:
 
 def _memory_problems(experiment: Experiment) -> list[str]:
     """Whether the runs that are integrated side by side find room in memory."""
-    from fpm.reading.variables import numbers
-
-    instants, scene, asked = experiment.solver.instants, experiment.nominal_scene, experiment.asked
-    more = numbers(scene, asked) if asked else 0
+    instants, scene = experiment.solver.instants, experiment.nominal_scene
+    more = numbers(scene, experiment.record) if experiment.record else 0
     found = 8 * (6 * len(scene.points) + len(scene.hinges) + 10 + more)
     if instants * found <= MOST_NUMBERS:
         return []
     return [
         f"solver.instants: {instants} are more than memory should hold of this scene"
-        f"{' and what its responses ask for' if asked else ''}; allowed: at most "
+        f"{' and what its responses ask for' if more else ''}; allowed: at most "
         f"{MOST_NUMBERS // found}"
     ]
 
@@ -190,9 +191,6 @@ def _response_problems(campaign: Campaign, scene: Any) -> list[str]:
 
 def _quantity_problems(experiment: Experiment) -> list[str]:
     """What of the quantities cannot be read off a run of the scene."""
-    from fpm.files.outcome import eventful
-    from fpm.reading.quantity_definitions import parse
-
     if not experiment.quantities:
         return []
     elements = eventful(experiment.nominal_scene)

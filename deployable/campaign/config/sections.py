@@ -24,6 +24,9 @@ from deployable.campaign.config.models import (
     Solver,
     Verify,
 )
+from fpm.files.outcome import eventful
+from fpm.reading.quantity_definitions import parse
+from fpm.reading.shocks import doubt
 
 
 @dataclass(frozen=True)
@@ -111,16 +114,13 @@ class Experiment:
         return [fpm.responses.parse(n, d, self.nominal_scene) for n, d in self.responses.items()]
 
     @cached_property
-    def asked(self) -> tuple[tuple[str, str], ...]:
-        """Columns that runs have to record for the responses (fpm.reading.variables), in order."""
+    def record(self) -> tuple[tuple[str, str], ...]:
+        """Columns that runs record for the responses, in order (fpm.reading.variables)."""
         return tuple(sorted({need for curve in self.curves for need in curve.needs}))
 
     @cached_property
     def numbers(self) -> list[Any]:
         """The parsed quantities, `fpm.quantities.Quantity`; raises `fpm.SceneError`."""
-        from fpm.files.outcome import eventful
-        from fpm.reading.quantity_definitions import parse
-
         if not self.quantities:
             return []
         found, problems = parse(self.quantities, self.curves, eventful(self.nominal_scene))
@@ -132,8 +132,6 @@ class Experiment:
     def doubts(self) -> dict[str, str]:
         """Of responses, and quantities that are peaks of them, that mesh and step alone decide, by
         name: why, and what to do (fpm.reading.shocks)."""
-        from fpm.reading.shocks import doubt
-
         peaks = [(q.name, q.response) for q in self.numbers if q.is_peak]
         named = [*((curve.name, curve) for curve in self.curves), *peaks]
         found = {name: doubt(self.nominal_scene, response) for name, response in named}

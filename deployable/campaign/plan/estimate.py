@@ -14,6 +14,8 @@ from deployable.campaign.plan.make import choose_step
 from deployable.campaign.plan.plan import TimeStep
 from deployable.campaign.runs.extremes import LARGE, MOST
 from deployable.campaign.runs.progress import duration_text
+from deployable.campaign.runs.store import open_store
+from fpm.reading.variables import words
 
 LANES = 8
 """Runs that are integrated side by side; fewer take as long."""
@@ -134,8 +136,6 @@ def found(campaign: Campaign, folder: Folder) -> str:
     """Which of a campaign's runs are there, and why others must be made again; nothing where none
     is there, and for an `accuracy`, whose runs are not known beforehand."""
     from deployable.campaign.plan.make import make_plan
-    from deployable.campaign.runs.store import open_store
-    from fpm.reading.variables import words
 
     keep = campaign.jobs.keep
     if campaign.experiment.is_sought or not folder.runs(keep).is_dir():
@@ -173,7 +173,7 @@ def run_seconds(experiment: Experiment, time: TimeStep) -> float:
 def recorded(experiment: Experiment) -> int:
     """Curves of a trajectory, but for the responses."""
     scene = _nominal_scene(experiment)
-    return 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + len(experiment.asked)
+    return 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + len(experiment.record)
 
 
 def _nominal_scene(experiment: Experiment) -> Any:

@@ -40,7 +40,7 @@ from fpm.reading.variables import words
 
 Failure = tuple[Run, str]
 
-_TOLD = 100  # runs that failed, named in a message
+_MOST = 100  # runs that failed, named in a message
 
 _WORK: dict[str, Any] = {}
 """What the processes of a batch inherit, since it need not be sent to them then."""
@@ -78,7 +78,7 @@ def run_batch(
     if work:
         check_structure(plan)
         scene = plan.experiment.build(plan.named(work[0][1][0]))
-        warm_up(scene, tell, plan.experiment.asked)
+        warm_up(scene, tell, plan.experiment.record)
         total = sum(map(len, groups))
         progress = Progress(plan.experiment.name, total, store.counter(groups), tell)
         begun = clocks()
@@ -144,8 +144,8 @@ def _simulate_groups(
     own = Simulation(simulation.plan, simulation.size, simulation.threads)
     if processes == 1:
         own.after = simulation.after
-    asked = [(missing, store.had(missing)) for _, missing in work]
-    for (group, _), results in zip(work, own.each(asked), strict=True):
+    lots = [(missing, store.had(missing)) for _, missing in work]
+    for (group, _), results in zip(work, own.each(lots), strict=True):
         store.write(group, results)
     return own.count, own.failures, own.seconds
 
@@ -213,7 +213,7 @@ class Simulation:
         for found in self.each([(runs, also)]):
             yield from found
 
-    def each(self, asked: Sequence[tuple[Runs, Iterable[Column]]]) -> Iterator[Iterator[Result]]:
+    def each(self, lots: Sequence[tuple[Runs, Iterable[Column]]]) -> Iterator[Iterator[Result]]:
         """The results of several lots of runs, which are to be taken one by one.
 
         While those of a group of runs are taken, the threads make those of the next.
@@ -225,11 +225,11 @@ class Simulation:
                 parts = [share(group, part, count) for part in range(count)]
                 return [pool.submit(simulate, self.plan, part, also) for part in parts]
 
-            lots = [(groups_of(runs, self.size), also) for runs, also in asked]
-            started = _one_ahead(start, ((group, also) for lot, also in lots for group in lot))
+            groups = [(groups_of(runs, self.size), also) for runs, also in lots]
+            started = _one_ahead(start, ((one, also) for own, also in groups for one in own))
             try:
-                for lot, _ in lots:
-                    yield self._taken(islice(started, len(lot)))
+                for own, _ in groups:
+                    yield self._taken(islice(started, len(own)))
             finally:
                 pool.shutdown(cancel_futures=True)
 
@@ -274,7 +274,7 @@ def simulate(
         instants=solver.instants,
         step=plan.time.step,
         energy_tolerance=solver.energy_tolerance,
-        record=sorted({*experiment.asked, *also}),
+        record=sorted({*experiment.record, *also}),
     )
     seconds = clocks(time.thread_time) - before
     common = {
@@ -300,11 +300,11 @@ def simulate(
 def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
     """Which runs of a plan failed, with their parameters and the reason."""
     lines = [f"{len(failures)} of the runs failed; all others were written:"]
-    for run, reason in failures[:_TOLD]:
+    for run, reason in failures[:_MOST]:
         values = ", ".join(f"{name} = {value:.9g}" for name, value in plan.named(run).items())
         lines.append(f"  run {run.id} ({values}): {reason}")
-    if len(failures) > _TOLD:
-        lines.append(f"  and {len(failures) - _TOLD} more")
+    if len(failures) > _MOST:
+        lines.append(f"  and {len(failures) - _MOST} more")
     return "\n".join(lines)
 
 

@@ -51,14 +51,14 @@ class Progress:
     def __init__(self, campaign: str, total: int, count: Callable[[], int], tell: Tell):
         self.campaign, self.total, self.count, self.tell = campaign, total, count, tell
         self.start_time, self.start_count = time.monotonic(), count()
-        self.told = -math.inf
+        self.reported = -math.inf
 
     def report(self, last: bool = True) -> None:
         """Tell; not more than once a second unless it is the last time."""
         now = time.monotonic()
-        if not last and now < self.told + 1.0:
+        if not last and now < self.reported + 1.0:
             return
-        self.told, done = now, self.count()
+        self.reported, done = now, self.count()
         gained = done - self.start_count
         text = f"{self.campaign}: {done} of {self.total} runs done"
         if done < self.total and gained > 0:

@@ -48,12 +48,6 @@ class Ground(Part):
         return 0
 
 
-class RefusedError(SceneError):
-    """A value that a statement refuses. `size`: how far it is off, to tell the worst sample."""
-
-    size: float = 0.0
-
-
 class Builder:
     """One sample in the making; `sample.build` adds to it statement by statement.
 
@@ -111,6 +105,6 @@ class Builder:
 
     def refuse(self, key: str, value: object, allowed: str, size: float = 0.0) -> None:
         """Raise that a value is not allowed. size: how far it is off."""
-        error = RefusedError(key, value, allowed)
+        error = SceneError(key, value, allowed)
         error.size = size
         raise error

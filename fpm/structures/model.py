@@ -4,7 +4,7 @@ A model belongs to certain values of the whole-number parameters, since these de
 """
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from fpm.scenes.scene import Scene
 from fpm.structures.expressions import ExpressionError
 from fpm.structures.keys import COMMA, MOST, Assembled, Number, Vector, Whole
 from fpm.structures.names import NEIGHBOURS, Context, Named, Names, Place
-from fpm.structures.parameter import Given
 from fpm.structures.reading import Node, Problems, SkippedError, check_keys, joined, table_at
 from fpm.structures.statement import PARTS, Entry, read_entry, statement
 from fpm.structures.statements import GROUPS
@@ -64,13 +63,11 @@ class Sheet(NamedTuple):
 class Model:
     """All statements of a file. `entries`: in the order in which they are built; `points`: names.
 
-    table: the file; given: its parameters; counts: values of those that are whole numbers. What is
-    wrong is noted in `problems`, and left out.
+    table: the file; given: its parameters (text_file.Given); counts: values of those that are whole
+    numbers. What is wrong is noted in `problems`, and left out.
     """
 
-    def __init__(
-        self, table: Node, given: Mapping[str, Given], counts: Mapping, problems: Problems
-    ):
+    def __init__(self, table: Node, given: Mapping[str, Any], counts: Mapping, problems: Problems):
         self.problems, self.names = problems, Names(problems)
         self.points: list[str] = []
         for name, one in given.items():

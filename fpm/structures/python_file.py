@@ -3,8 +3,6 @@
 import importlib.util
 import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -24,9 +22,12 @@ def load_python(path: Path) -> SceneType:
     Its digest is of the file, of those below its folder that it imports, and of data files there
     that Python opens while it is loaded and built at its defaults.
     """
-    read: set[Path] = set()
-    with _noting(read, path.resolve().parent):
+    _hook()
+    _READING.append((read := set(), path.resolve().parent))
+    try:
         found = _loaded(path)
+    finally:
+        _READING.pop()
     content = syntax_digest([*own_sources(path), *sorted(read)])
     return replace(found, content=content)
 
@@ -35,30 +36,18 @@ _READING: list[tuple[set[Path], Path]] = []
 """Where files that are read are noted, and below which folder."""
 
 
-def _note(event: str, arguments: tuple) -> None:
-    """Note a data file that is opened to be read (an audit hook)."""
-    if not _READING or event != "open" or not isinstance(arguments[0], str | bytes):
-        return
-    read, folder = _READING[-1]
-    path = Path(os.fsdecode(arguments[0])).resolve()
-    if path.suffix not in (".py", ".pyc") and folder in path.parents and path.is_file():
-        read.add(path)
-
-
-@contextmanager
-def _noting(read: set[Path], folder: Path) -> Iterator[None]:
-    """Note in `read` which data files below a folder are read meanwhile."""
-    _hook()
-    _READING.append((read, folder))
-    try:
-        yield
-    finally:
-        _READING.pop()
-
-
 @cache
 def _hook() -> None:
-    sys.addaudithook(_note)
+    """Note data files that are opened to be read, for good: hooks stay."""
+
+    def note(event: str, arguments: tuple) -> None:
+        if _READING and event == "open" and isinstance(arguments[0], str | bytes):
+            read, folder = _READING[-1]
+            path = Path(os.fsdecode(arguments[0])).resolve()
+            if path.suffix not in (".py", ".pyc") and folder in path.parents and path.is_file():
+                read.add(path)
+
+    sys.addaudithook(note)
 
 
 def _loaded(path: Path) -> SceneType:
@@ -66,9 +55,8 @@ def _loaded(path: Path) -> SceneType:
     module = _run(path)
     parameters, build = getattr(module, "PARAMETERS", None), getattr(module, "build", None)
     mesh = getattr(module, "MESH", None)
-    if not isinstance(parameters, dict) or not all(
-        isinstance(p, Parameter) for p in parameters.values()
-    ):
+    known = parameters.values() if isinstance(parameters, dict) else [None]
+    if not all(isinstance(one, Parameter) for one in known):
         _refuse(path, "PARAMETERS: missing; allowed: a dict of fpm.scene_type.Parameter by name")
     if not callable(build):
         _refuse(path, "build: missing; allowed: a function of the parameters that gives a Scene")

@@ -109,11 +109,6 @@ def key_of(kind: type[Kind], name: str, left_out: str = "", **changes: Any) -> K
     return replace(key, **changes)
 
 
-def keys_of(kind: type[Kind], *names: str) -> dict[str, Key]:
-    """The keys of some fields of a kind."""
-    return {name: key_of(kind, name) for name in names}
-
-
 def element(kind: type[Kind], it: SimpleNamespace, **more: Any) -> Kind:
     """An element of a kind, from what its keys found and from `more`; None is a field's default."""
     values = {**vars(it), "hinge": getattr(it, "joint", None), **more}
@@ -122,13 +117,31 @@ def element(kind: type[Kind], it: SimpleNamespace, **more: Any) -> Kind:
     return kind(**{name: value for name, value in own.items() if value is not None})
 
 
-def acting(kind: type[Kind]) -> Statement:
-    """The statement of a kind that acts on a joint, all of whose fields are keys."""
-    found = keys_of(kind, *stated(kind))
-    keys = {"joint": found.pop("hinge"), **found}
+def acting(
+    kind: type[Kind],
+    about: str = "",
+    /,
+    without: Container[str] = (),
+    left_out: Mapping[str, str] | None = None,
+    **more: Key,
+) -> Callable:
+    """The statement of a kind that acts on a joint: its fields are keys, those required first.
+
+    without: fields that are none; left_out: what some mean where they are left out, which the field
+    does not allow by itself; more: further keys, or others of fields.
+    """
+    names = [name for name in stated(kind) if name not in without]
+    found = {name: key_of(kind, name, (left_out or {}).get(name, "")) for name in names}
+    keys = {"joint": found.pop("hinge")} if "hinge" in found else {}
+    keys |= {**{name: key for name, key in more.items() if name not in found}, **found, **more}
+    required_first = sorted(keys.items(), key=lambda pair: pair[1].default is not REQUIRED)
+    return statement("actions", kind.called, about, **dict(required_first))
+
+
+def whole(kind: type[Kind]) -> Statement:
+    """The statement of a kind that acts on a joint, which is said by its fields alone."""
     about = (kind.__doc__ or "").split("\n")[0]
-    made = statement("actions", kind.called, about, **keys)
-    return made(lambda build, it: build.scene.add(element(kind, it)))
+    return acting(kind, about)(lambda build, it: build.scene.add(element(kind, it)))
 
 
 # -- entries of a file -----------------------------------------------------------------------------

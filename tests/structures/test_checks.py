@@ -79,7 +79,7 @@ WRONG = [
     ("[A, B], section", "[A, A], section", "each once"),
     ("type: revolute", "type: spherik", "(did you mean spherical?); allowed: revolute, spherical"),
     ("type: revolute", "type: spherical", "joints.root.axis: there is no such key; allowed: type"),
-    ("[ground, arm]", "[ground, am]", "joints.root.parts: no part 'am' (did you mean arm?"),
+    ("[ground, arm]", "[ground, am]", "there is no part 'am' (did you mean arm?); allowed: ground"),
     ("at: A, axis", "at: C, axis", "joints.root.at: there is no point 'C'"),
     ("axis: y", "axis: [0, 0, 0]", "joints.root.axis: [0.0, 0.0, 0.0] is not allowed; allowed: a"),
     ("axis: y", "axis: y, held: w", "joints.root.held: 'w' is not allowed; allowed: letters"),

@@ -22,7 +22,7 @@ from fpm.elements import (
 from fpm.elements.openings.friction import BEND, SLIDE_BEND
 from fpm.elements.openings.opening import unit_of
 from fpm.structures.keys import Choice, Many, Number, Opening, Reference
-from fpm.structures.statement import JOINT, SLIDE, acting, element, key_of, keys_of, statement
+from fpm.structures.statement import JOINT, SLIDE, acting, element, key_of, statement, whole
 
 TURNING = replace(JOINT, types=("revolute", "universal"))
 AT_START = 1e-9
@@ -47,7 +47,8 @@ def _of_slide(key: Number) -> Number:
 
 
 SPRING = {
-    **keys_of(TorsionSpring, "stiffness", "rest"),
+    "stiffness": key_of(TorsionSpring, "stiffness"),
+    "rest": key_of(TorsionSpring, "rest"),
     "preload": Number(None, "moment at the start, > 0 where it opens, for `rest`", unit="N m"),
 }
 
@@ -78,17 +79,13 @@ statement(
     **{name: _of_slide(key) for name, key in SPRING.items()},
 )(torsion_spring.build)
 
-acting(Contact)
-acting(Damper)
+whole(Contact)
+whole(Damper)
 
 
-@statement(
-    "actions",
-    "friction",
-    joint=JOINT,
-    moment=key_of(Friction, "moment"),
-    bend=key_of(Friction, "bend", f"{BEND:g} rad, {1e3 * SLIDE_BEND:g} mm"),
-    damping=key_of(Friction, "damping"),
+@acting(
+    Friction,
+    left_out={"bend": f"{BEND:g} rad, {1e3 * SLIDE_BEND:g} mm"},
     sticks=Choice("by its bend", "`exactly`: without any bend",
                   options=("by its bend", "exactly")),
 )  # fmt: skip
@@ -105,13 +102,11 @@ def friction(build, it):
     build.scene.add(element(Friction, it, bend=it.bend or (SLIDE_BEND if slides else BEND)))
 
 
-@statement(
-    "actions",
-    "stop",
-    joint=JOINT,
+@acting(
+    Stop,
+    without=("angle", "side"),
     least=Number(None, "opening below which it acts; this, `most`, or both", unit="rad"),
     most=Number(None, "opening above which it acts", unit="rad"),
-    **keys_of(Stop, "stiffness", "damping"),
 )
 def stop(build, it):
     """Keeps the opening of a joint from going further; never pulls."""
@@ -125,13 +120,10 @@ def stop(build, it):
             build.scene.add(element(Stop, it, angle=angle, side=side))
 
 
-@statement(
-    "actions",
-    "latch",
-    joint=JOINT,
-    **keys_of(Latch, "angle", "tolerance", "side", "fastest"),
-    stiffness=key_of(Latch, "stiffness", "it holds exactly"),
-    damping=key_of(Latch, "damping"),
+@acting(
+    Latch,
+    without=("one_sided", "name"),
+    left_out={"stiffness": "it holds exactly"},
     holds=Choice("both ways", "`one way`: only against going back",
                  options=("both ways", "one way")),
 )  # fmt: skip
@@ -156,12 +148,11 @@ def tape_spring(build, it):
     build.scene.add(element(TableSpring, it))
 
 
-@statement(
-    "actions",
-    "loop",
+@acting(
+    SyncLoop,
+    without=("hinges", "name"),
+    left_out={"rest": "those at the start"},
     joints=Many(kind=TURNING, least=2, most=2, about="the two on which its pulleys sit"),
-    **keys_of(SyncLoop, "radii", "stiffness", "preload"),
-    rest=key_of(SyncLoop, "rest", "those at the start"),
 )
 def loop(build, it):
     """A closed cable over pulleys on two joints, which so open in the ratio of the radii."""
@@ -169,16 +160,14 @@ def loop(build, it):
     build.scene.add(element(SyncLoop, it, hinges=it.joints, rest=rest))
 
 
-@statement(
-    "actions",
-    "motor",
-    joint=JOINT,
+@acting(
+    Motor,
+    without=("by_rate",),
+    left_out={"start": "that at the start", "stiffness": "it prescribes exactly"},
+    damping=key_of(Motor, "damping", default=0.0),
     turn=Number(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),
     rate=Number(None, "how fast it turns, times `curve`", unit="rad/s"),
     curve=Reference(about="of the opening, or of its rate", group="curves"),
-    start=key_of(Motor, "start", "that at the start"),
-    stiffness=key_of(Motor, "stiffness", "it prescribes exactly"),
-    damping=key_of(Motor, "damping", default=0.0),
 )
 def motor(build, it):
     """Prescribes the opening of a joint, exactly or through an elastic drive train."""
@@ -191,17 +180,13 @@ def motor(build, it):
     build.scene.add(element(kind, it, start=start, turn=turn, by_rate=by_rate))
 
 
-acting(TorqueMotor)
+whole(TorqueMotor)
 
 
-@statement(
-    "actions",
-    "release",
-    joint=JOINT,
-    stiffness=key_of(Release, "stiffness", "it holds exactly"),
+@acting(
+    Release,
+    left_out={"stiffness": "it holds exactly", "hold": "that at the start"},
     damping=key_of(Release, "damping", default=0.0),
-    hold=key_of(Release, "hold", "that at the start"),
-    time=key_of(Release, "time"),
     watch=Opening(None, "another joint: it lets go where its opening passes `level`"),
     level=Number(None, "opening of the joint that is watched", unit="rad", joint="watch"),
 )

@@ -69,3 +69,53 @@ def solar_array(n, k=0.4, c=0.0, hub=150.0, mass=6.0, length=1.0, thickness=0.02
     reached.terminal = True
     run = solve_ivp(slopes, (0, 1e3), [0, 0, 0], "DOP853", events=reached, rtol=1e-10, atol=1e-12)
     return run.t[-1], run.y[1, -1], run.y[2, -1]
+
+
+PUSH, TIRED, TRAVEL, DAMPING, RUB, TUBE, HEAD = 20.0, 0.6, 0.8, 2.0, 0.5, 1.5, 4.0
+MASSES = np.array([TUBE, TUBE, TUBE + HEAD])
+
+
+def on_a_line(until=2.5) -> tuple[list[float], list[float]]:
+    """Times (s) and rates (m/s) at which the slides latch: tubes as points, slides held until the
+    one before has opened by nine tenths, velocities changed by impacts that stop a tube alone."""
+    held, latched = [False, True, True], [False] * 3
+    time, state = 0.0, np.zeros(6)
+    times, rates = [], []
+    stiffness = TIRED * PUSH / TRAVEL
+
+    def slides(state):
+        places, speeds = state[:3], state[3:]
+        return np.diff(places, prepend=0.0), np.diff(speeds, prepend=0.0)
+
+    def motion(_, state):
+        ways, speeds = slides(state)
+        force = PUSH - stiffness * ways - DAMPING * speeds - RUB
+        free = np.array([not (h or x) for h, x in zip(held, latched, strict=True)])
+        # With held slides their force is unknown: M a + B' l = f, B a = 0.
+        pull = np.where(free, force, 0.0)
+        right = pull - np.append(pull[1:], 0.0)
+        rows = np.eye(3) - np.eye(3, k=-1)
+        rows = rows[~free]
+        matrix = np.block([[np.diag(MASSES), rows.T], [rows, np.zeros((len(rows),) * 2)]])
+        found = np.linalg.solve(matrix, np.append(right, np.zeros(len(rows))))
+        return np.append(state[3:], found[:3])
+
+    while not all(latched) and time < until:
+        now = latched.index(False)
+        waits = now + 1 < 3 and held[now + 1]
+        level = 0.9 * TRAVEL if waits else TRAVEL
+
+        def opened(_, state, now=now, level=level):
+            return slides(state)[0][now] - level
+
+        opened.terminal = True
+        found = solve_ivp(motion, (time, until), state, events=opened, rtol=1e-10, atol=1e-12)
+        time, state = found.t[-1], found.y[:, -1].copy()
+        if waits:
+            held[now + 1] = False
+            continue
+        times.append(time)
+        rates.append(slides(state)[1][now])
+        latched[now] = True
+        state[3 : 4 + now] = 0.0  # the tubes up to this one stand still
+    return times, rates

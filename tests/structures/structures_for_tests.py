@@ -35,6 +35,32 @@ record:
   tip: {part: arm, at: B}
 """
 
+# A plane four-bar whose coupler is a bar of length 1 m + slack, stated from B.
+FOURBAR = """
+assemble: {hold: [A]}
+parameters:
+  slack: {value: 10, unit: mm, range: [-500, 5000]}
+points:
+  A: [0, 0, 0]
+  B: [0, 1 m, 0]
+  end: [1 m + slack, 1 m, 0]
+  C: [1 m, 1 m, 0]
+  D: [1 m, 0, 0]
+materials: {steel: {E: 210 GPa, rho: 7850}}
+sections: {rod: {type: circle, diameter: 20 mm}}
+bars:
+  AB: {through: [A, B], section: rod, material: steel, elements: 2}
+  BC: {through: [B, end], section: rod, material: steel, elements: 2}
+  CD: {through: [C, D], section: rod, material: steel, elements: 2}
+joints:
+  A: {type: revolute, parts: [ground, AB], at: A, axis: z}
+  B: {type: revolute, parts: [AB, BC], at: B, axis: z}
+  C: {type: revolute, parts: [BC, CD], at: {BC: end, CD: C}, axis: z}
+  D: {type: revolute, parts: [CD, ground], at: D, axis: z}
+record:
+  C: {part: CD, at: C}
+"""
+
 
 def structure(name: str) -> SceneType:
     """A structure of the library."""

@@ -29,9 +29,10 @@ def run(scene, duration, instants):
     return outcome
 
 
-def test_every_structure_of_the_library_is_a_scene_type(library_file):
-    found = load(library_file)
-    assert found.name == library_file.stem
+@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.yaml")), ids=lambda path: path.stem)
+def test_every_structure_of_the_library_is_a_scene_type(path):
+    found = load(path)
+    assert found.name == path.stem
     assert found.description
     assert all(parameter.description for parameter in found.parameters.values())
     assert len(found.digest) == 16

@@ -63,12 +63,8 @@ def sources() -> list[str]:
     """Structures with few particles, so that building them takes no time."""
     small = [(FOLDER / name).read_text() for name in NAMES]
     forced = SMALL.replace("mesh: n", "mesh: n\nassemble: {hold: [root]}", 1)
-    return [
-        SMALL,
-        forced,
-        *small,
-        (FOLDER / "scissor.yaml").read_text().replace("{value: 3", "{value: 2"),
-    ]
+    scissor = (FOLDER / "scissor.yaml").read_text().replace("{value: 3", "{value: 2")
+    return [SMALL, forced, *small, scissor]
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ from fpm.errors import SceneError
 from fpm.files.outcome import Outcome
 from fpm.files.trajectory import Column
 from fpm.motions.motion_dataset import BOX_CORNERS, Recorded, to_dataset
+from fpm.reading.bars import bends_of
 from fpm.scenes.scene import Scene
 from fpm.solver.simulate import simulate
 
@@ -84,27 +85,20 @@ def element_strains(
     """Axial strain (t, m) and the largest bending strain at the surface (t, m) of all elements.
 
     position (t, n, 3) m and frame (t, n, 3, 3) of the particles. The moments at an element's ends
-    are the gradient of its energy (kinds/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image;
-    the larger end counts, at the corner of a rectangle with the section's area and second moments.
+    are the gradient of its energy (elements/bars/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror
+    image; the larger end counts, at the corner of a rectangle with the section's area and second
+    moments.
     """
     if not scene.beams:
         return np.zeros((len(position), 0)), np.zeros((len(position), 0))
-    nodes, length, half = elements_of(scene.beams)
-    chord = position[:, nodes[:, 1]] - position[:, nodes[:, 0]]
-    stretched = np.linalg.norm(chord, axis=2)
-    chord /= stretched[:, :, None]
-    start = scene.frame if scene.unstrained is None else scene.unstrained
-    triads = np.concatenate([beams.triad for beams in scene.beams])
-    curvature = np.zeros((2, *stretched.shape, 2))  # at both ends, in both planes
-    turns = []
-    for end in (0, 1):
-        local = np.einsum("mji,mjk->mik", start[nodes[:, end]], triads[:, :, 1:])
-        # The sine between the chord and the axis is the chord's component in the end's own frame.
-        seen = np.einsum("tmji,tmj->tmi", frame[:, nodes[:, end]], chord)
-        sine = np.einsum("tmi,mik->tmk", seen, local)
-        turns.append(sine * (1.0 + sine**2 / 6.0))
-    for end in (0, 1):
-        curvature[end] = 2.0 * (2.0 * turns[end] + turns[1 - end]) / length[:, None]
+    _, length, half = elements_of(scene.beams)
+    bends = [
+        bends_of(scene, beams, lambda p: position[:, p], lambda p: frame[:, p])
+        for beams in scene.beams
+    ]
+    stretched = np.concatenate([bend.length for bend in bends], axis=1)
+    angles = np.concatenate([np.stack(bend.angles) for bend in bends], axis=2)
+    curvature = 2.0 * (2.0 * angles + angles[::-1]) / length[:, None]  # both ends, both planes
     bending = np.einsum("etmk,mk->etm", np.abs(curvature), half).max(axis=0)
     return stretched / length - 1.0, bending
 

@@ -2,8 +2,8 @@
 
 Forces and moments in a section are those of the part beyond on the part before, along the bar's own
 axes there: x from start to end, y across the section's width, z along its height. They follow from
-the positions and frames of particles (theory: kinds/beam.py): with c = dU/ds of either end, the
-axial force is EA (l - l0)/l0, the shear (c_a + c_b)/l in both planes, the torsion GJ t/l0, and
+the positions and frames of particles (theory: elements/bars/beam.py): with c = dU/ds of either end,
+the axial force is EA (l - l0)/l0, the shear (c_a + c_b)/l in both planes, the torsion GJ t/l0, and
 bending goes straight from c_a to -c_b along an element (M_z; M_y has the opposite sign).
 """
 
@@ -68,15 +68,30 @@ def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, n
     return found
 
 
-def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
+class Bends(NamedTuple):
+    """How a group's elements are strained: lengths (t, m) m; at both ends the sines between chord
+    and axes y and z (t, m, 2), the angles that count for them, and these axes (t, m, 3, 2)."""
+
+    length: np.ndarray
+    sines: list[np.ndarray]
+    angles: list[np.ndarray]
+    axes: list[np.ndarray]
+
+
+def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
     """Of the elements of a group; place and axes as for `ends_of`."""
-    _, axial, bend_z, bend_y, twist = beams.stiffness().T
     (first, *own), (second, *other) = ends_of(scene, beams, place, axes)
     chord, own = second - first, own + other
     length = np.linalg.norm(chord, axis=2)
     chord = chord / length[:, :, None]
     sines = [np.einsum("tmi,tmik->tmk", chord, each) for each in own]
-    angles = [s * (1.0 + s**2 / 6.0) for s in sines]
+    return Bends(length, sines, [s * (1.0 + s**2 / 6.0) for s in sines], own)
+
+
+def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
+    """Of the elements of a group; place and axes as for `ends_of`."""
+    _, axial, bend_z, bend_y, twist = beams.stiffness().T
+    length, sines, angles, own = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)
     ends = [
         stiffness * (2.0 * angles[k] + angles[1 - k]) * (1.0 + 0.5 * sines[k] ** 2) for k in (0, 1)

@@ -13,6 +13,7 @@ from deployable.campaign.answers.bench import Bench
 from deployable.campaign.answers.choice import design_points
 from deployable.campaign.answers.ends import _ends
 from deployable.campaign.cli import main
+from deployable.campaign.config import sections
 from deployable.campaign.report.page import render
 from deployable.campaign.report.read import from_results
 from deployable.campaign.results.facts import happens_only, quantity_errors
@@ -20,7 +21,6 @@ from deployable.campaign.text.numbers import interval, share
 from deployable.campaign.text.templates import sentence
 from deployable.intervals import Box
 from deployable.intervals.scalars.extremes import Extremes
-from fpm.reading import shocks
 
 
 @pytest.mark.parametrize(
@@ -220,7 +220,7 @@ def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, mon
     """By check, summary and page; of the response that is in doubt, and the peak of it alone."""
     why = "nothing softens it: state a `stiffness`"
     monkeypatch.setattr(
-        shocks, "doubt", lambda scene, response: why if response.name == "BD" else ""
+        sections, "doubt", lambda scene, response: why if response.name == "BD" else ""
     )
     raw["quantities"] = {
         name: {kind: "BD"} for name, kind in (("top", "largest"), ("end", "final"))

@@ -1,4 +1,4 @@
-"""What is recorded of a run only when it is asked (recording.py says for what).
+"""What is recorded of a run on request (reading/variables.py says for what).
 
 A scene without a probe has a time loop without it. With one, the loop keeps at every instant the
 frames of some particles; of some of them momenta, forces and how the momenta change in the step

@@ -1,7 +1,5 @@
 """A motion without a simulation, and a small campaign."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -9,6 +7,7 @@ from swing import CONFIG
 
 from deployable import campaign
 from deployable.campaign.config.scenes import scene_type
+from fpm.files.trajectory import Curves
 
 FRAMES = 7
 
@@ -30,12 +29,10 @@ def motion():
         name: (position[:, p.particle] + frame[:, p.particle] @ p.arm, np.zeros((FRAMES, 3)))
         for name, p in scene.points.items()
     }
-    outcome = SimpleNamespace(
-        points=points, time=time, step=0.1, events=np.zeros((0, 3)), eventful=()
-    )
+    outcome = Curves(time, points, {}, {}, np.zeros((0, 3)), (), 0, 0.1)
     strains = element_strains(scene, position, frame)
-    kept = np.arange(FRAMES)
-    found = Recorded(scene, outcome, kept, position, 0.0 * position + 1.5, frame, *strains)
+    shown = np.arange(FRAMES)
+    found = Recorded(scene, outcome, shown, position, 0.0 * position + 1.5, frame, *strains)
     return to_dataset(found, section_corners(scene), {"run_id": "abc"})
 
 
@@ -79,7 +76,7 @@ def hub():
     scene.add_particles((0.5, 0, 0), 2.0, (1e-12, 2 / 12, 2 / 12))  # 1 m long
     time = np.array([0.0, 0.1])
     frame = Rotation.from_rotvec([[0, 0, 0], [0, 0, 0.5]]).as_matrix()[:, None]
-    outcome = SimpleNamespace(points={}, time=time, step=0.1, events=np.zeros((0, 3)), eventful=())
+    outcome = Curves(time, {}, {}, {}, np.zeros((0, 3)), (), 0, 0.1)
     position, none = np.tile([0.5, 0.0, 0.0], (2, 1, 1)), np.zeros((2, 0))
     found = Recorded(scene, outcome, np.arange(2), position, 0.0 * position, frame, none, none)
     return to_dataset(found, np.zeros((0, 2, 4, 3)), {})

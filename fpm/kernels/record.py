@@ -113,7 +113,7 @@ def balance(world, energies, row, kick):
     some 1e-12 of that of the kick.
     """
     stored = load(energies, row, KINETIC)
-    size = absolute(stored)
+    size = stored  # of either sign: where a step is not stable, velocities alternate
     accounts = ACCOUNTS + world.accounts.shape[1]
     for k in range(accounts, energies.shape[1]):
         energy = load(energies, row, k)

@@ -5,20 +5,16 @@ responses into polynomials, and `surrogate_range` or `bounds_dataset` bound them
 The package knows nothing of the model: it takes arrays, or netCDF files as datasets.
 """
 
-from .bounds import bounds_dataset
-from .box import Box
-from .budget import add_errors
-from .designs import METHODS, Design, make_design
+from .bounds import add_errors, bounds_dataset, compare_bounds, compare_runs, hausdorff
+from .box import Box, held_out_points, match_points
+from .chebyshev import Surrogate
+from .designs import METHODS, Design, fit, make_design
 from .errors import IntervalError
-from .metrics import compare_bounds, compare_runs, hausdorff
 from .models import MODELS, Model
-from .models.polynomial import surrogate_dataset
-from .models.spline import MAX_RUNS, Spline, check_spline_runs, fit_spline, spline_range
-from .points import held_out_points, match_points
 from .ranges import Range, surrogate_range
 from .rounds import Places, deciding_places, seek_points
-from .sensitivity import parameter_sensitivity, sensitivity_dataset
-from .surrogate import Surrogate, fit
+from .sensitivity import parameter_sensitivity, sensitivity_dataset, surrogate_dataset
+from .splines import MAX_RUNS, Spline, check_spline_runs, fit_spline, spline_range
 
 __all__ = [
     "MAX_RUNS",

@@ -1,16 +1,16 @@
-"""Bounds of every response at every instant: from a samples dataset to a bounds dataset."""
+"""Bounds of every response at every instant: from a samples dataset to a bounds dataset, whose
+errors others may be added to; and numbers that compare bounds with others or with runs."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .designs import Design
 from .errors import IntervalError, check_choice, check_options
-from .estimates import ErrorEstimate
-from .metrics import compare_runs
+from .estimates import ErrorEstimate, widen
 from .models import MODELS, Model
 from .ranges import Range, raised
 from .samples import Samples, read_samples
@@ -174,4 +174,103 @@ def _numbers(
         "largest_error": float(total[worst]),
         "largest_error_time": float(time[worst]),
         "error_share_of_width": float(np.trapezoid(total, time)) / area if area > 0 else 0.0,
+    }
+
+
+def add_errors(
+    bounds: xr.Dataset, parts: Mapping[str, np.ndarray], window: float | None = None
+) -> xr.Dataset:
+    """Bounds whose ``error`` is the surrogate's and further parts together.
+
+    `parts` (n, T each) are errors by name, such as those of a mesh, in the units of the responses.
+    They are widened in time as the surrogate's is (see `estimates.widen`) and added to it. The
+    dataset gets ``error_surrogate`` and ``error_<name>`` (response, time), and over response
+    ``share_surrogate`` and ``share_<name>``, as shares of the width, both integrated over time;
+    the numbers of ``error`` are those of the sum. NaN where a part is not known.
+    """
+    time = bounds["time"].values
+    area = np.trapezoid((bounds["upper"] - bounds["lower"]).values, time)
+    axes = ("response", "time")
+    curves = {"surrogate": bounds["error"].values}
+    curves |= {name: widen(time, np.abs(values), window) for name, values in parts.items()}
+    added = {}
+    for name, values in curves.items():
+        added[f"error_{name}"] = (axes, values, {"long_name": f"part of the error: {name}"})
+        text = f"error of the {name}, as a share of the width"
+        told = {"long_name": text, "units": "1"}
+        added[f"share_{name}"] = ("response", share_of(values, time, area), told)
+    total = np.sum(list(curves.values()), axis=0)
+    worst, rows = total.argmax(axis=1), np.arange(len(total))
+    numbers = {
+        "error": total,
+        "largest_error": total[rows, worst],
+        "largest_error_time": time[worst],
+        "error_share_of_width": share_of(total, time, area),
+    }
+    for name, values in numbers.items():
+        added[name] = (bounds[name].dims, values, bounds[name].attrs)
+    return bounds.assign(added).assign_attrs(error_parts=list(curves))
+
+
+def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """Errors (n, T) integrated over time, as shares (n,) of the widths' integrals `area` (n,)."""
+    found = np.trapezoid(error, time)
+    return np.divide(found, area, out=np.zeros_like(found), where=area > 0)
+
+
+def hausdorff(
+    lower: np.ndarray, upper: np.ndarray, reference_lower: np.ndarray, reference_upper: np.ndarray
+) -> np.ndarray:
+    """Hausdorff distance of the intervals [lower, upper] and the reference, element by element."""
+    return np.maximum(np.abs(lower - reference_lower), np.abs(upper - reference_upper))
+
+
+def compare_bounds(
+    time: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    reference_lower: np.ndarray,
+    reference_upper: np.ndarray,
+) -> dict[str, float]:
+    """Compare bounds (T) with reference bounds (T) over the instants `time` (T).
+
+    Returns
+    -------
+    hausdorff_largest
+        in units of the response, and `hausdorff_largest_time` in s.
+    hausdorff_rms
+        root of the mean square over time.
+    hausdorff_integrated
+        integral of the distance over the integral of the reference's width; NaN for zero width.
+    width_ratio
+        integral of the width over that of the reference.
+    """
+    distance = hausdorff(lower, upper, reference_lower, reference_upper)
+    width = np.trapezoid(reference_upper - reference_lower, time)
+    at = int(np.argmax(distance))
+    duration = float(time[-1] - time[0]) or 1.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return {
+            "hausdorff_largest": float(distance[at]),
+            "hausdorff_largest_time": float(time[at]),
+            "hausdorff_rms": float(np.sqrt(np.trapezoid(distance**2, time) / duration)),
+            "hausdorff_integrated": float(np.divide(np.trapezoid(distance, time), width)),
+            "width_ratio": float(np.divide(np.trapezoid(upper - lower, time), width)),
+        }
+
+
+def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> dict[str, float]:
+    """How runs (H, T) lie in bounds (T).
+
+    Returns `coverage`, the share of the points (run, instant) within the bounds, and
+    `worst_violation`, the largest distance of a point outside them; NaN and 0 without runs.
+    """
+    outside = np.maximum(lower - values, values - upper)
+    if not outside.size:
+        return {"coverage": float("nan"), "worst_violation": 0.0}
+    # rounding of a run that is itself a node is not a violation
+    scale = np.abs(values).max()
+    return {
+        "coverage": float((outside <= 1e-12 * scale).mean()),
+        "worst_violation": float(max(outside.max(), 0.0)),
     }

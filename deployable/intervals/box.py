@@ -1,4 +1,5 @@
-"""The box of interval parameters, and the map between it and the unit cube [-1, 1]^k."""
+"""The box of interval parameters, the map between it and the unit cube [-1, 1]^k, and points in it:
+corners, those of held-out runs, and which of them are the same."""
 
 from __future__ import annotations
 
@@ -8,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import IntervalError
+from .errors import IntervalError, check_integer
 
 MAX_DIMENSION = 8
 
@@ -27,8 +28,7 @@ class Box:
 
     def __init__(self, names: Sequence[str], lower: Sequence[float], upper: Sequence[float]):
         names = (names,) if isinstance(names, str) else tuple(names)
-        lower = np.array(lower, dtype=float, ndmin=1)
-        upper = np.array(upper, dtype=float, ndmin=1)
+        lower, upper = (np.array(side, dtype=float, ndmin=1) for side in (lower, upper))
         if not 1 <= len(names) <= MAX_DIMENSION:
             raise IntervalError("intervals", names, f"1 to {MAX_DIMENSION} names")
         if len(set(names)) != len(names):
@@ -41,11 +41,10 @@ class Box:
                 raise IntervalError(f"interval {name}", (low, high), "finite numbers")
             if low > high:
                 raise IntervalError(f"interval {name}", (low, high), "lower <= upper")
-        lower.setflags(write=False)
-        upper.setflags(write=False)
-        object.__setattr__(self, "names", names)
-        object.__setattr__(self, "lower", lower)
-        object.__setattr__(self, "upper", upper)
+        for side in (lower, upper):
+            side.setflags(write=False)
+        for key, value in (("names", names), ("lower", lower), ("upper", upper)):
+            object.__setattr__(self, key, value)
 
     @property
     def dimension(self) -> int:
@@ -80,3 +79,79 @@ class Box:
         """Unit coordinates (2^f, k) of the corners, f the number of intervals with a width."""
         choices = [(-1.0, 1.0) if free else (0.0,) for free in self.free]
         return np.array(list(itertools.product(*choices)))
+
+
+def keys(points: np.ndarray, digits: int = 12) -> list[tuple[float, ...]]:
+    """What points (N, k) are known by: their coordinates without rounding errors, without -0."""
+    return [tuple(point) for point in np.round(points, digits) + 0.0]
+
+
+def corner_points(free: np.ndarray) -> np.ndarray:
+    """Corners (2^f, k), opposite ones next to each other, so that the first few are spread out."""
+    free = np.asarray(free, dtype=bool)
+    dimension = int(free.sum())
+    if dimension == 0:
+        return np.zeros((1, len(free)))
+    half = [(-1.0, *rest) for rest in itertools.product((-1.0, 1.0), repeat=dimension - 1)]
+    points = np.zeros((2**dimension, len(free)))
+    points[::2, free] = half
+    points[1::2, free] = -np.array(half)
+    return points
+
+
+def held_out_points(free: np.ndarray, count: int, avoid: np.ndarray | None = None) -> np.ndarray:
+    """Points (count, k) for the runs that test a surrogate and do not enter it.
+
+    Corners come first, for at most half of the points, because a surrogate is worst at the edges;
+    then an R-sequence (Roberts 2018: additive recurrence with the generalised golden ratio), whose
+    first points are those of any longer sequence. Points that are in `avoid` (R, k) are skipped:
+    a node tells nothing about the error.
+    """
+    free = np.asarray(free, dtype=bool)
+    count = check_integer("held_out", count, 0, 100_000)
+    dimension = int(free.sum())
+    if dimension == 0 or count == 0:
+        return np.zeros((0, len(free)))
+    taken = set() if avoid is None else set(keys(avoid))
+    chosen = [p for p in corner_points(free) if tuple(p + 0.0) not in taken][: (count + 1) // 2]
+    ratio = 2.0
+    for _ in range(60):  # fixed point of x^(d+1) = x + 1
+        ratio = (1.0 + ratio) ** (1.0 / (dimension + 1))
+    steps = ratio ** -np.arange(1.0, dimension + 1)
+    for i in itertools.count(1):
+        if len(chosen) >= count:
+            break
+        point = np.zeros(len(free))
+        point[free] = 2 * np.mod(0.5 + i * steps, 1.0) - 1
+        if keys(point[None])[0] not in taken:
+            chosen.append(point)
+    return np.array(chosen)
+
+
+def _nearest(points: np.ndarray, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For each point (N, k) the index of the nearest of `unit` (R, k) and the largest difference of
+    a coordinate from it; -1 and infinity if there is none."""
+    if not len(unit):
+        return np.full(len(points), -1), np.full(len(points), np.inf)
+    away = (np.abs(unit - point).max(axis=1) for point in points)
+    found = np.array([(d.argmin(), d.min()) for d in away]).reshape(-1, 2)
+    return found[:, 0].astype(int), found[:, 1]
+
+
+def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
+    """Index (N) of the run at each design point; runs are known by their coordinates, not place."""
+    found, away = _nearest(points, unit)
+    missing = np.flatnonzero(away > tolerance)
+    if len(missing):
+        first = np.round(points[missing[0]], 6).tolist()
+        raise IntervalError(
+            "samples",
+            f"no run at {len(missing)} of {len(points)} design points, the first at unit {first}",
+            "a run at every point of the design",
+        )
+    return found
+
+
+def other_runs(unit: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
+    """Indices of the runs (R, k) that are at none of the design's points (N, k)."""
+    return np.flatnonzero(_nearest(unit, points)[1] > tolerance)

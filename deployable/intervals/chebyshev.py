@@ -1,14 +1,22 @@
-"""Chebyshev points, products and one-dimensional transforms on [-1, 1].
+"""Chebyshev points and products on [-1, 1]^k, and the polynomials made of them.
+
+A set of multi-indices has the shape (M, k); row m stands for T_(i_1)(x_1) ... T_(i_k)(x_k). Orders
+are given per direction; a direction of order 0 does not enter.
 
 Source: Trefethen, Approximation Theory and Approximation Practice (SIAM 2013), chapters 2-4.
 """
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from math import gcd
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
+
+from .errors import IntervalError
 
 
 def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
@@ -26,8 +34,7 @@ def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
 
 def roots(order: int) -> np.ndarray:
     """The order + 1 roots of T_(order+1), ascending, shape (order + 1)."""
-    count = order + 1
-    return _sine(2 * np.arange(count) - order, count)
+    return _sine(2 * np.arange(order + 1) - order, order + 1)
 
 
 def lobatto(order: int) -> np.ndarray:
@@ -35,36 +42,139 @@ def lobatto(order: int) -> np.ndarray:
 
     They contain -1 and 1, and those of order n are among those of order 2n.
     """
-    if order == 0:
-        return np.zeros(1)
-    return _sine(2 * np.arange(order + 1) - order, order)
+    return _sine(2 * np.arange(order + 1) - order, order) if order else np.zeros(1)
+
+
+def grid(lines: Sequence[np.ndarray]) -> np.ndarray:
+    """All combinations (N, k) of numbers along each direction, last direction fastest."""
+    return np.stack([g.ravel() for g in np.meshgrid(*lines, indexing="ij")], axis=1)
+
+
+def tensor(order: Sequence[int]) -> np.ndarray:
+    """All i with i_j <= order_j, last direction fastest: shape (prod(order + 1), k)."""
+    return grid([np.arange(n + 1) for n in order])
+
+
+def total_degree(order: Sequence[int]) -> np.ndarray:
+    """All i with sum_j i_j / order_j <= 1; for equal orders n the total degree is at most n.
+
+    Sorted by total degree. C(n + k, k) rows for equal orders: 20 at k = 3, n = 3.
+    """
+    return _within_budget(order, lambda n: dict(zip(range(n + 1), range(n + 1), strict=True)))
+
+
+def smolyak(order: Sequence[int]) -> np.ndarray:
+    """Smolyak set (M, k) with slow growth, sorted by total degree.
+
+    The union of the tensor sets of nested rules whose degrees, by the least polynomials that need
+    them, are a total-degree set; so it contains every polynomial of that total degree (Barthelmann,
+    Novak and Ritter 2000 with the growth of Burkardt 2009, where a rule grows only when it must).
+    """
+    return _within_budget(order, _nested_costs)
+
+
+def count_smolyak(order: Sequence[int]) -> int:
+    """Number of rows of `smolyak`, without making them."""
+    counts = {0.0: 1}  # rows so far, by the share of the order that they use
+    for n in (int(n) for n in order if n):
+        grown: dict[float, int] = {}
+        for (used, rows), cost in itertools.product(counts.items(), _nested_costs(n).values()):
+            share = round(used + cost / n, 9)
+            if share <= 1.0:
+                grown[share] = grown.get(share, 0) + rows
+        counts = grown
+    return sum(counts.values())
+
+
+def _nested_costs(order: int) -> dict[int, int]:
+    """For each index the least degree of which the rule of 1, 3, 5, 9, 17, ... nested Lobatto
+    points has it: 0 for index 0, 1 for 1 and 2, 3 for 3 and 4, 5 for 5 to 8, 9 for 9 to 16, ..."""
+    costs = {0: 0}
+    for degree in range(1, order + 1):
+        highest = 2 if degree < 3 else 1 << (degree - 1).bit_length()
+        costs |= dict.fromkeys(range(len(costs), highest + 1), degree)
+    return costs
+
+
+def _within_budget(order: Sequence[int], costs: Callable[[int], dict[int, int]]) -> np.ndarray:
+    """All i with sum_j cost(i_j) / order_j <= 1, sorted by total degree."""
+    rows: list[tuple[tuple[int, ...], float]] = [((), 0.0)]
+    # grow direction by direction, so that the full tensor is never built
+    for n in (int(n) for n in order):
+        steps = [(i, cost / (n or 1)) for i, cost in costs(n).items()]
+        grown = [((*row, i), used + cost) for row, used in rows for i, cost in steps]
+        rows = [(row, used) for row, used in grown if used <= 1.0 + 1e-9]
+    found = sorted((row for row, _ in rows), key=lambda row: (sum(row), tuple(-i for i in row)))
+    return np.array(found, dtype=int).reshape(len(found), len(order))
 
 
 def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
     """Values (N, M) of the Chebyshev products `indices` (M, k) at `points` (N, k)."""
     values = np.ones((len(points), len(indices)))
     for j in range(indices.shape[1]):
-        highest = int(indices[:, j].max()) if len(indices) else 0
+        highest = int(indices[:, j].max(initial=0))
         if highest:
             values *= chebvander(points[:, j], highest)[:, indices[:, j]]
     return values
 
 
-def roots_transform(order: int) -> np.ndarray:
-    """Matrix (n+1, n+1) from values at `roots` to coefficients (a DCT-II written as a product)."""
-    count = order + 1
-    angle = np.pi * (2 * np.arange(count)[::-1] + 1) / (2 * count)  # ascending in x
-    matrix = 2.0 / count * np.cos(np.arange(count)[:, None] * angle)
-    matrix[0] /= 2
-    return matrix
+@dataclass(frozen=True)
+class Surrogate:
+    """sum_m coefficients[m] T_(i_m1)(x_1) ... T_(i_mk)(x_k) with x in [-1, 1]^k.
+
+    Attributes
+    ----------
+    coefficients
+        (M, ...); the trailing axes are instants, responses or whatever was fitted together.
+    multi_indices
+        (M, k).
+    """
+
+    coefficients: np.ndarray
+    multi_indices: np.ndarray
+
+    @property
+    def dimension(self) -> int:
+        """Number of directions k."""
+        return self.multi_indices.shape[1]
+
+    @property
+    def degrees(self) -> np.ndarray:
+        """Highest degree in each direction, (k)."""
+        return self.multi_indices.max(axis=0)
+
+    def evaluate(self, unit: np.ndarray) -> np.ndarray:
+        """Values (P, ...) at unit coordinates (P, k)."""
+        unit = np.asarray(unit, dtype=float)
+        if unit.ndim != 2 or unit.shape[1] != self.dimension:
+            raise IntervalError("unit", unit.shape, f"an array of shape (P, {self.dimension})")
+        flat = self.coefficients.reshape(len(self.coefficients), -1)
+        values = product_basis(unit, self.multi_indices) @ flat
+        return values.reshape(len(unit), *self.coefficients.shape[1:])
+
+    def dense(self) -> np.ndarray:
+        """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...), zeros where absent."""
+        full = np.zeros((*(self.degrees + 1), *self.coefficients.shape[1:]))
+        full[tuple(self.multi_indices.T)] = self.coefficients
+        return full
+
+    def restrict(self, direction: int, unit: np.ndarray) -> np.ndarray:
+        """Coefficients (n_j + 1, ...) along one direction, the others held at `unit` (k)."""
+        others = self.multi_indices.copy()
+        others[:, direction] = 0
+        weights = product_basis(np.asarray(unit, dtype=float)[None], others)[0]
+        line = np.zeros((int(self.degrees[direction]) + 1, *self.coefficients.shape[1:]))
+        scaled = weights.reshape(-1, *[1] * (self.coefficients.ndim - 1)) * self.coefficients
+        np.add.at(line, self.multi_indices[:, direction], scaled)
+        return line
 
 
-def lobatto_transform(order: int) -> np.ndarray:
-    """Matrix (n+1, n+1) from values at `lobatto` to coefficients (a DCT-I as a product)."""
-    if order == 0:
-        return np.ones((1, 1))
-    angle = np.pi * np.arange(order + 1)[::-1] / order
-    matrix = 2.0 / order * np.cos(np.arange(order + 1)[:, None] * angle)
-    matrix[:, [0, -1]] /= 2
-    matrix[[0, -1]] /= 2
-    return matrix
+def least_squares(basis: np.ndarray, values: np.ndarray, least: float = 1e-10) -> tuple | None:
+    """Coefficients (M, T) of the columns of `basis` (N, M) that are nearest to values (N, T), and
+    the leverage (N) of each row, by a QR factorisation; None where the smallest pivot is below
+    `least` of the largest: the rows then do not determine every coefficient."""
+    q, r = np.linalg.qr(basis)
+    size = np.abs(np.diag(r))
+    if size.min() < least * size.max():
+        return None
+    return np.linalg.solve(r, q.T @ values), (q**2).sum(axis=1)

@@ -19,8 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .chebyshev import product_basis
-from .surrogate import Surrogate
+from .chebyshev import Surrogate, product_basis
 
 WINDOW = 0.01  # share of the duration
 
@@ -45,19 +44,16 @@ def share_outside(runs: int, confidence: float | None = None) -> float:
     confidence.
 
     By order statistics, whatever the model (Wilks 1941): the share between the extremes of N draws
-    has the density N (N - 1) s^(N - 2) (1 - s), so that the mean share outside is 2 / (N + 1), and
-    P(outside > s) = (1 - s)^N + N s (1 - s)^(N - 1).
+    has the density N (N - 1) s^(N - 2) (1 - s), so that the share outside has the beta distribution
+    of 2 and N - 1, with the mean 2 / (N + 1).
     """
     if runs < 2:
         return 1.0
     if confidence is None:
         return 2.0 / (runs + 1)
-    low, high = 0.0, 1.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        left = (1 - middle) ** (runs - 1) * (1 - middle + runs * middle)
-        low, high = (middle, high) if left > 1 - confidence else (low, middle)
-    return high
+    from scipy.special import betaincinv
+
+    return float(betaincinv(2, runs - 1, confidence))
 
 
 def continued(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
@@ -95,13 +91,6 @@ def error_estimate(
 ) -> ErrorEstimate:
     """The larger of the estimates (..., T) at each instant of `time` (T), widened (see `widen`)."""
     return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
-
-
-def held_out_error(surrogate: Surrogate, unit: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Largest |f - s| over the held-out runs, (..., T); zeros without runs."""
-    if not len(unit):
-        return np.zeros(surrogate.coefficients.shape[1:])
-    return np.abs(values - surrogate.evaluate(unit)).max(axis=0)
 
 
 def decay_estimate(

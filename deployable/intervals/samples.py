@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .errors import IntervalError
-from .running import Running
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,7 +29,52 @@ _COORDINATES = (
     "box_nominal",
 )
 
+_CHUNK = 1 << 23  # numbers in memory at a time
 _RUNNING = ("lower", "upper", "lower_run", "upper_run")
+
+
+@dataclass(frozen=True)
+class Running:
+    """Least and largest values (...) of a stream of runs, and the number of the run that has each.
+
+    Of equal values the one of the run with the least number counts, so that the result does not
+    depend on the order in which runs come, nor on how they were grouped.
+    """
+
+    low: np.ndarray
+    high: np.ndarray
+    low_run: np.ndarray
+    high_run: np.ndarray
+
+    @classmethod
+    def of(cls, values: np.ndarray, runs: np.ndarray) -> Running:
+        """Those of values (R, ...), finite, of runs with numbers (R) that increase."""
+        low, high = values.argmin(axis=0)[None], values.argmax(axis=0)[None]
+        at = np.asarray(runs)
+        return cls(
+            np.take_along_axis(values, low, axis=0)[0].astype(float),
+            np.take_along_axis(values, high, axis=0)[0].astype(float),
+            at[low[0]],
+            at[high[0]],
+        )
+
+    def merged(self, other: Running | None) -> Running:
+        """Those of both streams."""
+        if other is None:
+            return self
+        lower = _comes_first(other.low, self.low, other.low_run, self.low_run)
+        higher = _comes_first(-other.high, -self.high, other.high_run, self.high_run)
+        return Running(
+            np.where(lower, other.low, self.low),
+            np.where(higher, other.high, self.high),
+            np.where(lower, other.low_run, self.low_run),
+            np.where(higher, other.high_run, self.high_run),
+        )
+
+
+def _comes_first(one: np.ndarray, other: np.ndarray, run: np.ndarray, rival: np.ndarray):
+    """Where `one` is less than `other`, or as large and of an earlier run."""
+    return (one < other) | ((one == other) & (run < rival))
 
 
 def quarter_ends(runs: int) -> list[int]:
@@ -82,14 +127,24 @@ class Samples:
             return self.source["nominal"].values[self.rows]
         return None if self.nominal is None else self.read(slice(self.nominal, self.nominal + 1))[0]
 
-    def quarters(self) -> list[Running | None] | None:
-        """The running bounds (n, T) of each quarter of the runs, where the dataset has them in the
-        place of values; None for a quarter without runs."""
-        if "values" in self.source:
-            return None
-        arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
-        found = [Running(*quarter) for quarter in zip(*arrays, strict=True)]
-        return [None if (quarter.low_run < 0).any() else quarter for quarter in found]
+    def quarters(self) -> Iterator[Running | None]:
+        """The running bounds (n, T) of each quarter of the runs, None for one without runs: from
+        the dataset if it has them in the place of values, else from its runs, some at a time."""
+        if "values" not in self.source:
+            arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
+            found = (Running(*quarter) for quarter in zip(*arrays, strict=True))
+            yield from (None if (quarter.low_run < 0).any() else quarter for quarter in found)
+            return
+        step = max(_CHUNK // (len(self.time) * len(self.names)), 1)
+        for first, last in pairwise(quarter_ends(len(self.unit))):
+            found = None
+            for start in range(first, last, step):
+                stop = min(start + step, last)
+                values = self.read(slice(start, stop))
+                if not np.isfinite(values).all():
+                    raise IntervalError("samples", "not finite", "finite responses in every run")
+                found = Running.of(values, np.arange(start, stop)).merged(found)
+            yield found
 
     def coordinates(self) -> dict:
         """Coordinates of a dataset of these responses over time and parameter, by name."""

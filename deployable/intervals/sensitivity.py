@@ -1,4 +1,5 @@
-"""Which parameter widens the bounds, and when."""
+"""What a polynomial through the runs tells: its coefficients, and which parameter widens the bounds
+when."""
 
 from __future__ import annotations
 
@@ -8,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .designs import Design
-from .estimates import decay_estimate, held_out_error, widen
-from .points import match_points, other_runs
-from .ranges import line_range
+from .box import match_points, other_runs
+from .chebyshev import Surrogate
+from .designs import Design, fit
+from .estimates import decay_estimate, widen
+from .line_range import line_range
 from .samples import Samples, read_samples
-from .surrogate import Surrogate, fit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -116,5 +117,28 @@ def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
     tested = other_runs(data.unit, design.points)
     if not len(tested):
         return decay_estimate(surrogate, data.time)
-    missed = held_out_error(surrogate, data.unit[tested], data.values[tested])
-    return widen(data.time, missed)
+    missed = np.abs(data.values[tested] - surrogate.evaluate(data.unit[tested]))
+    return widen(data.time, missed.max(axis=0))
+
+
+def surrogate_dataset(
+    samples: xr.Dataset, design: Design, responses: Sequence[str] | None = None
+) -> xr.Dataset:
+    """The Chebyshev coefficients of every response at every instant.
+
+    ``coefficient`` (response, term, time) in the response's units, ``multi_index`` (term,
+    parameter). A scan without order has no terms and no coefficients.
+    """
+    import xarray as xr
+
+    data, indices = read_samples(samples, responses), design.multi_indices
+    variables: dict[str, tuple] = {
+        "multi_index": (("term", "parameter"), indices, {"units": "1", "long_name": "degree"}),
+    }
+    if len(indices):
+        rows = match_points(design.points, data.unit)
+        # one response after the other: products of larger matrices round in another way
+        values = [fit(design, data.values[rows, i]).coefficients for i in range(len(data.names))]
+        axes = ("response", "term", "time")
+        variables["coefficient"] = (axes, values, {"long_name": "Chebyshev coefficients"})
+    return xr.Dataset(variables, coords=data.coordinates(), attrs=samples.attrs)

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 MARKS = {
     "tensor_roots": ("o", "tensor_roots (the paper's)"),
     "tensor_lobatto": ("s", "tensor_lobatto"),
-    "total_degree": ("^", "total_degree"),
     "smolyak": ("D", "smolyak"),
     "scan": ("x", "plain scan"),
     "spline": ("P", "spline through all runs"),

@@ -16,7 +16,7 @@ from deployable.campaign.answers import bench as benches
 from deployable.campaign.answers import finer
 from deployable.campaign.answers.bench import Bench
 from deployable.intervals import Box
-from deployable.intervals.designs.scan import scan_points
+from deployable.intervals.designs import scan_points
 
 LATEST = 2.0
 

@@ -14,7 +14,6 @@ from deployable.campaign.config.models import BoundsChoice, Design, Jobs
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.runs.store import STORES
 from deployable.intervals import METHODS, MODELS
-from deployable.intervals.designs.scan import SEQUENCES
 from evidence.registry import STUDIES
 from fpm.reading import quantities, responses
 
@@ -30,7 +29,6 @@ def test_every_design_can_be_asked_for_with_all_its_options_and_no_other():
     assert words(Design, "method") == set(METHODS)
     options = {option for method in METHODS.values() for option in method.options}
     assert {field.name for field in fields(Design)} == {"method", "order"} | options
-    assert words(Design, "sequence") == set(SEQUENCES)
 
 
 def test_every_model_can_be_asked_for_and_no_other():

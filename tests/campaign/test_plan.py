@@ -50,7 +50,6 @@ def test_a_run_in_two_roles_has_one_name_and_is_simulated_once(plan):
 def test_the_number_of_runs_is_known_without_a_plan(raw):
     for design in (
         {"method": "tensor_lobatto", "order": 4},
-        {"method": "total_degree", "order": 3},
         {"method": "smolyak", "order": 2},
         {"method": "scan", "samples": 7},
     ):

@@ -60,11 +60,6 @@ CASES = {
         + "design: {method: smolyak, order: 8}\n",
         ["design.order", "53089 polynomials", "10000"],
     ),
-    "total degree 8 in eight directions": (
-        changed("  a: {nominal: 0.035, relative: 0.01}\n", EIGHT)
-        + "design: {method: total_degree, order: 8}\n",
-        ["design.order", "12870 polynomials", "1000"],
-    ),
     "a hundred million elements": (
         changed("elements: 2", "elements: 100000000"),
         ["scene.parameters.elements", "100000000", "<= 1000"],

@@ -20,7 +20,7 @@ from deployable.campaign.results.facts import happens_only, quantity_errors
 from deployable.campaign.text.numbers import interval, share
 from deployable.campaign.text.templates import sentence
 from deployable.intervals import Box
-from deployable.intervals.scalars.extremes import Extremes
+from deployable.intervals.scalars.surrogate import Extremes
 
 
 @pytest.mark.parametrize(

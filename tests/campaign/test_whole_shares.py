@@ -14,7 +14,7 @@ from deployable.campaign.answers.ends import settle
 from deployable.campaign.answers.finer import beyond_of, finer_errors
 from deployable.campaign.answers.limits import Asked, judged
 from deployable.intervals import Box
-from deployable.intervals.designs.scan import scan_points
+from deployable.intervals.designs import scan_points
 from deployable.intervals.scalars import Limit, Occurrence, share_of_box
 
 HAPPENS = Asked("there", 0, "happens", 1.0)

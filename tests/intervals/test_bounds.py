@@ -13,8 +13,8 @@ from deployable.intervals import (
     bounds_dataset,
     make_design,
 )
-from deployable.intervals.metrics import hausdorff
-from deployable.intervals.models import scan
+from deployable.intervals import samples as samples_module
+from deployable.intervals.bounds import hausdorff
 from deployable.intervals.samples import Samples
 
 TIME = np.linspace(0.0, 1.0, 201)
@@ -105,7 +105,7 @@ def test_scan_of_a_file_reads_it_in_chunks(tmp_path, monkeypatch, runs_at_a_time
     design = make_design("scan", box, samples=64)
     samples = samples_of(wave, box, design, TIME, held_out=0)
     samples.to_netcdf(tmp_path / "samples.nc")
-    monkeypatch.setattr(scan, "_CHUNK", runs_at_a_time * len(TIME))
+    monkeypatch.setattr(samples_module, "_CHUNK", runs_at_a_time * len(TIME))
     sizes = []
     read = Samples.read
 

@@ -14,9 +14,8 @@ from deployable.intervals import (
     fit,
     make_design,
 )
-from deployable.intervals.designs import Design
-from deployable.intervals.designs.design import Method
-from deployable.intervals.designs.multi_indices import total_degree
+from deployable.intervals.chebyshev import total_degree
+from deployable.intervals.designs import Design, Method
 from deployable.intervals.estimates import error_estimate
 from deployable.intervals.ranges import attained
 

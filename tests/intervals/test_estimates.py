@@ -4,20 +4,19 @@ import numpy as np
 import pytest
 
 from deployable.intervals import Surrogate, fit, hausdorff, make_design
+from deployable.intervals.bounds import compare_bounds, compare_runs
+from deployable.intervals.box import corner_points, held_out_points
 from deployable.intervals.estimates import (
     BEYOND,
     decay_estimate,
     error_estimate,
-    held_out_error,
     overruled,
     widen,
 )
-from deployable.intervals.metrics import compare_bounds, compare_runs
-from deployable.intervals.points import corner_points, held_out_points
 
 
 def estimated(surrogate, time, unit, values, window=None):
-    held_out = held_out_error(surrogate, unit, values)
+    held_out = np.abs(values - surrogate.evaluate(unit)).max(axis=0, initial=0.0)
     return error_estimate(time, held_out, decay_estimate(surrogate, time, window), window)
 
 
@@ -90,7 +89,7 @@ def tails(function, method, order, dimension, count):
     return told, left, true
 
 
-@pytest.mark.parametrize("method", ["tensor_roots", "tensor_lobatto", "total_degree"])
+@pytest.mark.parametrize("method", ["tensor_roots", "tensor_lobatto"])
 @pytest.mark.parametrize(("dimension", "count"), [(1, 2), (2, 5)])
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_an_exact_polynomial_is_known_to_be_exact(method, dimension, count, order):

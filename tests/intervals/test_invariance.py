@@ -12,11 +12,9 @@ from deployable.intervals import (
     seek_points,
     spline_range,
 )
-from deployable.intervals.chebyshev import product_basis
-from deployable.intervals.designs import multi_indices
-from deployable.intervals.models.spline.spline import choose_scales
+from deployable.intervals.chebyshev import Surrogate, product_basis, tensor
 from deployable.intervals.ranges import surrogate_range
-from deployable.intervals.surrogate import Surrogate
+from deployable.intervals.splines import choose_scales
 
 TIME = np.linspace(0.0, 1.0, 41)
 BOX = Box(["f", "g"], [0.9, 0.3], [1.1, 0.5])
@@ -30,7 +28,7 @@ def wave(values):
 def peak(order, at):
     """Coefficients of a kernel of degree `order` in each direction: 1 at the point `at` (k), and
     narrow; and its multi-indices."""
-    indices = multi_indices.tensor((order,) * len(at))
+    indices = tensor((order,) * len(at))
     damping = (1.0 - indices / (order + 1)).prod(axis=1)
     c = product_basis(np.array([at]), indices)[0] * damping * 2.0 ** (indices > 0).sum(axis=1)
     return c / (product_basis(np.array([at]), indices)[0] @ c), indices

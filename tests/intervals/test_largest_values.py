@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from deployable.intervals.scalars.extremes import extreme
 from deployable.intervals.scalars.fits import Corrected, best_fit
+from deployable.intervals.scalars.surrogate import extreme
 
 
 @pytest.mark.parametrize("level", [-1000.0, 0.0, 1000.0])

@@ -42,7 +42,7 @@ def permuted(design, samples, order):
         points=design.points[:, order],
         multi_indices=design.multi_indices[:, order],
         order=tuple(design.order[j] for j in order),
-        transform=None,  # that belongs to the order of the runs
+        lines=None,  # that belongs to the order of the runs
     )
     return moved, samples.isel(parameter=order)
 

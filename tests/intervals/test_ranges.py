@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 from numpy.polynomial import chebyshev
 
 from deployable.intervals import Surrogate, surrogate_range
-from deployable.intervals.designs.multi_indices import tensor, total_degree
-from deployable.intervals.ranges import line_range
-from deployable.intervals.ranges.ascent import inner_range
-from deployable.intervals.ranges.bernstein import tighten
-from deployable.intervals.ranges.enclosures import effects_enclosure, grid_enclosure
+from deployable.intervals.chebyshev import tensor, total_degree
+from deployable.intervals.enclosures import effects_enclosure, grid_enclosure, tighten
+from deployable.intervals.line_range import line_range
+from deployable.intervals.ranges import inner_range
 
 
 def colleague_range(c):

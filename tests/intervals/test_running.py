@@ -8,8 +8,7 @@ import xarray as xr
 
 from deployable.intervals import Box, IntervalError, bounds_dataset, make_design
 from deployable.intervals.estimates import share_outside
-from deployable.intervals.running import Running
-from deployable.intervals.samples import quarter_ends
+from deployable.intervals.samples import Running, quarter_ends
 
 DRAW = np.random.default_rng(3)
 VALUES = DRAW.integers(-3, 4, (60, 2, 5)).astype(float)  # many ties

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from deployable.intervals import make_design
-from deployable.intervals.box import Box
-from deployable.intervals.designs.scan import scan_points
-from deployable.intervals.points import held_out_points
+from deployable.intervals.box import Box, held_out_points
+from deployable.intervals.designs import scan_points
 from deployable.intervals.scalars import (
     Goal,
     Limit,

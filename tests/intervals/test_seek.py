@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from deployable.intervals import make_design, seek_points
-from deployable.intervals.metrics import hausdorff
+from deployable.intervals.bounds import hausdorff
 
 TIME = np.linspace(0.0, 1.0, 60)
 

@@ -29,7 +29,7 @@ def test_shares_of_a_known_polynomial():
 def test_dataset_per_instant_and_overall():
     time = np.linspace(0, 1, 101)
     box = Box(["a", "b"], [0.0, 0.0], [1.0, 1.0])
-    design = make_design("total_degree", box, 2)
+    design = make_design("smolyak", box, 2)
     samples = samples_of(lambda v: v[0] * (1 - time) + v[1] * time, box, design, time)
     found = sensitivity_dataset(samples, design)
     np.testing.assert_allclose(found["width"][0].values[0], 1 - time, atol=1e-12)

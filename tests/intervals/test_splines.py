@@ -19,8 +19,8 @@ from deployable.intervals import (
     seek_points,
     spline_range,
 )
-from deployable.intervals.models.spline.search import spread_points
-from deployable.intervals.models.spline.spline import choose_scales
+from deployable.intervals.designs import spread_points
+from deployable.intervals.splines import choose_scales
 
 
 def points_in(k, count, seed):

@@ -53,7 +53,7 @@ def _no_quantity(name: str, known: Mapping) -> str:
 
 
 def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
-    from deployable.intervals.scalars.choice import ENDS
+    from deployable.intervals.scalars.requirements import ENDS
 
     problems, goals, known = [], goals_of(choose), experiment.quantities
     if not 1 <= len(goals) <= 2:

@@ -137,24 +137,18 @@ class Around(Section):
 class Design(Section):
     """Where in the box the runs are, and what is fitted to them."""
 
-    method: Literal["tensor_roots", "tensor_lobatto", "total_degree", "smolyak", "scan"] = (
-        "tensor_roots"
-    )
+    method: Literal["tensor_roots", "tensor_lobatto", "smolyak", "scan"] = "tensor_roots"
     """`tensor_roots`: Chebyshev roots, the paper's. `tensor_lobatto`: Chebyshev-Lobatto points,
-    nested when the order doubles, with the box's corners. `total_degree`: total-degree basis on few
-    points. `smolyak`: sparse grid. `scan`: a plain space-filling sample, no surrogate."""
+    nested when the order doubles, with the box's corners. `smolyak`: sparse grid. `scan`: a
+    plain space-filling sample, no surrogate; a longer one reuses the runs of a shorter one."""
     order: Annotated[int, Key(ge=1, le=64)] = 3
-    """Order of the surrogate, in each direction or, for `total_degree` and `smolyak`, in total. A
-    `scan` has none unless it is given; then a surrogate is fitted to its samples."""
-    oversampling: Annotated[float, Key(ge=1, le=10)] = 1.0
-    """Points for each coefficient of a `total_degree` basis."""
+    """Order of the surrogate, in each direction or, for `smolyak`, in total. A `scan` has none
+    unless it is given; then a surrogate of that total degree is fitted to its samples."""
     samples: Annotated[int, Key(ge=2, le=10_000_000)] = 1024
     """Number of runs of a `scan`, corners of the box included. Beyond 100,000 they are allowed with
     `jobs.keep: extremes`; otherwise as many as the disk has room for."""
-    sequence: Literal["sobol", "latin_hypercube"] = "sobol"
-    """Sequence of a `scan`; a longer `sobol` scan reuses the runs of a shorter one."""
     seed: Annotated[int, Key(ge=0, le=2**32 - 1)] = 0
-    """Seed of the sequence of a `scan`."""
+    """Seed of the Sobol sequence of a `scan`."""
 
 
 @dataclass(frozen=True)

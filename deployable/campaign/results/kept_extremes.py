@@ -32,8 +32,7 @@ from deployable.campaign.runs.batch import make_again
 from deployable.campaign.runs.extremes import CURVES, EVENTS, Share
 from deployable.campaign.runs.progress import Tell
 from deployable.campaign.runs.store import open_store
-from deployable.intervals.running import Running
-from deployable.intervals.samples import quarter_ends
+from deployable.intervals.samples import Running, quarter_ends
 
 _CHUNK_RUNS = 4096
 _LONG_NAMES = {

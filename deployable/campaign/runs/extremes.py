@@ -28,7 +28,7 @@ import numpy as np
 from deployable.campaign.files import whole_file
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs import results as common
-from deployable.intervals.running import Running
+from deployable.intervals.samples import Running
 
 FEWEST, MOST = 4, 128
 """Shares of a scan; quarters consist of whole ones."""

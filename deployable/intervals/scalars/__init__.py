@@ -4,13 +4,19 @@ A number is smooth in the parameters where curves are not, and has no time of it
 directly. Where what it is of does not happen in a run, that run has none (NaN).
 """
 
-from .choice import Choice, Goal, best_choice
-from .extremes import Extremes, extremes
 from .fits import Fit, best_fit
-from .influence import Influence, influence
 from .occurrence import Occurrence
-from .requirements import Limit, largest_share, share_of_box, share_reaching, sub_box
-from .surrogate import ScalarSurrogate, fit_scalar
+from .requirements import (
+    Choice,
+    Goal,
+    Limit,
+    best_choice,
+    largest_share,
+    share_of_box,
+    share_reaching,
+    sub_box,
+)
+from .surrogate import Extremes, Influence, ScalarSurrogate, extremes, fit_scalar, influence
 
 __all__ = [
     "Choice",

@@ -1,22 +1,21 @@
 """What is fitted to a number of runs: the polynomial or spline that foretells left-out runs best.
 
 Every run is left out in turn, without a second fit: for least squares its error is e / (1 - h), h
-the leverage (Allen 1974, the PRESS statistic); for a spline see `models.spline`.
+the leverage (Allen 1974, the PRESS statistic); for a spline see `splines`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import comb
 
 import numpy as np
 
-from ..chebyshev import product_basis
-from ..designs.multi_indices import count_total_degree, total_degree
+from ..chebyshev import Surrogate, least_squares, product_basis, total_degree
 from ..errors import IntervalError
 from ..estimates import usual
-from ..models.spline import MAX_RUNS, Spline, check_spline_runs, fit_spline
-from ..models.spline.solve import distinct
-from ..surrogate import Surrogate
+from ..spline_equations import distinct
+from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 
 _HIGHEST = 12  # degree of a polynomial
 _MISSED = 1e-3  # of the width, by which a polynomial may miss a run
@@ -117,17 +116,14 @@ def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
     free = np.ptp(points, axis=0) > 0
     found = []
     for degree in range(_HIGHEST + 1):
-        order = np.where(free, degree, 0)
-        if degree and (not free.any() or count_total_degree(order) >= len(points)):
+        terms = comb(degree + int(free.sum()), degree)
+        if degree and (not free.any() or terms >= len(points)):
             break
-        indices = total_degree(order)
+        indices = total_degree(np.where(free, degree, 0))
         basis = product_basis(points, indices)
-        q, r = np.linalg.qr(basis)
-        size = np.abs(np.diag(r))
-        if size.min() < 1e-9 * size.max():
+        if (solved := least_squares(basis, values, 1e-9)) is None:
             break
-        coefficients = np.linalg.solve(r, q.T @ values)
-        leverage = (q**2).sum(axis=1)
+        coefficients, leverage = solved
         tested = leverage < _LEVERAGE
         rest = values - basis @ coefficients
         left_out = np.where(tested, rest / np.where(tested, 1 - leverage, 1.0), np.inf)

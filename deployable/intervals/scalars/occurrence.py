@@ -16,9 +16,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..designs.scan import scan_points
-from ..models.spline.search import spread_points
-from ..models.spline.solve import distinct
+from ..designs import scan_points, spread_points
+from ..spline_equations import distinct
 
 _POINTS, _CANDIDATES = 8192, 2048
 _MOST = (

@@ -1,14 +1,122 @@
-"""The surrogate of a number over the box: a fit, and where there is such a number at all."""
+"""The surrogate of a number over the box: a fit, and where there is such a number at all; its
+range over a part of the box, and which parameter widens that."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
-from .extremes import Extremes, extreme, extremes
+from ..designs import spread_points
 from .fits import Fit, best_fit
 from .occurrence import Foretold, Occurrence
+
+_CANDIDATES = 1024
+_CLIMBS = 3
+_STEP = 1e-7  # of half a side, for slopes
+
+Function = Callable[[np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """Least and largest value, and their unit coordinates (k); NaN where there is no value."""
+
+    low: float
+    high: float
+    argmin: np.ndarray
+    argmax: np.ndarray
+
+    @property
+    def width(self) -> float:
+        """Largest less least value."""
+        return self.high - self.low
+
+
+def extremes(
+    function: Function,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    also: np.ndarray | None = None,
+    climbs: int = _CLIMBS,
+) -> Extremes:
+    """The range that a function attains over the part [lower, upper] (k each) of the unit box.
+
+    The arguments are those of `extreme`.
+    """
+    low, argmin = extreme(function, -1.0, lower, upper, also, climbs)
+    high, argmax = extreme(function, 1.0, lower, upper, also, climbs)
+    return Extremes(low, high, argmin, argmax)
+
+
+def extreme(
+    function: Function,
+    sign: float,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    also: np.ndarray | None = None,
+    climbs: int = _CLIMBS,
+) -> tuple[float, np.ndarray]:
+    """The largest (sign 1) or least (sign -1) value that a function attains over the part
+    [lower, upper] (k each) of the unit box, and where (k); NaN if it has none there.
+
+    The best of points spread over the part, its faces and corners, and of those of `also` (P, k)
+    that lie in it; from the best `climbs` of them a quasi-Newton search goes on (L-BFGS-B), which
+    takes a smooth function. `function` takes unit coordinates (P, k) and gives values (P), NaN
+    where it has none.
+    """
+    lower, upper = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
+    middle, half = (lower + upper) / 2, (upper - lower) / 2
+    trial = np.clip(middle + half * _spread(tuple(half > 0)), lower, upper)
+    if also is not None and len(also):
+        inside = ((also >= lower - 1e-12) & (also <= upper + 1e-12)).all(axis=1)
+        trial = np.concatenate([trial, np.clip(also[inside], lower, upper)])
+    values = function(trial)
+    there = np.isfinite(values)
+    if not there.any():
+        return np.nan, np.full(len(lower), np.nan)
+    trial, values = trial[there], values[there]
+    free = half > 0
+    if free.sum() == 1:
+        climbs = min(climbs, 1)  # on a line the points are close enough
+    order = np.argsort(-sign * values, kind="stable")[: max(climbs, 1)]
+    best, where = float(values[order[0]]), trial[order[0]].copy()
+    if not free.any() or not climbs:
+        return best, where
+    # The search needs numbers everywhere; where there are none is worse than all that was tried.
+    worst, scale = float((sign * values).min()), float(np.ptp(values)) or 1.0
+    rows = np.flatnonzero(free)
+
+    def loss(local: np.ndarray) -> tuple[float, np.ndarray]:
+        """Minus the value and its slopes, all by one call; differences point into the part."""
+        steps = np.where(local > 0, -_STEP, _STEP)
+        points = np.repeat(middle[None], len(rows) + 1, axis=0)
+        points[:, rows] += half[rows] * local
+        points[np.arange(1, len(rows) + 1), rows] += half[rows] * steps
+        found = sign * function(np.clip(points, lower, upper))
+        found = -np.where(np.isfinite(found), found, worst - scale) / scale
+        return float(found[0]), (found[1:] - found[0]) / steps
+
+    from scipy.optimize import minimize
+
+    for i in order:
+        start = ((trial[i] - middle)[rows] / half[rows]).clip(-1.0, 1.0)
+        bounds = [(-1.0, 1.0)] * len(rows)
+        found = minimize(loss, start, method="L-BFGS-B", jac=True, bounds=bounds)
+        x = middle.copy()
+        x[rows] += half[rows] * found.x
+        x = np.clip(x, lower, upper)
+        value = float(function(x[None])[0])
+        if np.isfinite(value) and sign * (value - best) > 0:
+            best, where = value, x
+    return best, where
+
+
+@cache
+def _spread(free: tuple[bool, ...]) -> np.ndarray:
+    return spread_points(np.array(free), _CANDIDATES)
 
 
 @dataclass(frozen=True)
@@ -141,3 +249,43 @@ def _occurrence(
         until = Foretold(points, there, lambda unit: latest - fit.evaluate(unit), fit.error, latest)
         told += [until] if until.agrees() else []
     return min(reversed(told), key=lambda one: one.open)
+
+
+@dataclass(frozen=True)
+class Influence:
+    """Of each parameter (k): `alone`, the width of the range when only it varies; `share`, that as
+    a share of the sum, 0 where it is not above the error of the fit; `fixed` and `halved`, the
+    width of the range over the whole box but for this parameter, which keeps its nominal value, or
+    whose interval is half as wide about it. `width`: that of the whole box.
+    """
+
+    width: float
+    alone: np.ndarray
+    share: np.ndarray
+    fixed: np.ndarray
+    halved: np.ndarray
+
+
+def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
+    """Influence of the parameters on a number, by the trend of its surrogate; `nominal` (k) in unit
+    coordinates.
+
+    No run is needed beyond those that were fitted.
+    """
+    surrogate = surrogate.trend
+    nominal = np.asarray(nominal, dtype=float)
+    k = len(nominal)
+    ones = np.ones(k)
+    alone, fixed, halved = np.zeros((3, k))
+    for j in range(k):
+        lower, upper = nominal.copy(), nominal.copy()
+        lower[j], upper[j] = -1.0, 1.0
+        alone[j] = surrogate.range(lower, upper).width
+        for out, part in ((fixed, 0.0), (halved, 0.5)):
+            lower, upper = -ones, ones.copy()
+            lower[j] = nominal[j] + part * (-1.0 - nominal[j])
+            upper[j] = nominal[j] + part * (1.0 - nominal[j])
+            out[j] = surrogate.range(lower, upper).width
+    told = np.where(alone > surrogate.error, alone, 0.0)
+    share = told / (told.sum() or 1.0)
+    return Influence(surrogate.range().width, alone, share, fixed, halved)

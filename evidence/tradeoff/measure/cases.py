@@ -104,18 +104,16 @@ _FEW = (
 _SPACE = (
     *_each("tensor_roots", (3,)),
     *_each("tensor_lobatto", (2, 4)),
-    *_each("total_degree", (2, 3, 5)),
     *_each("smolyak", (2, 4)),
     *_scans(16, 32, 64, 128, 256),
-    *_splines(*_each("total_degree", (3,)), *_each("smolyak", (2, 4))),
+    *_splines(*_each("smolyak", (2, 4))),
     *_scans(16, 32, 64, 128, 256, model="spline"),
 )
 _SPACE_FEW = (
-    *_each("total_degree", (2, 3, 5)),
     *_each("smolyak", (2, 4)),
     *_each("tensor_lobatto", (2,)),
     *_scans(16, 32, 64),
-    *_splines(*_each("total_degree", (5,)), *_each("smolyak", (2, 4)), *_scans(16, 32, 64)),
+    *_splines(*_each("smolyak", (2, 4)), *_scans(16, 32, 64)),
 )
 _BENNETT = {"scene": "bennett", "mesh": "elements", "responses": BENNETT}
 

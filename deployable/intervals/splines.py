@@ -5,7 +5,7 @@ polyharmonic spline sum_i w_i |x - x_i|^3 + a + b x, in one dimension the natura
 takes its course from the runs nearby; it goes through any set of runs, held-out ones and scans
 included. Where the response is smooth, its error falls slower than a polynomial's; next to a jump
 it overshoots by a tenth of it. Source: Wendland, Scattered Data Approximation (Cambridge 2005),
-chapter 8; left-out errors without refitting: Rippa 1999. How it is solved: solve.py.
+chapter 8; left-out errors without refitting: Rippa 1999. How it is solved: spline_equations.py.
 """
 
 from __future__ import annotations
@@ -14,10 +14,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...errors import IntervalError
-from .solve import Polyharmonic, distinct, line_rows, solve_line
+from .designs import spread_points
+from .errors import IntervalError
+from .ranges import Range, attained
+from .spline_equations import Polyharmonic, distinct, line_rows, solve_line
 
+MAX_RUNS = 4000  # the spline's matrix is full
 _TRIED = 400  # runs that choose the scales
+_CANDIDATES = 4096
+_CHUNK = 1 << 20  # numbers at a time: memory that is used again is faster than fresh memory
 _MISFIT = 1e-6  # of the width of the runs' values at an instant: above it no spline is given
 
 
@@ -82,6 +87,29 @@ class Spline:
         """Values (P, ...) at unit coordinates (P, k)."""
         flat = self.weights.reshape(len(self.weights), -1)
         return (self.basis(unit) @ flat).reshape(len(unit), *self.weights.shape[1:])
+
+
+def check_spline_runs(points: np.ndarray) -> None:
+    """Raise `IntervalError` unless runs at unit points (N, k) give a spline's bounds and error.
+
+    There must be at most `MAX_RUNS`, and there must be a spline through all of them but any one,
+    which takes runs that are not in one plane. One run will do for a box without width.
+    """
+    points = np.asarray(points, dtype=float)
+    if len(points) > MAX_RUNS:
+        raise IntervalError("runs", len(points), f"at most {MAX_RUNS} runs for a spline")
+    points = points[distinct(points)]
+    if len(points) == 1:
+        return
+    free = np.ptp(points, axis=0) > 0
+    linear = np.concatenate([np.ones((len(points), 1)), points[:, free]], axis=1)
+    u, singular, _ = np.linalg.svd(linear, full_matrices=False)
+    least = linear.shape[1] + 1
+    # a run of leverage 1 is the only one outside a plane that holds all the others
+    leverage = (u**2).sum(axis=1)
+    if len(points) < least or singular[-1] < 1e-9 * singular[0] or leverage.max() > 1 - 1e-9:
+        allowed = f"at least {least} runs for a spline, and no plane that holds all but one"
+        raise IntervalError("runs", len(points), allowed)
 
 
 def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None = None) -> Spline:
@@ -188,3 +216,71 @@ def _system(points, scales) -> Polyharmonic:
     cubes = rows[:, : len(points)]
     cubes[np.arange(len(points)), np.arange(len(points))] = 0.0
     return Polyharmonic((cubes + cubes.T) / 2, rows[:, len(points) :])
+
+
+def spline_range(spline: Spline, candidates: int = _CANDIDATES) -> Range:
+    """Range that the spline attains over [-1, 1]^k, at every instant.
+
+    The best of all the runs and of `candidates` points spread over the box, its faces, edges and
+    corners, then improved along each direction by parabolas. No enclosure: `lower` and `upper` are
+    the attained values themselves, and contain every run, those that count as repeats too.
+    """
+    shape = spline.weights.shape[1:]
+    flat = spline.weights.reshape(len(spline.weights), -1)
+    free = spline.scales > 0
+    trial = spread_points(free, candidates)
+    trial[:, ~free] = spline.points[0, ~free]
+    columns, k = np.arange(flat.shape[1]), len(free)
+    low, high = spline.lowest.ravel().copy(), spline.highest.ravel().copy()
+    x_low, x_high = spline.argmin.reshape(-1, k).copy(), spline.argmax.reshape(-1, k).copy()
+    step = max(_CHUNK // max(flat.shape), 1)
+    for start in range(0, len(trial), step):
+        values = spline.basis(trial[start : start + step]) @ flat
+        for sign, best, at in ((-1, low, x_low), (1, high, x_high)):
+            where = (sign * values).argmax(axis=0)
+            found = values[where, columns]
+            better = sign * (found - best) > 0
+            best[better], at[better] = found[better], trial[start + where[better]]
+    spacing = 2.0 * max(candidates, 1) ** (-1.0 / max(int(free.sum()), 1))
+    low, x_low = _climb(spline, flat, -1.0, low, x_low, spacing)
+    high, x_high = _climb(spline, flat, 1.0, high, x_high, spacing)
+    low, high = low.reshape(shape), high.reshape(shape)
+    return attained(low, high, x_low.reshape(*shape, k), x_high.reshape(*shape, k))
+
+
+def _climb(spline, flat, sign, best, x, step) -> tuple[np.ndarray, np.ndarray]:
+    """Parabolas along each direction through x (T, k), one point for each column."""
+    best, x = best.copy(), x.copy()
+    for turn in range(4):
+        width = step / 2**turn
+        for j in np.flatnonzero(spline.scales > 0):
+            sides = []
+            for side in (-width, width):
+                moved = x.copy()
+                moved[:, j] = np.clip(moved[:, j] + side, -1.0, 1.0)
+                sides.append((moved, _pairs(spline, flat, moved)))
+            (a, fa), (b, fb) = sides
+            left, right = a[:, j] - x[:, j], b[:, j] - x[:, j]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                rise, fall = (fa - best) / left, (fb - best) / right
+                top = (rise * right - fall * left) / (2 * (rise - fall))
+            moved = x.copy()
+            inside = np.isfinite(top)
+            moved[inside, j] += np.clip(top[inside], left[inside], right[inside])
+            for trial, value in (*sides, (moved, _pairs(spline, flat, moved))):
+                better = sign * (value - best) > 0
+                best[better], x[better] = value[better], trial[better]
+    return best, x
+
+
+def _pairs(spline, flat, x) -> np.ndarray:
+    """Values (T) of column t at the point x[t]."""
+    if spline.on_line:
+        index, factor = spline.line_rows(x)
+        return (factor * flat[index, np.arange(len(x))[:, None]]).sum(axis=1)
+    out = np.empty(len(x))
+    step = max(_CHUNK // len(flat), 1)
+    for start in range(0, len(x), step):
+        part = slice(start, start + step)
+        out[part] = np.einsum("tn,nt->t", spline.basis(x[part]), flat[:, part])
+    return out

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...errors import IntervalError
+from .errors import IntervalError
 
 _COLUMNS = 512
 # Runs closer than this, in unit coordinates, count once: the weights of three runs at distances h

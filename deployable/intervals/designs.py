@@ -1,0 +1,284 @@
+"""Designs of experiments: where in the box the runs are, and which polynomials they determine.
+
+`make_design` is the one entry, `fit` gives the polynomials. All points are in unit coordinates
+[-1, 1]^k; an interval of zero width contributes one point (0) in its direction. A new design is a
+function that makes it, and a line in `METHODS`.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebvander
+
+from . import chebyshev
+from .box import MAX_DIMENSION, Box, corner_points
+from .chebyshev import Surrogate, least_squares, product_basis
+from .errors import IntervalError, check_choice, check_integer, check_options
+
+MAX_ORDER = 64
+MAX_RUNS = 100_000
+MAX_TERMS = 10_000  # polynomials that can be fitted together on a sparse grid: their matrix is full
+
+
+@dataclass(frozen=True)
+class Design:
+    """Points (N, k) in unit coordinates and the basis that they determine.
+
+    Attributes
+    ----------
+    points
+        Unit coordinates (N, k).
+    multi_indices
+        Basis (M, k) of Chebyshev products, M <= N; (0, k) for a plain scan without surrogate.
+    method
+        One of `METHODS`.
+    order
+        Order of each direction (k); 0 where the interval has no width.
+    lines
+        For a full tensor grid in the order of `multi_indices`: the coordinates along each
+        direction, (n_1 + 1), ..., (n_k + 1).
+    """
+
+    points: np.ndarray
+    multi_indices: np.ndarray
+    method: str = ""
+    order: tuple[int, ...] = ()
+    lines: tuple[np.ndarray, ...] | None = None
+
+    @property
+    def dimension(self) -> int:
+        """Number of directions k."""
+        return self.points.shape[1]
+
+    @property
+    def runs(self) -> int:
+        """Number of points N."""
+        return self.points.shape[0]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A kind of design.
+
+    Attributes
+    ----------
+    make
+        ``make(orders, free, limit, **options)`` gives the points and the basis of a `Design` for
+        orders (k), 0 where a direction is not `free` (k), that is has no width; for no order if
+        `needs_order` is false. It calls `limit` with the number of its points as soon as that is
+        known; its keyword-only arguments are the options that a user has.
+    needs_order
+        Whether a user must give an order.
+    symmetric
+        Whether directions in another order have the same points, in that order. Directions of a
+        sequence are not alike; such a design is always made in one order of the parameters, a
+        campaign's in the structure's.
+    """
+
+    make: Callable[..., Design]
+    needs_order: bool = True
+    symmetric: bool = True
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Names of the options that a user has."""
+        parameters = inspect.signature(self.make).parameters.values()
+        return tuple(p.name for p in parameters if p.kind is p.KEYWORD_ONLY)
+
+
+def make_design(
+    method: str,
+    box: Box | int,
+    order: int | Sequence[int] | None = None,
+    *,
+    max_runs: int = MAX_RUNS,
+    **options,
+) -> Design:
+    """Make a design.
+
+    Parameters
+    ----------
+    method
+        ``tensor_roots`` (the paper: (n+1)^k roots), ``tensor_lobatto`` (extreme points; nested when
+        the order doubles, corners included), ``smolyak`` (sparse grid of nested Lobatto rules),
+        ``scan`` (corners and a Sobol sequence).
+    box
+        A Box, or a number of directions that all have a width.
+    order
+        Polynomial order n >= 1, or one for each direction (0 keeps a direction constant). A scan
+        may have none: then there is no surrogate, only the least and largest sample. With one, the
+        polynomials of that total degree are fitted by least squares.
+    options
+        ``samples`` and ``seed`` (scan).
+
+    Raises
+    ------
+    IntervalError
+        for a wrong method, order or option, or more than ``max_runs`` points.
+    """
+    kind = METHODS[check_choice("method", method, METHODS)]
+    if isinstance(box, Box):
+        free = box.free
+    else:
+        free = np.ones(check_integer("box dimension", box, 1, MAX_DIMENSION), dtype=bool)
+    max_runs = check_integer("max_runs", max_runs, 1, 10**7)
+    orders = None if order is None and not kind.needs_order else _orders(order, free)
+    check_options("design option", kind.make, options)
+
+    def limit(runs: int) -> None:
+        if runs > max_runs:
+            allowed = f"an order for which {method} needs at most {max_runs} runs, not {runs}"
+            raise IntervalError("order", order, allowed)
+
+    made = kind.make(orders, free, limit, **options)
+    used = (0,) * len(free) if orders is None else tuple(int(n) for n in orders)
+    return replace(made, method=method, order=used)
+
+
+def _orders(order: int | Sequence[int] | None, free: np.ndarray) -> np.ndarray:
+    """Order per direction, 0 where there is no width."""
+    if isinstance(order, (list, tuple, np.ndarray)):
+        if len(order) != len(free):
+            raise IntervalError("order", order, f"one number, or {len(free)} of them")
+        orders = np.array([check_integer("order", n, 0, MAX_ORDER) for n in order])
+        if not orders.any():
+            raise IntervalError("order", order, "at least one order above 0")
+    else:
+        orders = np.full(len(free), check_integer("order", order, 1, MAX_ORDER))
+    return np.where(free, orders, 0)
+
+
+def _tensor(rule, orders: np.ndarray, free: np.ndarray, limit: Callable[[int], None]) -> Design:
+    """Full grid of Chebyshev points by a rule in one direction: (n + 1)^k runs for order n."""
+    limit(int(np.prod(orders.astype(float) + 1)))
+    lines = tuple(rule(int(n)) for n in orders)
+    return Design(chebyshev.grid(lines), chebyshev.tensor(orders), lines=lines)
+
+
+def _smolyak(orders: np.ndarray, free: np.ndarray, limit: Callable[[int], None]) -> Design:
+    """Sparse grid of nested Lobatto rules (1, 3, 5, 9, ... points).
+
+    The nodes of one direction are put in the order in which the nested rules add them; a basis
+    index then owns the node of the same number, and the points determine the basis.
+    """
+    count = chebyshev.count_smolyak(orders)
+    limit(count)
+    if count > MAX_TERMS:
+        allowed = f"an order with at most {MAX_TERMS} of them"
+        raise IntervalError("order", f"{count} polynomials", allowed)
+    indices = chebyshev.smolyak(orders)
+    nodes, degree = [0.0, -1.0, 1.0], 2
+    while len(nodes) <= indices.max():
+        degree *= 2
+        nodes.extend(chebyshev.lobatto(degree)[1::2])
+    return Design(np.array(nodes)[indices], indices)
+
+
+def _scan(
+    orders: np.ndarray | None,
+    free: np.ndarray,
+    limit: Callable[[int], None],
+    *,
+    samples: int = 1024,
+    seed: int = 0,
+) -> Design:
+    """The corners of the box, then a space-filling sequence."""
+    points = scan_points(free, samples, seed=seed)
+    limit(len(points))
+    if orders is None:  # no surrogate, only the least and the largest sample
+        return Design(points, np.zeros((0, len(free)), dtype=int))
+    indices = chebyshev.total_degree(orders)
+    if len(indices) > len(points):
+        allowed = f"at least {len(indices)} for order {orders.tolist()}"
+        raise IntervalError("samples", len(points), allowed)
+    return Design(points, indices)
+
+
+METHODS: dict[str, Method] = {
+    "tensor_roots": Method(partial(_tensor, chebyshev.roots)),
+    "tensor_lobatto": Method(partial(_tensor, chebyshev.lobatto)),
+    "smolyak": Method(_smolyak),
+    "scan": Method(_scan, needs_order=False, symmetric=False),
+}
+
+
+def scan_points(
+    free: np.ndarray, samples: int = 1024, *, seed: int = 0, corners: bool = True
+) -> np.ndarray:
+    """Points (samples, k) of a scan: the corners of the box, then a Sobol sequence.
+
+    `free` (k) marks the directions with a width; the others stay at 0. The corners are left out
+    when they would take more than half of the samples. A scan with more samples contains the
+    smaller one with the same seed, so that its runs are reused.
+    """
+    samples = check_integer("samples", samples, 1, 10_000_000)
+    seed = check_integer("seed", seed, 0, 2**32 - 1)
+    free = np.asarray(free, dtype=bool)
+    points = np.zeros((samples, len(free)))
+    if not free.any():
+        return points[:1]
+    first = 2 ** int(free.sum()) if corners else 0
+    if 2 * first > max(samples, 2):
+        first = 0
+    points[:first] = corner_points(free)[:first]
+    rest = samples - first
+    if rest > 0:
+        from scipy.stats import qmc  # takes a second or two to import
+
+        sampler = qmc.Sobol(int(free.sum()), scramble=True, rng=seed)
+        points[first:, free] = 2 * sampler.random_base2((rest - 1).bit_length())[:rest] - 1
+    return points
+
+
+def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
+    """Points (about `count`, k) at which a function's extreme values are looked for: corners, a
+    line or Sobol sequence, half of it pushed to faces."""
+    dimension = int(np.sum(free))
+    if dimension == 0:
+        return np.zeros((1, len(free)))
+    if dimension == 1:
+        points = np.zeros((max(count, 3), len(free)))
+        points[:, free] = np.linspace(-1.0, 1.0, len(points))[:, None]
+        return points
+    points = scan_points(free, samples=count, seed=seed, corners=False)
+    half = points[: count // 2]
+    outer = np.abs(half) > 0.7
+    half[outer] = np.sign(half[outer])
+    return np.unique(np.concatenate([corner_points(free), points]), axis=0)
+
+
+def fit(design: Design, values: np.ndarray) -> Surrogate:
+    """Fit the polynomial of `design` to `values` (N, ...) at its points.
+
+    Tensor grids take one small matrix for each direction; the other designs use a QR factorisation,
+    which is a solve where there are as many points as coefficients and least squares where there
+    are more.
+    """
+    values = np.asarray(values, dtype=float)
+    if values.shape[:1] != (design.runs,):
+        raise IntervalError("values", values.shape, f"{design.runs} rows, one for each point")
+    if not len(design.multi_indices):
+        raise IntervalError("design", design.method, "a design with an order, to fit a surrogate")
+    if not np.isfinite(values).all():
+        raise IntervalError("values", "not finite", "finite numbers at every point and instant")
+    if design.lines is not None:
+        found = values.reshape(*(len(line) for line in design.lines), -1)
+        for j, line in enumerate(design.lines):
+            matrix = np.linalg.inv(chebvander(line, len(line) - 1))
+            found = np.moveaxis(np.tensordot(matrix, found, axes=(1, j)), 0, j)
+        found = np.ascontiguousarray(found)
+    else:
+        basis = product_basis(design.points, design.multi_indices)
+        solved = least_squares(basis, values.reshape(design.runs, -1))
+        if solved is None:
+            allowed = "points that determine every coefficient"
+            raise IntervalError("points", f"{design.runs} of them", allowed)
+        found = solved[0]
+    return Surrogate(
+        found.reshape(len(design.multi_indices), *values.shape[1:]), design.multi_indices
+    )

@@ -1,0 +1,200 @@
+"""Ranges over the box: what bounds a function of the parameters, guaranteed or attained.
+
+`surrogate_range` is that of a polynomial, `attained` that of anything else.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebvander
+
+from .box import corner_points
+from .chebyshev import Surrogate, grid, lobatto, product_basis
+from .enclosures import effects_enclosure, grid_enclosure, tighten
+from .line_range import line_range
+
+
+@dataclass(frozen=True)
+class Range:
+    """Outer and inner range of a model over the box; arrays have the trailing shape (...) of it.
+
+    Attributes
+    ----------
+    lower, upper
+        The bounds: guaranteed where the model can be enclosed, else the attained ones.
+    inner_lower, inner_upper
+        Attained: the model takes these values at `argmin` and `argmax`.
+    argmin, argmax
+        (..., k) unit coordinates.
+    """
+
+    lower: np.ndarray
+    upper: np.ndarray
+    inner_lower: np.ndarray
+    inner_upper: np.ndarray
+    argmin: np.ndarray
+    argmax: np.ndarray
+
+    @property
+    def gap(self) -> np.ndarray:
+        """By how much the outer range may be too wide, (...): the sum over both sides."""
+        return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
+
+
+def attained(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
+    """The range of attained values (...) and their arguments (..., k), without an enclosure."""
+    return Range(low, high, low, high, argmin, argmax)
+
+
+def raised(found: Range, least: np.ndarray) -> Range:
+    """The range of a model of something that is never below `least`, whatever the model says."""
+    ends = (found.lower, found.upper, found.inner_lower, found.inner_upper)
+    return Range(*(np.maximum(end, least) for end in ends), found.argmin, found.argmax)
+
+
+def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
+    """Range of the surrogate over [-1, 1]^k.
+
+    In one dimension (or where only one direction matters) it is exact to rounding. In several, the
+    outer range is the tightest of the enclosures of `enclosures` and `bernstein`, the inner one
+    comes from `ascent`; subdivision goes on until the gap is below `tolerance` times the inner
+    width, or its budget is spent. The gap is in the result either way.
+    """
+    indices = surrogate.multi_indices
+    shape = surrogate.coefficients.shape[1:]
+    k = indices.shape[1]
+    c = surrogate.coefficients.reshape(len(indices), -1)
+    free = np.flatnonzero(surrogate.degrees > 0)
+    if len(free) <= 1:
+        j = int(free[0]) if len(free) else 0
+        line = np.zeros((int(indices[:, j].max()) + 1, c.shape[1]))
+        np.add.at(line, indices[:, j], c)
+        low, high, x_low, x_high, slack = line_range(line)
+        argmin, argmax = np.zeros((c.shape[1], k)), np.zeros((c.shape[1], k))
+        argmin[:, j], argmax[:, j] = x_low, x_high
+        lower, upper = low - slack, high + slack
+    else:
+        low, high, argmin, argmax = inner_range(c, indices)
+        lower, upper = effects_enclosure(c, indices)
+        grid_lower, grid_upper = grid_enclosure(c, indices)
+        lower, upper = np.maximum(lower, grid_lower), np.minimum(upper, grid_upper)
+        close = tolerance / 2 * (high - low)
+        upper, high, argmax = _tighten(c, surrogate, upper, high, argmax, close)
+        lower, low, argmin = _tighten(-c, surrogate, -lower, -low, argmin, close)
+        lower, low = -lower, -low
+        # an enclosure and an attained value can cross by rounding only
+        lower, upper = np.minimum(lower, low), np.maximum(upper, high)
+    if len(free):
+        # sums over the coefficients round, those of a large constant and small waves visibly
+        rounding = (len(c) + 8) * np.finfo(float).eps * np.abs(c).sum(axis=0)
+        lower, upper = lower - rounding, upper + rounding
+    return Range(
+        lower.reshape(shape),
+        upper.reshape(shape),
+        low.reshape(shape),
+        high.reshape(shape),
+        argmin.reshape(*shape, k),
+        argmax.reshape(*shape, k),
+    )
+
+
+def _tighten(c, surrogate, outer, attained, argument, close):
+    """Tighter upper bound, and the attained value and argument, which subdivision may better."""
+    dense = Surrogate(c, surrogate.multi_indices).dense()
+    outer, value, where = tighten(dense, attained, outer, close)
+    better = np.flatnonzero(value > attained)
+    if len(better):
+        attained, argument = attained.copy(), argument.copy()
+        climbed, at = climb(c[:, better], surrogate.multi_indices, where[better])
+        attained[better] = np.maximum(value[better], climbed)
+        argument[better] = np.where((climbed > value[better])[:, None], at, where[better])
+    return outer, attained, argument
+
+
+_MAX_GRID = 1024
+_CHUNK = 1 << 22
+
+
+def inner_range(
+    coefficients: np.ndarray, indices: np.ndarray, sweeps: int = 30
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Attained low and high values (T) and their unit arguments (T, k).
+
+    `coefficients` is (M, T), `indices` (M, k).
+    """
+    samples = sample_points(indices.max(axis=0))
+    basis = product_basis(samples, indices)
+    total = coefficients.shape[1]
+    low, high = np.empty(total), np.empty(total)
+    x_low, x_high = np.empty((total, indices.shape[1])), np.empty((total, indices.shape[1]))
+    step = max(_CHUNK // max(len(samples), len(indices) * indices.shape[1]), 1)
+    for start in range(0, total, step):
+        part = slice(start, start + step)
+        c = coefficients[:, part]
+        values = basis @ c
+        low[part], x_low[part] = climb(-c, indices, samples[values.argmin(axis=0)], sweeps)
+        high[part], x_high[part] = climb(c, indices, samples[values.argmax(axis=0)], sweeps)
+    return -low, high, x_low, x_high
+
+
+def sample_points(degrees: np.ndarray) -> np.ndarray:
+    """Corners and the Lobatto grid of about twice the degree, thinned to about a thousand."""
+    free = degrees > 0
+    nodes = [lobatto(2 * int(n)) for n in degrees]
+    if np.prod([float(len(x)) for x in nodes]) <= _MAX_GRID:
+        return grid(nodes)
+    generator = np.random.default_rng(0)
+    drawn = np.stack([generator.choice(x, _MAX_GRID) for x in nodes], axis=1)
+    return np.concatenate([corner_points(free), np.zeros((1, len(free))), drawn])
+
+
+def climb(
+    c: np.ndarray, indices: np.ndarray, start: np.ndarray, sweeps: int = 30
+) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinate ascent of sums c (M, T) from start (T, k): values (T) and arguments (T, k)."""
+    directions = [j for j in range(indices.shape[1]) if indices[:, j].any()]
+    plans = {j: _Plan(indices, j) for j in directions}
+    best = np.full(c.shape[1], -np.inf)
+    x = start.copy()
+    if not directions:
+        return c.sum(axis=0), x
+    scale = np.abs(c).sum(axis=0)
+    active = np.arange(c.shape[1])
+    for _ in range(sweeps):
+        before = best[active]
+        here, cost = x[active], c[:, active]
+        for j in directions:
+            line = plans[j].line(cost, here)
+            _, value, _, argument, _ = line_range(line)
+            here[:, j] = argument
+        gain = value > before  # the last direction's value is that of the whole point
+        best[active[gain]] = value[gain]
+        x[active[gain]] = here[gain]
+        with np.errstate(invalid="ignore"):
+            going = ~(value - before <= 1e-13 * scale[active])
+        active = active[going]
+        if not len(active):
+            break
+    return best, x
+
+
+class _Plan:
+    """How to collect the coefficients along one direction, worked out once."""
+
+    def __init__(self, indices: np.ndarray, direction: int) -> None:
+        self.others = [j for j in range(indices.shape[1]) if j != direction and indices[:, j].any()]
+        self.order = np.argsort(indices[:, direction], kind="stable")
+        self.indices = indices[self.order]
+        self.rows, self.starts = np.unique(self.indices[:, direction], return_index=True)
+
+    def line(self, c: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Coefficients (n + 1, T) along the direction through the points x (T, k)."""
+        terms = c[self.order]
+        for j in self.others:
+            values = chebvander(x[:, j], int(self.indices[:, j].max()))
+            terms *= values.T[self.indices[:, j]]
+        line = np.zeros((int(self.rows[-1]) + 1, c.shape[1]))
+        line[self.rows] = np.add.reduceat(terms, self.starts, axis=0)
+        return line

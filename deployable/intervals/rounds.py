@@ -1,0 +1,139 @@
+"""Which runs come next: where bounds are decided, and where they may be wider."""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass
+
+import numpy as np
+
+from .designs import spread_points
+from .splines import fit_spline
+
+_INSTANTS, _SEEK_INSTANTS = 400, 1000  # looked at
+_CELLS = 8  # of each direction: places in one cell are told apart no further
+
+
+@dataclass(frozen=True)
+class Places:
+    """Places `unit` (P, k) in the box, and which of them is nearest (n, T) to where the lower and
+    the upper bound of each response are attained at each instant."""
+
+    unit: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+
+    def errors(self, changes: np.ndarray) -> np.ndarray:
+        """Errors (n, T) of the bounds from changes (P, n, T) of the responses at the places: the
+        larger of those at the places of both bounds."""
+        at = np.abs(changes)
+        n, instants = np.indices(self.lower.shape)
+        return np.maximum(at[self.lower, n, instants], at[self.upper, n, instants])
+
+
+def deciding_places(
+    argmin: np.ndarray, argmax: np.ndarray, width: np.ndarray, count: int
+) -> Places:
+    """At most `count` places for bounds attained at unit points argmin, argmax (n, T, k).
+
+    Chosen one after the other from these points, each so that the distances from them to the
+    nearest place fall most, weighted by the width (n, T) at the instant, a share of the mean one.
+    """
+    mean = width.mean(axis=1, keepdims=True)
+    weight = np.divide(width, mean, out=np.zeros_like(width), where=mean > 0)
+    some = np.unique(np.linspace(0, width.shape[1] - 1, min(width.shape[1], _INSTANTS)).astype(int))
+    points = np.concatenate([at[:, some].reshape(-1, at.shape[2]) for at in (argmin, argmax)])
+    weight = np.tile(weight[:, some].ravel(), 2)
+    trial = _one_of_each_cell(points, weight)
+    apart = np.linalg.norm(trial[:, None] - points[None], axis=2)
+    nearest = np.full(len(points), np.inf)
+    chosen: list[int] = []
+    for _ in range(min(count, len(trial))):
+        left = (np.minimum(apart, nearest) * weight).sum(axis=1)
+        best = int(left.argmin())
+        if chosen and left[best] >= (nearest * weight).sum() * (1 - 1e-9):
+            break
+        chosen.append(best)
+        nearest = np.minimum(nearest, apart[best])
+    unit = trial[chosen]
+    return Places(unit, *(_nearest(at, unit) for at in (argmin, argmax)))
+
+
+def _one_of_each_cell(points: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Of the points (N, k) in each cell of the box, the heaviest."""
+    cell = np.round((points + 1) / 2 * _CELLS).astype(int)
+    order = np.lexsort((np.arange(len(points)), -weight))
+    _, first = np.unique(cell[order], axis=0, return_index=True)
+    return points[order[first]]
+
+
+def _nearest(at: np.ndarray, unit: np.ndarray) -> np.ndarray:
+    """Index (n, T) of the place (P, k) nearest to each point (n, T, k)."""
+    apart = np.stack([((at - place) ** 2).sum(axis=-1) for place in unit])
+    return apart.argmin(axis=0)
+
+
+def seek_points(
+    unit: np.ndarray,
+    values: np.ndarray,
+    count: int,
+    *,
+    candidates: int = 16384,
+    seed: int = 0,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Next points (at most `count`, k) of a scan, and the growth that they promise (n).
+
+    `unit` (R, k) and `values` (R, n, T) are the runs so far. Responses count relative to the mean
+    width of their bounds, as does the growth: Hausdorff distance, mean over time. Fewer points come
+    where no more promise anything. `seed` should differ from round to round.
+    """
+    instants = np.linspace(0, values.shape[2] - 1, min(values.shape[2], _SEEK_INSTANTS)).astype(int)
+    values = values[:, :, np.unique(instants)]
+    width = np.ptp(values, axis=0).mean(axis=1)
+    values = values[:, width > 0] / width[width > 0, None]
+    spline = fit_spline(unit, values)
+    trial = spread_points(spline.scales > 0, candidates, seed)
+    free = spline.scales > 0
+    # a point next to a run tells nothing new, and two that nearly agree spoil the spline
+    spacing = 2.0 * len(spline.points) ** (-1.0 / max(int(free.sum()), 1))
+    trial = trial[_far(trial, spline.points, 0.1 * spacing)]
+    low, high = values.min(axis=0), values.max(axis=0)
+    promised = np.empty((len(trial), *low.shape), dtype=np.float32)
+    for start in range(0, len(trial), 1024):
+        promised[start : start + 1024] = spline.evaluate(trial[start : start + 1024])
+    chosen, new_low, new_high = _greedy(promised, low, high, trial, count, 0.1 * spacing)
+    growth = np.zeros(len(width))
+    growth[width > 0] = np.maximum(low - new_low, new_high - high).mean(axis=1)
+    return trial[chosen], growth
+
+
+def _greedy(promised, low, high, trial, count, distance):
+    """Indices of the best points, and the bounds with them; a gain only shrinks as others come."""
+    low, high = low.copy(), high.copy()
+
+    def gain(i):
+        return float((np.maximum(promised[i] - high, 0) + np.maximum(low - promised[i], 0)).sum())
+
+    heap = [(-gain(i), i) for i in range(len(promised))]
+    heapq.heapify(heap)
+    chosen: list[int] = []
+    while heap and len(chosen) < count:
+        known, i = heapq.heappop(heap)
+        now = gain(i)
+        if now <= 0:
+            continue
+        if heap and now < -heap[0][0] and now < -known:
+            heapq.heappush(heap, (-now, i))
+        elif _far(trial[i : i + 1], trial[chosen], distance)[0]:
+            chosen.append(i)
+            low, high = np.minimum(low, promised[i]), np.maximum(high, promised[i])
+    return chosen, low, high
+
+
+def _far(points: np.ndarray, others: np.ndarray, distance: float) -> np.ndarray:
+    """Mask of the points (P, k) that are farther than `distance` from all others (N, k)."""
+    from scipy.spatial import cKDTree
+
+    if not len(others):
+        return np.ones(len(points), dtype=bool)
+    return cKDTree(others).query(points)[0] > distance

@@ -5,9 +5,8 @@
 
 The only package that knows both `fpm` (mechanics) and `intervals` (interval mathematics). The two
 meet in netCDF files. Rooms in the order of a campaign: `config`, `plan`, `runs`, `results`;
-`stages` joins them to files, `whole` and the rules of the workflow the stages. Heavy imports stay
-inside the functions that need them; what this package itself offers is imported when it is asked
-for, so that `__main__` can set up numerics that are not loaded yet.
+`stages` joins them to files, `workflow` and its rules the stages. What this package itself offers
+is imported on first use, so that `__main__` can set up numerics that are not loaded yet.
 """
 
 from importlib import import_module
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from deployable.campaign.config.check import check_config, load_config
     from deployable.campaign.errors import CampaignError, ConfigError
-    from deployable.campaign.whole import run
+    from deployable.campaign.workflow import run
 
 __all__ = ["CampaignError", "ConfigError", "check_config", "load_config", "run"]
 
@@ -25,7 +24,7 @@ _HOMES = {
     "ConfigError": "deployable.campaign.errors",
     "check_config": "deployable.campaign.config.check",
     "load_config": "deployable.campaign.config.check",
-    "run": "deployable.campaign.whole",
+    "run": "deployable.campaign.workflow",
 }
 
 

@@ -27,8 +27,23 @@ from importlib.util import find_spec
 from inspect import signature
 from pathlib import Path
 
+import fpm
+from deployable.campaign.config.check import load_config
+from deployable.campaign.config.keys import table
+from deployable.campaign.config.read import whole
+from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError, ConfigError, of_files
+from deployable.campaign.export import COLOURS, KINDS, choose, export
 from deployable.campaign.folder import CAMPAIGN, Folder
+from deployable.campaign.new import make_folder, starts
+from deployable.campaign.pictures.still import SUFFIXES, write_structure
+from deployable.campaign.plan.estimate import estimate, found
+from deployable.campaign.provenance import program
+from deployable.campaign.results.facts import read_json
+from deployable.campaign.runs.progress import Teller
+from deployable.campaign.stages import STAGES
+from deployable.campaign.text.templates import doubt_texts
+from deployable.campaign.workflow import run
 
 PROGRAM = "deployable-intervals"
 UNMET = 3
@@ -46,7 +61,6 @@ def main(arguments: list[str]) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    from deployable.campaign.stages import STAGES
 
     started = Path(sys.argv[0]).name
     program = PROGRAM if started.startswith(PROGRAM) else "python -m deployable"
@@ -130,8 +144,6 @@ def _attack(arguments: list[str]) -> int:
 
 
 def _add_export(export: argparse.ArgumentParser) -> None:
-    from deployable.campaign.export import COLOURS, KINDS
-
     export.add_argument(
         "what", metavar="RUN",
         help="folder of a campaign's results, a campaign's config, or a structure's file or name",
@@ -155,7 +167,6 @@ class _Version(argparse.Action):
     """Prints the version, also of a checkout that was not installed."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        from deployable.campaign.provenance import program
 
         made = program()
         known = made["commit"] != "unknown"
@@ -167,7 +178,6 @@ class _Starts(argparse.Action):
     """Prints what a new folder can start from."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        from deployable.campaign.new import starts
 
         print("\n".join(starts()))
         parser.exit()
@@ -175,8 +185,6 @@ class _Starts(argparse.Action):
 
 def _new(options: argparse.Namespace) -> int:
     """Make a folder with a Snakefile, profiles and a campaign to edit."""
-    from deployable.campaign.new import make_folder
-
     try:
         make_folder(options.folder, options.start)
     except CampaignError as error:
@@ -188,10 +196,6 @@ def _new(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     """Check configs without running anything, and say how many runs, how long and how much disk."""
-    from deployable.campaign.config.check import load_config
-    from deployable.campaign.plan.estimate import estimate, found
-    from deployable.campaign.text.templates import doubt_texts
-
     status = 0
     for path in options.files:
         try:
@@ -212,9 +216,6 @@ def _check(options: argparse.Namespace) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     """Run a whole campaign."""
-    from deployable.campaign.config.check import load_config
-    from deployable.campaign.whole import run
-
     try:
         campaign = load_config([options.file])
         if options.require and not campaign.requirements:
@@ -230,24 +231,17 @@ def _run(options: argparse.Namespace) -> int:
 
 def _are_met(path: Path) -> bool:
     """Whether all of the box meets all requirements."""
-    from deployable.campaign.results.facts import read_json
-
     return read_json(Folder(path).requirements)["together"]["met"] == "all"
 
 
 def _keys(options: argparse.Namespace) -> int:
     """Print all keys of a config as a page of Markdown."""
-    from deployable.campaign.config.keys import table
-    from deployable.campaign.config.read import whole
-
     print(table(whole()), end="")
     return 0
 
 
 def _structure(options: argparse.Namespace) -> int:
     """Check a structure, print its parameters, parts, mobility and what a run costs, draw it."""
-    import fpm
-    from deployable.campaign.config.scenes import scene_type
     from fpm.structures.describe import describe
 
     name = options.structure
@@ -261,7 +255,6 @@ def _structure(options: argparse.Namespace) -> int:
     print(describe(found, options.duration))
     if options.no_picture:
         return 0
-    from deployable.campaign.pictures.still import SUFFIXES, write_structure
 
     path = options.picture or Path("exports", f"{found.name}.png")
     if path.suffix not in SUFFIXES:
@@ -277,9 +270,6 @@ def _structure(options: argparse.Namespace) -> int:
 
 def _export(options: argparse.Namespace) -> int:
     """Write a run for other programs: ParaView, glTF, a moving picture, CSV."""
-    import fpm
-    from deployable.campaign.export import choose, export
-
     settings = dict(pair.partition("=")[::2] for pair in options.set)
     place = options.output or Path("exports")
     try:
@@ -299,8 +289,6 @@ def _export(options: argparse.Namespace) -> int:
 
 def _run_stage(options: argparse.Namespace) -> int:
     """Run one stage; messages go to the log file too, and errors come without a traceback."""
-    from deployable.campaign.runs.progress import Teller
-
     log = None
     with suppress(OSError):  # a full disk, say, which the stage tells better
         if options.log:
@@ -328,6 +316,5 @@ def _sections(options: argparse.Namespace) -> dict:
         return {}
     if options.config.lstrip().startswith("{"):
         return options.stage.typed(json.loads(options.config))
-    from deployable.campaign.config.check import load_config
 
     return options.stage.sections_of(load_config([options.config]))

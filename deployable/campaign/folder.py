@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 CAMPAIGN = "campaign.yaml"
 """Name of the campaign in a folder of one's own."""
@@ -12,6 +13,11 @@ CAMPAIGN = "campaign.yaml"
 # What a round leaves; in an adaptive campaign the last round's become the campaign's.
 ROUND_FILES = ("nodes.json", "samples.nc", "surrogate.nc", "bounds.nc", "sensitivities.nc")
 PICTURES = ("png", "pdf", "svg")
+
+
+def _file(name: str, about: str) -> Any:
+    """The path of a file or folder by its name, which a docstring describes."""
+    return property(lambda folder: folder / name, doc=about)
 
 
 @dataclass(frozen=True)
@@ -26,60 +32,17 @@ class Folder:
     def __truediv__(self, name: str) -> Path:
         return self.path / name
 
-    @property
-    def plan(self) -> Path:
-        """Which runs there are."""
-        return self / "nodes.json"
-
-    @property
-    def samples(self) -> Path:
-        """Responses of all runs."""
-        return self / "samples.nc"
-
-    @property
-    def surrogate(self) -> Path:
-        """Coefficients of the polynomials."""
-        return self / "surrogate.nc"
-
-    @property
-    def sensitivities(self) -> Path:
-        """Influence of each parameter."""
-        return self / "sensitivities.nc"
-
-    @property
-    def bounds(self) -> Path:
-        """Bounds of the responses."""
-        return self / "bounds.nc"
-
-    @property
-    def quantities(self) -> Path:
-        """Intervals of the quantities."""
-        return self / "quantities.nc"
-
-    @property
-    def further(self) -> Path:
-        """The further runs that answers took."""
-        return self / "further.nc"
-
-    @property
-    def requirements(self) -> Path:
-        """What of the box meets the requirements."""
-        return self / "requirements.json"
-
-    @property
-    def choice(self) -> Path:
-        """The best choice."""
-        return self / "choice.json"
-
-    @property
-    def report(self) -> Path:
-        """The page to open."""
-        return self / "report.html"
-
-    @property
-    def motions(self) -> Path:
-        """The folder of the whole motions of the runs that the page shows."""
-        return self / "motions"
+    plan = _file("nodes.json", "Which runs there are.")
+    samples = _file("samples.nc", "Responses of all runs.")
+    surrogate = _file("surrogate.nc", "Coefficients of the polynomials.")
+    sensitivities = _file("sensitivities.nc", "Influence of each parameter.")
+    bounds = _file("bounds.nc", "Bounds of the responses.")
+    quantities = _file("quantities.nc", "Intervals of the quantities.")
+    further = _file("further.nc", "The further runs that answers took.")
+    requirements = _file("requirements.json", "What of the box meets the requirements.")
+    choice = _file("choice.json", "The best choice.")
+    report = _file("report.html", "The page to open.")
+    motions = _file("motions", "The folder of the whole motions of the runs that the page shows.")
 
     @property
     def figures(self) -> Path:

@@ -7,11 +7,14 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import fpm
 from deployable.campaign import shipped
 from deployable.campaign.config.loader import load
+from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_text
 from deployable.campaign.folder import CAMPAIGN
+from fpm.files.outcome import eventful
 
 SNAKEFILE = f'''\
 # The campaign of this folder: snakemake -c2
@@ -88,9 +91,6 @@ def campaign_of(path: Path, name: str) -> str:
     openings of all hinges are recorded for a second, and of its latches it is asked when they
     catch, and whether all do. Raises `CampaignError`.
     """
-    import fpm
-    from deployable.campaign.config.scenes import scene_type
-
     try:
         found = scene_type("", str(path))
     except fpm.SceneError as error:
@@ -140,8 +140,6 @@ def _name(thing: str) -> str:
 
 def _latches(found: Any) -> list[str]:
     """The latches of a structure by their own names."""
-    from fpm.files.outcome import eventful
-
     elements = eventful(found.sample)
     return [e.name.removeprefix("latch ") for e in elements if "latches" in e.events]
 

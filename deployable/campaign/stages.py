@@ -1,7 +1,7 @@
 """The stages of a campaign: each takes files of its folder, and sections of the config, to others.
 
 `campaign.run` calls them one after another, `python -m deployable STAGE` one alone, for the rules
-of the workflow. Imports stay inside, so that a stage loads what it needs and no more.
+of the workflow.
 """
 
 from __future__ import annotations
@@ -16,19 +16,35 @@ from inspect import signature
 from pathlib import Path
 from typing import Any, get_type_hints
 
+from deployable.campaign.answers import choice as best
+from deployable.campaign.answers import quantities as intervals
+from deployable.campaign.answers import requirements as limits
+from deployable.campaign.answers.finer import check_bounds, finer_parts
 from deployable.campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
 from deployable.campaign.errors import CampaignError, of_files
 from deployable.campaign.files import results_of
 from deployable.campaign.folder import ROUND_FILES, Folder
+from deployable.campaign.plan.accuracy import first_plan, next_plan
+from deployable.campaign.plan.estimate import runs_in_job
+from deployable.campaign.plan.plan import make_plan, read_plan, write_plan
+from deployable.campaign.report import from_results, make_motions, write_page
+from deployable.campaign.results.alternatives import draw_alternatives
+from deployable.campaign.results.bounds import analyse
+from deployable.campaign.results.figures import draw_envelopes, draw_sensitivities
+from deployable.campaign.results.kept_extremes import gather as gather_extremes
+from deployable.campaign.results.moments import draw_nominal
+from deployable.campaign.results.ranges import draw_ranges
+from deployable.campaign.results.samples import gather
+from deployable.campaign.results.summary import summarise
+from deployable.campaign.runs.batch import run_batch
 from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.store import pack, unpack
 from fpm.files.sealed import DamagedError, check, sweep
+from fpm.kernels.sources import syntax_digest
 
 
 def plan(folder: Folder, tell: Tell, experiment: Any) -> None:
     """Choose the runs of a campaign and the time step that serves them all."""
-    from deployable.campaign.plan.make import make_plan
-    from deployable.campaign.plan.plan import write_plan
-
     made = make_plan(experiment)
     write_plan(made, folder.plan)
     step, limit = made.time.step, made.time.step_limit
@@ -57,9 +73,6 @@ def rounds(
 
 def _plan_round(folder: Folder, tell: Tell, experiment: Any) -> bool:
     """Choose the runs of the next round towards an accuracy; whether there is to be none."""
-    from deployable.campaign.plan.accuracy import first_plan, next_plan
-    from deployable.campaign.plan.plan import read_plan, write_plan
-
     if before := folder.previous():
         made = next_plan(experiment, read_plan(before.plan), before.samples, before.bounds)
         tell(f"{experiment.name}: {made.adaptive.rounds[-1].reason}")
@@ -76,10 +89,6 @@ def simulate(
     processes: int = 1, bundle: Any = None,
 ) -> None:  # fmt: skip
     """Simulate one batch of the planned runs, except those that are there already."""
-    from deployable.campaign.plan.plan import read_plan
-    from deployable.campaign.runs.batch import run_batch
-    from deployable.campaign.runs.store import pack
-
     made = read_plan(folder.plan)
     store, manifest = folder.runs(jobs.keep), folder.batch(batch)
     run_batch(made, batch, batches, jobs, store, manifest, tell, threads, processes)
@@ -93,18 +102,11 @@ def bounds(
 ) -> None:  # fmt: skip
     """Gather the responses of all runs, fit the surrogate, take its bounds, and find which
     parameter matters; what mesh and step add to the error, where that is to be known."""
-    from deployable.campaign.runs.store import unpack
-
     unpack(bundles, folder.runs(jobs.keep))
     _bounds(folder, tell, bounds, verify, jobs, threads)
 
 
 def _bounds(folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int) -> None:
-    from deployable.campaign.answers.finer import check_bounds, finer_parts
-    from deployable.campaign.plan.plan import read_plan
-    from deployable.campaign.results.bounds import analyse
-    from deployable.campaign.results.kept_extremes import gather as gather_extremes
-    from deployable.campaign.results.samples import gather
 
     made = read_plan(folder.plan)
     collect = gather_extremes if jobs.keep == "extremes" else gather
@@ -123,12 +125,6 @@ def answers(
 ) -> None:  # fmt: skip
     """Find the intervals of the quantities, what of the box meets the requirements, and the best
     choice, with the runs that decide them; sum everything up."""
-    from deployable.campaign.answers import choice as best
-    from deployable.campaign.answers import quantities as intervals
-    from deployable.campaign.answers import requirements as limits
-    from deployable.campaign.plan.plan import read_plan
-    from deployable.campaign.results.summary import summarise
-
     if read_plan(folder.plan).experiment.quantities:
         intervals.answer(folder, requirements, verify, jobs, tell, threads)
     if requirements:
@@ -141,11 +137,6 @@ def answers(
 def figures(folder: Folder, tell: Tell, error: Any, choose: Any) -> None:
     """Draw each response with its bounds, what each parameter contributes, each quantity over the
     box, and the choices that were tried."""
-    from deployable.campaign.plan.plan import read_plan
-    from deployable.campaign.results.alternatives import draw_alternatives
-    from deployable.campaign.results.figures import draw_envelopes, draw_sensitivities
-    from deployable.campaign.results.ranges import draw_ranges
-
     draw_envelopes(folder.bounds, error.shade_above, folder.figures)
     wanted = drawings(read_plan(folder.plan).experiment, choose)
     if "sensitivities" in wanted:
@@ -159,9 +150,6 @@ def figures(folder: Folder, tell: Tell, error: Any, choose: Any) -> None:
 def page(folder: Folder, tell: Tell, figures: Any, frames: int = 401) -> None:
     """Make the page that shows and tells everything, with the motion of some runs, and draw some
     moments of the nominal one."""
-    from deployable.campaign.report import from_results, make_motions, write_page
-    from deployable.campaign.results.moments import draw_nominal
-
     if frames < 2:
         raise CampaignError(f"--frames {frames}: allowed: 2 and more")
     if not make_motions(folder.path, frames):
@@ -228,13 +216,9 @@ def program_digest() -> str:
 
     Runs are of the mechanics alone, by their names.
     """
-    from fpm.kernels.sources import syntax_digest
-
     here = Path(__file__).parents[1]
     files = (path for room in (here, here.parent / "fpm") for path in room.rglob("*"))
-    return syntax_digest(
-        p for p in files if p.suffix in CODE and not {"shipped", "__pycache__"} & {*p.parts}
-    )
+    return syntax_digest(p for p in files if p.suffix in CODE and not UNCOUNTED & {*p.parts})
 
 
 CODE = (".py", ".html", ".jinja", ".css", ".js", ".yaml", ".json")
@@ -283,8 +267,6 @@ machines must find as many batches."""
 def batch_count(campaign: Campaign, runs: int) -> int:
     """Number of batches that runs are shared among."""
     if campaign.jobs.minutes:
-        from deployable.campaign.plan.jobs import runs_in_job
-
         return -(-runs // runs_in_job(campaign))
     if campaign.jobs.nodes_per_job != "auto":
         return -(-runs // campaign.jobs.nodes_per_job)

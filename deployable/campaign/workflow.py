@@ -1,17 +1,24 @@
-"""What the Snakefile asks of a campaign: its files, its batches, and what each rule depends on."""
+"""A whole campaign: in one call, or what the Snakefile asks of it (its files, its batches, and what
+each rule depends on)."""
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from deployable.campaign.config.check import load_config
+from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.design import count_runs
 from deployable.campaign.config.loader import retyped
 from deployable.campaign.config.sections import Campaign, as_json
+from deployable.campaign.files import open_dataset
 from deployable.campaign.folder import PICTURES, Folder
+from deployable.campaign.plan.estimate import job_megabytes, job_minutes
+from deployable.campaign.plan.plan import read_plan, read_step
+from deployable.campaign.runs.progress import Tell, Teller
 from deployable.campaign.stages import STAGES, batch_count, drawings, program_digest
 from fpm.files.sealed import DamagedError, check
 
@@ -74,17 +81,12 @@ class Workflow:
 
         plan_path: the plan of these runs, if it is there.
         """
-        from deployable.campaign.plan.jobs import job_minutes
-        from deployable.campaign.plan.plan import read_step
-
         runs = -(-count_runs(self.campaign.experiment) // batches)
         return job_minutes(self.campaign, runs, read_step(plan_path) if plan_path else None)
 
     @cache  # noqa: B019
     def megabytes(self) -> int:
         """Memory to ask a queue for."""
-        from deployable.campaign.plan.jobs import job_megabytes
-
         return job_megabytes(self.campaign)
 
     def stale(self) -> dict[str, str]:
@@ -179,3 +181,59 @@ def _relative(path: str | Path) -> Path:
     """The path as the user would write it, for messages."""
     path = Path(path)
     return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+
+
+def run(
+    config: str | Path | Mapping | Campaign,
+    results: str | Path = "results",
+    figures: bool = True,
+    tell: Tell | None = None,
+) -> Any:
+    """Run a campaign into `results`/<campaign> and return its bounds, an `xarray.Dataset`.
+
+    `config` is the name of a YAML file, or what one holds. Runs that are there already are not
+    simulated again; everything else is made anew, and what was damaged is named. `tell` gets
+    messages of progress, which are printed if nothing is said. Bounds are the workflow's to the
+    last bit with `OMP_NUM_THREADS=1`; threads of linear algebra round otherwise.
+    Raises `ConfigError` before anything is written, `CampaignError` when runs fail.
+    """
+    tell = tell or Teller(sys.stderr)
+    campaign = _campaign(config)
+    folder = Folder(Path(results, campaign.name))
+    for error in _damaged_in(campaign, results, figures):
+        tell(f"{error}; it is made again")
+    if campaign.experiment.is_sought:
+        _stage("rounds", campaign, folder, tell)
+    else:
+        _stage("plan", campaign, folder, tell)
+        batches = batch_count(campaign, len(read_plan(folder.plan).runs))
+        for batch in range(batches):
+            _stage("simulate", campaign, folder, tell, batch=batch, batches=batches)
+        _stage("bounds", campaign, folder, tell)
+    for name in ("answers", *["figures", "page"] * figures):
+        _stage(name, campaign, folder, tell)
+    with open_dataset(folder.bounds) as data:
+        return data.load()
+
+
+def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
+    if isinstance(config, Campaign):
+        return config
+    return check_config(config) if isinstance(config, Mapping) else load_config([config])
+
+
+def _damaged_in(campaign: Campaign, results: str | Path, figures: bool) -> list[DamagedError]:
+    """Results of a campaign that are there, not as they were written, and made again."""
+    workflow = Workflow(campaign, results)
+    workflow.stale()
+    folder = workflow.folder
+    drawn = {folder.figures, folder.motions, folder.report}
+    errors = workflow.damaged.values()
+    return [e for e in errors if figures or drawn.isdisjoint([e.path, *e.path.parents])]
+
+
+def _stage(name: str, campaign: Campaign, folder: Folder, tell: Tell, **more: Any) -> None:
+    stage = STAGES[name]
+    if stage.has_threads:
+        more["threads"] = os.cpu_count() or 1
+    stage.run(folder, tell, **stage.sections_of(campaign), **more)

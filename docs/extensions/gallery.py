@@ -12,7 +12,7 @@ DURATION = 2.0  # s, of structures that no shipped campaign is about
 
 def structures() -> dict[str, str]:
     """The library: what a structure's command takes, by the structure's name."""
-    from deployable.campaign.config.scenes import scene_type
+    from deployable.campaign.config.sections import scene_type
 
     found = {}
     for path in sorted((ROOT / "config/structures").glob("*.yaml")):
@@ -41,7 +41,7 @@ def command(structure: str, campaign: str | None) -> list[str]:
 
 def picture(arguments: list[str], structure: str, name: str, folder: Path, moves: bool) -> str:
     """Make a picture unless it is there; its name."""
-    from deployable.campaign.config.scenes import scene_type
+    from deployable.campaign.config.sections import scene_type
     from deployable.campaign.export import choose, export
     from deployable.campaign.pictures.still import write_structure
 
@@ -59,7 +59,7 @@ def picture(arguments: list[str], structure: str, name: str, folder: Path, moves
 
 def page(folder: Path, moves: bool) -> str:
     """The gallery as Markdown."""
-    from deployable.campaign.config.scenes import scene_type
+    from deployable.campaign.config.sections import scene_type
 
     known, lines = campaigns(), []
     for name, structure in structures().items():

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from evidence.benchmark.clock import best
 from evidence.benchmark.processes import python
 from evidence.benchmark.scenes import linkages

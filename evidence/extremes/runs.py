@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from evidence.extremes.judge import attempt, compare, judge, persist
 from evidence.linkage.runs import (
     BALANCE,

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 
 INSTANTS = 801
 BALANCE = 0.005

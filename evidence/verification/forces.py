@@ -3,7 +3,7 @@
 import numpy as np
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from evidence.verification.bench import Bench
 from evidence.verification.joints import ABOUT_HINGE, ARM, MASS, swinging_body
 from evidence.verification.relax import settle

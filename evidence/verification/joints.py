@@ -3,7 +3,7 @@
 import numpy as np
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from evidence.verification.bench import Bench
 from evidence.verification.rotation import crossings
 

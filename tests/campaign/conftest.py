@@ -8,7 +8,7 @@ import pytest
 
 from deployable import campaign
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.make import make_plan
+from deployable.campaign.plan.plan import make_plan
 from evidence.attack import victim
 from evidence.attack.victim import silent
 

@@ -14,10 +14,9 @@ from harm import harm_file
 
 import fpm
 from deployable.campaign.config.check import check_config
-from deployable.campaign.config.scenes import scene_type
-from deployable.campaign.config.sections import Jobs
+from deployable.campaign.config.sections import Jobs, scene_type
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.plan.make import make_plan
+from deployable.campaign.plan.plan import make_plan
 from deployable.campaign.results.facts import SOFT
 from deployable.campaign.results.samples import gather
 from deployable.campaign.runs import batch as batches

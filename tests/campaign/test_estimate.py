@@ -10,7 +10,7 @@ import pytest
 import fpm
 from deployable.campaign.config.check import load_config
 from deployable.campaign.plan.estimate import LANES, estimate, run_seconds
-from deployable.campaign.plan.make import choose_step
+from deployable.campaign.plan.plan import choose_step
 from fpm.scenes.effort import machine
 
 CONFIG = Path(__file__).parents[2] / "config"

@@ -16,7 +16,7 @@ from deployable.campaign.cli import main
 from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.sections import Campaign, as_json, from_data, plain_data
 from deployable.campaign.errors import CampaignError, ConfigError
-from deployable.campaign.plan.make import make_plan
+from deployable.campaign.plan.plan import make_plan
 from deployable.campaign.runs.batch import check_structure
 from deployable.campaign.workflow import Workflow
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from evidence.calibration import plan, scans, study
 from evidence.calibration.findings import near_to, spans
 from evidence.calibration.scans import PAPER, Numbers, Reading, Scan

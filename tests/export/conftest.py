@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 from swing import CONFIG
 
 from deployable import campaign
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from fpm.files.trajectory import Curves
 
 FRAMES = 7

@@ -9,7 +9,7 @@ import pytest
 from matplotlib import colormaps
 from PIL import Image
 
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.export import export
 from deployable.campaign.pictures.moving import write_moving
@@ -174,7 +174,7 @@ def test_scales_are_round_lengths(wanted, found):
 
 @pytest.mark.parametrize("name", ["bennett", "pendulum", "tensegrity.yaml", "scissor.yaml"])
 def test_a_still_shows_bars_cables_points_and_scale(name):
-    from deployable.campaign.config.scenes import scene_type
+    from deployable.campaign.config.sections import scene_type
 
     file = str(STRUCTURES / name) if "." in name else ""
     scene = scene_type(name, file).build()

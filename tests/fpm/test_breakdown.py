@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from evidence.extremes.stable_step import bennett
 from evidence.extremes.true_limit import disturb, true_limit
 

@@ -7,7 +7,7 @@ import time
 import pytest
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from fpm.kernels import sources
 
 

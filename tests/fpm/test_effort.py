@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from evidence.extremes.joints import parallelogram
 from evidence.scaling.joints import chain, pairs
 from fpm import structures

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 
 LINKAGE = {
     "B": [0.0, 0.315781350975, -3.750045663e-05],

@@ -3,7 +3,7 @@
 import pytest
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from fpm.reading.variables import VARIABLES, numbers, prepared
 from fpm.solver.pack import pack
 

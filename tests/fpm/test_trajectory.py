@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from fpm.elements.kind import Recorded
 from fpm.files.outcome import columns_of
 from fpm.files.sealed import DamagedError, seal

@@ -8,7 +8,7 @@ import xarray
 from scipy.spatial.transform import Rotation
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from evidence.linkage.geometry import bennett_geometry
 from fpm.errors import SceneError
 from fpm.motions import motion as whole

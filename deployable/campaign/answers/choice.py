@@ -23,12 +23,10 @@ import numpy as np
 
 from deployable.campaign.answers.bench import SAME, Bench, number
 from deployable.campaign.answers.limits import Asked, limits_of, told
-from deployable.campaign.config.answers import goals_of
 from deployable.campaign.config.sections import Choose, Experiment, Interval, Jobs, Verify
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.make import choose_step
-from deployable.campaign.plan.plan import Plan, read_plan
+from deployable.campaign.plan.plan import Plan, choose_step, read_plan
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs.progress import Tell
 
@@ -63,7 +61,7 @@ def answer(
     found = {
         "parameters": _parameters(experiment, choose, best.values),
         "kept": best.is_allowed,
-        "goals": list(map(partial(_goal, bench), goals_of(choose), best.goals, best.at)),
+        "goals": list(map(partial(_goal, bench), choose.goals, best.goals, best.at)),
         "limits": list(map(partial(_limit, bench), limits, best.slacks, best.worst)),
         "tried": [
             {
@@ -82,7 +80,7 @@ def answer(
 def doubted(best: Any, tried: Sequence[Any], choose: Choose) -> list[np.ndarray]:
     """Places (k) for which choices near the best one were turned down that would be better: where
     something is taken not to happen, or to happen."""
-    sign = goals_of(choose)[0][0]
+    sign = choose.goals[0][0]
     better = [
         one for one in tried if not one.is_allowed and sign * (one.goals[0] - best.goals[0]) < 0
     ]
@@ -126,7 +124,7 @@ def _best(bench: Bench, experiment: Experiment, choose: Choose, asked: list[Aske
 
     surrogates, box = [s.trend for s in bench.surrogates()], bench.experiment.box
     names = list(bench.experiment.quantities)
-    goals = [Goal(surrogates[names.index(q)], end, sign) for sign, end, q in goals_of(choose)]
+    goals = [Goal(surrogates[names.index(q)], end, sign) for sign, end, q in choose.goals]
     limits = [Limit(surrogates[one.quantity], one.kind, one.level) for one in asked]
 
     def part(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

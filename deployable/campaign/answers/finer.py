@@ -20,8 +20,7 @@ from deployable.campaign.answers.ends import Ends, settle
 from deployable.campaign.config.sections import Experiment, Jobs, Verify
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.make import choose_step
-from deployable.campaign.plan.plan import Plan, TimeStep
+from deployable.campaign.plan.plan import Plan, TimeStep, choose_step
 from deployable.campaign.runs.progress import Tell
 from deployable.intervals.estimates import continued, ratio_of
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.answers.bench import Bench
-from deployable.campaign.config.answers import LIMITS
+from deployable.campaign.config.models import LIMITS
 from fpm.reading.quantities import Quantity
 
 _BEYOND = 1e-3  # by how much farther from the nominal values than the border a run is made

@@ -14,7 +14,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from deployable.campaign.config.loader import load
-from deployable.campaign.config.scenes import anchored
+from deployable.campaign.config.read import read
+from deployable.campaign.config.scene_checks import accuracy_problems, resolve
 from deployable.campaign.config.sections import Campaign
 from deployable.campaign.errors import ConfigError
 
@@ -41,10 +42,6 @@ def load_config(
 
 def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     """The campaign that `raw` means; raises `ConfigError` with everything that is wrong."""
-    from deployable.campaign.config.accuracy import accuracy_problems
-    from deployable.campaign.config.read import read
-    from deployable.campaign.config.scene_checks import resolve
-
     if "campaign" not in raw and len(raw.keys() & _OF_STRUCTURES) > 1:
         raise ConfigError(source, [
             "this is a structure's file; allowed: `python -m deployable structure` with it, or a "
@@ -69,3 +66,17 @@ def merge(into: dict, other: Mapping) -> dict:
         else:
             into[key] = copy.deepcopy(value)
     return into
+
+
+def anchored(raw: Mapping, folder: str | Path) -> Mapping:
+    """`raw` with the path of its scene's file, which is relative to `folder`, as seen from here.
+
+    A path below the working folder stays short; any other becomes absolute.
+    """
+    scene = raw.get("scene")
+    if not isinstance(scene, Mapping) or not isinstance(scene.get("file"), str):
+        return raw
+    path = Path(folder, scene["file"]).resolve()
+    here = Path.cwd().resolve()
+    path = path.relative_to(here) if path.is_relative_to(here) else path
+    return {**raw, "scene": {**scene, "file": str(path)}}

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from deployable.campaign.config.accuracy import SOUGHT
-from deployable.campaign.config.sections import DesignChoice, Experiment, Solver
+import numpy as np
+
+from deployable import intervals
+from deployable.campaign.config.sections import ADAPTIVE, DesignChoice, Experiment, Solver
 
 
 def make_design(choice: DesignChoice, box: Any) -> Any:
@@ -13,14 +15,10 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
 
     Raises `intervals.IntervalError`.
     """
-    import numpy as np
-
-    from deployable import intervals
-
-    if choice.method == SOUGHT:
+    if choice.method == ADAPTIVE:
         points = np.array(choice.existing, dtype=float).reshape(-1, box.dimension)
         none = np.zeros((0, box.dimension), dtype=int)
-        return intervals.Design(points, none, SOUGHT, (0,) * box.dimension)
+        return intervals.Design(points, none, ADAPTIVE, (0,) * box.dimension)
     options = {name: getattr(choice, name) for name in intervals.METHODS[choice.method].options}
     most = choice.samples if choice.method == "scan" else intervals.designs.MAX_RUNS
     return intervals.make_design(choice.method, box, choice.order, max_runs=most, **options)

@@ -217,6 +217,9 @@ class Limits(Section):
             raise RefusedError("happens", told)
 
 
+LIMITS = tuple(Limits.__dataclass_fields__)
+"""Names of the limits of a quantity."""
+
 Goals = Annotated[
     str | Annotated[tuple[str, ...], Key(most=2)],
     Key("one or two of `upper(q)`, `lower(q)`, `width(q)`"),

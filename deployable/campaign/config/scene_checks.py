@@ -1,39 +1,54 @@
-"""The checks of a config that need the scene: names, ranges, consistency, responses, solver."""
+"""The checks of a config that need the scene: names, ranges, consistency, responses, quantities,
+solver, requirements and choices, and whether the disk has room."""
 
 from __future__ import annotations
 
 import itertools
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
-from deployable.campaign.config.accuracy import with_accuracy
-from deployable.campaign.config.answers import answer_problems, choose_of
+import numpy as np
+
+import fpm
 from deployable.campaign.config.design import make_design, steps_problems
-from deployable.campaign.config.kept import keep_problems
-from deployable.campaign.config.models import Config
-from deployable.campaign.config.parameters import intervals_of, parameter_problems
+from deployable.campaign.config.models import Aim, Config
 from deployable.campaign.config.read import show
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.resolve import (
+    allows,
+    campaign_of,
+    intervals_of,
+    no_parameter,
+    real_names,
+)
 from deployable.campaign.config.sections import (
-    Accuracy,
     Campaign,
-    DesignChoice,
+    Choose,
     Experiment,
     Interval,
-    SceneChoice,
+    scene_type,
 )
+from deployable.campaign.plan.estimate import bytes_of_run, size_text
+from deployable.intervals import IntervalError, check_spline_runs, held_out_points
+from deployable.intervals.scalars.requirements import ENDS
 from fpm.errors import did_you_mean
 from fpm.files.outcome import eventful
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.variables import numbers
+from fpm.solver.pack import topology
+
+CHOSEN = ("design", "bounds", "held_out")
+"""Keys that a config with `accuracy` must not have: it chooses what they say."""
+
+LISTED = 100_000
+"""Runs up to which nobody asks whether the disk has room for them."""
 
 
 def resolve(config: Config, given: Mapping) -> tuple[Campaign | None, list[str]]:
     """The campaign of a config, of which `given` are the keys that the user gave, and what is wrong
     with it, one sentence each. No campaign without a scene."""
-    import fpm
-
     stated = config.scene
     try:
         found = scene_type(stated.name or "", stated.file or "")
@@ -41,7 +56,7 @@ def resolve(config: Config, given: Mapping) -> tuple[Campaign | None, list[str]]
         return None, _scene_problems(error, "scene.file")
     intervals, trouble = intervals_of(config.intervals, stated.parameters, found)
     problems = parameter_problems(stated.parameters, found) + trouble
-    campaign = _campaign(config, given, found, intervals)
+    campaign = campaign_of(config, given, found, intervals)
     if not problems:
         problems += _build_problems(campaign.experiment)
     is_built = not problems
@@ -57,38 +72,6 @@ def resolve(config: Config, given: Mapping) -> tuple[Campaign | None, list[str]]
     if not trouble:
         problems += _design_problems(campaign)
     return campaign, problems
-
-
-def _campaign(config: Config, given: Mapping, found: Any, intervals: Mapping) -> Campaign:
-    """The campaign of a config with a structure and the intervals of its parameters."""
-    accuracy, order = Accuracy(), config.design.order
-    if config.design.method == "scan" and "order" not in given.get("design", {}):
-        order = None
-    if config.accuracy is not None:
-        config, accuracy = with_accuracy(config, found)
-        order = None
-    experiment = Experiment(
-        name=config.campaign,
-        scene=SceneChoice(found.name, config.scene.parameters, config.scene.file or ""),
-        solver=config.solver,
-        # In the scene's order: in which one a config has them must not matter, to no design.
-        intervals={name: intervals[name] for name in found.parameters if name in intervals},
-        design=DesignChoice(**vars(config.design) | {"order": order}),
-        held_out=config.held_out,
-        responses=config.responses,
-        quantities=config.quantities,
-        accuracy=accuracy,
-    )
-    rest = ("bounds", "published", "error", "figures", "verify", "jobs")
-    return Campaign(
-        experiment=experiment,
-        requirements={
-            name: {quantity: limits.given for quantity, limits in limited.items()}
-            for name, limited in config.requirements.items()
-        },
-        choose=choose_of(config.choose, config.intervals),
-        **{name: getattr(config, name) for name in rest},
-    )
 
 
 def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[str, float]]:
@@ -107,9 +90,6 @@ def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[
 
 def _build_problems(experiment: Experiment) -> list[str]:
     """What the scene finds inconsistent, at the nominal values or at the first bad corner."""
-    import fpm
-    from fpm.solver.pack import topology
-
     first = None
     places = itertools.chain(["the nominal values"], itertools.repeat("a corner of the intervals"))
     for place, values in zip(places, corners(experiment.intervals), strict=False):
@@ -141,8 +121,6 @@ def _time_problems(experiment: Experiment) -> list[str]:
     The plan checks the number of steps again, at all corners; to find the stable step here takes
     too long for every call, and is only done where there is doubt.
     """
-    import fpm
-
     solver, problems = experiment.solver, []
     scene = experiment.nominal_scene
     if solver.step != "auto" or solver.duration > _LONG:
@@ -172,8 +150,6 @@ def _memory_problems(experiment: Experiment) -> list[str]:
 
 
 def _response_problems(campaign: Campaign, scene: Any) -> list[str]:
-    import fpm
-
     problems = []
     known = campaign.experiment.responses
     for name, definition in known.items():
@@ -200,8 +176,6 @@ def _quantity_problems(experiment: Experiment) -> list[str]:
 
 def _design_problems(campaign: Campaign) -> list[str]:
     """Whether what is kept goes with the design, and whether it can be made."""
-    from deployable.intervals import IntervalError
-
     experiment, design = campaign.experiment, campaign.experiment.design
     is_plain = design.method == "scan" and design.order is None
     has_none = experiment.is_sought or (is_plain and campaign.bounds.model == "polynomial")
@@ -216,10 +190,6 @@ def _design_problems(campaign: Campaign) -> list[str]:
 
 def _spline_problems(experiment: Experiment, design: Any) -> list[str]:
     """Whether the runs of a plan are enough, and not too many, for a spline."""
-    import numpy as np
-
-    from deployable.intervals import IntervalError, check_spline_runs, held_out_points
-
     box = experiment.box
     points = [box.to_unit(experiment.nominal)[None], design.points]
     if experiment.design.method != "scan":
@@ -244,3 +214,130 @@ def _scene_problems(error: Any, key: str, text: str = "") -> list[str]:
 def _sentence(key: str, error: Any) -> str:
     """An error of `fpm` or `intervals`, which know value and allowed, as a sentence."""
     return f"{key}: {show(error.value)} is not allowed; allowed: {error.allowed}"
+
+
+def parameter_problems(given: Mapping, scene_type: Any) -> list[str]:
+    """What is wrong with `scene.parameters`, one sentence each."""
+    problems, known = [], scene_type.parameters
+    for name, value in given.items():
+        if name not in known:
+            told = no_parameter(name, scene_type, list(known))
+        elif not allows(known[name], value):
+            told = f"{show(value)} is not allowed; allowed: {known[name].allowed}"
+        else:
+            continue
+        problems.append(f"scene.parameters.{name}: {told}")
+    return problems
+
+
+def accuracy_problems(config: Config, given: Mapping) -> list[str]:
+    """What does not go together with `accuracy`, one sentence each; given: keys of the config."""
+    if config.accuracy is None:
+        return []
+    problems = [
+        f"{key}: not allowed beside accuracy, which chooses it; allowed: one of the two"
+        for key in CHOSEN
+        if key in given
+    ]
+    known = [*config.responses, *config.quantities]
+    for name in config.accuracy.of if isinstance(config.accuracy, Aim) else ():
+        if name not in known:
+            problems.append(
+                f"accuracy.of.{name}: there is no such response or quantity"
+                f"{did_you_mean(name, known)}; allowed: {', '.join(known)}"
+            )
+    return problems
+
+
+def answer_problems(campaign: Campaign) -> list[str]:
+    """What is wrong with `requirements` and `choose`, one sentence each."""
+    problems = []
+    known = campaign.experiment.quantities
+    for name, limits in campaign.requirements.items():
+        for quantity in limits:
+            if quantity not in known:
+                key = f"requirements.{name}.{quantity}"
+                problems.append(f"{key}: {_no_quantity(quantity, known)}")
+    if campaign.choose.parameters:
+        problems += _choose_problems(campaign.experiment, campaign.choose)
+    return problems
+
+
+def _no_quantity(name: str, known: Mapping) -> str:
+    allowed = f"one of {', '.join(known)}" if known else "none, without `quantities`"
+    return f"there is no such quantity{did_you_mean(name, known)}; allowed: {allowed}"
+
+
+def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
+    problems, goals, known = [], choose.goals, experiment.quantities
+    if not 1 <= len(goals) <= 2:
+        problems.append(f"choose: it has {len(goals)} goals; allowed: one or two")
+    for sign, end, quantity in goals:
+        key = f"choose.{'minimise' if sign > 0 else 'maximise'}"
+        if end not in ENDS or not quantity:
+            text = f"{end}({quantity})" if quantity else end
+            problems.append(f"{key}: {text!r} is not allowed; allowed: e.g. upper(q) of a quantity "
+                            f"q, with {', '.join(ENDS)}")  # fmt: skip
+        elif quantity not in known:
+            problems.append(f"{key}: {_no_quantity(quantity, known)}")
+    problems += [
+        f"choose.parameters.{name}: {told}"
+        for name in choose.parameters
+        if (told := _choice_problem(name, choose, experiment))
+    ]
+    if not problems and len({*experiment.intervals, *choose.parameters}) > 8:
+        problems.append("choose.parameters: more than 8 with the intervals; allowed: fewer")
+    return problems
+
+
+def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
+    """What is wrong with the range of a parameter's choices; nothing where it is right."""
+    scene, (low, high) = experiment.scene_type, choose.parameters[name]
+    if name not in (real := real_names(scene)):
+        hint = did_you_mean(name, real)
+        return f"there is no such real parameter{hint}; allowed: {', '.join(real)}"
+    if not low < high:
+        return f"{show([low, high])} is not allowed; allowed: a lower and a larger upper end"
+    parameter = scene.parameters[name]
+    for value in choose.ends(name, experiment):
+        if not allows(parameter, value):
+            told = f"{value:.9g}, with its interval, leaves the range"
+            return f"{told}; allowed: {parameter.allowed}"
+    return ""
+
+
+def keep_problems(campaign: Campaign) -> list[str]:
+    """What of `jobs.keep` does not go with the other keys, as sentences."""
+    design, bounds = campaign.experiment.design, campaign.bounds
+    if campaign.jobs.keep == "extremes":
+        if campaign.experiment.is_sought or design.method != "scan" or design.order is not None:
+            return [
+                "jobs.keep: 'extremes' is not allowed with a surrogate, which needs every run; "
+                "allowed: responses or trajectories, or design method scan without order"
+            ]
+        if bounds.model != "polynomial":
+            return [
+                f"jobs.keep: 'extremes' is not allowed with bounds model {bounds.model}, which "
+                "needs every run; allowed: responses or trajectories"
+            ]
+        return []
+    return _room_problems(campaign) if design.samples > LISTED and design.method == "scan" else []
+
+
+def _room_problems(campaign: Campaign) -> list[str]:
+    """Whether the disk of the working folder has room for a large scan."""
+    each, room = bytes_of_run(campaign), _free(Path.cwd())
+    samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
+    if samples * each <= room:
+        return []
+    return [
+        f"design.samples: {samples} runs with jobs.keep {keep} take about "
+        f"{size_text(samples * each)}, and the disk has {size_text(room)}; allowed: at most "
+        f"{int(room / each)}, or jobs.keep extremes"
+    ]
+
+
+def _free(folder: Path) -> float:
+    """Free bytes on the disk of a folder, for those who are not its administrator."""
+    found = os.statvfs(folder)
+    return float(found.f_bavail * found.f_frsize)

@@ -9,11 +9,17 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, is_dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
+from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
+import fpm
+from deployable import intervals
+from deployable.campaign import shipped
 from deployable.campaign.config.models import (
     BoundsChoice,
     Choosing,
@@ -24,9 +30,33 @@ from deployable.campaign.config.models import (
     Solver,
     Verify,
 )
+from fpm import SceneError, structures
 from fpm.files.outcome import eventful
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.shocks import doubt
+
+ADAPTIVE = "sought"
+"""The method of a design whose runs are found round by round; no config can ask for it alone."""
+
+_GOAL = re.compile(r"(\w+)\((\w+)\)")
+
+
+def scene_type(name: str, file: str = "") -> Any:
+    """The `fpm` structure of a file, or else the shipped one of a name; raises `fpm.SceneError`."""
+    if not file:
+        if name not in (known := shipped.structures()):
+            raise SceneError("scene.name", name, f"one of {', '.join(known)}")
+        file = str(known[name])
+    if Path(file).suffix != ".py":  # which is run whenever it is read
+        with suppress(OSError, UnicodeDecodeError):
+            return _of_text(Path(file).read_text(encoding="utf-8"), file)
+    return structures.load(file)
+
+
+@lru_cache(maxsize=8)
+def _of_text(text: str, source: str) -> Any:
+    """A structure's text is read once, however many stages and rounds want it."""
+    return structures.loads(text, source)
 
 
 @dataclass(frozen=True)
@@ -102,15 +132,11 @@ class Experiment:
     @cached_property
     def scene_type(self) -> Any:
         """The `fpm` structure; raises `fpm.SceneError`."""
-        from deployable.campaign.config.scenes import scene_type
-
         return scene_type(self.scene.name, self.scene.file)
 
     @cached_property
     def curves(self) -> list[Any]:
         """The parsed responses, `fpm.responses.Response`; raises `fpm.SceneError`."""
-        import fpm
-
         return [fpm.responses.parse(n, d, self.nominal_scene) for n, d in self.responses.items()]
 
     @cached_property
@@ -140,10 +166,8 @@ class Experiment:
     @cached_property
     def box(self) -> Any:
         """The `intervals.Box` of the interval parameters."""
-        from deployable.intervals import Box
-
         rows = self.intervals.values()
-        return Box(list(self.intervals), [i.lower for i in rows], [i.upper for i in rows])
+        return intervals.Box(list(self.intervals), [i.lower for i in rows], [i.upper for i in rows])
 
     @cached_property
     def nominal(self) -> list[float]:
@@ -180,6 +204,16 @@ class Choose(Choosing):
     minimise: tuple[str, ...] = ()
     maximise: tuple[str, ...] = ()
     relative: tuple[str, ...] = ()
+
+    @property
+    def goals(self) -> list[tuple[float, str, str]]:
+        """Goals as (1 to minimise or -1 to maximise, end of the interval, quantity)."""
+        found = []
+        for sign, texts in ((1.0, self.minimise), (-1.0, self.maximise)):
+            for text in texts:
+                match = _GOAL.fullmatch(text.replace(" ", ""))
+                found.append((sign, match[1], match[2]) if match else (sign, text, ""))
+        return found
 
     def interval(self, name: str, value: float, experiment: Experiment) -> tuple[float, float]:
         """The ends of a parameter's interval about a chosen nominal value."""

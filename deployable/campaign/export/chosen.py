@@ -140,7 +140,7 @@ def _row(run: str, known: list[str], nominal: int | None, folder: Folder) -> int
 
 def _of_config(path: Path, settings: Mapping[str, str], duration: float | None) -> Chosen:
     from deployable.campaign.config.check import load_config
-    from deployable.campaign.plan.make import choose_step
+    from deployable.campaign.plan.plan import choose_step
 
     experiment = load_config([path]).experiment
     if duration:
@@ -177,7 +177,7 @@ def _chosen(
 
 def _of_structure(what: str, settings: Mapping[str, str], duration: float) -> Chosen:
     import fpm
-    from deployable.campaign.config.scenes import scene_type
+    from deployable.campaign.config.sections import scene_type
 
     found = scene_type(what, what if Path(what).suffix else "")
     scene = found.build(**parsed(settings))

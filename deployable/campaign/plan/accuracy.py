@@ -15,11 +15,13 @@ from typing import Any
 
 import numpy as np
 
+from deployable import intervals
 from deployable.campaign.config.sections import Experiment, Solver
+from deployable.campaign.files import open_dataset
 from deployable.campaign.plan.decide import Cost, decide, growth, needed
 from deployable.campaign.plan.estimate import LANES, run_seconds
-from deployable.campaign.plan.make import choose_step, make_plan
-from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep
+from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep, choose_step, make_plan
+from deployable.intervals.scalars import fit_scalar
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
 _CHECKED = 8  # places at which a check makes runs, of the responses
@@ -27,11 +29,9 @@ _CHECKED = 8  # places at which a check makes runs, of the responses
 
 def first_plan(experiment: Experiment) -> Plan:
     """The plan of round 0: with the nominal run, eight for each direction that has a width."""
-    from deployable.intervals import make_design
-
     box = experiment.box
     count = max(LANES * int(box.free.sum()) - 1, 1)
-    points = make_design("scan", box, samples=count).points
+    points = intervals.make_design("scan", box, samples=count).points
     return _plan(experiment, points.tolist(), (), ("mesh",) if _has_mesh(experiment) else ("step",))
 
 
@@ -40,8 +40,6 @@ def next_plan(
 ) -> Plan:
     """The plan after a finished round: more runs, a finer mesh or step, a check, or the same with
     the reason to stop."""
-    from deployable.campaign.files import open_dataset
-
     asked, now, before = experiment.accuracy, plan.experiment, plan.adaptive
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
         shares, free = _shares(plan, samples, bounds), now.solver.step == "auto"
@@ -149,8 +147,6 @@ def _quantity(experiment: Experiment, samples: Any, i: int) -> tuple[float, floa
 
 
 def _surrogate(experiment: Experiment, samples: Any, i: int) -> Any:
-    from deployable.intervals.scalars import fit_scalar
-
     quantity = experiment.numbers[i]
     end = experiment.solver.duration if quantity.is_time else None
     values = samples["quantities"].values[:, i]
@@ -200,8 +196,6 @@ def _sought(
 ) -> np.ndarray:
     """Unit points (n, k) of the next `count` runs: where unmet quantities have their ends and
     where the spline promises wider bounds of unmet responses; the rest is spread."""
-    from deployable import intervals
-
     unit, free = samples["unit"].values, experiment.box.free
     points: list[np.ndarray] = []
 

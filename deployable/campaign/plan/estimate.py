@@ -1,21 +1,20 @@
-"""What a campaign will take, before it runs: runs, time, disk."""
+"""What a campaign will take, before it runs: runs, time, disk, and what its jobs ask of a queue."""
 
 from __future__ import annotations
 
 import math
 import os
 from dataclasses import dataclass
-from typing import Any
 
 from deployable.campaign.config.design import count_runs
 from deployable.campaign.config.sections import Campaign, Experiment
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.make import choose_step
-from deployable.campaign.plan.plan import TimeStep
+from deployable.campaign.plan.plan import TimeStep, choose_step, make_plan
 from deployable.campaign.runs.extremes import LARGE, MOST
 from deployable.campaign.runs.progress import duration_text
 from deployable.campaign.runs.store import open_store
 from fpm.reading.variables import words
+from fpm.scenes import effort
 
 LANES = 8
 """Runs that are integrated side by side; fewer take as long."""
@@ -31,6 +30,12 @@ WRITING = 5e-3
 
 ROUNDS = 2
 """Rounds of further runs that quantities take as a rule, where so many are allowed."""
+
+JOB_STARTING = 5.0
+"""Minutes of a job beside its runs, at most: starting, and compiling the time loop once."""
+
+PROGRAM, PROCESS = 600.0, 150.0
+"""Megabytes of a job with its libraries and while it compiles, and of each process beside it."""
 
 _OTHER_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
 _BOUNDS_CURVES = 12  # of a response in bounds, surrogate and sensitivities, compressed
@@ -66,11 +71,9 @@ class Estimate:
 
 def estimate(campaign: Campaign) -> Estimate:
     """What a campaign takes; time is right to a factor of two or so (`fpm.scenes.effort`)."""
-    from fpm.scenes.effort import machine
-
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
-    batch = LANES * machine() * run_seconds(experiment, choose_step(experiment))
+    batch = LANES * effort.machine() * run_seconds(experiment, choose_step(experiment))
     further = {} if experiment.is_sought else _further(campaign)
     rounds = [(runs, 1.0), *(one for some in further.values() for one in some)]
     batches = [(math.ceil(count / LANES), factor) for count, factor in rounds if count]
@@ -135,8 +138,6 @@ def bytes_of_run(campaign: Campaign) -> float:
 def found(campaign: Campaign, folder: Folder) -> str:
     """Which of a campaign's runs are there, and why others must be made again; nothing where none
     is there, and for an `accuracy`, whose runs are not known beforehand."""
-    from deployable.campaign.plan.make import make_plan
-
     keep = campaign.jobs.keep
     if campaign.experiment.is_sought or not folder.runs(keep).is_dir():
         return ""
@@ -164,20 +165,16 @@ def run_seconds(experiment: Experiment, time: TimeStep) -> float:
     Of a core as `fpm.scenes.effort` has them, whichever this one is: what rounds may spend depends
     on it.
     """
-    from fpm.scenes.effort import run_seconds as seconds
-
     instants = experiment.solver.instants
-    return seconds(_nominal_scene(experiment), time.steps_per_instant * (instants - 1), instants)
+    return effort.run_seconds(
+        experiment.nominal_scene, time.steps_per_instant * (instants - 1), instants
+    )
 
 
 def recorded(experiment: Experiment) -> int:
     """Curves of a trajectory, but for the responses."""
-    scene = _nominal_scene(experiment)
+    scene = experiment.nominal_scene
     return 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + len(experiment.record)
-
-
-def _nominal_scene(experiment: Experiment) -> Any:
-    return experiment.build(dict(zip(experiment.box.names, experiment.nominal, strict=True)))
 
 
 def cores() -> int:
@@ -198,3 +195,41 @@ def _rounded(seconds: float) -> float:
     """To two digits."""
     power = 10.0 ** (math.floor(math.log10(max(seconds, 1.0))) - 1)
     return max(1.0, round(seconds / power) * power)
+
+
+def runs_in_job(campaign: Campaign) -> int:
+    """Most runs in a job that takes `jobs.minutes`: whole groups, one at least for each process."""
+    jobs = campaign.jobs
+    fitting = 60.0 * jobs.minutes * jobs.processes / seconds_of_run(campaign)
+    return max(1, jobs.processes, int(fitting / jobs.group)) * jobs.group
+
+
+def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> int:
+    """Minutes to ask a queue for, for a job of so many runs: twice the estimate, and what it takes
+    to start and to compile. Where the mesh is sought, all the time that it may take.
+
+    time: the step of their plan, if there is one; to find it takes longer.
+    """
+    if campaign.experiment.is_sought:
+        minutes = campaign.experiment.accuracy.minutes
+    else:
+        minutes = math.ceil(runs / LANES) * LANES * seconds_of_run(campaign, time) / 60.0
+    return math.ceil(JOB_STARTING + 2.0 * minutes / campaign.jobs.processes)
+
+
+def job_megabytes(campaign: Campaign) -> int:
+    """Memory to ask a queue for, for a job: a program for each process, which holds a group of runs
+    as they are written and the next as they are recorded."""
+    experiment, jobs = campaign.experiment, campaign.jobs
+    run = 8 * experiment.solver.instants * (recorded(experiment) + len(experiment.responses))
+    return math.ceil(PROGRAM + jobs.processes * (PROCESS + 2.0 * jobs.group * run / 1e6))
+
+
+def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
+    """Seconds of a core that a run takes among others side by side: the config's, or estimated.
+
+    time: as for `job_minutes`.
+    """
+    experiment = campaign.experiment
+    known = campaign.jobs.run_seconds
+    return known or effort.machine() * run_seconds(experiment, time or choose_step(experiment))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from deployable import intervals
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from evidence.tradeoff.measure.cases import Case, Choice
 
 

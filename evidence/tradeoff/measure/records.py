@@ -15,7 +15,7 @@ from dataclasses import asdict
 import numpy as np
 
 import fpm
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from evidence.tradeoff.measure import bounds
 from evidence.tradeoff.measure.cases import Case, Level
 from evidence.tradeoff.measure.points import design_of, held_out_of, points_of

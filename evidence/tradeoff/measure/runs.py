@@ -11,7 +11,7 @@ import numpy as np
 
 import fpm
 from deployable import intervals
-from deployable.campaign.config.scenes import scene_type
+from deployable.campaign.config.sections import scene_type
 from evidence.tradeoff.measure.cases import Case
 from evidence.tradeoff.measure.points import box_of, unique_points
 

@@ -1,15 +1,92 @@
-"""The parameter values that a config asks for, and what the scene finds wrong with them."""
+"""From a config to its campaign: names, numbers and defaults in place of what it leaves open."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from deployable.campaign.config.keys import RefusedError
-from deployable.campaign.config.models import Around
-from deployable.campaign.config.read import show
-from deployable.campaign.config.sections import Interval
+from deployable.campaign.config.models import Aim, Around, BoundsChoice, Choosing, Config
+from deployable.campaign.config.sections import (
+    ADAPTIVE,
+    Accuracy,
+    Campaign,
+    Choose,
+    DesignChoice,
+    Experiment,
+    Interval,
+    SceneChoice,
+)
+from fpm import SceneError
 from fpm.errors import did_you_mean
+
+
+def campaign_of(config: Config, given: Mapping, found: Any, intervals: Mapping) -> Campaign:
+    """The campaign of a config with a structure and the intervals of its parameters."""
+    accuracy, order = Accuracy(), config.design.order
+    if config.design.method == "scan" and "order" not in given.get("design", {}):
+        order = None
+    if config.accuracy is not None:
+        config, accuracy = with_accuracy(config, found)
+        order = None
+    experiment = Experiment(
+        name=config.campaign,
+        scene=SceneChoice(found.name, config.scene.parameters, config.scene.file or ""),
+        solver=config.solver,
+        # In the scene's order: in which one a config has them must not matter, to no design.
+        intervals={name: intervals[name] for name in found.parameters if name in intervals},
+        design=DesignChoice(**vars(config.design) | {"order": order}),
+        held_out=config.held_out,
+        responses=config.responses,
+        quantities=config.quantities,
+        accuracy=accuracy,
+    )
+    rest = ("bounds", "published", "error", "figures", "verify", "jobs")
+    return Campaign(
+        experiment=experiment,
+        requirements={
+            name: {quantity: limits.given for quantity, limits in limited.items()}
+            for name, limited in config.requirements.items()
+        },
+        choose=choose_of(config.choose, config.intervals),
+        **{name: getattr(config, name) for name in rest},
+    )
+
+
+def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
+    """The config with what its `accuracy` chooses, and that with all names.
+
+    The mesh starts at half of the structure's own, and is refined from there, unless the config
+    gives one.
+    """
+    aim, scene, mesh = config.accuracy, config.scene, scene_type.mesh
+    aim = aim if isinstance(aim, Aim) else Aim(share=aim)
+    if mesh is None or mesh in scene.parameters:
+        mesh = ""
+    else:
+        known = scene_type.parameters[mesh]
+        start = int(max(known.lower, 2, known.default // 2))
+        scene = replace(scene, parameters={**scene.parameters, mesh: start})
+    names = [*config.responses, *config.quantities]
+    shares = {name: aim.of.get(name, aim.share) for name in names}
+    config = replace(
+        config,
+        scene=scene,
+        design=DesignChoice(ADAPTIVE, None),
+        bounds=BoundsChoice("spline"),
+        held_out=0,
+        verify=replace(config.verify, finer=True),
+    )
+    return config, Accuracy(shares, aim.runs, aim.minutes, mesh)
+
+
+def choose_of(given: Choosing, intervals: Mapping[str, Around]) -> Choose:
+    """What `choose` of a config asks for; `intervals` as the user gave them."""
+    relative = [n for n in given.parameters if n in intervals and intervals[n].relative is not None]
+    goals = {"minimise": given.minimise, "maximise": given.maximise}
+    goals = {key: (one,) if isinstance(one, str) else one for key, one in goals.items()}
+    return Choose(given.parameters, **goals, order=given.order, relative=(*relative,))
 
 
 def intervals_of(
@@ -78,24 +155,8 @@ def no_parameter(name: str, scene_type: Any, known: Sequence[str]) -> str:
     )
 
 
-def parameter_problems(given: Mapping, scene_type: Any) -> list[str]:
-    """What is wrong with `scene.parameters`, one sentence each."""
-    problems, known = [], scene_type.parameters
-    for name, value in given.items():
-        if name not in known:
-            told = no_parameter(name, scene_type, list(known))
-        elif not allows(known[name], value):
-            told = f"{show(value)} is not allowed; allowed: {known[name].allowed}"
-        else:
-            continue
-        problems.append(f"scene.parameters.{name}: {told}")
-    return problems
-
-
 def allows(parameter: Any, value: Any) -> bool:
     """Whether the scene's parameter may have this value."""
-    from fpm import SceneError
-
     try:
         parameter.check("", value)
     except SceneError:

@@ -171,8 +171,8 @@ class Workflow:
         )
 
     def last_words(self) -> str:
-        """What was told when the page was made: the answer, and which file to open; nothing where
-        the log is kept elsewhere."""
+        """What was told when the page was made: which file to open; nothing where the log is kept
+        elsewhere."""
         log = self.folder / "logs/page.log"
         return log.read_text(encoding="utf-8").strip() if log.exists() else ""
 

@@ -9,7 +9,6 @@ from deployable.campaign.report.data import PageData
 from deployable.campaign.report.failing import panels
 from deployable.campaign.report.pack import compressed, packed
 from deployable.campaign.report.still import still
-from deployable.campaign.results.facts import SOFT
 from deployable.campaign.text.numbers import pretty
 from deployable.campaign.text.templates import environment
 
@@ -36,7 +35,6 @@ def render(data: PageData) -> str:
         .render(
             data=data,
             facts=data.facts,
-            soft=SOFT,
             shares={response.name: response.shares for response in data.responses},
             panels=panels(data),
             style=_text("style.css"),

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from deployable.campaign.results.facts import SOFT, decisive, happens_only, moments
+from deployable.campaign.results.facts import PARTS, SOFT, decisive, happens_only, moments
 from deployable.campaign.text import numbers
 
 _HERE = Path(__file__).parent
@@ -38,14 +38,14 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     }  # fmt: skip
     found.tests |= {
         "in_any": lambda part, rows: any(part in row["errors"] for row in rows),
-        "search": lambda text, start: text.startswith(start.lstrip("^")),
     }
+    found.globals |= {"SOFT": SOFT, "PARTS": PARTS}
     return found
 
 
 def summary_text(facts: Mapping[str, Any]) -> str:
     """The summary as Markdown."""
-    text = environment().get_template("summary.md.jinja").render(facts=facts, soft=SOFT)
+    text = environment().get_template("summary.md.jinja").render(facts=facts)
     return text.rstrip() + "\n"
 
 

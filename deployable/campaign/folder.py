@@ -11,7 +11,7 @@ CAMPAIGN = "campaign.yaml"
 """Name of the campaign in a folder of one's own."""
 
 # What a round leaves; in an adaptive campaign the last round's become the campaign's.
-ROUND_FILES = ("nodes.json", "samples.nc", "surrogate.nc", "bounds.nc", "sensitivities.nc")
+ROUND_FILES = ("plan.json", "samples.nc", "surrogate.nc", "bounds.nc", "sensitivities.nc")
 PICTURES = ("png", "pdf", "svg")
 
 
@@ -32,7 +32,7 @@ class Folder:
     def __truediv__(self, name: str) -> Path:
         return self.path / name
 
-    plan = _file("nodes.json", "Which runs there are.")
+    plan = _file("plan.json", "Which runs there are.")
     samples = _file("samples.nc", "Responses of all runs.")
     surrogate = _file("surrogate.nc", "Coefficients of the polynomials.")
     sensitivities = _file("sensitivities.nc", "Influence of each parameter.")

@@ -227,7 +227,7 @@ CODE = (".py", ".html", ".jinja", ".css", ".js", ".yaml", ".json")
 UNCOUNTED = {"shipped", "__pycache__"}
 """Folders of what does not: workflow and campaigns that are shipped with it, compiled code."""
 
-_PLAN, _SAMPLES, _BOX = "nodes.json", "samples.nc", "bounds.nc"
+_PLAN, _SAMPLES, _BOX = "plan.json", "samples.nc", "bounds.nc"
 
 
 def _plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:

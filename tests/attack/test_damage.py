@@ -30,7 +30,7 @@ def attacked(victim, place, kinds):
 def test_damaged_files_are_named_and_made_again(tmp_path):
     whole, short = Victim(tmp_path), Victim(tmp_path, "responses")
     kinds = list(kinds_in(whole.whole / whole.name))
-    assert {"nodes.json", "samples.nc", "trajectories/*.nc", "batches/*.json"} < set(kinds)
+    assert {"plan.json", "samples.nc", "trajectories/*.nc", "batches/*.json"} < set(kinds)
     alone = 3  # JSON, Markdown and a group of runs, with which nothing can be swapped
     count = attacked(whole, tmp_path, kinds)
     assert count >= len(kinds) * len(HARMS) - alone
@@ -59,7 +59,7 @@ def test_one_call_names_results_that_were_cut_off(tmp_path):
 
     run(silent)
     folder = tmp_path / RAW["campaign"]
-    paths = [folder / name for name in ("nodes.json", "samples.nc", "bounds.nc", "summary.json")]
+    paths = [folder / name for name in ("plan.json", "samples.nc", "bounds.nc", "summary.json")]
     for path in paths:
         path.write_bytes(path.read_bytes()[:1000])
     made_again(paths, run)

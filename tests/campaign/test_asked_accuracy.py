@@ -339,7 +339,7 @@ def test_a_campaign_that_was_stopped_goes_on_to_the_same_end(met, tmp_path):
     """Without its last rounds, as a killed one is."""
     shutil.copytree(met.path, tmp_path / "asked")
     folder = Folder(tmp_path / "asked")
-    for name in ("bounds.nc", "summary.json", "nodes.json", "samples.nc"):
+    for name in ("bounds.nc", "summary.json", "plan.json", "samples.nc"):
         (folder / name).unlink()
     shutil.rmtree(folder.round(1).path)
     told: list[str] = []

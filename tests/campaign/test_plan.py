@@ -138,20 +138,20 @@ def test_a_step_of_ones_own_is_kept(raw):
 
 
 def test_a_plan_survives_its_file(plan, tmp_path):
-    write_plan(plan, tmp_path / "nodes.json")
-    assert read_plan(tmp_path / "nodes.json") == plan
+    write_plan(plan, tmp_path / "plan.json")
+    assert read_plan(tmp_path / "plan.json") == plan
 
 
 def test_a_plan_of_many_runs_is_packed_to_the_last_bit(raw, tmp_path, monkeypatch):
     raw["intervals"]["E"] = {"relative": 0.05}
     raw["design"] = {"method": "scan", "samples": 10_000}
     plan = plan_of(raw)
-    write_plan(plan, tmp_path / "nodes.json")
-    found = read_plan(tmp_path / "nodes.json")
+    write_plan(plan, tmp_path / "plan.json")
+    found = read_plan(tmp_path / "plan.json")
     assert found == plan
     assert found.digest == plan.digest
     assert [run.id for run in found.runs[:5]] == [run.id for run in plan.runs[:5]]
-    assert (tmp_path / "nodes.json").stat().st_size < 40 * len(plan.runs)
+    assert (tmp_path / "plan.json").stat().st_size < 40 * len(plan.runs)
 
 
 def test_runs_with_the_same_values_are_one(config):

@@ -88,12 +88,12 @@ def test_every_result_is_of_one_stage(whole, monkeypatch):
 @pytest.mark.parametrize(
     ("section", "changed", "finds"),
     [
-        ("solver", {"duration": 0.005, "instants": 9}, "nodes.json"),
-        ("scene", {"name": "bennett", "parameters": {"elements": 3}}, "nodes.json"),
-        ("intervals", {**ASKED["intervals"], "a": {"relative": 0.02}}, "nodes.json"),
-        ("held_out", 2, "nodes.json"),
-        ("responses", {"BD": {"distance": ["B", "D"]}}, "nodes.json"),
-        ("quantities", {"top": {"smallest": "BD"}}, "nodes.json"),
+        ("solver", {"duration": 0.005, "instants": 9}, "plan.json"),
+        ("scene", {"name": "bennett", "parameters": {"elements": 3}}, "plan.json"),
+        ("intervals", {**ASKED["intervals"], "a": {"relative": 0.02}}, "plan.json"),
+        ("held_out", 2, "plan.json"),
+        ("responses", {"BD": {"distance": ["B", "D"]}}, "plan.json"),
+        ("quantities", {"top": {"smallest": "BD"}}, "plan.json"),
         ("jobs", {"group": 3}, "samples.nc"),
         ("bounds", {"model": "spline"}, "bounds.nc"),
         ("verify", {"rounds": 1}, "quantities.nc"),
@@ -111,4 +111,4 @@ def test_an_edited_config_finds_what_was_made_from_it(whole, section, changed, f
 @pytest.mark.slow
 def test_an_edited_structure_finds_the_plan(whole, monkeypatch):
     monkeypatch.setattr(SceneType, "digest", "another")
-    assert "nodes.json" in stale(whole, asked())
+    assert "plan.json" in stale(whole, asked())

@@ -110,7 +110,7 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
             xr.testing.assert_identical(first, second)
     ends = [path.relative_to(results) for path in results.rglob("figures/**/*.*")]
     assert len(ends) == 12
-    for name in ("nodes.json", "summary.json", "summary.md", *ends):
+    for name in ("plan.json", "summary.json", "summary.md", *ends):
         first, second = (
             without_moment((folder / name).read_bytes()) for folder in (results, tmp_path / "small")
         )
@@ -204,14 +204,14 @@ def test_what_was_lost_or_damaged_is_told_and_made_again(small, workplace):
     samples = bytearray((results / "samples.nc").read_bytes())
     samples[len(samples) // 2] ^= 1
     (results / "samples.nc").write_bytes(samples)
-    plan = (results / "nodes.json").read_bytes()
-    (results / "nodes.json").write_bytes(plan[: len(plan) // 2])
+    plan = (results / "plan.json").read_bytes()
+    (results / "plan.json").write_bytes(plan[: len(plan) // 2])
     call = ("results/small/summary.md", *SMALL)
     done = workplace.snakemake(*call)
     assert done.returncode == 0, done.stdout
-    for told in ("samples.nc cannot be used", "nodes.json cannot be used", "made again"):
+    for told in ("samples.nc cannot be used", "plan.json cannot be used", "made again"):
         assert told in done.stdout
-    for name in ("nodes.json", "summary.json", "summary.md"):
+    for name in ("plan.json", "summary.json", "summary.md"):
         assert without_moment((results / name).read_bytes()) == before[results / name]
     assert "Nothing to be done" in workplace.snakemake(*call).stdout
 
@@ -283,6 +283,6 @@ def test_an_accuracy_is_met_alike_in_the_workflow_and_in_one_call(workplace):
     for name in ("samples.nc", "bounds.nc", "quantities.nc"):
         with xr.open_dataset(results / name) as first, xr.open_dataset(again / name) as second:
             xr.testing.assert_identical(first, second)
-    for name in ("nodes.json", "summary.json", "rounds/1/nodes.json"):
+    for name in ("plan.json", "summary.json", "rounds/1/plan.json"):
         first, second = ((folder / name).read_bytes() for folder in (results, again))
         assert without_moment(first) == without_moment(second), name

@@ -99,7 +99,7 @@ def test_a_folder_of_ones_own_is_planned_whatever_its_name(tmp_path, place_in, n
     make_folder(tmp_path / name, "mast")
     done = place_in(tmp_path / name).snakemake(*SEEN)
     assert done.returncode == 0, done.stdout
-    assert "results/mast/nodes.json" in done.stdout
+    assert "results/mast/plan.json" in done.stdout
     assert '"file":"structures/scissor.yaml"' in done.stdout
 
 
@@ -109,7 +109,7 @@ def test_files_that_are_named_as_modules_stand_for_none_of_them(tmp_path, place_
     for name in ("random", "numpy", "deployable"):
         (tmp_path / f"{name}.py").write_text("raise RuntimeError('not asked for')")
     place = place_in(tmp_path)
-    command = place.command("results/pendulum/nodes.json")
+    command = place.command("results/pendulum/plan.json")
     command.insert(1, "-P")  # as the command `snakemake` does, which has no module's folder
     done = subprocess.run(command, cwd=tmp_path, env=place.environment(), capture_output=True)
     assert done.returncode == 0, done.stderr

@@ -3,7 +3,7 @@
 
 rule answers:
     input:
-        [f"{{stage}}/{name}" for name in ("nodes.json", "samples.nc", "bounds.nc")],
+        [f"{{stage}}/{name}" for name in ("plan.json", "samples.nc", "bounds.nc")],
     output:
         report(
             "{stage}/summary.md",

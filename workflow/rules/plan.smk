@@ -5,7 +5,7 @@ rule plan:
     input:
         no_files,
     output:
-        "{stage}/nodes.json",
+        "{stage}/plan.json",
     log:
         "{stage}/logs/plan.log",
     localrule: True
@@ -26,7 +26,7 @@ rule plan:
 # and a campaign that was killed find them again. Where jobs share no folder, a bundle carries them.
 rule simulate:
     input:
-        "{stage}/nodes.json",
+        "{stage}/plan.json",
     output:
         **batch_files("{stage}/batches/{batch}"),
     log:
@@ -56,7 +56,7 @@ rule simulate:
 # Gathers the responses, fits the surrogate, and takes its bounds, which may be a spline's.
 rule bounds:
     input:
-        nodes="{stage}/nodes.json",
+        nodes="{stage}/plan.json",
         batches=batches("json"),
         bundles=batches("tar") if IS_APART else [],
     output:

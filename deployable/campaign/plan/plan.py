@@ -1,6 +1,6 @@
 """The plan of a campaign: which runs there are, known by their parameter values.
 
-`nodes.json` holds it:
+`plan.json` holds it:
 
     campaign, config_hash, config   the sections of the config that decide the runs, resolved
     step, step_limit (s), limiting_element, steps_per_instant, assembly_energy (J), mechanics
@@ -37,7 +37,7 @@ from deployable.intervals import held_out_points
 from fpm.files.sealed import check_content
 
 MOST_LISTED = 10_000
-"""Runs that have a line each in `nodes.json`; of more, programs are the only readers."""
+"""Runs that have a line each in `plan.json`; of more, programs are the only readers."""
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,7 @@ def share(items: list, part: int, parts: int) -> list:
 
 
 def write_plan(plan: Plan, path: str | Path) -> None:
-    """Write `nodes.json`; one run a line, so that it can be read and compared, or all packed."""
+    """Write `plan.json`; one run a line, so that it can be read and compared, or all packed."""
     head = {
         "campaign": plan.experiment.name,
         "config_hash": plan.config_hash,
@@ -193,7 +193,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 
 def read_plan(path: str | Path) -> Plan:
-    """The plan in `nodes.json`; `fpm.files.sealed.DamagedError` unless it is as it was written."""
+    """The plan in `plan.json`; `fpm.files.sealed.DamagedError` unless it is as it was written."""
     data = _content(path)
     experiment, mechanics = from_data(Experiment, data["config"]), data["mechanics"]
     time = _time(data)
@@ -210,13 +210,13 @@ def read_plan(path: str | Path) -> Plan:
 
 
 def read_step(path: str | Path) -> TimeStep:
-    """The time step of the plan in `nodes.json`, in less time than all of it."""
+    """The time step of the plan in `plan.json`, in less time than all of it."""
     return _time(_content(path))
 
 
 def _content(path: str | Path) -> dict:
     content = Path(path).read_bytes()
-    check_content(path, content, "nodes.json")
+    check_content(path, content, "plan.json")
     return json.loads(content)
 
 

@@ -81,15 +81,11 @@ def bounds_dataset(
     attributes = {**samples.attrs, "held_out_runs": len(fitted.tested), "bounds_kind": fitted.kind}
     if design is not None:
         attributes |= {"design_method": design.method, "design_order": list(design.order)}
-    numbers = [
-        _numbers(data, found, error, fitted.tested, i) | _impossible(data, below, i)
-        for i in range(len(data.names))
-    ]
     variables = _curves(data, fitted, found, error)
-    for name in numbers[0]:
+    for name, values in _numbers(data, found, error.total, below, fitted.tested).items():
         long_name, unit = _NUMBERS[name]
-        told = {"long_name": long_name} | ({"units": unit} if unit else {})
-        variables[name] = ("response", [row[name] for row in numbers], told)
+        about = {"long_name": long_name} | ({"units": unit} if unit else {})
+        variables[name] = ("response", values, about)
     return xr.Dataset(
         variables | fitted.variables(),
         coords=data.coordinates(),
@@ -147,34 +143,28 @@ def _least(samples: Samples) -> np.ndarray:
     return np.where(np.isnan(least), -np.inf, least)
 
 
-def _impossible(samples: Samples, below: np.ndarray, i: int) -> dict[str, float]:
-    """How far the model of response `i` falls below what is possible, (n, T), and when most."""
-    at = int(np.argmax(below[i]))
-    return {"largest_impossible": float(below[i, at]), "largest_impossible_time": samples.time[at]}
-
-
 def _numbers(
-    samples: Samples, bounds: Range, error: ErrorEstimate, tested: np.ndarray, i: int
-) -> dict[str, float]:
-    """The summary numbers of response `i`."""
-    time, width = samples.time, bounds.upper[i] - bounds.lower[i]
-    inner = bounds.inner_upper[i] - bounds.inner_lower[i]
-    at, area = int(np.argmax(width)), float(np.trapezoid(width, time))
-    numbers = {
-        "largest_width": float(width[at]),
-        "largest_width_time": float(time[at]),
-        "gap_share_of_width": float(np.trapezoid(width - inner, time)) / area if area > 0 else 0.0,
-    }
+    samples: Samples, bounds: Range, error: np.ndarray, below: np.ndarray, tested: np.ndarray
+) -> dict[str, np.ndarray]:
+    """The summary numbers (n,) of the responses, from their range, its estimated error (n, T) and
+    by how much (n, T) the model falls below what is possible."""
+    time, width = samples.time, bounds.upper - bounds.lower
+    area = np.trapezoid(width, time)
+    numbers = _largest("largest_width", width, time)
+    numbers["gap_share_of_width"] = share_of(bounds.gap, time, area)
     if len(tested):
-        own = samples.values[tested, i]
-        numbers |= compare_runs(bounds.lower[i], bounds.upper[i], own)
-    total = error.total[i]
-    worst = int(np.argmax(total))
-    return numbers | {
-        "largest_error": float(total[worst]),
-        "largest_error_time": float(time[worst]),
-        "error_share_of_width": float(np.trapezoid(total, time)) / area if area > 0 else 0.0,
-    }
+        sides = zip(
+            bounds.lower, bounds.upper, np.moveaxis(samples.values[tested], 1, 0), strict=True
+        )
+        runs = [compare_runs(*each) for each in sides]
+        numbers |= {name: np.array([each[name] for each in runs]) for name in runs[0]}
+    numbers |= _largest("largest_error", error, time) | _largest("largest_impossible", below, time)
+    return numbers | {"error_share_of_width": share_of(error, time, area)}
+
+
+def _largest(name: str, values: np.ndarray, time: np.ndarray) -> dict[str, np.ndarray]:
+    """The largest of values (n, T) over time, (n,), and when it is."""
+    return {name: values.max(axis=1), f"{name}_time": time[values.argmax(axis=1)]}
 
 
 def add_errors(
@@ -200,13 +190,8 @@ def add_errors(
         told = {"long_name": text, "units": "1"}
         added[f"share_{name}"] = ("response", share_of(values, time, area), told)
     total = np.sum(list(curves.values()), axis=0)
-    worst, rows = total.argmax(axis=1), np.arange(len(total))
-    numbers = {
-        "error": total,
-        "largest_error": total[rows, worst],
-        "largest_error_time": time[worst],
-        "error_share_of_width": share_of(total, time, area),
-    }
+    numbers = {"error": total} | _largest("largest_error", total, time)
+    numbers["error_share_of_width"] = share_of(total, time, area)
     for name, values in numbers.items():
         added[name] = (bounds[name].dims, values, bounds[name].attrs)
     return bounds.assign(added).assign_attrs(error_parts=list(curves))

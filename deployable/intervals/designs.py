@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+import scipy
 from numpy.polynomial.chebyshev import chebvander
 
 from . import chebyshev
@@ -228,9 +229,7 @@ def scan_points(
     points[:first] = corner_points(free)[:first]
     rest = samples - first
     if rest > 0:
-        from scipy.stats import qmc  # takes a second or two to import
-
-        sampler = qmc.Sobol(int(free.sum()), scramble=True, rng=seed)
+        sampler = scipy.stats.qmc.Sobol(int(free.sum()), scramble=True, rng=seed)
         points[first:, free] = 2 * sampler.random_base2((rest - 1).bit_length())[:rest] - 1
     return points
 

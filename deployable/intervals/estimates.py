@@ -18,6 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from .chebyshev import Surrogate, product_basis
 
@@ -51,9 +52,7 @@ def share_outside(runs: int, confidence: float | None = None) -> float:
         return 1.0
     if confidence is None:
         return 2.0 / (runs + 1)
-    from scipy.special import betaincinv
-
-    return float(betaincinv(2, runs - 1, confidence))
+    return float(scipy.special.betaincinv(2, runs - 1, confidence))
 
 
 def continued(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import scipy
 
 from .box import match_points, other_runs
 from .designs import Design, fit
@@ -216,10 +217,8 @@ class SplineModel(Model):
 
     def _next_to(self, at: np.ndarray, count: int) -> np.ndarray:
         """Largest left-out error (n, T) of the `count` runs nearest to unit points at (n, T, k)."""
-        from scipy.spatial import cKDTree
-
         scales = self.spline.scales
-        tree = cKDTree(self.spline.points * scales)
+        tree = scipy.spatial.cKDTree(self.spline.points * scales)
         _, near = tree.query(at * scales, k=min(count, len(self.spline.points)))
         n, instants = np.indices(at.shape[:2])
         return np.abs(self.spline.left_out[near, n[..., None], instants[..., None]]).max(axis=-1)

@@ -6,6 +6,7 @@ import heapq
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from .designs import spread_points
 from .splines import fit_spline
@@ -132,8 +133,6 @@ def _greedy(promised, low, high, trial, count, distance):
 
 def _far(points: np.ndarray, others: np.ndarray, distance: float) -> np.ndarray:
     """Mask of the points (P, k) that are farther than `distance` from all others (N, k)."""
-    from scipy.spatial import cKDTree
-
     if not len(others):
         return np.ones(len(points), dtype=bool)
-    return cKDTree(others).query(points)[0] > distance
+    return scipy.spatial.cKDTree(others).query(points)[0] > distance

@@ -10,6 +10,7 @@ which it is positive definite (Wendland 2005, chapter 8).
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from .errors import IntervalError
 
@@ -21,14 +22,14 @@ NEAR, NEAR_ON_LINE = 1e-4, 1e-6
 
 def distinct(points: np.ndarray) -> np.ndarray:
     """Indices, rising, of runs at unit points (N, k) no two of which are nearly the same."""
-    from scipy.spatial import cKDTree
-
     one = (np.ptp(points, axis=0) > 0).sum() <= 1
     # equal runs in bulk first: a tree would list all their pairs
     _, first = np.unique(np.round(points, 9) + 0.0, axis=0, return_index=True)
     first = np.sort(first)
     keep = np.ones(len(first), dtype=bool)
-    pairs = cKDTree(points[first]).query_pairs(NEAR_ON_LINE if one else NEAR, output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(points[first]).query_pairs(
+        NEAR_ON_LINE if one else NEAR, output_type="ndarray"
+    )
     for i, j in pairs[np.lexsort(pairs.T[::-1])]:
         keep[j] &= not keep[i]
     return first[keep]
@@ -66,24 +67,19 @@ def solve_line(knots: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nd
     # leaving out run i: the value there that makes the spline's energy f' Q R^-1 Q' f least
     slope = np.diff(bend, axis=0) / h[:, None]
     force = np.concatenate([slope[:1], np.diff(slope, axis=0), -slope[-1:]])
-    energy = np.empty(len(h) + 1)
-    inner = np.arange(len(h) - 1)
+    factors = [1 / h[:-1], -1 / h[:-1] - 1 / h[1:], 1 / h[1:]]
+    bends = scipy.sparse.diags_array(factors, offsets=[0, 1, 2], shape=(len(h) - 1, len(h) + 1))
+    energy, bends = np.empty(len(h) + 1), bends.tocsc()
     for start in range(0, len(energy), _COLUMNS):
-        part = np.zeros((len(inner), min(_COLUMNS, len(energy) - start)))
-        for shift, factor in ((0, 1 / h[:-1]), (1, -1 / h[:-1] - 1 / h[1:]), (2, 1 / h[1:])):
-            column = inner + shift - start
-            here = (column >= 0) & (column < part.shape[1])
-            part[inner[here], column[here]] = factor[here]
+        part = bends[:, start : start + _COLUMNS].toarray()
         energy[start : start + _COLUMNS] = (part * _tridiagonal(band, part)).sum(axis=0)
     second[order], left_out[order] = bend, force / energy[:, None]
     return second, left_out
 
 
 def _tridiagonal(band: np.ndarray, right: np.ndarray) -> np.ndarray:
-    from scipy.linalg import solveh_banded
-
     # LAPACK's routine refuses one equation
-    return right / band[1] if band.shape[1] == 1 else solveh_banded(band, right)
+    return right / band[1] if band.shape[1] == 1 else scipy.linalg.solveh_banded(band, right)
 
 
 class Polyharmonic:
@@ -93,18 +89,16 @@ class Polyharmonic:
     """
 
     def __init__(self, cubes: np.ndarray, linear: np.ndarray):
-        from scipy.linalg import LinAlgError, cholesky, qr
-
         count, extra = linear.shape
         if count < extra or np.linalg.matrix_rank(linear) < extra:
             raise IntervalError("runs", count, f"at least {extra} runs that are not in one plane")
-        (raw, self._tau), self._triangle = qr(linear, mode="raw")
+        (raw, self._tau), self._triangle = scipy.linalg.qr(linear, mode="raw")
         self._mirrors = np.tril(raw, -1)[:, :extra] + np.eye(count, extra)
         self._extra, self._cubes = extra, cubes
         half = self._turned(cubes).T
         try:
-            self._root = cholesky(self._turned(half)[extra:, extra:], lower=True)
-        except LinAlgError:
+            self._root = scipy.linalg.cholesky(self._turned(half)[extra:, extra:], lower=True)
+        except scipy.linalg.LinAlgError:
             raise IntervalError("runs", count, "runs that are farther apart") from None
 
     def _turned(self, x: np.ndarray, back: bool = False) -> np.ndarray:
@@ -118,25 +112,25 @@ class Polyharmonic:
 
     def weights(self, values: np.ndarray) -> np.ndarray:
         """Weights (N + m, T) of the runs and linear functions, from values (N, T)."""
-        from scipy.linalg import cho_solve, solve_triangular
-
         turned = self._turned(values)
         if len(turned) > self._extra:
-            turned[self._extra :] = cho_solve((self._root, True), turned[self._extra :])
+            turned[self._extra :] = scipy.linalg.cho_solve(
+                (self._root, True), turned[self._extra :]
+            )
         turned[: self._extra] = 0.0
         weights = self._turned(turned, back=True)
         rest = self._turned(values - self._cubes @ weights)[: self._extra]
-        return np.concatenate([weights, solve_triangular(self._triangle[: self._extra], rest)])
+        return np.concatenate(
+            [weights, scipy.linalg.solve_triangular(self._triangle[: self._extra], rest)]
+        )
 
     def left_out(self, weights: np.ndarray) -> np.ndarray:
         """Left-out errors (N, T) from weights (N + m, T): a run's weight over that of a unit."""
-        from scipy.linalg import solve_triangular
-
         count = len(self._cubes)
         unit = self._turned(np.eye(count))[self._extra :]
         if not len(unit):
             return np.full((count, weights.shape[1]), np.inf)
-        unit = (solve_triangular(self._root, unit, lower=True) ** 2).sum(axis=0)
+        unit = (scipy.linalg.solve_triangular(self._root, unit, lower=True) ** 2).sum(axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
             found = weights[:count] / unit[:, None]
         return np.where(np.isfinite(found), found, np.inf)

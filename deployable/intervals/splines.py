@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 
 from .designs import spread_points
 from .errors import IntervalError
@@ -75,12 +76,10 @@ class Spline:
     def basis(self, unit: np.ndarray):
         """Rows (P, len(weights)) at unit coordinates (P, k): an array, on a line a sparse one."""
         if self.on_line:
-            from scipy.sparse import csr_array
-
             index, factor = self.line_rows(unit)
             ends = np.arange(0, 4 * len(index) + 1, 4)
             shape = (len(index), len(self.weights))
-            return csr_array((factor.ravel(), index.ravel(), ends), shape=shape)
+            return scipy.sparse.csr_array((factor.ravel(), index.ravel(), ends), shape=shape)
         return _rows(np.asarray(unit, dtype=float), self.points, self.scales)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:

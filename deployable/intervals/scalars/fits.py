@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from math import comb
 
 import numpy as np
+import scipy
 
 from ..chebyshev import Surrogate, least_squares, product_basis, total_degree
 from ..errors import IntervalError
@@ -40,9 +41,7 @@ class Corrected:
 
 
 def _fading(unit: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
-    from scipy.spatial.distance import cdist
-
-    return np.exp(-cdist(unit, points) / length)
+    return np.exp(-scipy.spatial.distance.cdist(unit, points) / length)
 
 
 @dataclass(frozen=True)

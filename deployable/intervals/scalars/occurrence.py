@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 
 from ..designs import scan_points, spread_points
 from ..spline_equations import distinct
@@ -58,13 +59,11 @@ class Occurrence:
     def doubt(self, unit: np.ndarray) -> np.ndarray:
         """Size (P) of the certainty at unit coordinates (P, k) up to which the runs leave open what
         happens."""
-        from scipy.spatial import cKDTree
-
         if not self.mixed:
             return np.zeros(len(unit))
         certain = self._certain
         nearest = [
-            certain[kind][cKDTree(self.points[kind]).query(unit)[1]]
+            certain[kind][scipy.spatial.cKDTree(self.points[kind]).query(unit)[1]]
             for kind in (self.happens, ~self.happens)
         ]
         # Runs too close together, or too rough a border: some lie on the wrong side of it.
@@ -87,10 +86,8 @@ class Occurrence:
         chosen = np.zeros((0, self.points.shape[1]))
         if not self.mixed:
             return chosen
-        from scipy.spatial import cKDTree
-
         places = self._open_places()
-        away = cKDTree(self.points).query(places)[0] if len(places) else np.zeros(0)
+        away = scipy.spatial.cKDTree(self.points).query(places)[0] if len(places) else np.zeros(0)
         while len(chosen) < count and away.max(initial=0.0) > _LEAST:
             chosen = np.concatenate([chosen, places[[away.argmax()]]])
             away = np.minimum(away, np.linalg.norm(places - chosen[-1], axis=1))
@@ -99,8 +96,6 @@ class Occurrence:
     def _open_places(self) -> np.ndarray:
         """Unit points (P, k) at which the certainty has one of a few sizes, each between two points
         of the box of which one is above and one below all of them."""
-        from scipy.spatial import cKDTree
-
         spread = spread_points(self._free, _CANDIDATES)
         spread[:, ~self._free] = self.points[0, ~self._free]
         spread = np.concatenate([spread, self.points])
@@ -108,7 +103,7 @@ class Occurrence:
         above, below = spread[certain > max(_LEVELS)], spread[certain < min(_LEVELS)]
         if not len(above) or not len(below):
             return spread[:0]
-        below, found = below[cKDTree(below).query(above)[1]], []
+        below, found = below[scipy.spatial.cKDTree(below).query(above)[1]], []
         for level in _LEVELS:
             high, low = above, below
             for _ in range(20):
@@ -131,14 +126,12 @@ class Occurrence:
     def _border(self) -> Callable[[np.ndarray], np.ndarray]:
         """The smoothest function that tells the runs apart, by its dual: the least |L' a - b| with
         a >= 0, where L L' is the kernel with the runs' signs and L b = 1."""
-        from scipy.linalg import cholesky, solve_triangular
-        from scipy.optimize import nnls
 
         points, signs = self._deciding()
         kernel = _matern(points, points) * signs * signs[:, None]
-        root = cholesky(kernel + _NOISE * np.eye(len(points)), lower=True)
-        ones = solve_triangular(root, np.ones(len(points)), lower=True)
-        weights, _ = nnls(root.T, ones, maxiter=100 * len(points))
+        root = scipy.linalg.cholesky(kernel + _NOISE * np.eye(len(points)), lower=True)
+        ones = scipy.linalg.solve_triangular(root, np.ones(len(points)), lower=True)
+        weights, _ = scipy.optimize.nnls(root.T, ones, maxiter=100 * len(points))
         bearing = weights > 0
         points, weights = points[bearing], (weights * signs)[bearing]
         return lambda unit: _matern(unit, points) @ weights
@@ -150,15 +143,13 @@ class Occurrence:
 
     def _deciding(self) -> tuple[np.ndarray, np.ndarray]:
         """Unit points (n, k) and signs (n) of the runs that a border is fitted to."""
-        from scipy.spatial import cKDTree
-
         rows = distinct(self.points)
         if len(rows) > _MOST:
             away = np.empty(len(rows))
             for kind in (True, False):
                 own = self.happens[rows] == kind
                 others = self.points[self.happens != kind]
-                away[own] = cKDTree(others).query(self.points[rows[own]])[0]
+                away[own] = scipy.spatial.cKDTree(others).query(self.points[rows[own]])[0]
             rows = rows[np.argsort(away, kind="stable")[:_MOST]]
         return self.points[rows], np.where(self.happens[rows], 1.0, -1.0)
 

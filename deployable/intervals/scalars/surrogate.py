@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
+import scipy
 
 from ..designs import spread_points
 from .fits import Fit, best_fit
@@ -99,12 +100,10 @@ def extreme(
         found = -np.where(np.isfinite(found), found, worst - scale) / scale
         return float(found[0]), (found[1:] - found[0]) / steps
 
-    from scipy.optimize import minimize
-
     for i in order:
         start = ((trial[i] - middle)[rows] / half[rows]).clip(-1.0, 1.0)
         bounds = [(-1.0, 1.0)] * len(rows)
-        found = minimize(loss, start, method="L-BFGS-B", jac=True, bounds=bounds)
+        found = scipy.optimize.minimize(loss, start, method="L-BFGS-B", jac=True, bounds=bounds)
         x = middle.copy()
         x[rows] += half[rows] * found.x
         x = np.clip(x, lower, upper)

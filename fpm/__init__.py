@@ -15,8 +15,7 @@ from fpm.files.outcome import Outcome
 from fpm.reading import quantities, responses
 from fpm.scenes.scene import Link, Scene
 from fpm.scenes.timestep import SAFETY, StableStep, stable_step
-from fpm.solver.simulate import divide_time, simulate
-from fpm.solver.warming import warm_up
+from fpm.solver.simulate import divide_time, simulate, warm_up
 
 __all__ = [
     "SAFETY",

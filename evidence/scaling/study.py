@@ -22,7 +22,7 @@ MOST_BALANCE = 1e-4
 """Imbalance as a share of the largest kinetic energy: a twentieth of what campaigns allow."""
 
 MOST_GAP, MOST_TILT = 1e-11, 1e-9
-"""Of joints, m and rad: what the linkage keeps as a rule (kinds/hinge_limits.py)."""
+"""Of joints, m and rad: what the linkage keeps as a rule (fpm/elements/joints/hinge_arrays.py)."""
 
 MOST_COUPLED = 4.0
 """Times what a hinge costs that is solved alone."""

@@ -22,9 +22,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fpm.assembly.conditions import Conditions, conditions_of
+from fpm.assembly.conditions import Conditions, Places, conditions_of
 from fpm.assembly.elastic import Elastic, elastic_of
-from fpm.assembly.places import Places
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.openings.opening import opening_at
 from fpm.errors import SceneError

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.assembly.places import Places, dofs_of, gathered, slopes
+from fpm.assembly.conditions import Places, dofs_of, gathered, slopes
 from fpm.elements.bars.beam import Beams, elements_of, end_axes
 
 

@@ -135,6 +135,26 @@ def put3(a, i, k, v):
 
 
 @kernel
+def get6(a, i, k):
+    """The six lanes in fields k .. k+5 of row i."""
+    return (
+        load(a, i, k),
+        load(a, i, k + 1),
+        load(a, i, k + 2),
+        load(a, i, k + 3),
+        load(a, i, k + 4),
+        load(a, i, k + 5),
+    )
+
+
+@kernel
+def put6(a, i, k, s):
+    """Write six lanes to fields k .. k+5 of row i."""
+    put3(a, i, k, vector(s[0], s[1], s[2]))
+    put3(a, i, k + 3, vector(s[3], s[4], s[5]))
+
+
+@kernel
 def add3(a, i, k, v):
     """Add a vector to what is in fields k, k+1, k+2 of row i."""
     put3(a, i, k, get3(a, i, k) + v)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.hinge import Hinge
+from fpm.elements.joints.hinge_arrays import SUMS
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import AXES, Recorded
 from fpm.elements.openings.opening import PARTS
@@ -285,7 +286,6 @@ def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
 
 def numbers(scene: Scene, columns: Iterable[Column]) -> int:
     """How many numbers of a sample the loop keeps at an instant for some columns."""
-    from fpm.elements.joints.hinge_arrays import SUMS
     from fpm.elements.particles import probe_kernels
 
     probe = Probe.asked(prepared(scene, columns))

@@ -12,6 +12,7 @@ from fpm.files.trajectory import Column
 from fpm.reading.variables import prepared
 from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import SAFETY, stable_step
+from fpm.solver import pack
 from fpm.solver.start import started
 from fpm.solver.unpack import outcome_of
 
@@ -60,7 +61,6 @@ def simulate(
     topologies that differ.
     """
     from fpm.kernels.lanes import width as lanes_of
-    from fpm.solver.pack import check_topology
 
     scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
     if not scenes:
@@ -74,7 +74,7 @@ def simulate(
         raise SceneError("instants", instants, "at least 2")
     if step is not None and not (np.isfinite(step) and step > 0):
         raise SceneError("step", step, "a positive number (s), or None")
-    check_topology(scenes)
+    pack.check_topology(scenes)
     scenes = [started(scene) for scene in scenes]
     limits = [stable_step(scene) for scene in scenes] if step is None else [None] * len(scenes)
     wanted = safety * min(limit.step for limit in limits) if step is None else step
@@ -93,21 +93,18 @@ def simulate(
 
 def _integrate(scenes, width, dtype, instants, division, tolerance):
     """Integrate one batch: the Batch, the arrays of its kinds, its World and its Record."""
-    from fpm.solver.pack import MOST_EVENTS, MOST_ROOM
-
-    run = _integrate_once(scenes, width, dtype, instants, division, tolerance, MOST_EVENTS)
+    run = _integrate_once(scenes, width, dtype, instants, division, tolerance, pack.MOST_EVENTS)
     noted = int(run[0].event_count[: len(scenes)].max())
-    if noted > MOST_EVENTS:
-        room = min(noted, MOST_ROOM)
+    if noted > pack.MOST_EVENTS:
+        room = min(noted, pack.MOST_ROOM)
         run = _integrate_once(scenes, width, dtype, instants, division, tolerance, room)
     return run
 
 
 def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
     from fpm.kernels.compiled import loop_for
-    from fpm.solver.pack import pack
 
-    batch = pack(scenes, width, dtype, instants, room)
+    batch = pack.pack(scenes, width, dtype, instants, room)
     step, per_instant, per_check = division
     steps = per_instant * (instants - 1)
     parts, world, record = batch.parts(), batch.world(), batch.record(step, steps)
@@ -115,3 +112,12 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
     arguments = parts, world, record, step, steps, per_instant, per_check, float(tolerance)
     loop_for(arguments)(*arguments)
     return batch, parts, world, record
+
+
+def warm_up(scene: Scene, record=()) -> None:
+    """Compile the solver for the kinds in a scene, or load it from the cache on disk.
+
+    record: as for `simulate`.
+    """
+    # One step; a stable one takes a while.
+    simulate(scene, duration=1e-9, instants=2, step=1e-9, record=record)

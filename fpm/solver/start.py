@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fpm.assembly.conditions import Conditions, conditions_of
-from fpm.assembly.places import Places
+from fpm.assembly.conditions import Conditions, Places, conditions_of
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.particles.turning import turns_of
@@ -45,7 +44,7 @@ APART = 1e6
 
 RESOLVED, REDUNDANT = 1e-8, 1e-24
 """Eigenvalues of the matrix of all conditions, its diagonal being one: above the first they are a
-hundred times what eases the joints (EASE in kinds/joint.py), so that a first solution is right to
+hundred times what eases the joints (EASE in joint.py), so that a first solution is right to
 1 % and the correction after it to 1e-4; below the second they are those of conditions that others
 imply.
 """

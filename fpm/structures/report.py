@@ -7,8 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fpm.assembly.conditions import conditions_of
-from fpm.assembly.places import Places
+from fpm.assembly.conditions import Places, conditions_of
 from fpm.scenes.effort import machine, run_seconds
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType

@@ -20,12 +20,14 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cross import cross, length
-from fpm.elements.joints.hinge_limits import MOST_GAP, MOST_TILT
+from fpm.elements.joints import hinge_arrays as at
+from fpm.elements.joints.hinge_arrays import MOST_GAP, MOST_TILT
 from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import AXES, Kind, Recorded, Watch
 from fpm.elements.openings.opening import opening_angle
@@ -36,15 +38,59 @@ ANGLES = "_axis", "_other"
 """What the names of a universal joint's angles end with."""
 
 
-def _gapes(values: dict[str, float]) -> tuple[str, str]:
-    return (
-        f"a hinge gapes by {values['gap']:.2g} m and {values['tilt']:.2g} rad",
-        "halve solver.step: the particles of the hinge turn too far in a step",
-    )
+def gap_watches(called: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Watch]:
+    """What is watched of hinges or joints, under these names: gaps of points, and of directions."""
+
+    def failure(values: dict[str, float]) -> tuple[str, str]:
+        return f"a {called} gapes by {values[gap]:.2g} m and {values[tilt]:.2g} rad", remedy
+
+    return Watch(gap, MOST_GAP, True, failure, True), Watch(tilt, MOST_TILT, True, failure)
+
+
+class Joined(Kind):
+    """What hinges and joints have in common: `type`, and `beams` whose ends are kept together."""
+
+    joins = True
+    gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words
+
+    @property
+    def particles(self) -> tuple[int, ...]:
+        """Indices of its particles."""
+        return tuple(beam.particle for beam in self.beams)
+
+    @property
+    def slides(self) -> bool:
+        """Whether it is a slide, so that its opening is a length."""
+        return self.type == "prismatic"
+
+    @property
+    def joint(self) -> str:
+        """Its name as a joint."""
+        return self.name
+
+    def check(self, scene):
+        """One name, one hinge or joint."""
+        if {self.name, self.joint} & names_taken(scene):
+            raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
+
+    @classmethod
+    def names(cls, scene):
+        return [f"{cls.__name__.lower()} {element.name}" for element in cls.of(scene)]
+
+    @classmethod
+    def moved(cls, scene):
+        """Their particles; driven ones are another's."""
+        return [p for element in cls.of(scene) for p in element.particles]
+
+    @classmethod
+    def recorded(cls, part, scene, lane):
+        """The largest gaps."""
+        columns = zip(cls.gaps.items(), part.gaps[:, :, lane].T, ("m", "rad"), strict=True)
+        return {name: Recorded(values, unit, words) for (name, words), values, unit in columns}
 
 
 @dataclass(frozen=True)
-class Hinge(Kind):
+class Hinge(Joined):
     """A hinge between the free ends of two virtual beams.
 
     axes (2, 3): the axis in each particle's own frame; references (2, 3): directions normal to the
@@ -66,17 +112,22 @@ class Hinge(Kind):
     type: str = "revolute"
     offset: float = 0.0
 
-    joins = True
     holds_opening = False  # as a joint that is an opening (joint.py)
-    watches = (Watch("gap", MOST_GAP, True, _gapes, True), Watch("tilt", MOST_TILT, True, _gapes))
+    gaps: ClassVar = {
+        "hinge_gap": "largest gap of a hinge, or to where it is held",
+        "hinge_axis_gap": "largest angle between hinge axes",
+    }
+    watches = gap_watches(
+        "hinge",
+        "gap",
+        "tilt",
+        "halve solver.step: the particles of the hinge turn too far in a step",
+    )
 
     @staticmethod
     def between(scene, name, particles, point, axis, references, opening, support) -> "Hinge":
         """A hinge between two particles of a scene, where it stands (Scene.add_hinge)."""
-        first, second = (int(p) for p in particles)
-        count = len(scene.position)
-        if first == second or not (0 <= first < count and 0 <= second < count):
-            raise SceneError(f"particles of hinge {name}", particles, "two different particles")
+        pair = two_of(scene, particles, f"hinge {name}")
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
         axes = [unit(a, f"axis of hinge {name}") for a in of_both(axis)]
@@ -90,20 +141,15 @@ class Hinge(Kind):
         references = [unit(r, f"reference of hinge {name}") for r in references]
         if max(abs(np.dot(r, a)) for r, a in zip(references, axes, strict=True)) > 1e-9:
             raise SceneError(f"references of hinge {name}", references, "normal to the axis")
-        frames = [scene.frame[p].T for p in (first, second)]
+        frames = [scene.frame[p].T for p in pair]
         return Hinge(
             name,
-            arms(scene, (first, second), point),
+            arms(scene, pair, point),
             axes=np.array([frame @ a for frame, a in zip(frames, axes, strict=True)]),
             references=np.array([f @ r for f, r in zip(frames, references, strict=True)]),
             opening=opening_angle(axis, *references, near=opening),
             support="".join(sorted(support)),
         )
-
-    @property
-    def slides(self) -> bool:
-        """Whether its opening is a length."""
-        return self.type == "prismatic"
 
     @property
     def ends(self) -> np.ndarray:
@@ -116,44 +162,22 @@ class Hinge(Kind):
         return np.array([one - self.offset * self.axes[0], two])
 
     @property
-    def particles(self) -> tuple[int, int]:
-        """Indices of the two particles."""
-        return self.beams[0].particle, self.beams[1].particle
+    def joint(self) -> str:
+        """Its name as a joint: of a universal one without that of its angle."""
+        return self.name.removesuffix(ANGLES[0]) if self.type == "universal" else self.name
 
     @classmethod
     def of(cls, scene):
         """The hinges that are solved alone; the others are joints (joint.py)."""
         return [hinge for hinge, lone in zip(scene.hinges, alone(scene), strict=True) if lone]
 
-    def check(self, scene):
-        """One name, one hinge or joint."""
-        if {self.name, name_of(self)} & names_taken(scene):
-            raise SceneError("hinge", name_of(self), "a name not yet used")
-
     def topology(self):
         """Name, type, particles and held axes."""
         return self.name, self.type, self.particles, self.support
 
     @classmethod
-    def names(cls, scene):
-        return [f"hinge {hinge.name}" for hinge in cls.of(scene)]
-
-    @classmethod
-    def moved(cls, scene):
-        """Both particles of each."""
-        return [p for hinge in cls.of(scene) for p in hinge.particles]
-
-    @classmethod
     def pack(cls, batch):
         from fpm.elements.joints import hinge_kernels  # noqa: F401, its hooks
-        from fpm.elements.joints.hinge_arrays import (
-            BODY,
-            BODY_SCRATCH,
-            HINGE,
-            HINGE_SCRATCH,
-            SUMS,
-            Hinges,
-        )
 
         hinges, which = cls.of(batch.one), np.flatnonzero(alone(batch.one))
         h, rows = len(hinges), batch.instants + 1
@@ -161,71 +185,56 @@ class Hinge(Kind):
         def each(rows_of):  # which are alone is the same in all scenes of a batch
             return lambda scene: rows_of(scene, [scene.hinges[i] for i in which])
 
-        held = [[axis in hinge.support for axis in AXES] for hinge in hinges]
+        held = [held_axes(hinge.support) for hinge in hinges]
         counted = Probe.asked(batch.one).impulses
-        return Hinges(
+        return at.Hinges(
             ends=batch.integers(cls.moved(batch.one)),
-            bodies=batch.stack(2 * h, BODY, each(_bodies)),
-            hinges=batch.stack(h, HINGE, each(_places)),
+            bodies=batch.stack(2 * h, at.BODY, each(_bodies)),
+            hinges=batch.stack(h, at.HINGE, each(_places)),
             held=batch.integers(held, 3),
             supported=bool(np.any(held)),
-            body_scratch=batch.blank(2 * h, BODY_SCRATCH),
-            hinge_scratch=batch.blank(h, HINGE_SCRATCH),
+            body_scratch=batch.blank(2 * h, at.BODY_SCRATCH),
+            hinge_scratch=batch.blank(h, at.HINGE_SCRATCH),
             open=np.zeros(h, bool),
             watched=batch.watched_by(cls),
-            rows=batch.rows_of(cls),
+            names=np.arange(h),
+            excess=batch.rows_of(cls),
             gaps=batch.blank(rows, 2),
-            sums=batch.blank(h, SUMS) if counted else None,
-            forces=batch.blank(rows * h, SUMS) if counted else None,
+            sums=batch.blank(h, at.SUMS) if counted else None,
+            forces=batch.blank(rows * h, at.SUMS) if counted else None,
         )
-
-    @classmethod
-    def recorded(cls, part, scene, lane):
-        """The largest gaps."""
-        gap, tilt = part.gaps[:, :, lane].T
-        return {
-            "hinge_gap": Recorded(gap, "m", "largest gap of a hinge, or to where it is held"),
-            "hinge_axis_gap": Recorded(tilt, "rad", "largest angle between hinge axes"),
-        }
-
-
-def name_of(hinge: Hinge) -> str:
-    """The name of a hinge as a joint: of a universal one without that of its angle."""
-    return hinge.name.removesuffix(ANGLES[0]) if hinge.type == "universal" else hinge.name
 
 
 def names_taken(scene) -> set[str]:
     """Names of joints and hinges, of universal joints also without those of their angles."""
     names = {e.name for kind, found in scene.kinds.items() if kind.joins for e in found}
-    return names | {name_of(hinge) for hinge in scene.hinges}
+    return names | {hinge.joint for hinge in scene.hinges}
 
 
 def _bodies(scene, hinges: Sequence[Hinge]) -> np.ndarray:
-    from fpm.elements.joints import hinge_arrays as at
-
     beams = [beam for hinge in hinges for beam in hinge.beams]
     axes = np.concatenate([hinge.axes for hinge in hinges])
     references = np.concatenate([hinge.references for hinge in hinges])
     p = [beam.particle for beam in beams]
-    out = np.zeros((len(beams), at.BODY))
-    out[:, at.ARM : at.ARM + 3] = [beam.arm for beam in beams]
-    out[:, at.AXIS : at.AXIS + 3] = axes
-    out[:, at.REF : at.REF + 3] = references
-    out[:, at.NORMAL : at.NORMAL + 3] = cross(axes, references)
-    out[:, at.HIM : at.HIM + 3] = ~scene.fixed[p, :3] / scene.mass[p, None]
-    return out
+    inverse_mass = ~scene.fixed[p, :3] / scene.mass[p, None]
+    # In the order of hinge_arrays.py: ARM, AXIS, REF, NORMAL, HIM.
+    arms = [beam.arm for beam in beams]
+    return np.hstack([arms, axes, references, cross(axes, references), inverse_mass])
 
 
 def _places(scene, hinges: Sequence[Hinge]) -> np.ndarray:
-    from fpm.elements.joints import hinge_arrays as at
+    return np.hstack([[held_axes(hinge.support) for hinge in hinges], places_of(scene, hinges)])
 
-    out = np.zeros((len(hinges), at.HINGE))
-    for row, hinge in zip(out, hinges, strict=True):
-        row[at.HELD : at.HELD + 3] = [axis in hinge.support for axis in AXES]
-        first = hinge.beams[0]
-        place = scene.position[first.particle] + scene.frame[first.particle] @ first.arm
-        row[at.PLACE : at.PLACE + 3] = place
-    return out
+
+def held_axes(letters: str) -> list[bool]:
+    """Whether each global axis is among some letters."""
+    return [axis in letters for axis in AXES]
+
+
+def places_of(scene, joined: Sequence[Joined]) -> np.ndarray:
+    """Where the ends of the first virtual beams are at the start (j, 3), m."""
+    beams = [element.beams[0] for element in joined]
+    return np.array([scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams])
 
 
 def alone(scene) -> list[bool]:
@@ -250,6 +259,15 @@ def alone(scene) -> list[bool]:
     ]
 
 
+def two_of(scene, particles, called: str) -> tuple[int, int]:
+    """The indices of two particles that something joins; SceneError unless there are two."""
+    first, second = (int(p) for p in particles)
+    count = len(scene.position)
+    if first == second or not (0 <= first < count and 0 <= second < count):
+        raise SceneError(f"particles of {called}", particles, "two different particles")
+    return first, second
+
+
 def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
     """Virtual beams from two particles to a point (3,), or each to its own (2, 3)."""
     return tuple(scene.arm_to(p, q) for p, q in zip(particles, of_both(point), strict=True))
@@ -270,7 +288,7 @@ def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
 def _is_regular(support: str, one: bytes, two: bytes) -> bool:
     """The same for the axes that are held, six truth values each."""
     one, two = np.frombuffer(one, bool), np.frombuffer(two, bool)
-    point = np.array([axis in support for axis in AXES])
+    point = np.array(held_axes(support))
     twice = (one[:3] & two[:3]) | ((one[:3] | two[:3]) & point)
     in_part = any(turns.any() and not turns.all() for turns in (one[3:], two[3:]))
     return not (twice.any() or in_part or (one[3:].all() and two[3:].all()))

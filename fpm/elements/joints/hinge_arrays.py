@@ -4,9 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.kernels.lanes import load
-from fpm.kernels.vectors import kernel, put3, vector
-
 # Constants of a body of a hinge; vectors in the particle's frame.
 ARM = 0  # virtual beam (3)
 AXIS = 3  # axis (3)
@@ -60,7 +57,8 @@ class Hinges(NamedTuple):
     hinge_scratch: np.ndarray  # (h, HINGE_SCRATCH, lanes)
     open: np.ndarray  # (h,) scratch
     watched: np.ndarray  # (1, 2, lanes)
-    rows: np.ndarray  # (h, 1, lanes)
+    names: np.ndarray  # (h,) number of each among them
+    excess: np.ndarray  # (h, 1, lanes) rows that say how bad a hinge is
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)
     sums: np.ndarray | None = None  # (h, SUMS, lanes) impulses of this step, where they are counted
     forces: np.ndarray | None = None  # ((instants + 1) h, SUMS, lanes) recorded
@@ -72,22 +70,23 @@ SUMS = 12
 by the length of the kick they are its constraint forces.
 """
 
+# From which gaps a hinge or joint gets another round, and counts as open. Those in lengths are
+# shares of the scene's size, World.size (m).
 
-@kernel
-def get6(a, i, k):
-    """The six lanes in fields k .. k+5 of row i."""
-    return (
-        load(a, i, k),
-        load(a, i, k + 1),
-        load(a, i, k + 2),
-        load(a, i, k + 3),
-        load(a, i, k + 4),
-        load(a, i, k + 5),
-    )
+MOST_GAP = 1e-6
+"""Gap of a hinge point from which a hinge counts as open; it is below 1e-11 as a rule, and
+1e-7 in single precision. It gapes when its particles turn too far in a step for its rounds.
+"""
 
+MOST_TILT = 1e-5
+"""The same for the angle between its axes (rad)."""
 
-@kernel
-def put6(a, i, k, s):
-    """Write six lanes to fields k .. k+5 of row i."""
-    put3(a, i, k, vector(s[0], s[1], s[2]))
-    put3(a, i, k + 3, vector(s[3], s[4], s[5]))
+ROUNDS = 4
+"""Most rounds in a step; smooth motion takes one, a fast impact two."""
+
+COARSE_GAP = 5e-9
+"""Gap of the hinge point above which a sample gets another round, as a share of the scene's size,
+of a metre at most: more than that on light bodies grows from step to step."""
+
+COARSE_TILT = 5e-8
+"""The same for the angle between the axes (rad)."""

@@ -15,13 +15,14 @@ A sample whose gaps are small is left alone in the rounds that other samples nee
 not depend on theirs.
 """
 
+from fpm.elements.joints.closing import ALL, clear, coarse, count_hinge, report_gaps, watch
 from fpm.elements.joints.hinge_arrays import (
     ARM,
     ASKED,
     AXIS,
+    COARSE_TILT,
     DP,
     DV,
-    GAP,
     GLOBAL_ARM,
     HELD,
     INVERSE,
@@ -34,24 +35,27 @@ from fpm.elements.joints.hinge_arrays import (
     PLACE,
     QA,
     REF,
+    ROUNDS,
     SUMS,
-    TILT,
     Hinges,
-    get6,
 )
-from fpm.elements.joints.hinge_limits import COARSE_GAP, COARSE_TILT, MOST_GAP, MOST_TILT, ROUNDS
-from fpm.elements.joints.hinge_matrix import find_impulses, prepare_bodies, prepare_matrices
-from fpm.elements.joints.hinge_supports import prepare_supports
-from fpm.elements.joints.impulse_sums import ALL, clear, count_hinge
+from fpm.elements.joints.hinge_matrix import (
+    find_impulses,
+    prepare_bodies,
+    prepare_matrices,
+    prepare_supports,
+)
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
+from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.layout import D2, D3, HALF, P, V, X
 from fpm.kernels.rotation import frame, half_turn, put_turned
 from fpm.kernels.vectors import (
     add3,
+    add_where,
     cross,
     dot,
     get3,
+    get6,
     kernel,
     larger,
     put3,
@@ -107,10 +111,7 @@ def push(state, i, r, b):
 def push_where_far(state, i, r, b, far):
     """The same in the lanes where `far` is negative; the others are not touched."""
     for k, change in ((V, DV), (P, DP)):
-        for m in range(3):
-            before = load(state, i, k + m)
-            after = where_negative(far, before + load(b, r, change + m), before)
-            store(state, i, k + m, after)
+        add_where(state, i, k, get3(b, r, change), far)
 
 
 @kernel
@@ -250,45 +251,15 @@ def opened(part, state, h):
 @kernel
 def distance(w, h, step, size):
     """Negative where what is ASKED of hinge h is too much for `nudge`; size (m) of the scene."""
-    coarse = (step / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
+    most = coarse(step, size)
     gap, off = get3(w, h, ASKED), get3(w, h, ASKED + 5)
     ep, eq = load(w, h, ASKED + 3), load(w, h, ASKED + 4)
-    far = 1.0 - (dot(gap, gap) + dot(off, off)) * (coarse * coarse)
+    far = 1.0 - (dot(gap, gap) + dot(off, off)) * (most * most)
     tilt = 1.0 - (ep * ep + eq * eq) * (step / COARSE_TILT) ** 2
     return where_negative(tilt, tilt, far)
 
 
-@kernel
-def watch(part, gap2, tilt2):
-    """Raise what is watched by the squares of a hinge's or joint's gaps; returns these (m, rad)."""
-    gap, tilt = sqrt(gap2), sqrt(tilt2)
-    store(part.watched, 0, GAP, larger(load(part.watched, 0, GAP), gap))
-    store(part.watched, 0, TILT, larger(load(part.watched, 0, TILT), tilt))
-    return gap, tilt
-
-
-@hook(Hinges)
-def record(part, world, row):
-    """Record the largest gaps of all hinges, those to where they are held among them."""
-    count = part.hinges.shape[0]
-    gap2 = 0.0 * load(world.state, 0, X)
-    tilt2 = gap2
-    for h in range(count):
-        gap, tilt = opened(part, world.state, h)
-        gap2, tilt2 = larger(gap2, gap), larger(tilt2, tilt)
-    gap, tilt = watch(part, gap2, tilt2)
-    store(part.gaps, row, GAP, gap)
-    store(part.gaps, row, TILT, tilt)
-
-
-@hook(Hinges)
-def list_excess(part, world):
-    """Squares of either gap as shares of what is allowed."""
-    for h in range(part.hinges.shape[0]):
-        gap2, tilt2 = opened(part, world.state, h)
-        size = MOST_GAP * load(world.size, 0, 0)
-        excess = gap2 / (size * size) + tilt2 * (1.0 / MOST_TILT**2)
-        store(part.rows, h, 0, excess)
+report_gaps(Hinges, opened)
 
 
 @hook(Hinges)

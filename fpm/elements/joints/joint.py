@@ -10,16 +10,28 @@ they agree; the impulses are then the smallest that keep the joints closed.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.fields import Number, check_number
 from fpm.elements.joints import joint_arrays as at
-from fpm.elements.joints.hinge import ANGLES, Hinge, alone, arms, name_of, names_taken, unit
-from fpm.elements.joints.hinge_limits import MOST_GAP, MOST_TILT
+from fpm.elements.joints.hinge import (
+    ANGLES,
+    Hinge,
+    Joined,
+    alone,
+    arms,
+    gap_watches,
+    held_axes,
+    places_of,
+    two_of,
+    unit,
+)
+from fpm.elements.joints.hinge_arrays import SUMS
 from fpm.elements.joints.turn import Turn
-from fpm.elements.kind import AXES, Kind, Recorded, Watch
+from fpm.elements.kind import AXES
 from fpm.elements.openings.opening import opening_at
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.gravity import LOAD_WORK
@@ -27,35 +39,33 @@ from fpm.elements.particles.probe import Probe
 from fpm.elements.particles.turning import turns_of
 from fpm.errors import SceneError
 
-TYPES = {
-    "revolute": at.REVOLUTE,
-    "spherical": at.SPHERICAL,
-    "fixed": at.FIXED,
-    "universal": at.UNIVERSAL,
-    "prismatic": at.PRISMATIC,
-    "held": at.HELD,
-    "opening": at.OPENING,
-    "slid": at.SLID,
-}
-"""What a joint keeps together, by its name (joint_arrays.py)."""
 
-CONDITIONS = {"revolute": 5, "spherical": 3, "fixed": 6, "universal": 4, "prismatic": 5}
-"""How many conditions each has."""
+class JointType(NamedTuple):
+    """What a joint of a type keeps together: its number (joint_arrays.py), and how many conditions
+    it has; None: it cannot be stated as a joint of two particles."""
+
+    number: int
+    conditions: int | None = None
+
+
+TYPES = {
+    "revolute": JointType(at.REVOLUTE, 5),
+    "spherical": JointType(at.SPHERICAL, 3),
+    "fixed": JointType(at.FIXED, 6),
+    "universal": JointType(at.UNIVERSAL, 4),
+    "prismatic": JointType(at.PRISMATIC, 5),
+    "held": JointType(at.HELD),
+    "opening": JointType(at.OPENING),
+    "slid": JointType(at.SLID),
+}
+"""The types of joints, by name."""
 
 EASE = {8: 1e-10, 4: 1e-5}
 """Share by which the diagonal is raised, by the bytes of a number."""
 
 
-def _gapes(values: dict[str, float]) -> tuple[str, str]:
-    return (
-        f"a joint gapes by {values['joint_gap']:.2g} m and {values['joint_tilt']:.2g} rad",
-        "halve solver.step if bodies turn far in a step; or the joints contradict each other: "
-        "rigid bodies in a loop can only move if lengths and axes fit",
-    )
-
-
 @dataclass(frozen=True)
-class Joint(Kind):
+class Joint(Joined):
     """A joint between the free ends of two virtual beams.
 
     type: one of TYPES. axes (2, 3): the axis in each particle's own frame, one and the same but for
@@ -71,22 +81,26 @@ class Joint(Kind):
     references: np.ndarray
     held: str = ""
 
-    joins = True
     gives = LOAD_WORK
-    watches = (
-        Watch("joint_gap", MOST_GAP, True, _gapes, True),
-        Watch("joint_tilt", MOST_TILT, True, _gapes),
+    gaps: ClassVar = {
+        "joint_gap": "largest gap between the points of a joint",
+        "joint_axis_gap": "largest angle between the axes of a joint",
+    }
+    watches = gap_watches(
+        "joint",
+        "joint_gap",
+        "joint_tilt",
+        "halve solver.step if bodies turn far in a step; or the joints contradict each other: "
+        "rigid bodies in a loop can only move if lengths and axes fit",
     )
 
     @staticmethod
     def between(scene, name, type, particles, point, axis=(1, 0, 0), other=None) -> "Joint":
         """A joint between two particles of a scene, where it stands (Scene.add_joint)."""
-        first, second = (int(p) for p in particles)
-        count = len(scene.position)
-        if type not in CONDITIONS:
-            raise SceneError(f"type of joint {name}", type, f"one of {', '.join(CONDITIONS)}")
-        if first == second or not (0 <= first < count and 0 <= second < count):
-            raise SceneError(f"particles of joint {name}", particles, "two different particles")
+        allowed = [name for name, found in TYPES.items() if found.conditions]
+        if type not in allowed:
+            raise SceneError(f"type of joint {name}", type, f"one of {', '.join(allowed)}")
+        pair = two_of(scene, particles, f"joint {name}")
         axis = unit(axis, f"axis of joint {name}")
         across = unit(np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), "reference")
         along = axis
@@ -94,11 +108,11 @@ class Joint(Kind):
             along = across if other is None else unit(other, f"second axis of joint {name}")
             if abs(along @ axis) > 1e-9:
                 raise SceneError(f"axes of joint {name}", (axis, along), "normal to each other")
-        frames = [scene.frame[p].T for p in (first, second)]
+        frames = [scene.frame[p].T for p in pair]
         return Joint(
             name,
             type,
-            arms(scene, (first, second), point),
+            arms(scene, pair, point),
             axes=np.array([frames[0] @ axis, frames[1] @ along]),
             references=np.array([frame @ across for frame in frames]),
         )
@@ -147,14 +161,9 @@ class Joint(Kind):
         return Joint(name, "held", (scene.arm_to(particle, point),), none, none, held)
 
     @property
-    def particles(self) -> tuple[int, ...]:
-        """Indices of its particles."""
-        return tuple(beam.particle for beam in self.beams)
-
-    @property
     def conditions(self) -> int:
         """How many it has."""
-        return 1 if self.holds_opening else CONDITIONS.get(self.type, len(self.held))
+        return 1 if self.holds_opening else TYPES[self.type].conditions or len(self.held)
 
     @property
     def holds_opening(self) -> bool:
@@ -182,23 +191,9 @@ class Joint(Kind):
             found.append(Joint(name, type, beams, hinge.axes, hinge.references))
         return found
 
-    def check(self, scene):
-        """One name, one joint."""
-        if self.name in names_taken(scene):
-            raise SceneError("joint", self.name, "a name not yet used")
-
-    @classmethod
-    def names(cls, scene):
-        return [f"joint {joint.name}" for joint in cls.of(scene)]
-
-    @classmethod
-    def moved(cls, scene):
-        """The particles of all; driven ones are another's."""
-        return [p for joint in cls.of(scene) for p in joint.particles]
-
     @classmethod
     def pack(cls, batch):
-        from fpm.elements.joints import joint_kernels, joint_turns  # noqa: F401, their hooks
+        from fpm.elements.joints import joint_kernels, turn_kernels  # noqa: F401, their hooks
         from fpm.elements.joints.joint_pattern import elimination, neighbours, pattern
 
         one, joints = batch.one, cls.of(batch.one)
@@ -212,12 +207,12 @@ class Joint(Kind):
         driven = set(Drive.moved(one))
         conditions, rows = sum(j.conditions for j in joints), batch.instants + 1
         coupled = at.Joints(
-            types=batch.integers(TYPES[j.type] for j in joints),
+            types=batch.integers(TYPES[j.type].number for j in joints),
             names=batch.integers(order),
             slots=slots.ravel(),
             sides=batch.stack(2 * len(joints), at.SIDE, lambda s: _sides(s, order)),
-            places=batch.stack(len(joints), 3, lambda s: _places(s, order)),
-            held=batch.integers([[axis in j.held for axis in AXES] for j in joints], 3),
+            places=batch.stack(len(joints), 3, lambda s: places_of(s, cls.of(s))[order]),
+            held=batch.integers([held_axes(j.held) for j in joints], 3),
             on=batch.integers(on),
             driven=batch.integers(p in driven for p in on),
             bodies=batch.stack(len(on), at.BODY, lambda s: _bodies(s, on)),
@@ -232,8 +227,6 @@ class Joint(Kind):
             gaps=batch.blank(rows, 2),
         )
         if Probe.asked(one).impulses:
-            from fpm.elements.joints.hinge_arrays import SUMS
-
             sums, forces = batch.blank(conditions, 1), batch.blank(rows * len(joints), SUMS)
             coupled = coupled._replace(sums=sums, forces=forces)
         if not (turns := len(Turn.of(one))):
@@ -245,21 +238,12 @@ class Joint(Kind):
             turn_at=batch.integers(order.index(first + t) for t in range(turns)),
         )
 
-    @classmethod
-    def recorded(cls, part, scene, lane):
-        """The largest gaps."""
-        gap, tilt = part.gaps[:, :, lane].T
-        return {
-            "joint_gap": Recorded(gap, "m", "largest gap between the points of a joint"),
-            "joint_axis_gap": Recorded(tilt, "rad", "largest angle between the axes of a joint"),
-        }
-
 
 def as_joints(hinge: Hinge) -> Sequence[Joint]:
     """A hinge as a joint, and its support as another; of a universal joint's angles the first."""
     if hinge.type == "cross":
         return []
-    name, axes = name_of(hinge), hinge.axes
+    name, axes = hinge.joint, hinge.axes
     if hinge.type == "universal":
         axes = np.array([axes[0], hinge.references[1]])
     joint = Joint(name, hinge.type, hinge.beams, axes, hinge.references)
@@ -275,27 +259,16 @@ def _sides(scene, order) -> np.ndarray:
     out = np.zeros((2 * len(order), at.SIDE))
     for i, number in enumerate(order):
         joint = joints[number]
-        for k, beam in enumerate(joint.beams):
-            row = out[2 * i + k]
-            row[at.ARM : at.ARM + 3] = beam.arm
-            row[at.AXIS : at.AXIS + 3] = joint.axes[k]
-            row[at.REFERENCE : at.REFERENCE + 3] = joint.references[k]
+        for k, beam in enumerate(joint.beams):  # ARM, AXIS, REFERENCE
+            out[2 * i + k] = np.concatenate([beam.arm, joint.axes[k], joint.references[k]])
     return out
-
-
-def _places(scene, order) -> np.ndarray:
-    beams = [joint.beams[0] for joint in Joint.of(scene)]
-    ends = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
-    return np.array(ends)[order]
 
 
 def _bodies(scene, on) -> np.ndarray:
-    out, free = np.zeros((len(on), at.BODY)), ~scene.fixed[on]
-    out[:, at.HIM : at.HIM + 3] = free[:, :3] / scene.mass[on][:, None]
-    turns = free[:, 3:].any(axis=1)[:, None]
-    out[:, at.HIJ : at.HIJ + 3] = turns / turns_of(scene).inertia[on]
-    out[:, at.ROOT : at.ROOT + 3] = np.sqrt(out[:, at.HIJ : at.HIJ + 3])
+    free = ~scene.fixed[on]
     # Moments on driven bodies change nothing, but they do work.
     driven = np.isin(on, Drive.moved(scene))[:, None]
-    out[:, at.TURNS : at.TURNS + 3] = free[:, 3:] | driven
-    return out
+    inverse_mass = free[:, :3] / scene.mass[on][:, None]
+    inverse_inertia = free[:, 3:].any(axis=1)[:, None] / turns_of(scene).inertia[on]
+    root, turns = np.sqrt(inverse_inertia), free[:, 3:] | driven
+    return np.hstack([inverse_mass, inverse_inertia, root, turns])  # HIM, HIJ, ROOT, TURNS

@@ -4,8 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.joints.turn_arrays import Turns
-
 # Types of joints: what of two bodies is kept together.
 REVOLUTE = 0  # a point and an axis
 SPHERICAL = 1  # a point
@@ -50,6 +48,14 @@ PIVOT = 17  # inverse of the diagonal of the factor
 IMPULSE = 18
 ROW = 19
 
+# Of an opening that is held exactly (turn.py).
+HOLDS = 0  # -1 where the opening is held, 1 where it is free
+TARGET = 1  # at which opening, at the end of the step (rad)
+RATE = 2  # of the opening over the step, as the joints were solved last (rad/s)
+TURN_IMPULSE = 3  # of the step, on the hinge's second particle (N m s)
+NEEDED = 4  # the same as the joints were solved last
+TURN = 5
+
 GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which share a kernel
 
 
@@ -67,6 +73,13 @@ class Pattern(NamedTuple):
     below: np.ndarray  # (b, 2) joint further down that it is coupled to, offset of that block
     update_start: np.ndarray  # (j + 1,) of each joint, where in `updates` those begin
     updates: np.ndarray  # (u, 5) joint, other, offsets of both blocks and of the one they change
+
+
+class Turns(NamedTuple):
+    """What holds openings, and the joints' solver, tell each other."""
+
+    state: np.ndarray  # (t, TURN, lanes)
+    blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one
 
 
 class Joints(NamedTuple):

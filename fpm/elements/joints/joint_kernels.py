@@ -6,18 +6,22 @@ the bodies and, only where a gap is large, goes back and aims better; at its end
 by small turns on top. All joints of a sample are solved together, and go the same rounds.
 """
 
-from fpm.elements.joints.hinge_arrays import ABOUT_ONE, ABOUT_TWO, ON_ONE, ON_TWO, get6, put6
-from fpm.elements.joints.hinge_kernels import watch
-from fpm.elements.joints.hinge_limits import COARSE_GAP, COARSE_TILT, MOST_GAP, MOST_TILT, ROUNDS
+from fpm.elements.joints.closing import ALL, clear, coarse, count_joints, report_gaps, watch
+from fpm.elements.joints.hinge_arrays import (
+    ABOUT_ONE,
+    ABOUT_TWO,
+    COARSE_TILT,
+    ON_ONE,
+    ON_TWO,
+    ROUNDS,
+)
 from fpm.elements.joints.hinge_matrix import world_inverse
-from fpm.elements.joints.impulse_sums import ALL, clear, count_joints
 from fpm.elements.joints.joint_arrays import (
     ALL_FORCE,
     ALL_MOMENT,
     ALONG,
     DUE,
     FORCE,
-    GAP,
     HIJ,
     HIM,
     IMPULSE,
@@ -31,7 +35,6 @@ from fpm.elements.joints.joint_arrays import (
     OLD_D3,
     OLD_X,
     SPIN,
-    TILT,
     TURN1,
     TURN2,
     TURNS,
@@ -49,9 +52,10 @@ from fpm.kernels.vectors import (
     cross,
     dot,
     get3,
+    get6,
     kernel,
-    larger,
     put3,
+    put6,
     symmetric,
     times,
     to_local,
@@ -223,14 +227,13 @@ def move(part, world, now):
     """
     state, rows = world.state, part.rows
     inverse_step = 1.0 / now.step
-    size = load(world.size, 0, 0)
-    coarse = (1.0 / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
+    most = coarse(1.0, load(world.size, 0, 0))
     for n in range(ROUNDS):
         move_bodies(part, state, n > 0, now.step)
         far = 0.0 * load(state, 0, X) + 1.0
         for j in range(part.types.shape[0]):
             gap2, tilt2 = find_gaps(part, state, j)
-            this = 1.0 - gap2 * (coarse * coarse)
+            this = 1.0 - gap2 * (most * most)
             far = where_negative(this, this, far)
             this = 1.0 - tilt2 * (1.0 / COARSE_TILT**2)
             far = where_negative(this, this, far)
@@ -339,27 +342,7 @@ def work_due(part, world, energies, row):
             store(energies, row, account, due)
 
 
-@hook(Joints)
-def record(part, world, row):
-    """Record the largest gaps of all joints."""
-    gap2 = 0.0 * load(world.state, 0, X)
-    tilt2 = gap2
-    for j in range(part.types.shape[0]):
-        gap, tilt = find_gaps(part, world.state, j)
-        gap2, tilt2 = larger(gap2, gap), larger(tilt2, tilt)
-    gap, tilt = watch(part, gap2, tilt2)
-    store(part.gaps, row, GAP, gap)
-    store(part.gaps, row, TILT, tilt)
-
-
-@hook(Joints)
-def list_excess(part, world):
-    """Squares of either gap as shares of what is allowed."""
-    for j in range(part.types.shape[0]):
-        gap2, tilt2 = find_gaps(part, world.state, j)
-        size = MOST_GAP * load(world.size, 0, 0)
-        excess = gap2 / (size * size) + tilt2 * (1.0 / MOST_TILT**2)
-        store(part.excess, part.names[j], 0, excess)
+report_gaps(Joints, find_gaps)
 
 
 @hook(Joints)

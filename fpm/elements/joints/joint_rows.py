@@ -8,6 +8,7 @@ from fpm.elements.joints.joint_arrays import (
     AXIS,
     FIXED,
     HELD,
+    HOLDS,
     MISSED,
     OFF,
     PRISMATIC,
@@ -16,11 +17,11 @@ from fpm.elements.joints.joint_arrays import (
     ROOT,
     ROOT1,
     SLID,
+    TARGET,
     TURN1,
     TURNS,
     UNIVERSAL,
 )
-from fpm.elements.joints.turn_arrays import HOLDS, TARGET
 from fpm.kernels.angles import arctan2
 from fpm.kernels.lanes import floor, load, store, where_negative
 from fpm.kernels.layout import X

@@ -4,12 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.joints.turn_arrays import HOLDS, NEEDED, RATE, TARGET, Turns
+from fpm.elements.joints.joint_arrays import HOLDS, NEEDED, RATE, TARGET, Turns
 from fpm.elements.joints.turn_kernels import (
     HELD,
     HELD_BY,
-    add_due,
-    begin_work,
+    account,
     end_work_of,
     moment_of,
     tell_late,
@@ -67,10 +66,7 @@ def forces(part, world, now):
         turn(part.openings, world.state, h, brake)
 
 
-@hook(RigidFrictions)
-def work_before(part, world, now):
-    """What it lost in the half step up to now."""
-    begin_work(part, world, WORKS, -1.0)
+account(RigidFrictions, WORKS, -1.0)
 
 
 @kernel
@@ -169,9 +165,3 @@ def work_after(part, world, now):
         late = moment - load(part.state, i, TOLD)
         tell_late(part.openings.told, part.openings, part.on[i], late)
         end_work_of(part, world, i, moment, WORKS, -1.0)
-
-
-@hook(RigidFrictions)
-def work_due(part, world, energies, row):
-    """What it lost up to now by the moments of this step."""
-    add_due(part, energies, row, WORKS)

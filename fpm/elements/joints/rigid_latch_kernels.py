@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.joints.turn_arrays import HOLDS, RATE, TARGET, Turns
-from fpm.elements.joints.turn_kernels import HELD, add_due, begin_work, end_work, moment_of
+from fpm.elements.joints.joint_arrays import HOLDS, RATE, TARGET, Turns
+from fpm.elements.joints.turn_kernels import HELD, account, end_work, moment_of
 from fpm.elements.openings.latch_kernels import (
     CAUGHT,
     IMPULSE,
@@ -60,10 +60,7 @@ class RigidLatches(NamedTuple):
 hook(RigidLatches, "note_events")(note_events)
 
 
-@hook(RigidLatches)
-def work_before(part, world, now):
-    """What they lost in the half step up to now."""
-    begin_work(part, world, WORKS, -1.0)
+account(RigidLatches, WORKS, -1.0)
 
 
 @hook(RigidLatches)
@@ -128,12 +125,6 @@ def work_after(part, world, now):
         blow = where_negative(age - 2.5, impulse, -1.0 * since * moment)
         blow = where_negative(age - 3.5, blow, 0.0)
         store(part.state, i, IMPACT, load(part.state, i, IMPACT) + blow)
-
-
-@hook(RigidLatches)
-def work_due(part, world, energies, row):
-    """What they lost up to now by the impulses of this step."""
-    add_due(part, energies, row, WORKS)
 
 
 @hook(RigidLatches)

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.joints.turn_arrays import TARGET, Turns
-from fpm.elements.joints.turn_kernels import HELD, HELD_BY, add_due, begin_work, end_work
+from fpm.elements.joints.joint_arrays import TARGET, Turns
+from fpm.elements.joints.turn_kernels import HELD, HELD_BY, account, end_work
 from fpm.elements.openings.opening_kernels import Openings
 from fpm.kernels.curves import bend_after, travel
 from fpm.kernels.hooks import hook
@@ -48,22 +48,13 @@ def prepare(part, world, now):
         store(part.turns.state, part.turn[i], TARGET, target)
 
 
-@hook(RigidMotors)
-def work_before(part, world, now):
-    """Work of half of the moments before, on the way up to now."""
-    begin_work(part, world, WORKS, 1.0)
+account(RigidMotors, WORKS, 1.0)
 
 
 @hook(RigidMotors)
 def work_after(part, world, now):
     """Work of half of the moments of this step, on that way."""
     end_work(part, world, now, WORKS, 1.0)
-
-
-@hook(RigidMotors)
-def work_due(part, world, energies, row):
-    """What they gave up to now by the moments of this step."""
-    add_due(part, energies, row, WORKS)
 
 
 @hook(RigidMotors)

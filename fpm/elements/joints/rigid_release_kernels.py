@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.joints.turn_arrays import HOLDS, Turns
-from fpm.elements.joints.turn_kernels import HELD_BY, add_due, begin_work, end_work
+from fpm.elements.joints.joint_arrays import HOLDS, Turns
+from fpm.elements.joints.turn_kernels import HELD_BY, account, end_work
 from fpm.elements.openings.opening_kernels import Openings, turn
 from fpm.elements.openings.release_kernels import AGO, let_go, note_events
 from fpm.kernels.hooks import hook
@@ -58,10 +58,7 @@ def forces(part, world, now):
 hook(RigidReleases, "note_events")(note_events)
 
 
-@hook(RigidReleases)
-def work_before(part, world, now):
-    """What they took in the half step up to now, as far as what they hold moved."""
-    begin_work(part, world, WORKS, -1.0)
+account(RigidReleases, WORKS, -1.0)
 
 
 @hook(RigidReleases)
@@ -71,9 +68,3 @@ def work_after(part, world, now):
     for i in range(part.on.shape[0]):
         both = load(part.state, i, WORKS + HELD_BY) + load(part.state, i, LEFT)
         store(part.state, i, WORKS + HELD_BY, both)
-
-
-@hook(RigidReleases)
-def work_due(part, world, energies, row):
-    """What they took up to now by the impulses of this step."""
-    add_due(part, energies, row, WORKS)

@@ -16,6 +16,7 @@ stops it; the step after gives the rest. Their mean is at t + s h: the order of 
 from dataclasses import dataclass
 from typing import ClassVar
 
+from fpm.elements.joints.joint_arrays import TURN, Turns
 from fpm.elements.kind import Kind
 from fpm.elements.openings.opening import OnHinge, Opening
 
@@ -42,8 +43,6 @@ class Turn(Kind):
 
     @classmethod
     def pack(cls, batch):
-        from fpm.elements.joints.turn_arrays import TURN, Turns
-
         def starts(scene):
             held = [holder.held_at_start(scene) for holder in cls.of(scene)]
             return [

@@ -3,13 +3,61 @@
 The impulse of a step is known when all else is; its moment is that by the length of the kick. By
 the trapezium rule it does half of its work on the way to the positions at which it acts, and half
 on the way from there, as all other moments do (losses_kernels.lose).
+
+And what coupled joints among which some hold openings do otherwise: `prepare` only kicks the
+bodies; `solve` finds the impulses, again where it was decided otherwise, and tells the rates that
+the openings would have; `move` begins with the impulses that stand then.
 """
 
-from fpm.elements.joints.turn_arrays import IMPULSE
-from fpm.elements.openings.opening_kernels import BEFORE, MOMENT, NOW, WORK
+from fpm.elements.joints import joint_kernels
+from fpm.elements.joints.closing import clear, report_gaps
+from fpm.elements.joints.joint_arrays import (
+    ALONG,
+    AXIS,
+    FORCE,
+    HIM,
+    IMPULSE,
+    INVERSE,
+    MOMENT,
+    NEEDED,
+    OFF,
+    RATE,
+    SLID,
+    SPIN,
+    TURN1,
+    TURN2,
+    TURN_IMPULSE,
+    TURNS,
+    TurnedJoints,
+)
+from fpm.elements.joints.joint_kernels import (
+    close_before,
+    find_impulses,
+    find_rates,
+    kick_bodies,
+    move_back,
+    push_all,
+)
+from fpm.elements.joints.joint_matrix import build, factorise
+from fpm.elements.joints.joint_rows import find_gaps, find_rows, held_gap, place
+from fpm.elements.openings.opening_kernels import BEFORE, NOW, WORK
+from fpm.elements.openings.opening_kernels import MOMENT as ACTING
+from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
-from fpm.kernels.layout import ACCOUNTS
-from fpm.kernels.vectors import kernel
+from fpm.kernels.layout import ACCOUNTS, P, V, X
+from fpm.kernels.rotation import frame
+from fpm.kernels.vectors import (
+    add3,
+    cross,
+    dot,
+    get3,
+    get6,
+    kernel,
+    put3,
+    symmetric,
+    times,
+    to_global,
+)
 
 # Kept for each element from one step to the next, in this order from a first field.
 HELD_BY, DUE = 0, 1  # moment (N m) at the last positions; work of the half step up to them (J)
@@ -31,7 +79,7 @@ def give(world, account, work):
 @kernel
 def moment_of(turns, t, now):
     """Moment (N m) on the second particle by which opening t was held at now.time."""
-    return (1.0 / now.kick) * load(turns.state, t, IMPULSE)
+    return (1.0 / now.kick) * load(turns.state, t, TURN_IMPULSE)
 
 
 @kernel
@@ -41,20 +89,31 @@ def tell_late(told, openings, h, moment):
     """
     if told is not None:
         row = h * openings.parts + openings.which
-        store(told, row, MOMENT, load(told, row, MOMENT) + moment)
+        store(told, row, ACTING, load(told, row, ACTING) + moment)
         store(told, row, WORK, load(told, row, WORK) + work_on(openings, h, moment))
 
 
-@kernel
-def begin_work(part, world, first, sign):
-    """Half of the work of the moments of the step before, on the way up to now (`work_before`).
+def account(arrays, first, sign):
+    """The hooks `work_before` and `work_due` of a kind with these arrays that holds openings.
 
     first: the field of part.state with HELD_BY; sign: 1 for an account that is given to, -1 for one
-    of losses.
+    of losses. Its `work_after` calls `end_work`.
     """
-    for i in range(part.on.shape[0]):
-        work = work_on(part.openings, part.on[i], load(part.state, i, first + HELD_BY))
-        give(world, part.account, sign * work)
+
+    @hook(arrays)
+    def work_before(part, world, now):
+        """Half of the work of the moments of the step before, on the way up to now."""
+        for i in range(part.on.shape[0]):
+            work = work_on(part.openings, part.on[i], load(part.state, i, first + HELD_BY))
+            give(world, part.account, sign * work)
+
+    @hook(arrays)
+    def work_due(part, world, energies, row):
+        """What `end_work` has counted, in a row that was recorded before."""
+        for i in range(part.on.shape[0]):
+            account = ACCOUNTS + part.account
+            due = load(energies, row, account) + load(part.state, i, first + DUE)
+            store(energies, row, account, due)
 
 
 @kernel
@@ -75,10 +134,95 @@ def end_work_of(part, world, i, moment, first, sign):
     store(part.state, i, first + DUE, work)
 
 
+@hook(TurnedJoints)
+def prepare(part, world, now):
+    """Kick the bodies of all joints; all forces must be summed."""
+    clear(part.sums)
+    kick_bodies(part, world.state, now.kick)
+    world.undecided[0] = 1
+    for t in range(part.turn_at.shape[0]):
+        store(part.turns.state, t, TURN_IMPULSE, 0.0)
+
+
+@hook(TurnedJoints)
+def solve(part, world, now):
+    """Find the impulses of all joints, with the openings that are held now."""
+    find_rows(part, world.state)
+    build(part)
+    factorise(part)
+    find_rates(part, world.state)
+    for t in range(part.turn_at.shape[0]):
+        j = part.turn_at[t]
+        r, gap = part.pattern.first[j], held_gap(part, world.state, j)
+        store(part.rows, r, OFF, load(part.rows, r, OFF) + (1.0 / now.step) * gap)
+    find_impulses(part, -1.0)
+    tell_rates(part, world.state)
+
+
 @kernel
-def add_due(part, energies, row, first):
-    """What `end_work` has counted, in a row that was recorded before (`work_due`)."""
-    for i in range(part.on.shape[0]):
-        account = ACCOUNTS + part.account
-        due = load(energies, row, account) + load(part.state, i, first + DUE)
-        store(energies, row, account, due)
+def tell_rates(part, state):
+    """Rates that the openings will have after the impulses, whether they are held or not."""
+    b = part.body_scratch
+    for s in range(part.on.shape[0]):
+        if not part.driven[s]:
+            turned = symmetric(get6(b, s, INVERSE), get3(b, s, MOMENT))
+            add3(b, s, SPIN, times(get3(part.bodies, s, TURNS), turned))
+    for t in range(part.turn_at.shape[0]):
+        j = part.turn_at[t]
+        one, two = part.slots[2 * j], part.slots[2 * j + 1]
+        axis = to_global(frame(state, part.on[one]), get3(part.sides, 2 * j, AXIS))
+        if part.types[j] == SLID:
+            _, _, end = place(part, state, j, 1)
+            between = velocity(part, state, two, end) - velocity(part, state, one, end)
+            rate = dot(axis, between)
+        else:
+            rate = dot(axis, get3(b, two, SPIN) - get3(b, one, SPIN))
+        store(part.turns.state, t, RATE, rate)
+        store(part.turns.state, t, NEEDED, load(part.rows, part.pattern.first[j], IMPULSE))
+
+
+@kernel
+def velocity(part, state, s, point):
+    """Velocity that a point of body s will have after the impulses."""
+    b, i = part.body_scratch, part.on[s]
+    v = get3(state, i, V)
+    if not part.driven[s]:
+        v = v + times(get3(part.bodies, s, HIM), get3(b, s, FORCE))
+    return v + cross(get3(b, s, SPIN), point - get3(state, i, X))
+
+
+@hook(TurnedJoints)
+def move(part, world, now):
+    """Push the bodies, move them by a step, and close the joints at its end."""
+    push_all(part, world.state)
+    joint_kernels.move(part, world, now)
+
+
+@hook(TurnedJoints)
+def look_back(part, world, now):
+    """The same before the start: a held opening was where its way, reflected at its rate, began."""
+    state, kept, b = world.state, world.kept, part.body_scratch
+    for s in range(part.on.shape[0]):
+        i = part.on[s]
+        twice = get3(kept, i, P) + get3(state, i, P)  # that at the start
+        if not part.driven[s]:
+            twice = times(get3(part.bodies, s, TURNS), symmetric(get6(b, s, INVERSE), twice))
+        put3(b, s, SPIN, twice)
+    move_back(part, kept, now.step)
+    for j in range(part.types.shape[0]):
+        find_gaps(part, kept, j)
+    for t in range(part.turn_at.shape[0]):
+        j = part.turn_at[t]
+        r, one, two = part.pattern.first[j], part.slots[2 * j], part.slots[2 * j + 1]
+        first, second = part.on[one], part.on[two]
+        v = (get3(kept, first, V) + get3(state, first, V)) - get3(kept, second, V)
+        rate = dot(get3(part.rows, r, ALONG), v - get3(state, second, V))
+        rate = rate + dot(get3(part.rows, r, TURN1), get3(b, one, SPIN))
+        rate = rate - dot(get3(part.rows, r, TURN2), get3(b, two, SPIN))
+        store(part.rows, r, OFF, load(part.rows, r, OFF) + now.step * rate)
+    close_before(part, kept, now.step)
+
+
+for _name in ("work_after", "work_due", "record_step"):
+    hook(TurnedJoints, _name)(getattr(joint_kernels, _name))
+report_gaps(TurnedJoints, find_gaps)

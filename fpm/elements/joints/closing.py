@@ -1,0 +1,122 @@
+"""What lone hinges and coupled joints have in common: gaps that are watched, and impulses summed.
+
+Impulses are summed over a step only in loops in which a probe wants them: the solvers count where
+they push bodies; where sums are None nothing is compiled of it.
+"""
+
+from fpm.elements.joints.hinge_arrays import (
+    ABOUT_ONE,
+    ABOUT_TWO,
+    COARSE_GAP,
+    DP,
+    GAP,
+    MOST_GAP,
+    MOST_TILT,
+    ON_ONE,
+    ON_TWO,
+    ONE,
+    TILT,
+    TWO,
+)
+from fpm.elements.joints.joint_arrays import IMPULSE, TURN_IMPULSE
+from fpm.kernels.hooks import hook
+from fpm.kernels.lanes import load, sqrt, store, where_negative
+from fpm.kernels.layout import X
+from fpm.kernels.vectors import add_where, get3, kernel, larger
+
+ALL = -1.0
+"""Where impulses count: in all lanes."""
+
+
+@kernel
+def clear(sums):
+    """Begin a step."""
+    if sums is not None:
+        for r in range(sums.shape[0]):
+            for k in range(sums.shape[1]):
+                store(sums, r, k, 0.0)
+
+
+@kernel
+def count_hinge(sums, part, h, where):
+    """Count the impulses last found for hinge h in the lanes where `where` is negative."""
+    if sums is not None:
+        w, b = part.hinge_scratch, part.body_scratch
+        there = where + 0.0 * load(sums, h, 0)
+        add_where(sums, h, ON_ONE, get3(w, h, ONE), there)
+        add_where(sums, h, ABOUT_ONE, get3(b, 2 * h, DP), there)
+        add_where(sums, h, ON_TWO, -1.0 * get3(w, h, TWO), there)
+        add_where(sums, h, ABOUT_TWO, get3(b, 2 * h + 1, DP), there)
+
+
+@kernel
+def count_joints(part, where):
+    """The same of all conditions, and of the openings that are held among them."""
+    count_conditions(part.sums, part, where)
+    count_turns(part.turns, part, where)
+
+
+@kernel
+def count_conditions(sums, part, where):
+    """Add what was last found for all conditions."""
+    if sums is not None:
+        for r in range(sums.shape[0]):
+            before = load(sums, r, 0)
+            there = where + 0.0 * before
+            store(sums, r, 0, where_negative(there, before + load(part.rows, r, IMPULSE), before))
+
+
+@kernel
+def count_turns(turns, part, where):
+    """Add what was last found for all openings that are held."""
+    if turns is not None:
+        sums = turns.state
+        for t in range(sums.shape[0]):
+            before = load(sums, t, TURN_IMPULSE)
+            impulse = load(part.rows, part.pattern.first[part.turn_at[t]], IMPULSE)
+            there = where + 0.0 * before
+            store(sums, t, TURN_IMPULSE, where_negative(there, before + impulse, before))
+
+
+@kernel
+def coarse(time, size):
+    """1/m: a gap (or its rate times `time`) by this is more than 1 where another round is due;
+    size (m) of the scene.
+    """
+    return (time / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
+
+
+@kernel
+def watch(part, gap2, tilt2):
+    """Raise what is watched by the squares of a hinge's or joint's gaps; returns these (m, rad)."""
+    gap, tilt = sqrt(gap2), sqrt(tilt2)
+    store(part.watched, 0, GAP, larger(load(part.watched, 0, GAP), gap))
+    store(part.watched, 0, TILT, larger(load(part.watched, 0, TILT), tilt))
+    return gap, tilt
+
+
+def report_gaps(arrays, find):
+    """The hooks that report gaps, of a kind with these arrays; find(part, state, i) gives the
+    squares of the gaps of element i, of points (m) and of directions (rad).
+    """
+
+    @hook(arrays)
+    def record(part, world, row):
+        """The largest gaps of all."""
+        gap2 = 0.0 * load(world.state, 0, X)
+        tilt2 = gap2
+        for i in range(part.names.shape[0]):
+            gap, tilt = find(part, world.state, i)
+            gap2, tilt2 = larger(gap2, gap), larger(tilt2, tilt)
+        gap, tilt = watch(part, gap2, tilt2)
+        store(part.gaps, row, GAP, gap)
+        store(part.gaps, row, TILT, tilt)
+
+    @hook(arrays)
+    def list_excess(part, world):
+        """Squares of either gap as shares of what is allowed."""
+        for i in range(part.names.shape[0]):
+            gap2, tilt2 = find(part, world.state, i)
+            size = MOST_GAP * load(world.size, 0, 0)
+            excess = gap2 / (size * size) + tilt2 * (1.0 / MOST_TILT**2)
+            store(part.excess, part.names[i], 0, excess)

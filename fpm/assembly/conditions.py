@@ -201,7 +201,7 @@ def _rows_of(scene, joint: Joint) -> list[tuple]:
     axis, across = joint.axes[0], joint.references[0]
     third, along, other = np.cross(axis, across), joint.axes[1], joint.references[1]
     points = [(CARRIED, e) for e in (across, third)]
-    if joint.type != "prismatic":
+    if not joint.slides:
         points = [(ALONG, e) for e in np.eye(3)]
     tilts = {
         "spherical": [],

@@ -5,10 +5,7 @@ from fpm.elements.bars.viscosity import Viscosity
 from fpm.elements.cables.cable import Cable
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
-from fpm.elements.joints.rigid_friction import RigidFriction
-from fpm.elements.joints.rigid_latch import RigidLatch
-from fpm.elements.joints.rigid_motor import RigidMotor
-from fpm.elements.joints.rigid_release import RigidRelease
+from fpm.elements.joints.rigid import RigidFriction, RigidLatch, RigidMotor, RigidRelease
 from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import Kind
 from fpm.elements.openings.contact import Contact

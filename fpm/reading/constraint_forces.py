@@ -31,7 +31,7 @@ def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
 def point_of(run: Recording, joint: Hinge | Joint) -> np.ndarray:
     """Where the forces of a joint act (t, 3) m: its point on the first part, on the second of a
     slider."""
-    beam = joint.beams[1 if joint.type == "prismatic" else 0]
+    beam = joint.beams[1 if joint.slides else 0]
     return run.place(beam.particle) + run.arm(beam)
 
 

@@ -7,7 +7,7 @@ runs through elastic bars as a wave whose front is a few elements long, whatever
 import numpy as np
 
 from fpm.elements.bars.viscosity import Viscosity
-from fpm.elements.joints.rigid_latch import RigidLatch
+from fpm.elements.joints.rigid import RigidLatch
 from fpm.elements.particles.load import Load
 from fpm.reading.responses import KINDS, Response
 from fpm.scenes.scene import Scene

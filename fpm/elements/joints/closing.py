@@ -12,6 +12,9 @@ from fpm.elements.joints.hinge_arrays import (
     GAP,
     MOST_GAP,
     MOST_TILT,
+    OLD_D2,
+    OLD_D3,
+    OLD_X,
     ON_ONE,
     ON_TWO,
     ONE,
@@ -21,8 +24,8 @@ from fpm.elements.joints.hinge_arrays import (
 from fpm.elements.joints.joint_arrays import IMPULSE, TURN_IMPULSE
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, sqrt, store, where_negative
-from fpm.kernels.layout import X
-from fpm.kernels.vectors import add_where, get3, kernel, larger
+from fpm.kernels.layout import D2, D3, X
+from fpm.kernels.vectors import add_where, cross, get3, kernel, larger, put3
 
 ALL = -1.0
 """Where impulses count: in all lanes."""
@@ -76,6 +79,30 @@ def count_turns(turns, part, where):
             impulse = load(part.rows, part.pattern.first[part.turn_at[t]], IMPULSE)
             there = where + 0.0 * before
             store(sums, t, TURN_IMPULSE, where_negative(there, before + impulse, before))
+
+
+@kernel
+def keep(b, r, state, i, axes):
+    """Keep the position of particle i and the directors of its frame in row r of the bodies."""
+    put3(b, r, OLD_X, get3(state, i, X))
+    put3(b, r, OLD_D2, axes[1])
+    put3(b, r, OLD_D3, axes[2])
+
+
+@kernel
+def restore(b, r, state, i):
+    """Bring particle i, row r of the bodies (or pairs of them), back to the start of the step."""
+    put3(state, i, X, get3(b, r, OLD_X))
+    put3(state, i, D2, get3(b, r, OLD_D2))
+    put3(state, i, D3, get3(b, r, OLD_D3))
+
+
+@kernel
+def turn_little(state, i, turn):
+    """Turn particle i (or a pair) by so small an angle (3) that its square does not show."""
+    for k in (D2, D3):
+        axis = get3(state, i, k)
+        put3(state, i, k, axis + cross(turn, axis))
 
 
 @kernel

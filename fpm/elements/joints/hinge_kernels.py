@@ -15,7 +15,16 @@ A sample whose gaps are small is left alone in the rounds that other samples nee
 not depend on theirs.
 """
 
-from fpm.elements.joints.closing import ALL, clear, coarse, count_hinge, report_gaps, watch
+from fpm.elements.joints.closing import (
+    ALL,
+    clear,
+    coarse,
+    count_hinge,
+    report_gaps,
+    restore,
+    turn_little,
+    watch,
+)
 from fpm.elements.joints.hinge_arrays import (
     ARM,
     ASKED,
@@ -28,9 +37,6 @@ from fpm.elements.joints.hinge_arrays import (
     INVERSE,
     MISSED,
     NORMAL,
-    OLD_D2,
-    OLD_D3,
-    OLD_X,
     PA,
     PLACE,
     QA,
@@ -47,7 +53,7 @@ from fpm.elements.joints.hinge_matrix import (
 )
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, store, where_negative
-from fpm.kernels.layout import D2, D3, HALF, P, V, X
+from fpm.kernels.layout import HALF, P, V, X
 from fpm.kernels.rotation import frame, half_turn, put_turned
 from fpm.kernels.vectors import (
     add3,
@@ -129,14 +135,6 @@ def gaps(part, state, h):
 
 
 @kernel
-def restore(state, on, rows, b):
-    """Bring the particles `on` of the bodies `rows` (pairs) back to the start of the step."""
-    put3(state, on, X, get3(b, rows, OLD_X))
-    put3(state, on, D2, get3(b, rows, OLD_D2))
-    put3(state, on, D3, get3(b, rows, OLD_D3))
-
-
-@kernel
 def move_bodies(state, particles, on, step):
     """Move the particles `on` (a pair) by a step, with their momenta."""
     put3(state, on, X, step * get3(state, on, V) + get3(state, on, X))
@@ -150,11 +148,7 @@ def nudge(state, i, r, b, step):
     """Change the momenta of particles i, bodies r (pairs), by DV and DP; move them by that."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, DV) + get3(state, i, X))
-    # So small a turn that its square does not show.
-    turn = step * symmetric(get6(b, r, INVERSE), get3(b, r, DP))
-    for k in (D2, D3):
-        axis = get3(state, i, k)
-        put3(state, i, k, axis + cross(turn, axis))
+    turn_little(state, i, step * symmetric(get6(b, r, INVERSE), get3(b, r, DP)))
 
 
 @kernel
@@ -186,7 +180,7 @@ def move(part, world, now):
             if open_[h]:
                 on = ends[2 * h], ends[2 * h + 1]
                 if n > 0:
-                    restore(state, on, (2 * h, 2 * h + 1), b)
+                    restore(b, (2 * h, 2 * h + 1), state, on)
                 move_bodies(state, world.particles, on, now.step)
         for h in range(w.shape[0]):
             if open_[h]:
@@ -232,7 +226,7 @@ def look_back(part, world, now):
         on, rows = (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1)
         add3(kept, on, V, -2.0 * get3(b, rows, DV))
         add3(kept, on, P, -2.0 * get3(b, rows, DP))
-        restore(kept, on, rows, b)
+        restore(b, rows, kept, on)
         count_hinge(part.sums, part, h, ALL)
 
 

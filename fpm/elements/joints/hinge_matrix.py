@@ -9,6 +9,7 @@ with a short chain of operations, so that the processor works on several at once
 named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it.
 """
 
+from fpm.elements.joints.closing import keep
 from fpm.elements.joints.hinge_arrays import (
     ARM,
     ASKED,
@@ -20,8 +21,6 @@ from fpm.elements.joints.hinge_arrays import (
     INVERSE,
     MP,
     NORMAL,
-    OLD_D2,
-    OLD_D3,
     OLD_X,
     ONE,
     PA,
@@ -199,10 +198,8 @@ def prepare_bodies(world, part, kick):
     for r in range(part.ends.shape[0]):
         i = part.ends[r]
         x = get3(state, i, X)
-        put3(w, r, OLD_X, x)
         axes = frame(state, i)
-        put3(w, r, OLD_D2, axes[1])
-        put3(w, r, OLD_D3, axes[2])
+        keep(w, r, state, i, axes)
         v = load(world.particles, i, KICK) * get3(state, i, F) + get3(state, i, V)
         put3(state, i, V, v)
         put3(state, i, P, kick * get3(state, i, M) + get3(state, i, P))

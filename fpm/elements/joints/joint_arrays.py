@@ -21,9 +21,7 @@ ROOT = 6  # roots of HIJ (3)
 TURNS = 9  # 1 where it may turn about a global axis, 0 where not (3)
 BODY = 12
 
-# Scratch of a body.
-OLD_X = 0  # position at the start of the step (3)
-OLD_D2, OLD_D3 = 3, 6  # directors (3 each)
+# Scratch of a body; OLD_X, OLD_D2, OLD_D3 (0 to 8) are those of lone hinges (hinge_arrays.py).
 INVERSE = 9  # inverse inertia in global components (6), of what may turn
 SPIN = 15  # angular velocity (3)
 FORCE, MOMENT = 18, 21  # impulse of a round on the body, about its particle (3 each)

@@ -6,11 +6,24 @@ the bodies and, only where a gap is large, goes back and aims better; at its end
 by small turns on top. All joints of a sample are solved together, and go the same rounds.
 """
 
-from fpm.elements.joints.closing import ALL, clear, coarse, count_joints, report_gaps, watch
+from fpm.elements.joints.closing import (
+    ALL,
+    clear,
+    coarse,
+    count_joints,
+    keep,
+    report_gaps,
+    restore,
+    turn_little,
+    watch,
+)
 from fpm.elements.joints.hinge_arrays import (
     ABOUT_ONE,
     ABOUT_TWO,
     COARSE_TILT,
+    OLD_D2,
+    OLD_D3,
+    OLD_X,
     ON_ONE,
     ON_TWO,
     ROUNDS,
@@ -31,9 +44,6 @@ from fpm.elements.joints.joint_arrays import (
     MISSED,
     MOMENT,
     OFF,
-    OLD_D2,
-    OLD_D3,
-    OLD_X,
     SPIN,
     TURN1,
     TURN2,
@@ -44,7 +54,7 @@ from fpm.elements.joints.joint_matrix import build, factorise, substitute
 from fpm.elements.joints.joint_rows import find_gaps, find_rows
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, store, where_negative
-from fpm.kernels.layout import ACCOUNTS, D2, D3, F, M, P, V, X
+from fpm.kernels.layout import ACCOUNTS, F, M, P, V, X
 from fpm.kernels.rotation import frame, half_turn, put_turned
 from fpm.kernels.vectors import (
     add3,
@@ -81,10 +91,8 @@ def kick_bodies(part, state, kick):
     bodies, b = part.bodies, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
-        put3(b, s, OLD_X, get3(state, i, X))
         axes = frame(state, i)
-        put3(b, s, OLD_D2, axes[1])
-        put3(b, s, OLD_D3, axes[2])
+        keep(b, s, state, i, axes)
         put6(b, s, INVERSE, world_inverse(axes, get3(bodies, s, HIJ)))
         for k in (ALL_FORCE, ALL_MOMENT):
             put3(b, s, k, 0.0 * axes[1])
@@ -194,9 +202,7 @@ def move_bodies(part, state, again, step):
         i = part.on[s]
         if not part.driven[s]:
             if again:
-                put3(state, i, X, get3(b, s, OLD_X))
-                put3(state, i, D2, get3(b, s, OLD_D2))
-                put3(state, i, D3, get3(b, s, OLD_D3))
+                restore(b, s, state, i)
             put3(state, i, X, step * get3(state, i, V) + get3(state, i, X))
             axes = frame(state, i)
             rate = (0.5 * step) * get3(part.bodies, s, HIJ)
@@ -212,11 +218,7 @@ def nudge(part, state, s, step):
     if not part.driven[s]:
         shift = step * times(get3(part.bodies, s, HIM), get3(b, s, FORCE))
         put3(state, i, X, get3(state, i, X) + shift)
-        # So small a turn that its square does not show.
-        turn = step * symmetric(get6(b, s, INVERSE), get3(b, s, MOMENT))
-        for k in (D2, D3):
-            axis = get3(state, i, k)
-            put3(state, i, k, axis + cross(turn, axis))
+        turn_little(state, i, step * symmetric(get6(b, s, INVERSE), get3(b, s, MOMENT)))
 
 
 @hook(Joints)
@@ -296,9 +298,7 @@ def close_before(part, kept, step):
             add3(kept, i, P, -2.0 * moment)
         add3(b, s, ALL_FORCE, force)
         add3(b, s, ALL_MOMENT, moment)
-        put3(kept, i, X, get3(b, s, OLD_X))
-        put3(kept, i, D2, get3(b, s, OLD_D2))
-        put3(kept, i, D3, get3(b, s, OLD_D3))
+        restore(b, s, kept, i)
     count_joints(part, ALL)
 
 

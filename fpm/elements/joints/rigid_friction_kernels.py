@@ -1,4 +1,4 @@
-"""Sticking and slipping of friction without a bristle, and what it loses (rigid_friction.py)."""
+"""Sticking and slipping of friction without a bristle, and what it loses (rigid.py)."""
 
 from typing import NamedTuple
 

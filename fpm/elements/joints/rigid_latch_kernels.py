@@ -1,4 +1,4 @@
-"""Catching, impulses, losses and events of rigid latches (theory: rigid_latch.py)."""
+"""Catching, impulses, losses and events of rigid latches (theory: rigid.py)."""
 
 from typing import NamedTuple
 

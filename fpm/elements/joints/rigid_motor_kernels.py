@@ -1,4 +1,4 @@
-"""Openings, moments and work of rigid motors (theory: rigid_motor.py)."""
+"""Openings, moments and work of rigid motors (theory: rigid.py)."""
 
 from typing import NamedTuple
 

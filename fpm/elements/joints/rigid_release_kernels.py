@@ -1,4 +1,4 @@
-"""Moments, work and events of rigid releases (theory: rigid_release.py).
+"""Moments, work and events of rigid releases (theory: rigid.py).
 
 A release within the step before a kick leaves to it a share of the moment that held (see
 release_kernels.py).

@@ -8,7 +8,7 @@ the opening psi_c at which it caught, so that nothing jumps: before, there is no
     -k (psi - psi_c) - c dpsi/dt                  both ways, or
     k s + max(c ds/dt, -k s),  s = psi_c - psi    `one_sided`: only against going back, where s > 0
 
-(for one that catches on the way up). A latch without stiffness is rigid (rigid_latch.py).
+(for one that catches on the way up). A latch without stiffness is rigid (rigid.py).
 """
 
 from dataclasses import dataclass

@@ -1,0 +1,191 @@
+"""Motors, releases, latches and friction that hold openings exactly (turn.py), without a spring.
+
+Motors prescribe the opening of a hinge. A motor without a drive train of its own that gives
+(motor.py) turns the hinge to start + turn f(t), f being a curve of time or the integral of one,
+whatever moment M that takes. Its work is that of M on the hinge: where f bends, a blow changes the
+rate at once, and does half of what a force would over the same way (the mean of the rates before
+and after it). The rates with which a motor begins to turn are those of the start of a run
+(start.py).
+
+Releases hold a hinge at the opening that it has at the start until they let go, as others do
+(release.py), at a time or where another opening passes a level; nothing is stored, and nothing lost
+where they let go.
+
+Latches catch as others do (latch.py). What they catch stands still at once: an inelastic impact.
+The impulse that it takes comes from all masses that the joints couple to the opening, and what
+kinetic energy it takes is lost; a single body of inertia J that turns at w leaves the impulse -J w
+and loses J w²/2.
+
+Coulomb friction sticks without a bristle. While it sticks, the opening does not move by a hair;
+what that takes is looked at in every step. If it is more than `moment`, M, the joint slips in this
+step already, braked by M. While it slips at a rate r that would fall by d > r in a step, it stands
+after the share s = r/d of that: M brakes it until then, and pushes it from then on, (1 - 2 s) M in
+all. Where it then goes back, it was a turn. Where not, it sticks, at the angle where M brings it to
+rest: the last way is the rest of the parabola, h (r - d/2)²/(2 d), or h r²/(2 d) where it is braked
+only now. So a body of inertia J that slides at w stops after J w²/(2 M), and one that swings loses
+as much at each turn as friction takes, to the second order in the step.
+
+A blow, of a latch or at a bend of a motor's curve, after the share s of a step comes after the
+share 1/2 + s of its kick: friction that stuck with M' has (1/2 + s) M' ± (1/2 - s) M in that kick.
+"""
+
+from dataclasses import dataclass
+from importlib import import_module
+
+import numpy as np
+
+from fpm.elements.fields import index, number, same, word
+from fpm.elements.joints.turn import HoldsHinge
+from fpm.elements.openings.latch import SIDES, AnyLatch
+from fpm.elements.openings.motor import AnyMotor
+from fpm.elements.openings.opening import (
+    JOINT_LOSS,
+    TURNING,
+    moving_at_start,
+    on_hinge,
+    opened,
+    turning_at_start,
+    unit_of,
+)
+from fpm.elements.openings.release import AnyRelease
+from fpm.errors import SceneError
+
+AT_START = 1e-9
+"""A rigid motor begins where its hinge is, to this angle (rad)."""
+
+ALWAYS = np.zeros(1), np.ones(1)
+"""The curve -1."""
+
+STILL = 1e-11
+"""Rate up to which a hinge sticks at the start, as a share of the fastest spin; what joins it to
+others leaves a tenth (AGREES in solver/start.py)."""
+
+
+class Rigid(HoldsHinge):
+    """What these kinds have in common: each has a file of kernels by what it is called."""
+
+    @classmethod
+    def kernels(cls):
+        return import_module(f"{__package__}.rigid_{cls.called}_kernels")
+
+
+@dataclass(frozen=True)
+class RigidMotor(AnyMotor, Rigid):
+    """Prescribes the opening of a hinge: start + turn times the curve of that index (-1: 1).
+
+    by_rate: turn (rad/s) times the curve is the rate of the opening instead.
+    """
+
+    hinge: int = on_hinge()
+    start: float = number("rad", words="opening of {title}", said=False)
+    turn: float = number("rad", words="opening of {title}")
+    curve: int = index("curves", -1)
+    by_rate: bool = same(False)
+
+    def at(self, scene, time: float) -> float:
+        """The opening (rad) that it prescribes at a time (s)."""
+        times, values = scene.curves[self.curve] if self.curve >= 0 else ALWAYS
+        if not self.by_rate:
+            return float(self.start + self.turn * np.interp(time, times, values))
+        bends = np.append(times[(times > 0.0) & (times < time)], [0.0, time])
+        bends.sort()
+        travelled = np.trapezoid(np.interp(bends, times, values), bends)
+        return float(self.start + self.turn * travelled)
+
+    def rate_at_start(self, scene) -> float:
+        """The rate (rad/s) of the opening at the start, and just after it."""
+        times, values = scene.curves[self.curve] if self.curve >= 0 else ALWAYS
+        if self.by_rate:
+            return float(self.turn * np.interp(0.0, times, values))
+        k = int(np.searchsorted(times, 0.0, side="right"))
+        if not 0 < k < len(times):
+            return 0.0
+        return float(self.turn * (values[k] - values[k - 1]) / (times[k] - times[k - 1]))
+
+    def check(self, scene):
+        """It begins where its hinge is."""
+        super().check(scene)
+        hinge = scene.hinges[self.hinge]
+        if abs(self.at(scene, 0.0) - hinge.opening) > AT_START:
+            unit = unit_of(scene, self.hinge, "rad")
+            allowed = f"{hinge.opening:g} {unit}, where the hinge is then, or a drive train"
+            subject = f"opening of {self.title(scene)} at the start"
+            raise SceneError(subject, self.at(scene, 0.0), allowed)
+
+    def held_at_start(self, scene):
+        return scene.hinges[self.hinge].opening
+
+
+@dataclass(frozen=True)
+class RigidRelease(AnyRelease, Rigid):
+    """Holds a hinge exactly, until it lets go."""
+
+    hinge: int = on_hinge()
+    time: float = number("s", above=0.0, finite=False, default=np.inf)
+    watch: int = index("hinges", -1, words="hinge of release to watch", default=-1)
+    level: float = number("rad", default=0.0, said=False)
+
+    def held_at_start(self, scene):
+        return scene.hinges[self.hinge].opening
+
+    def rate_at_start(self, scene):
+        return 0.0
+
+
+@dataclass(frozen=True)
+class RigidLatch(AnyLatch, Rigid):
+    """A latch that holds exactly; its name is that of the hinge if "" is given."""
+
+    hinge: int = on_hinge()
+    angle: float = number("rad")
+    tolerance: float = number("rad", 0.0, default=0.0, zero=False)
+    side: str = word(SIDES, default="either")
+    fastest: float = number(
+        "rad/s", above=0.0, finite=False, default=np.inf, words="fastest rate of {title}"
+    )
+    name: str = same("")
+
+    @classmethod
+    def array(cls, name, batch):
+        """At the start they have looked up to where the hinges are."""
+        found = super().array(name, batch)
+        if name == "state":
+            found[:, cls.kernels().SEEN] = opened(batch, cls)
+        return found
+
+
+@dataclass(frozen=True)
+class RigidFriction(Rigid):
+    """Friction in a hinge without a bend."""
+
+    hinge: int = on_hinge(types=TURNING)
+    moment: float = number("N m", 0.0)
+
+    takes = JOINT_LOSS
+    acts_as = "friction"
+    called = "friction"
+
+    def held_at_start(self, scene):
+        (rate,) = turning_at_start(scene, [self.hinge])
+        fastest = np.abs(moving_at_start(scene).spin).max(initial=0.0)
+        return scene.hinges[self.hinge].opening if abs(rate) <= STILL * fastest else None
+
+    @classmethod
+    def held_round(cls, scene):
+        """All moments: in a loop that holds itself, friction may stick with any."""
+        return float(sum(friction.moment for friction in cls.of(scene)))
+
+    @classmethod
+    def array(cls, name, batch):
+        """At the start they slip the way that the hinges turn."""
+        if name != "state":
+            return super().array(name, batch)
+        at, count = cls.kernels(), len(cls.of(batch.one))
+
+        def starts(scene):
+            state = np.zeros((count, at.STATE))
+            rates = turning_at_start(scene, [f.hinge for f in cls.of(scene)])
+            state[:, at.WAY] = np.where(np.array(rates) < 0, -1.0, 1.0)
+            return state
+
+        return batch.stack(count, at.STATE, starts)

@@ -30,9 +30,8 @@ from deployable.campaign.plan.plan import make_plan, read_plan, write_plan
 from deployable.campaign.report import from_results, make_motions, write_page
 from deployable.campaign.results.alternatives import draw_alternatives
 from deployable.campaign.results.bounds import analyse
-from deployable.campaign.results.figures import draw_envelopes, draw_sensitivities
+from deployable.campaign.results.figures import draw_envelopes, draw_nominal, draw_sensitivities
 from deployable.campaign.results.kept_extremes import gather as gather_extremes
-from deployable.campaign.results.moments import draw_nominal
 from deployable.campaign.results.ranges import draw_ranges
 from deployable.campaign.results.samples import gather
 from deployable.campaign.results.summary import summarise

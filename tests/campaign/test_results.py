@@ -21,8 +21,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.report import make_motions
 from deployable.campaign.results.bounds import analyse
 from deployable.campaign.results.facts import _foretold
-from deployable.campaign.results.figures import draw_envelopes
-from deployable.campaign.results.moments import draw_nominal
+from deployable.campaign.results.figures import draw_envelopes, draw_nominal
 from deployable.campaign.results.summary import summarise
 from deployable.campaign.text.numbers import pretty
 from deployable.campaign.text.templates import sentence, summary_text

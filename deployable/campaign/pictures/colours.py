@@ -1,6 +1,13 @@
-"""Colours that colour-blind people can tell apart (Okabe and Ito)."""
+"""Colours that colour-blind people can tell apart (Okabe and Ito), and those of stresses."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray
 
 BARS = ("#E69F00", "#56B4E9", "#009E73", "#CC79A7", "#F0E442", "#0072B2", "#D55E00")
 """Of bars, in their order; repeated where there are more."""
@@ -13,7 +20,47 @@ CABLE = "#0072B2"
 PIN = "#1D2327"
 """Of the axes of hinges."""
 
+SCALE = "viridis"
+"""Map of colours, even to the eye and for colour-blind people; the page has it too."""
+
+ABOVE = 0.005
+"""Share of all values that lie beyond the end of the scale."""
+
 
 def rgb(colour: str) -> tuple[float, float, float]:
     """`#E69F00` as shares of red, green and blue."""
     return tuple(int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5))
+
+
+def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
+    """Colours (t, m, 3) of the elements of a motion, and the stress (Pa) at which the scale ends.
+
+    Rigid bodies, which have no stress, are grey.
+    """
+    from matplotlib import colormaps
+
+    nodes, stress = motion["element_particle"].values, motion["stress"].values
+    bars = nodes[:, 0] != nodes[:, 1]
+    top = float(np.quantile(stress[:, bars], 1 - ABOVE)) if bars.any() else 0.0
+    colours = np.tile(np.array(rgb(BODY)), (*stress.shape, 1))
+    colours[:, bars] = colormaps[SCALE](stress[:, bars] / (top or 1.0))[..., :3]
+    return colours, top
+
+
+def draw_scale(figure: Any, top: float) -> None:
+    """Draw the scale from zero to `top` (Pa) into the upper right corner of a figure."""
+    ax = figure.add_axes((0.58, 0.94, 0.32, 0.018))
+    ax.imshow(np.linspace(0, 1, 256)[None], aspect="auto", cmap=SCALE, extent=(0, 1, 0, 1))
+    ax.set_yticks([])
+    ax.set_xticks([0, 1], ["0", words(top)])
+    ax.tick_params(labelsize=7, length=0, pad=2)
+    ax.set_title("equivalent stress", fontsize=7, pad=2)
+
+
+def words(stress: float) -> str:
+    """A stress (Pa) as people write it: `6.2 MPa`."""
+    for unit in ("Pa", "kPa", "MPa"):
+        if abs(stress) < 1000:
+            return f"{stress:.3g} {unit}"
+        stress /= 1000
+    return f"{stress:.3g} GPa"

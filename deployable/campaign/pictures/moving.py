@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from deployable.campaign.files import whole_file
+from deployable.campaign.pictures.colours import draw_scale, stress_colours
 from deployable.campaign.pictures.paint import frame_picture, limits_of, paint_cables, paint_solid
 from deployable.campaign.pictures.solid import solid_of_motion
-from deployable.campaign.pictures.stressed import draw_scale, stress_colours
 from deployable.campaign.pictures.view import View
 
 if TYPE_CHECKING:

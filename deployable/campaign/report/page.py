@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from deployable.campaign.files import write_result
+from deployable.campaign.pictures.moments import telling_moments
+from deployable.campaign.pictures.paint import limits_of, visible_faces
+from deployable.campaign.pictures.solid import solid_of_motion
+from deployable.campaign.pictures.view import View
 from deployable.campaign.report.data import PageData
 from deployable.campaign.report.failing import panels
 from deployable.campaign.report.pack import compressed, packed
-from deployable.campaign.report.still import still
 from deployable.campaign.text.numbers import pretty
 from deployable.campaign.text.templates import environment
+
+if TYPE_CHECKING:
+    import xarray
 
 _FOLDER = Path(__file__).parent
 
@@ -18,6 +27,9 @@ SCRIPTS = (
     "data", "clock", "scene", "viewer", "stills", "axes", "chart", "charts", "tables", "main",
 )  # fmt: skip
 """The page's script, in the order in which its files are put together."""
+
+_MOMENTS = 3
+_WIDE = 300  # units of the drawing, of each moment
 
 
 def write_page(data: PageData, path: str | Path) -> None:
@@ -48,3 +60,30 @@ def render(data: PageData) -> str:
 
 def _text(name: str) -> str:
     return (_FOLDER / name).read_text(encoding="utf-8")
+
+
+def still(motion: xarray.Dataset) -> str:
+    """An SVG picture of some moments of a whole motion side by side, for browsers that cannot move
+    it."""
+    shown, view = telling_moments(motion, _MOMENTS), View()
+    solid = solid_of_motion(motion, shown)
+    low, high = limits_of(solid.places, view, margin=0.03)
+    unit = _WIDE / max(high - low)
+    parts = []
+    for moment in range(_MOMENTS):
+        start = np.array([_WIDE * (moment + 0.5) - unit * (low[0] + high[0]) / 2, unit * high[1]])
+        faces, colours = visible_faces(solid, moment, view)
+        lines = (solid.cable_points[moment] @ view.page.T)[solid.cables.stretches]
+        for corners, colour in zip(faces, np.rint(255 * colours).astype(int), strict=True):
+            parts.append(
+                f'<path fill="#{bytes(colour.tolist()).hex()}" d="{_path(corners, start, unit)}Z"/>'
+            )
+        parts += [f'<path class="cable" d="{_path(line, start, unit)}"/>' for line in lines]
+    tall = unit * (high - low)[1]
+    return f'<svg viewBox="0 0 {_MOMENTS * _WIDE} {tall:.0f}">{"".join(parts)}</svg>'
+
+
+def _path(places: np.ndarray, start: np.ndarray, unit: float) -> str:
+    """Places (p, 2), m upwards, as a path downwards."""
+    points = start + unit * places * [1, -1]
+    return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points)

@@ -14,8 +14,7 @@ from deployable.campaign.config.sections import Experiment
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.figures import save
-from deployable.campaign.results.margins import margins_of_samples
-from deployable.campaign.results.which import fitted_rows
+from deployable.campaign.results.which import fitted_rows, margins_of_samples
 from deployable.campaign.text.numbers import pretty
 
 _LINE, _GRID = 401, 121

@@ -1,5 +1,5 @@
 """Which runs an open `samples.nc` has (`netCDF4.Dataset` or `xarray.Dataset`), whatever was kept of
-them: their roles, their number, and their names."""
+them: their roles, their number, their names, and by how much they have their quantities."""
 
 from __future__ import annotations
 
@@ -88,3 +88,26 @@ def counts(samples: Any) -> Counts:
     held_out = held_out - nodes
     others = nodes | held_out
     return Counts(len(others | nominal), len(nodes), len(held_out), bool(nominal & others))
+
+
+_AT_ONCE = 256  # runs
+
+
+def margins_of(experiment: Experiment, values: np.ndarray) -> np.ndarray:
+    """Margins (R, q) of runs from the values (R, n, t) of their responses: how far beyond a level a
+    response goes, above 0 where a run has the quantity. They are continuous where a quantity comes
+    and goes, and tell where that is; NaN where a quantity has none."""
+    names = list(experiment.responses)
+    found = np.full((len(values), len(experiment.quantities)), np.nan)
+    for q, quantity in enumerate(experiment.numbers):
+        if (one := quantity.decider) is not None and len(values):
+            found[:, q] = one.margin(values[:, names.index(one.response.name)])
+    return found
+
+
+def margins_of_samples(experiment: Experiment, samples: Any, rows: Sequence[int]) -> np.ndarray:
+    """The same of some runs of the open `samples.nc`; NaN where their curves were not kept."""
+    if keeps_extremes(samples) or all(q.decider is None for q in experiment.numbers):
+        return np.full((len(rows), len(experiment.quantities)), np.nan)
+    parts = [rows[first : first + _AT_ONCE] for first in range(0, len(rows), _AT_ONCE)]
+    return np.concatenate([margins_of(experiment, samples["values"][part]) for part in parts])

@@ -45,9 +45,10 @@ if __name__ == "__main__":
     without_compiling()
     for case in CASES:
         scene = scene_of(case["structure"])
+        record = columns(scene, case["without"]) if "without" in case else ()
         (outcome,) = fpm.simulate(
             scene, duration=case["duration"], instants=9, step=case["duration"] / STEPS,
-            energy_tolerance=1.0, record=columns(scene, case["without"]) if "without" in case else (),
+            energy_tolerance=1.0, record=record,
         )  # fmt: skip
         curves = curves_of(outcome)
         curves["event", ""] = outcome.events, ""

@@ -1,6 +1,7 @@
 """Errors of the mechanics. Each one says what was found, what is allowed and what to change."""
 
 import difflib
+import re
 from collections.abc import Iterable
 from math import inf, isfinite
 
@@ -66,14 +67,70 @@ class InstabilityError(RuntimeError):
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """`" (did you mean x?)"` when a known name is close, else an empty string."""
+    """`" (did you mean x?)"` when a known name is close, or colon or point are missing behind one;
+    else an empty string."""
+    known = list(known)
+    head, sign, value = re.match(r"(\w*)([ :]?)(.*)", name, re.DOTALL).groups()
+    if name[:1].isdigit():
+        return " (a number has a point, not a comma, as in 1.5)"
+    if sign and value and head in known:
+        missing = "colon" if sign == " " else "space behind the colon"
+        return f" (a {missing} is missing: `{head}: {value.strip()}`)"
     meant = likely(name, known)
     return f" (did you mean {meant}?)" if meant else ""
 
 
 def likely(name: str, known: Iterable[str]) -> str:
-    """The known name that is close; "" where none is."""
+    """The known name that is close, or another word for the same; "" where none is."""
     known = list(known)
     close = [other for other in known if other.lower() == name.lower()]
+    close += [word for word in _WORDS.get(name.lower(), "").split() if word in known]
     close += difflib.get_close_matches(name, known, n=1)
     return close[0] if close else ""
+
+
+_WORDS = {
+    "max": "at_most upper largest", "maximum": "at_most upper largest", "peak": "largest",
+    "min": "at_least lower smallest", "minimum": "at_least lower smallest",
+    "density": "rho", "poisson": "nu", "modulus": "E", "young": "E", "angle": "opening rest level",
+    "hinge": "revolute", "pin": "revolute", "slider": "prismatic", "slide": "prismatic",
+    "ball": "spherical", "weld": "fixed", "rigid": "fixed", "cardan": "universal",
+    "pipe": "tube", "round": "circle", "box": "rectangle", "lock": "latch", "damping": "damper",
+    "k": "stiffness", "points": "through", "nodes": "elements", "mesh": "elements",
+    "tol": "relative", "tolerance": "relative", "plusminus": "absolute", "time": "duration",
+}  # fmt: skip
+"""Words of other programs and of everyday, and those of this one for the same."""
+
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_FOREIGN = {
+    "in": (25.4, "mm"), "inch": (25.4, "mm"), '"': (25.4, "mm"), "ft": (0.3048, "m"),
+    "lb": (0.45359237, "kg"), "lbf": (4.4482216, "N"), "psi": (6894.757, "Pa"), "t": (1e3, "kg"),
+    "g": (1e-3, "kg"), "bar": (1e5, "Pa"), "Nm": (1, "N m"), "Nmm": (1e-3, "N m"),
+    "Nm/rad": (1, "N m/rad"), "N*m": (1, "N m"), "N*m/rad": (1, "N m/rad"), "°": (1, "deg"),
+    "degree": (1, "deg"), "degrees": (1, "deg"), "min": (60, "s"), "sec": (1, "s"),
+    "g/cm3": (1e3, "kg/m3"), "N/mm2": (1, "MPa"), "mN": (1e-3, "N"), "dm": (0.1, "m"),
+}  # fmt: skip
+"""Units that are none here, as so many of others."""
+
+
+def meant(text: str, with_unit: bool = True) -> str:
+    """`" (did you mean x?)"` for a text that is no number here: a percentage, a comma, a power, a
+    unit that is not known (or none is allowed); else an empty string."""
+    comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
+    found = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
+    number, unit = (float(found[1]), (found[2] or "").replace("^", "")) if found else (0.0, "")
+    word = ""
+    if unit == "%":
+        word = f"{number / 100:.9g}"
+    elif unit not in ("", "s") and found and not with_unit:
+        return " (a number alone, in the unit of what it is for)"
+    elif found and not with_unit:
+        word = f"{number:.9g}"
+    elif unit in _FOREIGN:
+        factor, name = _FOREIGN[unit]
+        word = f"{number * factor:.9g} {name}"
+    elif "^" in text:
+        word = f"{found[1]} {unit}" if found else text.replace("^", "**")
+    elif found and comma != text.strip():
+        word = comma
+    return f" (did you mean {word}?)" if word else ""

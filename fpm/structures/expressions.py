@@ -15,6 +15,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, lru_cache
 
+from fpm.errors import meant
 from fpm.structures.units import BARE, CHAIN, NUMBER, Dimension, power, product, unit
 
 LONGEST = 500
@@ -74,10 +75,10 @@ class Expression:
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             if isinstance(error, ExpressionError):
                 raise
-            hint = ""
+            hint = meant(text)
             if text.count("(") != text.count(")"):
-                hint = "; in brackets, put an expression with a comma into quotes or under `let`"
-            raise ExpressionError(f"not arithmetic; allowed: {ALLOWED}{hint}") from None
+                hint = " (in brackets, put an expression with a comma into quotes or under `let`)"
+            raise ExpressionError(f"not arithmetic{hint}; allowed: {ALLOWED}") from None
 
     @cached_property
     def bare(self) -> bool:
@@ -144,7 +145,7 @@ class Expression:
                     lambda names: function(*[value(names) for value in values]),
                     lambda names: _called(name, [measure(names) for measure in measures], zero),
                 )
-        raise ExpressionError(f"not arithmetic; allowed: {ALLOWED}")
+        raise ExpressionError(f"not arithmetic{meant(self.text)}; allowed: {ALLOWED}")
 
     def _name(self, name: str) -> tuple[Value, Measure]:
         if name == "pi" or name in self._quantities:

@@ -253,7 +253,7 @@ class Many(Key):
 
     @property
     def allowed(self) -> str:
-        count = f"{self.least}" if self.least == self.most else f"{self.least} or more"
+        count = f"{self.least}" if self.least == self.most else f"{self.least} to {self.most}"
         more = (
             "; or {each: a repeat, through: such a list}, which stands for those of all its units"
         )

@@ -52,6 +52,14 @@ class Context:
                 return full
         raise KeyError(name)
 
+    def seen(self, known: Iterable[str]) -> list[str]:
+        """Those names that can be seen from here, as they are written here."""
+        if not self.prefix:
+            return list(known)
+        units = tuple(unit for units in self.units().values() for unit in units)
+        own = [name.removeprefix(self.prefix) for name in known if name.startswith(self.prefix)]
+        return own + [name for name in known if not name.startswith(units)]
+
     def units(self) -> dict[str, list[str]]:
         """The prefixes of the units of all repeats, in order, by the repeats' names."""
         lasts = {end.removesuffix(".last"): at for end, at in self.ends.items() if ".last" in end}
@@ -127,8 +135,16 @@ class Names:
         return False
 
     def unknown(self, line: int, key: str, name: str, known: Iterable[str], what: str) -> None:
-        """Note that a name means nothing."""
-        hint, known = did_you_mean(name, known), among(known, more=", ...")
+        """Note that a name means nothing, or something else, or is that of a part of a repeat."""
+        inside = [other for other in known if other.endswith(f".{name}")]
+        group = next((g for g, names in self.things.items() if g != "parts" and name in names), "")
+        hint = did_you_mean(name, known)
+        if inside:
+            more = f" to {inside[-1]}" if len(inside) > 1 else ""
+            hint = f" (each unit has its own: {inside[0]}{more})"
+        elif group:
+            hint = f" (it is one of `{group}`)"
+        known = among(known, more=", ...")
         self.problems.say(line, f"{key}: there is no {what} {name!r}{hint}; allowed: {known}")
 
     def sort(self) -> None:
@@ -209,7 +225,9 @@ class Place:
             try:
                 full[name] = self.context.find(name, known)
             except KeyError:
-                self.names.unknown(node.line, self.key, name, known, "number called")
+                self.names.unknown(
+                    node.line, self.key, name, self.context.seen(known), "number called"
+                )
         if len(full) < len(expression.names):
             raise SkippedError(self.key)
         self.names.used.update(full.values())
@@ -250,7 +268,7 @@ class Place:
         try:
             full = self.context.find(node.text, known)
         except KeyError:
-            self.names.unknown(node.line, self.key, node.text, known, what)
+            self.names.unknown(node.line, self.key, node.text, self.context.seen(known), what)
             raise SkippedError(self.key) from None
         if (group, full) in self.names.absent:
             raise SkippedError(full)

@@ -93,11 +93,11 @@ class Node:
 
 
 class Problems:
-    """What is wrong with one file; the same sentence once."""
+    """What is wrong with one file; the same once, in whichever units of a repeat it is."""
 
     def __init__(self, source: str):
         self.source = source
-        self._found: dict[Problem, None] = {}
+        self._found: dict[tuple[int, str], Problem] = {}
 
     def __bool__(self) -> bool:
         return bool(self._found)
@@ -105,21 +105,21 @@ class Problems:
     def say(self, line: int, sentence: str, size: float = 0.0) -> None:
         """Note a sentence, which starts with its key, about a line."""
         sentence = re.sub(r"\S{100,}", lambda word: f"{word[0][:97]}...", sentence)
-        self._found[Problem(line, sentence, size)] = None
+        same = re.sub(r"\d[\d.e+-]*", "", sentence) if sentence.startswith("repeat.") else sentence
+        self._found.setdefault((line, same), Problem(line, sentence, size))
 
     def refuse(self, line: int, key: str, value: object, allowed: str, size: float = 0.0) -> None:
         """Note that `key` has a value which is not allowed."""
         self.say(line, f"{key}: {show(value)} is not allowed; allowed: {allowed}", size)
 
-    def no_key(self, line: int, key: str, known: Iterable[str], hint: str | None = None) -> None:
-        """Note a key that means nothing; hint: what may be meant, if not one of a close name."""
-        hint = did_you_mean(key.rpartition(".")[2], known) if hint is None else hint
+    def no_key(self, line: int, key: str, known: Iterable[str], hint: str) -> None:
+        """Note a key that means nothing; hint: what may be meant."""
         self.say(line, f"{key}: there is no such key{hint}; allowed: {', '.join(known)}")
 
     def stop(self) -> None:
         """Raise them as one StructureError, by lines, if there are any."""
         if self._found:
-            raise StructureError(self.source, sorted(self._found))
+            raise StructureError(self.source, sorted(self._found.values()))
 
 
 def show(value: object) -> str:
@@ -145,17 +145,37 @@ def read(text: str, problems: Problems) -> Node:
     try:
         root = yaml.compose(text, _Loader)
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        what = ", ".join(part for part in (error.context, error.problem) if part)
-        problems.say(mark.line + 1 if mark else 0, f"this is not a structure's file: {what}")
+        mark, what = why_not_yaml(error)
+        problems.say(mark.line + 1 if mark else 0, f"this is not YAML: {what}")
     except (yaml.YAMLError, RecursionError, ValueError) as error:
-        problems.say(0, f"this is not a structure's file: {str(error).splitlines()[0]}")
+        problems.say(0, f"this is not YAML: {str(error).splitlines()[0]}")
     else:
         node = _convert(root, problems, 0) if root else Node("")
         if not node.is_table:
             problems.say(node.line, "the file is no table; allowed: a mapping of keys")
     problems.stop()
     return node
+
+
+_NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to do
+    (r"'\\\\?t'", False, "a tab; allowed: spaces"),
+    ("expected ':'", True, "a colon is missing; allowed: `key: value`"),
+    ("flow", True, "the bracket that opens here is not closed, or a comma is missing behind it"),
+    ("quoted", True, "the quotes that open here are not closed"),
+    ("not allowed here", False, "a colon too many; allowed: one behind each key, and text with a "
+     "colon in quotes"),
+    ("block", False, "this is indented otherwise than what it belongs to, or lacks a colon"),
+    ("cannot start|alias", False, "nothing begins with this sign; allowed: text in quotes"),
+)  # fmt: skip
+
+
+def why_not_yaml(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
+    """Where a text is not YAML, and what to do about it."""
+    what = ", ".join(part for part in (error.context, error.problem) if part)
+    for said, begins, words in _NOT_YAML:
+        if re.search(said, what):
+            return (begins and error.context_mark) or error.problem_mark, words
+    return error.problem_mark or error.context_mark, what
 
 
 class _Loader(yaml.BaseLoader):
@@ -207,7 +227,8 @@ def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:
 def check_keys(node: Node, key: str, known: tuple[str, ...], problems: Problems) -> None:
     """Note the keys that mean nothing."""
     for name in node.entries.keys() - set(known):
-        problems.no_key(node.lines[name], joined(key, name), known)
+        hint = did_you_mean(name, known)
+        problems.no_key(node.lines[name], joined(key, name), known, hint)
 
 
 def as_meant(node: Node, known: tuple[str, ...], problems: Problems) -> Node:

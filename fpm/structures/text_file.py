@@ -37,6 +37,9 @@ NAMED = "up to 64 letters, digits, spaces and . + - _ ( ), beginning with a lett
 """Names of structures: files are called after them."""
 
 
+OF_CAMPAIGNS = {"campaign", "scene", "solver", "intervals", "design", "responses", "quantities"}
+"""Keys by which a campaign's file is known, with which people come here."""
+
 PARAMETER_KEYS = ("value", "unit", "range", "description", "whole")
 
 
@@ -102,9 +105,9 @@ def loads(text: str, source: str = "structure") -> SceneType:
     """The structure of a YAML file's text; `source` names it in messages."""
     problems = Problems(source)
     found = read(text, problems)
-    if {"campaign", "intervals"} <= found.entries.keys():
-        allowed = "a structure's, such as the one its `scene` names"
-        problems.say(0, f"this is a campaign's file; allowed: {allowed}")
+    if len(OF_CAMPAIGNS & found.entries.keys()) > 1:
+        problems.say(0, "this is a campaign's file: use `check` or `run` with it; allowed: a "
+                     "structure's, such as the one its `scene` names")  # fmt: skip
         problems.stop()
     table = as_meant(found, KEYS, problems)
     parameters = table.entries.get("parameters", Node({}))

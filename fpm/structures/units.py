@@ -29,6 +29,7 @@ class Dimension(NamedTuple):
 
     def __str__(self) -> str:
         known = next((n for n, u in _UNITS.items() if u[2] == self.powers and u[0] == u[1]), None)
+        known = "N m" if known == "J" else known  # of springs and torques
         if not any(self.powers):
             return "a number without unit" if self.bare else "a number or an angle"
         parts = [

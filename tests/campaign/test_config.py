@@ -52,7 +52,7 @@ def test_what_is_wrong_is_told_with_key_value_and_what_is_allowed(row):
 
 
 def test_a_structure_is_told_from_a_campaign():
-    with pytest.raises(ConfigError, match=r"has 1 problem:\n.*a structure's file; allowed"):
+    with pytest.raises(ConfigError, match=r"has 1 problem:\n.*a structure's file: use"):
         load_config([ROOT / "config/structures/panel.yaml"])
 
 

@@ -95,7 +95,7 @@ def test_a_campaign_is_told_from_a_structure():
     (problem,) = problems_of(
         "campaign: one\nintervals: {a: {relative: 0.1}}\nscene: {name: mast}\n"
     )
-    assert "this is a campaign's file; allowed: a structure's" in problem
+    assert "this is a campaign's file: use `check` or `run` with it" in problem
 
 
 def test_a_wrong_thing_does_not_make_its_users_wrong():

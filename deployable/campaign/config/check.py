@@ -10,17 +10,17 @@ Everything wrong with it is collected into one `ConfigError`: what the models of
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from deployable.campaign.config.loader import load
+from deployable.campaign.config.loader import read_file
+from deployable.campaign.config.models import Config
 from deployable.campaign.config.read import read
 from deployable.campaign.config.scene_checks import accuracy_problems, resolve
 from deployable.campaign.config.sections import Campaign
 from deployable.campaign.errors import ConfigError
-
-_OF_STRUCTURES = {"points", "bars", "bodies", "joints", "parameters"}
-"""Keys by which a structure's file is known."""
+from fpm.structures.model import KEYS
 
 
 def load_config(
@@ -34,18 +34,43 @@ def load_config(
     Raises `ConfigError` that lists everything that is wrong.
     """
     merged: dict = {}
+    lines: dict[str, str] = {}
     for path in paths:
-        merge(merged, anchored(load(path), Path(path).parent))
+        data, own = read_file(path)
+        merge(merged, anchored(data, Path(path).parent))
+        of = f"{path}, " if len(paths) > 1 else ""
+        lines |= {key: f"{of}line {line}: " for key, line in own.items()}
     merge(merged, anchored(overrides or {}, "."))
-    return check_config(merged, source or ", ".join(str(path) for path in paths))
+    lines |= dict.fromkeys(_keys(overrides or {}), "--config: ")
+    try:
+        return check_config(merged, source or ", ".join(str(path) for path in paths))
+    except ConfigError as error:
+        told = [_place(problem, lines) + problem for problem in error.problems]
+        raise ConfigError(error.source, told) from None
+
+
+def _keys(data: Any, path: str = "") -> Iterator[str]:
+    """All keys of nested mappings, their names joined by dots."""
+    for name, below in data.items() if isinstance(data, Mapping) else ():
+        yield (at := f"{path}{name}")
+        yield from _keys(below, f"{at}.")
+
+
+def _place(problem: str, lines: Mapping[str, str]) -> str:
+    """Where the key stands of which a sentence tells, or the nearest one above it."""
+    key = problem.partition(":")[0]
+    while key and key not in lines:
+        key = key.rpartition(".")[0]
+    return lines.get(key, "")
 
 
 def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     """The campaign that `raw` means; raises `ConfigError` with everything that is wrong."""
-    if "campaign" not in raw and len(raw.keys() & _OF_STRUCTURES) > 1:
+    own = Config.__dataclass_fields__.keys()
+    if "campaign" not in raw and len(raw.keys() & {*KEYS}) > len(raw.keys() & own):
         raise ConfigError(source, [
-            "this is a structure's file; allowed: `python -m deployable structure` with it, or a "
-            "campaign that names it (`scene: {file: ...}`)"
+            "this is a structure's file: use `structure` with it; allowed: a campaign's, such as "
+            "one that names it (`scene: {file: ...}`)"
         ])  # fmt: skip
     config, given, problems = read(raw)
     campaign = None

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
 from deployable.campaign.errors import ConfigError
+from fpm.errors import did_you_mean
+from fpm.structures.reading import joined, why_not_yaml
 
 # YAML 1.1 takes 1e9 (no dot, no sign) for a string; YAML 1.2 and everybody else for a number.
 _FLOAT = re.compile(r"^[-+]?(\d[\d_]*)(\.[\d_]*)?([eE][-+]?\d+)$|^[-+]?\.\d[\d_]*([eE][-+]?\d+)?$")
@@ -72,7 +74,9 @@ class _Loader(yaml.SafeLoader):
             key = self.construct_object(key_node, deep=True)
             line = key_node.start_mark.line + 1
             if not isinstance(key, str):
-                self.problems.append(f"line {line}: the key {key!r} is not a name; allowed: text")
+                hint = did_you_mean(str(key), [])
+                told = f"line {line}: the key {key!r} is not a name{hint}; allowed: text"
+                self.problems.append(told)
             elif key in first:
                 self.problems.append(
                     f"line {line}: {key} is defined twice (first on line {first[key]}); "
@@ -91,8 +95,15 @@ _Loader.yaml_implicit_resolvers = {
 _Loader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-+0123456789."))
 
 
-def parse(text: str, source: str) -> dict:
-    """The mapping that `text` holds.
+class Text(NamedTuple):
+    """The mapping that a text holds, and the lines of its keys, by their names joined by dots."""
+
+    data: dict
+    lines: dict[str, int]
+
+
+def read(text: str, source: str) -> Text:
+    """What `text` holds.
 
     Raises `ConfigError`, naming `source` and the line, when `text` is not YAML, repeats a key, or
     is not a mapping.
@@ -102,7 +113,8 @@ def parse(text: str, source: str) -> dict:
         raise ConfigError(source, [f"the file has {len(text)} characters; allowed: {allowed}"])
     try:
         loader = _Loader(text)
-        data = loader.get_single_data()
+        root = loader.get_single_node()
+        data = loader.construct_document(root) if root else None
     except (_ExcessError, yaml.YAMLError, ValueError, OverflowError, TypeError) as error:
         raise ConfigError(source, [_told(error, text)]) from None
     if loader.problems:
@@ -110,7 +122,18 @@ def parse(text: str, source: str) -> dict:
     if not isinstance(data, dict):
         found = "nothing" if data is None else type(data).__name__
         raise ConfigError(source, [f"the file holds {found}; allowed: a mapping of keys"])
-    return data
+    return Text(data, dict(_lines(root)))
+
+
+def _lines(node: yaml.Node, path: str = "") -> Iterator[tuple[str, int]]:
+    for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
+        yield (at := joined(path, str(key.value))), key.start_mark.line + 1
+        yield from _lines(value, at)
+
+
+def parse(text: str, source: str) -> dict:
+    """The mapping that `text` holds; raises `ConfigError` like `read`."""
+    return read(text, source).data
 
 
 def _told(error: Exception, text: str) -> str:
@@ -124,9 +147,8 @@ def _told(error: Exception, text: str) -> str:
         return f"a value cannot be read: {str(error).splitlines()[0]}"
     if not isinstance(error, yaml.MarkedYAMLError):
         return f"this is not YAML: {error}"
-    mark = error.problem_mark or error.context_mark
+    mark, what = why_not_yaml(error)
     place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-    what = ", ".join(part for part in (error.context, error.problem) if part)
     return f"{place}this is not YAML: {what}"
 
 
@@ -142,10 +164,15 @@ def retyped(value: Any) -> Any:
 
 
 def load(path: str | Path) -> dict:
-    """The mapping in the file at `path`; raises `ConfigError` like `parse`, and without a file."""
+    """The mapping in the file at `path`; raises `ConfigError` like `read`, and without a file."""
+    return read_file(path).data
+
+
+def read_file(path: str | Path) -> Text:
+    """What the file at `path` holds; raises `ConfigError` like `read`, and without a file."""
     try:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise ConfigError(str(path), [f"the file cannot be read: {reason}"]) from None
-    return parse(text, str(path))
+    return read(text, str(path))

@@ -361,7 +361,9 @@ class Config(Section):
     verify: Verify = Verify()
     requirements: Annotated[
         dict[Name, Annotated[
-            dict[str, Annotated[Limits, Key("a mapping with `at_least`, `at_most` or `happens`")]],
+            dict[str, Annotated[Limits, Key(
+                "a mapping with `at_least`, `at_most` or `happens`, by quantity as in "
+                "`{t_shut: {at_most: 0.32}}`")]],
             Key("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
                 about="The limits of one requirement, by quantity; all of them must be kept."),
         ]],

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from deployable.campaign.config.keys import Part, RefusedError, part_of
 from deployable.campaign.config.models import Config
-from fpm.errors import did_you_mean, likely
+from fpm.errors import did_you_mean, likely, meant
 
 
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
@@ -93,7 +93,8 @@ def _fault(raw: Any, error: Mapping) -> Fault:
         elif kind == "missing" and names[-1] in path:
             told = "missing"
         else:
-            told = f"{show(value)} is not allowed"
+            hint = meant(value, with_unit=False) if isinstance(value, str) else ""
+            told = f"{show(value)} is not allowed{hint if 'number' in allowed else ''}"
         text = f"{key}: {told}; allowed: {allowed}"
     return Fault((*path,), (*path[:entry],), text)
 

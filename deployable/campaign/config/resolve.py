@@ -122,6 +122,8 @@ def _interval(name: str, around: Around, given: Mapping, scene_type: Any) -> Int
     for end, value in (("lower", interval.lower), ("upper", interval.upper)):
         if not allows(parameter, value):
             told = f"its {end} end {value:.12g} leaves the range of {name}"
+            if around.relative is not None and around.relative >= 1:
+                told += f" (did you mean {around.relative / 100:g}, for {around.relative:g} %?)"
             raise RefusedError("", f"{told}; allowed: {parameter.allowed}")
     return interval
 

@@ -33,7 +33,7 @@ from deployable.campaign.config.sections import (
 from deployable.campaign.plan.estimate import bytes_of_run, size_text
 from deployable.intervals import IntervalError, check_spline_runs, held_out_points
 from deployable.intervals.scalars.requirements import ENDS
-from fpm.errors import did_you_mean
+from fpm.errors import did_you_mean, meant
 from fpm.files.outcome import eventful
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.variables import numbers
@@ -223,7 +223,8 @@ def parameter_problems(given: Mapping, scene_type: Any) -> list[str]:
         if name not in known:
             told = no_parameter(name, scene_type, list(known))
         elif not allows(known[name], value):
-            told = f"{show(value)} is not allowed; allowed: {known[name].allowed}"
+            hint = meant(value, with_unit=False) if isinstance(value, str) else ""
+            told = f"{show(value)} is not allowed{hint}; allowed: {known[name].allowed}"
         else:
             continue
         problems.append(f"scene.parameters.{name}: {told}")

@@ -1,0 +1,175 @@
+"""Mistakes that engineers make: one change of a good structure or campaign, and the words that the
+message must hold, which a reader can act on at once."""
+
+from __future__ import annotations
+
+import pytest
+
+from deployable.campaign.cli import main
+
+STRUCTURE = """\
+name: barrier
+description: A barrier that a spring opens until a latch catches it
+parameters:
+  L: {value: 1.2, unit: m, description: length of the arm}
+  k: {value: 3, unit: N m/rad, range: [0, 1000], description: stiffness of the spring}
+let:
+  half: L/2
+points:
+  root: [0, 0, 0]
+  tip: [L, 0, 0]
+materials:
+  steel: {E: 210 GPa, rho: 7850 kg/m3}
+sections:
+  tube: {type: tube, diameter: 40 mm, thickness: 2 mm}
+bars:
+  arm: {through: [root, tip], section: tube, material: steel, elements: 2}
+joints:
+  pivot: {type: revolute, parts: [ground, arm], at: root, axis: -y}
+actions:
+  push: {type: torsion spring, joint: pivot, stiffness: k, rest: 120 deg}
+  catch: {type: latch, joint: pivot, angle: 90 deg}
+record:
+  tip: {part: arm, at: tip}
+"""
+
+CAMPAIGN = """\
+campaign: mine
+scene: {file: barrier.yaml}
+solver: {duration: 2, instants: 201}
+intervals:
+  k: {relative: 0.1}
+  L: {absolute: 0.02}
+design: {method: smolyak, order: 2}
+responses:
+  psi: {opening: pivot}
+quantities:
+  t: {event: latches, of: catch}
+requirements:
+  in_time: {t: {at_most: 3}}
+"""
+
+MISTAKES = [  # what is replaced, by what, and what the message holds
+    ("  tube: {", "\ttube: {", "line 14: this is not YAML: a tab; allowed: spaces"),
+    ("description: A", "description A", "line 2: this is not YAML: a colon is missing"),
+    ("points:", "points", "line 8: this is not YAML: a colon is missing"),
+    ("value: 1.2,", "value 1.2,", "line 4: parameters.L.value 1.2", "missing: `value: 1.2`"),
+    ("value: 1.2,", "value:1.2,", "a space behind the colon is missing: `value: 1.2`"),
+    ("thickness: 2 mm}", "thickness: 2 mm", "line 14: this is not YAML: the bracket that opens"),
+    ("40 mm", "2 in", "line 14: sections.tube.diameter", "did you mean 50.8 mm?"),
+    ("40 mm", "4,5 mm", "sections.tube.5 mm: there is no such key", "a point, not a comma"),
+    ("stiffness: k", "stiffness: 3 Nm/rad", "did you mean 3 N m/rad?"),
+    ("half: L/2", "half: L^2", "line 7: let.half", "did you mean L**2?"),
+    ("7850 kg/m3", "7850 kg/m^3", "did you mean 7850 kg/m3?"),
+    ("value: 1.2,", "value: 1,2,", "line 4: parameters.L.2", "a point, not a comma"),
+    ("rest: 120 deg", "rest: 120", "actions.push.rest: '120'", "such as 90 deg"),
+    ("half: L/2", "half: L/2 + k", "let.half: L/2 + k: N m and m cannot be added"),
+    ("40 mm", "3 J", "sections.tube.diameter: '3 J' is N m; allowed: a value in m > 0"),
+    ("[ground, arm]", "[ground, strut]", "there is no part 'strut'; allowed: ground, arm"),
+    ("joint: pivot, stiff", "joint: push, stiff", "no joint 'push' (it is one of `actions`)"),
+    ("[ground, arm]", "[arm, arm]", "a list of 2 to 1000", "each once"),
+    ("type: revolute", "type: hinge", "did you mean revolute?"),
+    ("rho: 7850", "density: 7850", "line 12: materials.steel.density", "did you mean rho?"),
+    ("actions:", "action:", "line 19: action: there is no such key (did you mean actions?)"),
+    ("tip: [L, 0, 0]", "tip: [L, 0]", "allowed: three coordinates [x, y, z]"),
+    ("2 mm", "2 m", "sections.tube.thickness: 2 is not allowed; allowed: at most half the diam"),
+    (", elements: 2", "", "bars.arm.elements: missing; allowed: a whole number from 1 to 1000"),
+    ("relative: 0.1}", "relative: 10%}", "line 5: intervals.k.relative", "did you mean 0.1?"),
+    ("relative: 0.1}", "relative: 10}", "line 5: intervals.k", "did you mean 0.1, for 10 %?"),
+    ("duration: 2,", "duration: 3 s,", "line 3: solver.duration: '3 s'", "did you mean 3?"),
+    ("duration: 2,", "duration: 3,5,", "line 3: the key 5 is not a name", "a point, not a comma"),
+    ("{t: {at_most", "{t: {max", "line 13: requirements.in_time.t.max", "did you mean at_most?"),
+    ("{t: {at_most: 3}}", "{max: 3}", "line 13: requirements.in_time.max", "by quantity as in"),
+    ("{relative: 0.1}", "{min: 2, max: 4}", "did you mean lower?", "did you mean upper?"),
+    ("of: catch", "of: catsh", "line 11: quantities.t.of: 'catsh'", "one of latch catch"),
+    ("event: latches", "event: latch", "quantities.t.event: 'latch'", "did you mean latches?"),
+    ("  k: {rel", "  K: {rel", "line 5: intervals.K", "did you mean k?"),
+    ("responses:", "response:", "line 8: response: there is no such key (did you mean responses?)"),
+    ("barrier.yaml", "barier.yaml", "line 2: scene.file: barier.yaml, the file cannot be read"),
+    ("scene: {file: barrier.yaml}", "scene: {name: barrier}", "line 2: scene.name: 'barrier'"),
+]  # fmt: skip
+
+
+def told(folder, capsys, monkeypatch, old: str, new: str) -> str:
+    """What `structure`, or `check`, says of the files in which `old` is `new`."""
+    monkeypatch.chdir(folder)
+    is_structure = old in STRUCTURE
+    assert is_structure or old in CAMPAIGN
+    for name, text in (("barrier.yaml", STRUCTURE), ("mine.yaml", CAMPAIGN)):
+        (folder / name).write_text(text.replace(old, new, 1), encoding="utf-8")
+    main(["structure", "barrier.yaml", "--no-picture"] if is_structure else ["check", "mine.yaml"])
+    found = capsys.readouterr()
+    return found.out + found.err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"), [(old, new, words) for old, new, *words in MISTAKES]
+)
+def test_a_mistake_is_told_with_its_line_and_a_remedy(
+    tmp_path, capsys, monkeypatch, old, new, words
+):
+    said = told(tmp_path, capsys, monkeypatch, old, new)
+    for word in words:
+        assert word in said
+    assert len(said.splitlines()) <= 3
+
+
+def test_without_a_mistake_nothing_is_told(tmp_path, capsys, monkeypatch):
+    for old in ("name: barrier", "campaign: mine"):
+        said = told(tmp_path, capsys, monkeypatch, old, old)
+        assert "problem" not in said and "warning" not in said
+
+
+@pytest.mark.parametrize(
+    ("command", "text", "words"),
+    [
+        ("check", STRUCTURE, "this is a structure's file: use `structure` with it"),
+        ("run", STRUCTURE, "this is a structure's file: use `structure` with it"),
+        ("structure", CAMPAIGN, "this is a campaign's file: use `check` or `run` with it"),
+    ],
+)
+def test_the_file_of_the_other_command_is_told_at_once(tmp_path, capsys, command, text, words):
+    (tmp_path / "a.yaml").write_text(text, encoding="utf-8")
+    assert main([command, str(tmp_path / "a.yaml")]) == 1
+    said = capsys.readouterr().err
+    assert words in said and len(said.splitlines()) == 2
+
+
+REPEATED = """\
+materials: {steel: {E: 210 GPa, rho: 7850}}
+sections: {rod: {type: circle, diameter: 20 mm}}
+repeat:
+  rib:
+    count: 6
+    arrangement: ring
+    index: i
+    let: {x: cos(i*60 deg)*1 m, y: sin(i*60 deg)*1 m}
+    points: {foot: [x, y, 0], top: [2*x, 2*y, 0]}
+    bars: {strut: {through: [foot, top], section: rod, material: steel, elements: 2}}
+    supports: {hold: {part: strut, at: foot}}
+loads: {}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("section: rod", "section: rot", ["line 10: repeat.rib.bars.strut.section", "mean rod?"]),
+        ("at: foot}", "at: foot, rotations: w}", ["line 11: repeat.rib.supports.hold.rotations"]),
+        ("[foot, top]", "[foot, toe]", ["line 10: repeat.rib.bars.strut.through: there is no po"]),
+        ("[2*x, 2*y, 0]", "[x, y, 0]", ["a length above 0 m from rib1.foot to rib1.top"]),
+        (
+            "loads: {}",
+            "loads: {pull: {part: strut, at: rib1.top, force: [0, 0, 1]}}",
+            ["line 12: loads.pull.part", "each unit has its own: rib1.strut to rib6.strut"],
+        ),
+    ],
+)
+def test_a_problem_of_a_repeated_part_is_told_once(tmp_path, capsys, old, new, words):
+    assert old in REPEATED
+    (tmp_path / "ring.yaml").write_text(REPEATED.replace(old, new), encoding="utf-8")
+    assert main(["structure", str(tmp_path / "ring.yaml"), "--no-picture"]) == 1
+    said = capsys.readouterr().err
+    for word in words:
+        assert word in said
+    assert "has 1 problem" in said, said

@@ -62,7 +62,9 @@ def _check_loops(item: pytest.Item) -> None:
     compiled = sys.modules.get("fpm.kernels.compiled")
     ready = compiled.READY if compiled else ()
     needed = {
-        "+".join(["-".join(kind.__name__ for kind in kinds), *more]) for kinds, more, _ in ready
+        "+".join(["-".join(kind.__name__ for kind in kinds), *more])
+        for what, kinds, more, _ in ready
+        if what == "loop"
     } - _seen
     _seen.update(needed)
     if (more := needed - SHARED) and not item.get_closest_marker("slow"):

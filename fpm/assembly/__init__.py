@@ -109,9 +109,18 @@ def _settle(scene, places: Places, conditions: Conditions, elastic: Elastic):
 
 
 def _round(scene, places, conditions, elastic, impulses, scales, free, weight):
-    """The motion (6n,) of a round, lengths as shares of the size, and the change of the impulses.
+    """The motion (6n,) of a round, lengths by the size, and the change of the impulses."""
+    solve, gradient = linearised(scene, places, conditions, elastic, impulses, scales, free, weight)
+    return solve(-gradient, -weight * conditions.gaps(places))
 
-    Rows and columns are scaled so that the largest entries are about one.
+
+def linearised(scene, places, conditions, elastic, impulses, scales, free, weight, ease=None):
+    """The equations of a round about places: a function of forces (6n,) and of what conditions lack
+    (c,), times their weight, that gives the motion (6n,), lengths as shares of the size, and the
+    change of the impulses; and the gradient (6n,) of the energy and of the conditions.
+
+    Rows and columns are scaled so that the largest entries are about one; ease: μ times the largest
+    mass (N m), MASS_SHARE of the largest stiffness if nothing else is said.
     """
     from scipy.sparse import bmat, diags, identity
     from scipy.sparse.linalg import splu
@@ -120,26 +129,31 @@ def _round(scene, places, conditions, elastic, impulses, scales, free, weight):
     gradient, stiffness = elastic.derivatives(places)
     rows, curvature = conditions.derivatives(places, weight * impulses)
     stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
-    own, mass = diags(scales), _masses(scene, places)
+    own, mass = diags(scales), masses(scene, places)
     stiffness, mass = own @ stiffness @ own, own @ mass @ own
     largest = abs(stiffness).max() if stiffness.nnz else 0.0
-    unit = largest if largest > 0 else 1.0
-    share = MASS_SHARE if largest > 0 else 1.0
-    inner = (stiffness / unit + mass * (share / mass.max())).tocsc()[free][:, free]
+    if ease is None:
+        ease = MASS_SHARE * largest if largest > 0 else 1.0
+    unit = max(largest, ease)
+    inner = (stiffness / unit + mass * (ease / unit / mass.max())).tocsc()[free][:, free]
     rows = (diags(weight) @ rows @ own).tocsc()[:, free]
     matrix = bmat([[inner, rows.T], [rows, -EASE * identity(len(weight))]], format="csc")
-    gaps = weight * conditions.gaps(places)
-    right = np.concatenate([-(scales * gradient)[free] / unit, -gaps])
     try:
-        found = splu(matrix).solve(right)
+        solver = splu(matrix)
     except RuntimeError:  # exactly singular
-        found = np.full(len(right), np.nan)
-    step = np.zeros(count)
-    step[free] = found[: len(free)]
-    return step, unit * found[len(free) :]
+        solver = None
+
+    def solve(forces, lacks):
+        right = np.concatenate([(scales * forces)[free] / unit, lacks])
+        found = np.full(len(right), np.nan) if solver is None else solver.solve(right)
+        step = np.zeros(count)
+        step[free] = found[: len(free)]
+        return step, unit * found[len(free) :]
+
+    return solve, gradient
 
 
-def _masses(scene, places: Places):
+def masses(scene, places: Places):
     """Masses and inertias (6n, 6n) in global axes."""
     from scipy.sparse import block_diag, coo_matrix
 

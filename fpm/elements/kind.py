@@ -106,6 +106,10 @@ class Kind:
     joins: ClassVar[bool] = False  # whether each holds its `particles` together by a `name`
     moves_free: ClassVar[bool] = False  # whether it moves all particles that no other kind does
 
+    resists_as: ClassVar[str] = (
+        "HA"  # class of its part in a slow travel (fpm/travel); "": it has none
+    )
+
     called: ClassVar[str] = ""  # in messages; kinds that are called alike are one to a user
 
     # -- of one element -----------------------------------------------------------------------
@@ -162,6 +166,11 @@ class Kind:
     def of(cls, scene: Scene) -> list[Any]:
         """The scene's elements of this kind."""
         return scene.kinds.get(cls, [])
+
+    @classmethod
+    def led(cls, scene: Scene) -> list["Kind"]:
+        """What stands for each of the scene's elements where an opening is led slowly."""
+        return cls.of(scene)
 
     @classmethod
     def topology_of(cls, scene: Scene) -> Hashable:

@@ -69,12 +69,12 @@ LONGEST = 200
 """Letters of a folder's name; file systems take some 255, with what is added to it."""
 
 
-def cache_folder(parts: tuple[type, ...] = ()) -> Path:
+def cache_folder(parts: tuple[type, ...] = (), what: str = "loop") -> Path:
     """Where compiled code is kept: where NUMBA_CACHE_DIR says, beside the sources, or at home.
 
-    parts: the named tuples of the kinds in the loop.
+    parts: the named tuples of the kinds in the loop; what: the loop, or a part of it.
     """
-    loop_name = "-".join(["loop", *(p.__name__ for p in parts)])
+    loop_name = "-".join([what, *(p.__name__ for p in parts)])
     if len(loop_name) > LONGEST:  # else nothing could be kept of a scene of nearly all kinds
         loop_name = f"{loop_name[:LONGEST]}-{hashlib.sha256(loop_name.encode()).hexdigest()[:16]}"
     name = Path(f"numba-{source_digest(parts)}-{processor()}", loop_name)
@@ -89,8 +89,11 @@ def cache_folder(parts: tuple[type, ...] = ()) -> Path:
     return (beside if writable else sources.user_cache()) / name
 
 
-LOOPS: dict[tuple[type, ...], Dispatcher] = {}
-"""The loop for every set of kinds met so far, by the named tuples of the kinds."""
+ENTRIES = {"loop": loop.run, "act": loop.act}
+"""What is compiled for a set of kinds, by name: the whole loop, or their forces alone."""
+
+LOOPS: dict[tuple[str, tuple[type, ...]], Dispatcher] = {}
+"""What was compiled for every set of kinds met so far, by the named tuples of the kinds."""
 
 READY: set[tuple] = set()
 """The sets of kinds, what is optional of them and there, and precisions for which that was
@@ -100,30 +103,30 @@ THREADS = threading.Lock()
 """Held by the thread that makes a loop ready."""
 
 
-def _loop(parts: tuple[type, ...], is_cached: bool) -> Dispatcher:
+def _loop(parts: tuple[type, ...], what: str, is_cached: bool) -> Dispatcher:
     """The loop for a set of kinds, cached in its folder without changing numba's own setting."""
-    if parts not in LOOPS:
-        before, folder = numba.config.CACHE_DIR, cache_folder(parts)
+    if (what, parts) not in LOOPS:
+        before, folder = numba.config.CACHE_DIR, cache_folder(parts, what)
         numba.config.CACHE_DIR = str(folder)
         try:
-            LOOPS[parts] = numba.njit(cache=is_cached, **OPTIONS)(loop.run.py_func)
+            LOOPS[what, parts] = numba.njit(cache=is_cached, **OPTIONS)(ENTRIES[what].py_func)
         finally:
             numba.config.CACHE_DIR = before
-    return LOOPS[parts]
+    return LOOPS[what, parts]
 
 
-def loop_for(arguments: tuple) -> Callable:
-    """The time loop, compiled or loaded from the cache for these arguments.
+def loop_for(arguments: tuple, what: str = "loop") -> Callable:
+    """The time loop, or another of ENTRIES, compiled or loaded from the cache for these arguments.
 
     numba's cache can break when several processes write it at once, so the first that arrives
     compiles and the others wait for its lock; so do threads, which share numba's setting as well.
     """
     parts, world = arguments[:2]
     kinds = tuple(map(type, parts))
-    ready = kinds, _optional(parts), world.state.dtype
+    ready = what, kinds, _optional(parts), world.state.dtype
     if ready not in READY:  # to find the whole signature takes milliseconds
-        with THREADS, _one_at_a_time(folder := cache_folder(kinds)) as is_locked:
-            run = _loop(kinds, is_cached=is_locked)
+        with THREADS, _one_at_a_time(folder := cache_folder(kinds, what)) as is_locked:
+            run = _loop(kinds, what, is_cached=is_locked)
             if is_locked and (damaged := _damaged(folder)):
                 logging.getLogger(__name__).warning(
                     "%s: compiled code that is not as it was written; it is made again",
@@ -136,7 +139,7 @@ def loop_for(arguments: tuple) -> Callable:
                 with suppress(OSError):  # a full disk, say
                     (folder / DIGESTS).write_text(json.dumps(_digests(folder)), encoding="utf-8")
             READY.add(ready)
-    return LOOPS[kinds]
+    return LOOPS[what, kinds]
 
 
 def _optional(parts: tuple) -> tuple[str, ...]:

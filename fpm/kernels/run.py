@@ -101,3 +101,9 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
             if find_failures(parts, world, record, row, n, tolerance):
                 return n
     return steps
+
+
+@kernel
+def act(parts, world, now):
+    """Add the forces of all kinds to those of the particles, and nothing else: no step is done."""
+    hooks.forces(parts, world, now)

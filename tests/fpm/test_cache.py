@@ -144,7 +144,7 @@ def test_threads_do_not_mix_up_their_caches(monkeypatch, tmp_path):
     assert str(tmp_path) == numba.config.CACHE_DIR
     for kind in kinds:
         folder = compiled.cache_folder((kind,))
-        assert Path(compiled.LOOPS[kind,].stats.cache_path).parent == folder
+        assert Path(compiled.LOOPS["loop", (kind,)].stats.cache_path).parent == folder
 
 
 def test_another_processor_has_another_cache_beside(monkeypatch):
@@ -205,5 +205,5 @@ def test_without_locks_nothing_is_kept(monkeypatch, tmp_path, reason):
     monkeypatch.setattr(compiled.fcntl, "flock", refuse)
     with pytest.raises(ValueError, match="Cannot determine Numba type"):
         compiled.loop_for(((Lonely(np.zeros(1)),), SimpleNamespace(state=np.zeros(1))))
-    assert compiled.LOOPS[Lonely,].stats.cache_path is None
+    assert compiled.LOOPS["loop", (Lonely,)].stats.cache_path is None
     assert not list(tmp_path.rglob("*.nb*"))

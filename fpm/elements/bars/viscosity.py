@@ -32,6 +32,7 @@ class Viscosity(Kind):
     share: float
 
     takes = Damping.takes
+    resists_as = ""
 
     def check(self, scene):
         """The share must be finite and not negative."""

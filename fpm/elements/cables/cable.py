@@ -57,6 +57,7 @@ class Cable(Kind):
     friction: float | None = number(least=0.0, default=None)
 
     called = "cable"
+    resists_as = "S"
 
     stores = Energy("cable", "cable_energy", "strain energy of the cables")
     gives = REEL_WORK

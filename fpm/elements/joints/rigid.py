@@ -36,6 +36,7 @@ import numpy as np
 
 from fpm.elements.fields import index, number, same, word
 from fpm.elements.joints.turn import HoldsHinge
+from fpm.elements.openings.friction import AT_ONCE, Friction
 from fpm.elements.openings.latch import SIDES, AnyLatch
 from fpm.elements.openings.motor import AnyMotor
 from fpm.elements.openings.opening import (
@@ -164,6 +165,12 @@ class RigidFriction(Rigid):
     takes = JOINT_LOSS
     acts_as = "friction"
     called = "friction"
+    resists_as = "FR"
+
+    @classmethod
+    def led(cls, scene):
+        """As friction by a bend."""
+        return [Friction(f.hinge, f.moment, AT_ONCE, 0.0) for f in cls.of(scene)]
 
     def held_at_start(self, scene):
         (rate,) = turning_at_start(scene, [self.hinge])

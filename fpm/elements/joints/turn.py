@@ -60,6 +60,7 @@ class HoldsHinge(OnHinge):
     """What the kinds that hold the opening of one hinge exactly have in common."""
 
     reads: ClassVar = (Opening, Turn)
+    resists_as: ClassVar = ""
 
     def held_at_start(self, scene) -> float | None:
         """The opening (rad) that it holds from the start; None: it is free then."""

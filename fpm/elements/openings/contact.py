@@ -24,6 +24,7 @@ class Contact(OnHinge):
     events = ("opens", "closes")
     acts_as = "contact"
     called = "contact"
+    resists_as = "S"
 
     @classmethod
     def shut(cls, scene, inverse):

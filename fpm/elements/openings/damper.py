@@ -20,3 +20,4 @@ class Damper(OnHinge):
     takes = JOINT_LOSS
     acts_as = "damper"
     called = "damper"
+    resists_as = ""

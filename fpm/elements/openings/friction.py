@@ -8,7 +8,7 @@ exceed M.
 Source: Dupont, Hayward, Armstrong, Altpeter, IEEE Trans. Automatic Control 47 (2002) 787.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,9 @@ BEND = 1e-3
 
 SLIDE_BEND = 1e-4
 """The same (m) of a slide."""
+
+AT_ONCE = 1e-9
+"""The same (rad, m) where openings are led slowly: nothing of it is left to see."""
 
 DAMPED = 0.3
 """Damping ratio of the bristle with the inertias of the hinge's own two particles, likewise. The
@@ -46,6 +49,12 @@ class Friction(OnHinge):
     takes = JOINT_LOSS
     acts_as = "friction"
     called = "friction"
+    resists_as = "FR"
+
+    @classmethod
+    def led(cls, scene):
+        """They slip at once, the way that their joints go."""
+        return [replace(friction, bend=AT_ONCE, damping=0.0) for friction in cls.of(scene)]
 
     @property
     def stiffness(self) -> float:

@@ -45,6 +45,7 @@ class AnyLatch(OnHinge):
     events = ("latches", "misses")
     acts_as = "latch"
     called = "latch"
+    resists_as = ""
 
     def check(self, scene):
         """A label that no other latch has."""

@@ -61,3 +61,4 @@ class Motor(AnyMotor):
 
     stores = Energy("motor", "motor_energy", "energy of the motors' drive trains")
     takes = JOINT_LOSS
+    resists_as = ""

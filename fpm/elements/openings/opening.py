@@ -49,6 +49,8 @@ TURNING = ("revolute", "universal", "cross")
 class Opening(Kind):
     """The opening of a hinge; nothing states it, every hinge of a scene has one, with its index."""
 
+    resists_as = ""
+
     @classmethod
     def of(cls, scene):
         return scene.hinges

@@ -23,6 +23,7 @@ class AnyRelease(OnHinge):
     events = ("releases",)
     acts_as = "release"
     called = "release"
+    resists_as = ""
 
     def check(self, scene):
         """That it may let go, as its hinge's only one."""

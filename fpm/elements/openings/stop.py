@@ -29,6 +29,7 @@ class Stop(OnHinge):
     events = ("leaves", "hits")
     acts_as = "stop"
     called = "stop"
+    resists_as = "S"
 
     @classmethod
     def names(cls, scene):

@@ -49,6 +49,7 @@ class SyncLoop(OnHinges):
     events = ("tightens", "slackens")
     acts_as = "loop"
     called = "loop"
+    resists_as = "S"
 
     def check(self, scene):
         """Two hinges, with pulleys; names are for messages and files."""

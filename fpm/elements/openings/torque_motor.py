@@ -30,6 +30,7 @@ class TorqueMotor(AnyMotor):
     )  # fmt: skip
 
     called = "torque motor"
+    resists_as = "HM"
     variable = "torque_motor_moment"
 
     def damping_in(self, scene):

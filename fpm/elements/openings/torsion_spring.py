@@ -18,6 +18,7 @@ class TorsionSpring(OnHinge):
     stores = Energy("spring", "spring_energy", "energy of the torsion springs")
     acts_as = "spring"
     called = "torsion spring"
+    resists_as = "S"
 
     def title(self, scene):
         """Those on slides are just springs."""

@@ -16,6 +16,8 @@ class Gravity(Kind):
     acceleration: np.ndarray
 
     gives = LOAD_WORK
+    resists_as = "I"
+    called = "weight"
 
     @classmethod
     def of(cls, scene):

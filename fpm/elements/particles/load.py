@@ -23,6 +23,7 @@ class Load(Kind):
     curve: int = index("curves", -1)
 
     gives = LOAD_WORK
+    resists_as = "TL"
     called = "load"
 
     @property

@@ -1,0 +1,161 @@
+"""An opening led slowly: the virtual work of what acts, against closed forms and against kinematics
+that is worked out here."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fpm
+from fpm import structures
+from fpm.elements import Friction, SyncLoop, TableSpring
+from fpm.travel import STRAIN, lead, parts_of
+
+STRUCTURES = Path(__file__).parents[2] / "config/structures"
+
+
+def hinged(*angles, mass=2.0):
+    """A chain of panels on a wall, each folded by an angle (rad) against the one before."""
+    scene = fpm.Scene("chain")
+    bodies = [int(scene.add_particles((0, 0, 0), 1.0, 1.0)[0])]
+    scene.fix(bodies[0])
+    for i, angle in enumerate(angles):
+        bodies.append(int(scene.add_particles((0.5 + i, 0, 0), mass, 0.1)[0]))
+        scene.add_hinge(f"h{i + 1}", bodies[-2:], (i, 0, 0), (0, 0, 1), opening=angle)
+    return scene
+
+
+def test_a_panel_on_one_hinge():
+    scene = hinged(0.0)
+    scene.add_torsion_spring(0, 0.1, np.pi)
+    scene.add(Friction(0, 0.01))
+    scene.add(TableSpring(0, (0.0, 3.0), (0.0, -0.015)))
+    scene.gravity = (0, -1.0, 0)
+    found = lead(scene, "h1", 0.0, np.pi / 2)
+    angle = found.opening
+    assert parts_of(scene).keys() == found.work.keys()
+    expected = {
+        "weight 0": -2.0 * 0.5 * np.cos(angle),
+        "torsion spring h1": 0.1 * (np.pi - angle),
+        "friction h1": -0.01,
+        "spring h1": -0.005 * angle,
+    }
+    for part, work in expected.items():
+        assert found.work[part] == pytest.approx(work + 0 * angle, rel=1e-6, abs=1e-9), part
+    assert found.inertia == pytest.approx(0.1 + 2.0 * 0.25)
+
+
+def test_friction_slips_the_way_that_its_joint_goes():
+    scene = hinged(1.0)
+    scene.add(Friction(0, 0.3))
+    for first, last in ((1.0, 1.5), (1.5, 1.0), (0.5, 0.2)):
+        assert lead(scene, "h1", first, last).work["friction h1"] == pytest.approx(-0.3, rel=2e-6)
+
+
+def test_two_panels_with_a_synchronising_loop():
+    """By virtual work on the first: k1 (psi1 - th) + 2 k2 (psi2 - 2 th) against f1 + 2 f2."""
+    scene = hinged(0.0, 0.0)
+    scene.add_torsion_spring(0, 0.4, np.pi)
+    scene.add_torsion_spring(1, 0.3, 2 * np.pi)
+    for hinge, moment in enumerate((0.02, 0.03)):
+        scene.add(Friction(hinge, moment))
+    scene.add(SyncLoop("belt", (0, 1), (0.06, 0.03), 1e8))
+    found = lead(scene, "h1", 0.0, np.pi / 2)
+    angle, work = found.opening, found.work
+    drives = 0.4 * (np.pi - angle) + 2 * 0.3 * (2 * np.pi - 2 * angle)
+    assert work["torsion spring h1"] + work["torsion spring h2"] == pytest.approx(drives, rel=1e-4)
+    assert work["friction h1"] + work["friction h2"] == pytest.approx(-0.08, rel=1e-4)
+    assert np.abs(work["loop belt"]).max() < 1e-4
+
+
+def test_an_opening_that_leaves_others_free_is_refused():
+    scene = hinged(0.1, 0.1)
+    with pytest.raises(fpm.SceneError, match="not the only freedom"):
+        lead(scene, "h1", 0.1, 1.0)
+    scene.add_torsion_spring(0, 1.0, 2.0)
+    found = lead(scene, "h1", 0.1, 1.0, stand=["h2"])
+    assert found.work["torsion spring h1"][-1] == pytest.approx(1.0)
+
+
+def test_what_cannot_be_reached_is_told():
+    scene = structures.load(STRUCTURES / "bennett.yaml").build(elements=2)
+    start = scene.hinges[0].opening
+    with pytest.raises(fpm.SceneError, match="openings to which it can be led"):
+        lead(scene, "A", start, start + 0.8)
+
+
+def test_a_slide_is_led_by_its_way():
+    scene = fpm.Scene("slide")
+    wall, cart = scene.add_particles([(0, 0, 0), (0.3, 0, 0)], 2.0, 1.0)
+    scene.fix(wall)
+    slide = scene.add_slide("rail", (wall, cart), (0.3, 0, 0), (1, 0, 0), opening=0.1)
+    scene.add_torsion_spring(slide, 5.0, 1.0)
+    scene.add(Friction(slide, 0.7, 1e-4))
+    scene.gravity = (-1.0, 0, 0)
+    found = lead(scene, "rail", 0.2, 0.6)
+    assert found.work["spring rail"] == pytest.approx(5.0 * (1.0 - found.opening))
+    assert found.work["friction rail"] == pytest.approx(-0.7)
+    assert found.work["weight 0"] == pytest.approx(-2.0)
+    assert found.inertia == pytest.approx(2.0)
+
+
+def test_the_scissor_mast_by_virtual_work():
+    """Its pins open alike, from 2 q, q being the angle of the bars to the mast; weights go with the
+    length n L cos(q) of the mast, each bay's at the middle of its own."""
+    n, k, g = 2, 1.5, 3.0
+    scene = structures.load(STRUCTURES / "scissor.yaml").build(n=n, k=k, E=1e4, elements=2)
+    scene.gravity = (-g, 0, 0)
+    found = lead(scene, "bay1.pin", np.radians(160), np.radians(60))
+    way = found.opening  # falls, so that work is per unit of -opening
+    springs = sum(found.work[f"torsion spring bay{i + 1}.pin"] for i in range(n))
+    assert springs == pytest.approx(n * k * way, rel=1e-3)
+    rises = 0.5 * np.sin(way / 2)  # d(cos q)/d(-2 q), for L = 1 m
+    expected = -g * 2 * 1.0 * rises * sum(i + 0.5 for i in range(n))
+    assert found.work["weight 0"] == pytest.approx(expected, rel=1e-3)
+
+
+def test_the_bennett_linkage_by_virtual_work():
+    """The springs at B and D by the rates of their openings, as the rigid linkage has them."""
+    made = structures.load(STRUCTURES / "bennett.yaml")
+    scene = made.build(E=1e12, elements=4)
+    found = lead(scene, "B", scene.hinges[1].opening, 0.4)
+    roll = mu = np.pi / 4
+    omega_a = np.arctan2(1, np.tan(mu) * np.cos(roll))
+    omega_b = np.arctan2(np.tan(mu), np.sin(roll))
+    rise_a, rise_b = np.arctan(np.cos(mu) * np.tan(roll)), np.arctan2(np.sin(mu), np.tan(roll))
+    c = np.cos(omega_a) * np.cos(omega_b)
+    start = np.arctan2(np.cos(rise_a), np.sin(rise_a) * np.cos(rise_b))
+
+    def at_a(opening):
+        angle = start + opening / 2
+        ends = (np.arctan2(np.cos(x), c * np.sin(x)) for x in (start, angle))
+        first, last = ends
+        return 2 * (first - last)
+
+    psi, step = found.opening, 1e-5
+    rate = (at_a(psi + step) - at_a(psi - step)) / (2 * step)
+    springs = {spring.hinge: spring.stiffness for spring in scene.springs}
+    for index, name, opening, by in ((0, "A", at_a(psi), rate), (1, "B", psi, 1.0)):
+        work = springs[index] * opening * by
+        assert found.work[f"torsion spring {name}"] == pytest.approx(work, rel=1e-3), name
+    assert np.abs(found.work[STRAIN]).max() < 1e-2
+
+
+def test_the_ring_truss_by_virtual_work():
+    """Its cable against the length of its way, 2 n diagonals of the bays."""
+    bay, height, n, EA = 0.5, 0.4, 3, 20.0
+    made = structures.load(STRUCTURES / "ring_truss.yaml")
+    scene = made.build(n=n, stow=60.0, mu=0.0, E=1000.0, EA=EA / 1e3)
+    bays = [f"pair{i + 1}.bay{k}" for i in range(n) for k in (1, 2)]
+    found = lead(scene, bays, np.radians(60), np.radians(70))
+
+    def through(slope):
+        return 2 * n * np.sqrt(bay**2 + height**2 + 2 * bay * height * np.sin(slope))
+
+    slope, step = found.opening, 1e-5
+    rest = through(np.radians(60))
+    tension = EA * (through(slope) - rest) / rest
+    rate = (through(slope + step) - through(slope - step)) / (2 * step)
+    expected = -tension * rate
+    work = found.work["cable hoist"]
+    assert work == pytest.approx(expected, rel=1e-3, abs=1e-3 * np.abs(expected).max())

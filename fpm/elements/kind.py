@@ -106,9 +106,7 @@ class Kind:
     joins: ClassVar[bool] = False  # whether each holds its `particles` together by a `name`
     moves_free: ClassVar[bool] = False  # whether it moves all particles that no other kind does
 
-    resists_as: ClassVar[str] = (
-        "HA"  # class of its part in a slow travel (fpm/travel); "": it has none
-    )
+    resists_as: ClassVar[str] = "HA"  # class of its part in slow travel (fpm/travel); "": none
 
     called: ClassVar[str] = ""  # in messages; kinds that are called alike are one to a user
 

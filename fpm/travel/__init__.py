@@ -267,18 +267,13 @@ class _Path:
 
     def _held(self, value: float) -> Conditions:
         """The conditions, the last of which hold the openings where the first has a value."""
-        one, arms, moved = (
-            self._conditions.one.copy(),
-            self._conditions.arms.copy(),
-            value - self._start,
-        )
-        for row, hinge, zero in zip(
-            range(-len(self._hinges), 0), self._hinges, self._zeros, strict=True
-        ):
+        found, moved, count = self._conditions, value - self._start, len(self._hinges)
+        one, arms = found.one.copy(), found.arms.copy()
+        for row, hinge, zero in zip(range(-count, 0), self._hinges, self._zeros, strict=True):
             axis, across = hinge.axes[0], hinge.references[0]
             if hinge.slides:
                 arms[row, 0] += (moved - zero) * axis
                 continue
             angle = hinge.opening + moved
             one[row] = np.cos(angle) * np.cross(axis, across) - np.sin(angle) * across
-        return self._conditions._replace(one=one, arms=arms)
+        return found._replace(one=one, arms=arms)

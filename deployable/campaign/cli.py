@@ -207,6 +207,8 @@ def _check(options: argparse.Namespace) -> int:
         else:
             there = found(campaign, Folder(Path("results", campaign.name)))
             print(f"{path}: {campaign.name}, {takes}{there and '; '}{there}")
+            for text in campaign.experiment.warnings:
+                print(f"{path}: warning: {text}")
             for text in doubt_texts(campaign.experiment.doubts):
                 print(f"{path}: {text}")
             if campaign.experiment.scene.file.endswith(".py"):

@@ -44,6 +44,7 @@ from fpm.kernels.sources import syntax_digest
 
 def plan(folder: Folder, tell: Tell, experiment: Any) -> None:
     """Choose the runs of a campaign and the time step that serves them all."""
+    _warn(tell, experiment)
     made = make_plan(experiment)
     write_plan(made, folder.plan)
     step, limit = made.time.step, made.time.step_limit
@@ -51,6 +52,11 @@ def plan(folder: Folder, tell: Tell, experiment: Any) -> None:
         f"{experiment.name}: {len(made.unique_runs())} runs, step {step:.4g} s "
         f"({step / limit:.0%} of the limit, set by {made.time.limiting_element})"
     )
+
+
+def _warn(tell: Tell, experiment: Any) -> None:
+    for text in experiment.warnings:
+        tell(f"{experiment.name}: warning: {text}")
 
 
 def rounds(
@@ -76,6 +82,7 @@ def _plan_round(folder: Folder, tell: Tell, experiment: Any) -> bool:
         made = next_plan(experiment, read_plan(before.plan), before.samples, before.bounds)
         tell(f"{experiment.name}: {made.adaptive.rounds[-1].reason}")
     else:
+        _warn(tell, experiment)
         made = first_plan(experiment)
     write_plan(made, folder.plan)
     if not made.is_finished:

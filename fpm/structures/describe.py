@@ -18,6 +18,7 @@ from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures import report
 from fpm.structures.keys import REQUIRED
 from fpm.structures.model import overall
+from fpm.structures.plausible import opening_text, warnings
 from fpm.structures.statement import ON_SLIDES, Statement
 from fpm.structures.statements import STATEMENTS
 
@@ -34,7 +35,7 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
     lists = {
         "bars": bars_of(scene) if scene.beams else (),
         "bodies": scene.bodies,
-        "supports": scene.supports,
+        "supports": scene.supports or (() if scene.fixed.any() else ["none: it floats"]),
         "joints": joints or ["none"],
         "cables": [_cable(scene, cable) for cable in scene.cables],
         "on joints": acting(scene),
@@ -62,6 +63,7 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
         *(line for title, names in lists.items() if names for line in _listed(title, names)),
         "",
         *(f"{title:14}{text}" for title, text in facts.items() if text),
+        *(f"warning       {text}" for text in warnings(scene)),
     ]
     return "\n".join(lines)
 
@@ -69,15 +71,9 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
 def _opening(hinge: Hinge, stated: float) -> str:
     """The opening of a hinge at the start, and the stated one if parts were forced to another."""
     kind = {"prismatic": "slide, ", "universal": "universal, ", "cross": "universal, "}
-    now, before = (_angle(opening, hinge) for opening in (hinge.opening, stated))
+    now, before = (opening_text(hinge, opening) for opening in (hinge.opening, stated))
     other = f", stated as {before}" if now != before else ""
     return f"{kind.get(hinge.type, '')}opening {now}{other}"
-
-
-def _angle(opening: float, hinge: Hinge) -> str:
-    """An opening of a hinge, in degrees, or of a slide; what rounding leaves is none."""
-    opening = round(opening, 9) + 0.0
-    return f"{opening:.4g} m" if hinge.slides else f"{np.degrees(opening):.4g} deg"
 
 
 def _several(count: int, what: str) -> str:
@@ -121,7 +117,9 @@ def acting(scene: Scene) -> list[str]:
             numbers = [*_numbers(element, scene)]
             if isinstance(element, AnyRelease) and element.watch >= 0:
                 watched = scene.hinges[element.watch]
-                numbers.append(f"until {watched.name} passes {_angle(element.level, watched)}")
+                numbers.append(
+                    f"until {watched.name} passes {opening_text(watched, element.level)}"
+                )
             found.append((on[0], f"{name} ({', '.join([f'on {joints}', *numbers])})"))
     return [text for _, text in sorted(found, key=lambda pair: pair[0])]
 

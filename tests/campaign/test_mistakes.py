@@ -6,6 +6,7 @@ from __future__ import annotations
 import pytest
 
 from deployable.campaign.cli import main
+from deployable.campaign.config.check import load_config
 
 STRUCTURE = """\
 name: barrier
@@ -90,6 +91,23 @@ MISTAKES = [  # what is replaced, by what, and what the message holds
 ]  # fmt: skip
 
 
+UNLIKELY = [  # the same, of what is allowed and hardly meant
+    ("40 mm", "40 m", "bar arm is 1.2 m long and 40 m wide: both in metres?"),
+    ("40 mm, thickness: 2 mm", "40, thickness: 20", "mass of all of it: 1.184e+07 kg; usual"),
+    ("7850 kg/m3", "7.85", "density of bar arm: 7.85 kg/m3; usual: 20 to 25000 kg/m3"),
+    ("210 GPa", "210", "Young's modulus of bar arm: 210 Pa; usual: 1e+06"),
+    ("value: 1.2,", "value: 1200,", "largest extent of all of it: 1200 m", "only 0.04 m wide"),
+    ("thickness: 2 mm", "thickness: 2 um", "bar arm is 0.04 m wide and only 2e-06 m thick"),
+    ("rest: 120 deg", "rest: -120 deg", "away from latch catch at 90 deg, with 6.283 N m: turn its `axis`"),
+    ("angle: 90 deg", "angle: 150 deg", "latch catch at 150 deg is beyond where the springs on pi"),
+    ("actions:", "actions:\n  end: {type: stop, joint: pivot, stiffness: 1000, most: 80 deg}",
+     "latch catch at 90 deg is beyond the stop at 80 deg: it cannot catch"),
+    ("name: barrier", "name: barrier\ngravity: [0, 0, -9.81]\nloads:\n  wind: {part: arm, at: tip,"
+     " force: [1, 0, 0]}", ""),
+    ("duration: 2,", "duration: 0.02,", "0.02 s are too short for latch catch at 90 deg", "6.283"),
+]  # fmt: skip
+
+
 def told(folder, capsys, monkeypatch, old: str, new: str) -> str:
     """What `structure`, or `check`, says of the files in which `old` is `new`."""
     monkeypatch.chdir(folder)
@@ -112,6 +130,40 @@ def test_a_mistake_is_told_with_its_line_and_a_remedy(
     for word in words:
         assert word in said
     assert len(said.splitlines()) <= 3
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"), [(old, new, words) for old, new, *words in UNLIKELY]
+)
+def test_what_is_hardly_meant_is_warned_of_with_its_number(
+    tmp_path, capsys, monkeypatch, old, new, words
+):
+    said = told(tmp_path, capsys, monkeypatch, old, new)
+    warned = [line for line in said.splitlines() if "warning" in line]
+    assert "problem" not in said and len(warned) <= 3
+    for word in words:
+        assert word in "\n".join(warned)
+
+
+FLOATING = """\
+gravity: [0, 0, -9.81]
+points: {a: [0, 0, 0]}
+bodies: {box: {mass: 1, centre: a, box: [1, 1, 1]}}
+"""
+
+
+def test_what_nothing_holds_is_warned_of_where_it_falls(tmp_path, capsys):
+    for text, words in ((FLOATING, "warning       nothing holds it"), (FLOATING[23:], "it floats")):
+        (tmp_path / "box.yaml").write_text(text, encoding="utf-8")
+        main(["structure", str(tmp_path / "box.yaml"), "--no-picture"])
+        said = capsys.readouterr().out
+        assert words in said
+        assert ("warning" in said) == ("gravity" in text)
+
+
+def test_what_is_shipped_is_meant(request):
+    for path in (request.config.rootpath / "config").glob("*.yaml"):
+        assert load_config([path]).experiment.warnings == [], path.stem
 
 
 def test_without_a_mistake_nothing_is_told(tmp_path, capsys, monkeypatch):

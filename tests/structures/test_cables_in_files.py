@@ -171,7 +171,7 @@ def test_a_cable_runs_through_the_same_points_of_every_unit():
     [
         ("each: post", "each: pots", "cables.around.through.each: 'pots' is not allowed"),
         ("[high, low]}", "[high, lo]}", "there is no point 'lo'"),
-        ("[{each: post, through: [high, low]}, post.first.high]", "[post.first.high]", "2 or more"),
+        ("[{each: post, through: [high, low]}, post.first.high]", "[post.first.high]", "2 to 1000"),
         ("through: [high, low]}", "through: high}", "cables.around.through"),
     ],
 )  # fmt: skip

@@ -163,6 +163,13 @@ class Experiment:
         found = {name: doubt(self.nominal_scene, response) for name, response in named}
         return {name: why for name, why in found.items() if why}
 
+    @property
+    def warnings(self) -> list[str]:
+        """What of the structure at the nominal values is hardly meant; `fpm.SceneError`."""
+        from fpm.structures.plausible import warnings  # scipy's graphs take 0.1 s to load
+
+        return warnings(self.nominal_scene, self.solver.duration)
+
     @cached_property
     def box(self) -> Any:
         """The `intervals.Box` of the interval parameters."""

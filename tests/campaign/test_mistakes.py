@@ -98,7 +98,7 @@ UNLIKELY = [  # the same, of what is allowed and hardly meant
     ("210 GPa", "210", "Young's modulus of bar arm: 210 Pa; usual: 1e+06"),
     ("value: 1.2,", "value: 1200,", "largest extent of all of it: 1200 m", "only 0.04 m wide"),
     ("thickness: 2 mm", "thickness: 2 um", "bar arm is 0.04 m wide and only 2e-06 m thick"),
-    ("rest: 120 deg", "rest: -120 deg", "away from latch catch at 90 deg, with 6.283 N m: turn its `axis`"),
+    ("rest: 120 deg", "rest: -120 deg", "away from latch catch at 90 deg, with 6.283 N m: turn"),
     ("angle: 90 deg", "angle: 150 deg", "latch catch at 150 deg is beyond where the springs on pi"),
     ("actions:", "actions:\n  end: {type: stop, joint: pivot, stiffness: 1000, most: 80 deg}",
      "latch catch at 90 deg is beyond the stop at 80 deg: it cannot catch"),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numba import njit
 
+from fpm.elements.cables.cable_friction_kernels import exponential
 from fpm.kernels import angles, vectors
 from fpm.kernels.lanes import any_negative, floor, load, sqrt, store, where_negative, width
 
@@ -68,6 +69,18 @@ def test_arctan2_is_that_of_the_library():
         out = np.zeros((1, 1, 8))
         angle(a, out)
         np.testing.assert_allclose(out[0, 0], np.arctan2(a[0, 0], a[0, 1]), rtol=0, atol=5e-16)
+
+
+@njit(error_model="numpy")
+def power(a, out):
+    store(out, 0, 0, exponential(load(a, 0, 0)))
+
+
+def test_the_exponential_of_a_rubbing_cable_is_that_of_the_library():
+    a, out = np.array([[[0.0, 1e-3, 0.1, 0.4, 1.5, 4.0, 10.0, 40.0]]]), np.zeros((1, 1, 8))
+    power(a, out)
+    np.testing.assert_allclose(out[0, 0, :7], np.exp(a[0, 0, :7]), rtol=1e-11)
+    np.testing.assert_allclose(out[0, 0, 7], np.exp(30.0), rtol=1e-6)
 
 
 @njit(error_model="numpy")

@@ -73,8 +73,8 @@ class RubbingCables(NamedTuple):
 
 @kernel
 def exponential(x):
-    """exp(x) to 1e-13 for 0 <= x <= 10: the series at x/256, squared eight times; exp(30) beyond
-    30, which nothing slips against.
+    """exp(x) to 1e-11 of itself for 0 <= x <= 10: the series at x/256, squared eight times; exp(30)
+    beyond 30, which nothing slips against.
     """
     y = (1.0 / 256.0) * where_negative(x - 30.0, x, 30.0)
     found = 1.0 + y * (1.0 + y * (0.5 + y * (1 / 6 + y * (1 / 24 + y * (1 / 120 + y / 720)))))

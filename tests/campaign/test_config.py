@@ -179,6 +179,30 @@ def test_the_paper_s_campaign_is_the_paper_s():
     assert config.published == {"BD": 0.063, "vBz": 4.38}
 
 
+@pytest.mark.parametrize(
+    ("other", "published"),
+    [
+        ({"bounds": {"model": "spline"}}, {"BD": 0.063, "vBz": 4.38}),
+        ({"intervals": {"a": {"relative": 0.02}}}, {}),
+        ({"intervals": {"a": {"relative": 0.02}}, "published": {"BD": 0.1}}, {"BD": 0.1}),
+        ({"scene": {"parameters": {"elements": 4}}}, {}),
+    ],
+)
+def test_what_was_published_of_another_box_is_left_out(other, published):
+    assert load_config([ROOT / "config" / "paper.yaml"], other).published == published
+
+
+def test_where_a_key_stands_is_told_of_each_file_and_of_overrides(tmp_path):
+    (tmp_path / "one.yaml").write_text("responses:\n  BD: {distanc: [B, D]}\n", encoding="utf-8")
+    with pytest.raises(ConfigError) as error:
+        load_config(
+            [ROOT / "config" / "paper.yaml", tmp_path / "one.yaml"], {"design": {"order": 0}}
+        )
+    first, second = error.value.problems
+    assert first.startswith("--config: design.order")
+    assert second.startswith(f"{tmp_path / 'one.yaml'}, line 2: responses.BD")
+
+
 def test_every_key_says_what_it_is_and_what_is_allowed():
     for key, about, allowed, _ in rows(whole()):
         assert about.endswith((".", ")")) and allowed, key

@@ -15,6 +15,7 @@ from deployable.campaign.answers.choice import doubted
 from deployable.campaign.cli import UNMET, main
 from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
+from deployable.campaign.results.alternatives import alternatives
 from deployable.campaign.text.templates import sentence
 from deployable.intervals.scalars import Choice
 
@@ -160,6 +161,8 @@ def test_the_best_choice_is_that_of_the_closed_form(tmp_path):
     limits = {one["requirement"]: one for one in found["limits"]}
     assert limits["not_early"]["margin"] == pytest.approx(0, abs=1e-5)
     assert found["runs"] < 20
+    told = (folder / "summary.md").read_text()
+    assert "It has hardly any margin for not_early" in told and "end of its range" not in told
     assert f"{found['runs']} for the best choice" in (folder / "summary.md").read_text()
     kept = [row["values"][0] for row in found["tried"] if row["kept"]]
     least, most = border(LATEST) / 0.95, exact
@@ -177,11 +180,45 @@ def test_a_choice_of_a_parameter_without_an_interval_and_two_goals(tmp_path):
     # Goals that are to be small come first: the narrowest range is that of the lightest panel.
     assert found["parameters"][0]["value"] == pytest.approx(0.5, abs=1e-6)
     exact = exact_time(0.095, 0.5) - exact_time(0.105, 0.5)
-    assert found["goals"][0]["value"] == pytest.approx(exact, rel=1e-3)
+    # Beside a width the width that was simulated, of runs at both ends.
+    goal, _ = found["goals"]
+    assert [goal["value"], goal["simulated"]] == pytest.approx([exact, exact], rel=1e-3)
+    assert goal["at"]["k"] == pytest.approx(0.095) and goal["lower_at"]["k"] == pytest.approx(0.105)
+    told = (folder / "summary.md").read_text()
+    assert "mass is at the lower end of its range" in told
     for row in found["tried"]:
         (mass,), (width, lower) = row["values"], row["goals"]
         assert lower == pytest.approx(exact_time(0.105, mass), rel=1e-3)
         assert width == pytest.approx(exact_time(0.095, mass) - exact_time(0.105, mass), rel=0.02)
+
+
+def test_the_best_where_none_meets_all_has_no_star():
+    goal = {"end": "upper", "quantity": "t", "units": "s", "sense": "minimise", "value": 2.0}
+    k = {"name": "k", "units": "N", "lower": 0.0, "upper": 1.0, "value": 0.5}
+    tried = [{"values": [k], "goals": [2 - k], "kept": False} for k in (0.0, 0.5, 1.0)]
+    for kept, marker, told in ((True, "*", "best choice"), (False, "D", "none meets all; misses")):
+        found = {"parameters": [k], "goals": [goal], "tried": tried, "kept": kept}
+        (ax,) = alternatives(found).axes
+        assert ax.lines[-1].get_marker() == marker
+        assert told in ax.lines[-1].get_label()
+
+
+@pytest.mark.parametrize(
+    ("quantity", "words"),
+    [
+        ({"crossing": "psi", "level": 3.0}, "it still moves then: simulate longer"),
+        (
+            {"crossing": "psi", "level": -1.0},
+            "t comes to 0 rad of −1 rad, at 0 s; it goes no further",
+        ),
+    ],
+)
+def test_what_never_happens_is_told_with_how_far_it_came(tmp_path, quantity, words):
+    solver = {"duration": 1.0, "instants": 201}
+    folder = run(panel(campaign="never", quantities={"t": quantity}, solver=solver), tmp_path)
+    told = (folder / "summary.md").read_text()
+    assert "t does not happen in any of the" in told
+    assert words.replace("t comes", "psi comes") in told
 
 
 def test_the_exit_status_tells_of_unmet_requirements_where_asked(tmp_path, capsys, judged):

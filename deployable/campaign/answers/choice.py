@@ -2,7 +2,8 @@
 
     parameters   [{name, units, lower, upper, value}]: the range, and the best choice
     kept         whether the whole box about the choice keeps all requirements
-    goals        [{end, quantity, units, sense, value, at, simulated}] of the choice
+    goals        [{end, quantity, units, sense, value, at, simulated}] of the choice; of a width
+                 `at` is where the upper end is, `lower_at` where the lower, `simulated` the width
     limits       [{requirement, quantity, units, kind, level, margin, at, simulated}] of the choice
     tried        [{values, goals, kept}]: choices of a grid, for the trade-off
     runs         how many runs it took, over choices and intervals
@@ -53,7 +54,7 @@ def answer(
     limits = limits_of(requirements, list(experiment.quantities))
     for turn in range(verify.rounds + 1):
         best, tried = _best(bench, asked.experiment, choose, limits)
-        places = [*best.at, *best.worst, *doubted(best, tried, choose)]
+        places = [*np.concatenate(best.at), *best.worst, *doubted(best, tried, choose)]
         places = [at for at in places if bench.nearest(at)[1] > SAME]
         if turn == verify.rounds or not places:
             break
@@ -150,7 +151,12 @@ def _goal(bench: Bench, goal: tuple[float, str, str], value: float, at: np.ndarr
     q = list(bench.experiment.quantities).index(name)
     named = {"end": end, "quantity": name, "units": bench.experiment.numbers[q].unit}
     named |= {"sense": "minimise" if sign > 0 else "maximise", "value": number(value)}
-    return {**named, **bench.place(at, q)}
+    *low, place = (bench.place(one, q) for one in at)
+    if low:
+        place["lower_at"] = low[0]["at"]
+        both = place["simulated"], low[0]["simulated"]
+        place["simulated"] = None if None in both else both[0] - both[1]
+    return {**named, **place}
 
 
 def _limit(bench: Bench, asked: Asked, slack: float, at: np.ndarray) -> dict:

@@ -26,7 +26,8 @@ from fpm.structures.model import KEYS
 def load_config(
     paths: Sequence[str | Path], overrides: Mapping | None = None, source: str | None = None
 ) -> Campaign:
-    """The campaign of YAML files, later ones and `overrides` winning key by key.
+    """The campaign of YAML files, later ones and `overrides` winning key by key; but what the first
+    says was `published` is left out where a later one changes `scene` or `intervals`.
 
     A structure's file is sought from the folder of the YAML file that names it, that of `overrides`
     from the working folder.
@@ -37,16 +38,26 @@ def load_config(
     lines: dict[str, str] = {}
     for path in paths:
         data, own = read_file(path)
-        merge(merged, anchored(data, Path(path).parent))
+        _add(merged, anchored(data, Path(path).parent))
         of = f"{path}, " if len(paths) > 1 else ""
         lines |= {key: f"{of}line {line}: " for key, line in own.items()}
-    merge(merged, anchored(overrides or {}, "."))
+    _add(merged, anchored(overrides or {}, "."))
     lines |= dict.fromkeys(_keys(overrides or {}), "--config: ")
     try:
         return check_config(merged, source or ", ".join(str(path) for path in paths))
     except ConfigError as error:
         told = [_place(problem, lines) + problem for problem in error.problems]
         raise ConfigError(error.source, told) from None
+
+
+def _add(merged: dict, other: Mapping) -> None:
+    """Merge a further config; of another box, what was published of the first is left out."""
+    published = merged.get("published")
+    before = [copy.deepcopy(merged.get(key)) for key in ("scene", "intervals")]
+    merge(merged, other)
+    if published and before != [merged.get(key) for key in ("scene", "intervals")]:
+        merged.pop("published")
+        merge(merged, {key: other[key] for key in other if key == "published"})
 
 
 def _keys(data: Any, path: str = "") -> Iterator[str]:

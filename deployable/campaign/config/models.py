@@ -356,7 +356,8 @@ class Config(Section):
         Key("a mapping from names of `responses` to numbers"),
     ] = field(default_factory=dict)  # fmt: skip
     """Largest differences of the bounds that somebody has published, by response; the summary puts
-    ours beside them."""
+    ours beside them. Where a later file or `--config` changes `scene` or `intervals`, they are left
+    out: they are of another box."""
     error: ErrorDisplay = ErrorDisplay()
     verify: Verify = Verify()
     requirements: Annotated[

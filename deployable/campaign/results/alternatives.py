@@ -47,7 +47,10 @@ def alternatives(found: Mapping, width: float = 6.4) -> Any:
     best = [goal["value"] for goal in goals[:2]]
     best = best if several else [first["value"], *best]
     chosen = [f"{p['name']} = {p['value']:.4g} {pretty(p['units'])}" for p in found["parameters"]]
-    ax.plot(*best, "*", color="black", ms=12, label=f"best choice: {', '.join(chosen)}")
+    how = {"marker": "*", "color": "black", "label": "best choice"}
+    if not found["kept"]:
+        how = {"marker": "D", "mfc": "none", "mec": _RED, "label": "none meets all; misses least"}
+    ax.plot(*best, ls="", ms=12, **how | {"label": f"{how['label']}: {', '.join(chosen)}"})
     ax.margins(0.1)
     if several and values.shape[1] == 1:
         for i in np.unique(np.linspace(0, len(x) - 1, _LABELS).round().astype(int)):

@@ -17,6 +17,7 @@ from deployable.campaign.plan.plan import Plan, read_plan
 from deployable.campaign.results.which import counts, nominal_row
 from deployable.campaign.text.numbers import percent
 from deployable.intervals.estimates import BEYOND
+from fpm.elements import Latch, RigidLatch
 from fpm.files.sealed import check
 
 PARTS = ("surrogate", "step", "mesh")
@@ -54,6 +55,9 @@ def facts_of(
         with open_netcdf(folder.quantities) as data:
             found["quantities"] = quantity_rows(data, experiment.solver.duration)
             further = int(data.further_runs)
+        for row, quantity in zip(found["quantities"], experiment.numbers, strict=True):
+            if not row["runs_with"] and (far := _reached(quantity, experiment, folder)):
+                row["reached"] = far
         if requirements:
             judged = read_json(folder.requirements)
             found |= {name: judged[name] for name in ("requirements", "together")}
@@ -299,6 +303,36 @@ def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
         }
         rows.append(row)
     return rows
+
+
+def _reached(quantity: Any, experiment: Any, folder: Folder) -> dict[str, Any]:
+    """How far the response of a crossing, or of a latch's joint, comes to its level over the box,
+    when (s), and whether it `moves` then, at the end of the run; nothing where there is none."""
+    response, level = quantity.response, quantity.level
+    if quantity.event in ("latches", "misses"):
+        scene = experiment.nominal_scene
+        latches = {
+            name: latch
+            for kind in (Latch, RigidLatch)
+            for name, latch in zip(kind.names(scene), kind.of(scene), strict=True)
+        }
+        latch = latches[quantity.places[0]]
+        openings = (
+            c for c in experiment.curves if (c.kind, c.about) == ("opening", (latch.joint,))
+        )
+        response, level = next(openings, None), latch.angle
+    elif quantity.kind != "crossing":
+        response = None
+    if response is None:
+        return {}
+    with open_netcdf(folder.bounds) as bounds:
+        row = list(bounds["response"][:]).index(response.name)
+        curves = np.array([bounds["lower"][row], bounds["upper"][row]])
+        time = bounds["time"][:]
+    side, at = np.unravel_index(np.argmin(np.abs(curves - level)), curves.shape)
+    value = float(curves[side, at])
+    return {"name": response.name, "units": response.unit, "value": value, "level": level,
+            "time": float(time[at]), "moves": bool(at >= 0.98 * len(time))}  # fmt: skip
 
 
 def _number(value: Any) -> float | None:

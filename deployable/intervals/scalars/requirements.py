@@ -213,25 +213,26 @@ class Goal:
     sign: float = 1.0
 
     def value(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
-        """The goal over a part (k each) of the box, and where its deciding end is (k)."""
+        """The goal over a part (k each) of the box, and where its end is (1, k), or both (2, k)."""
         if self.kind == "width":
             found = self.surrogate.range(lower, upper, climbs=1)
-            return found.width, found.argmax
-        return self.surrogate.end(1.0 if self.kind == "upper" else -1.0, lower, upper)
+            return found.width, np.array([found.argmin, found.argmax])
+        value, at = self.surrogate.end(1.0 if self.kind == "upper" else -1.0, lower, upper)
+        return value, at[None]
 
 
 @dataclass(frozen=True)
 class Choice:
     """A choice (c): its goals (g), and its worst slack of all limits, with each one's (l) and where
-    it is (l, k); `at` (g, k) are the places that decide the goals. Without limits the slack is
-    infinite."""
+    it is (l, k); `at`: the places that decide the goals, (1, k) each, or (2, k) of a width. Without
+    limits the slack is infinite."""
 
     values: np.ndarray
     goals: np.ndarray
     slack: float
     slacks: np.ndarray
     worst: np.ndarray
-    at: np.ndarray
+    at: list[np.ndarray]
 
     @property
     def is_allowed(self) -> bool:
@@ -251,7 +252,7 @@ def judge(values: np.ndarray, goals: Sequence[Goal], limits: Sequence[Limit], bo
         float(slacks.min(initial=np.inf)),
         slacks,
         np.array([at for _, at in kept]).reshape(len(kept), len(lower)),
-        np.array([at for _, at in found]).reshape(len(found), len(lower)),
+        [at for _, at in found],
     )
 
 

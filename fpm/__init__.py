@@ -15,7 +15,7 @@ from fpm.files.outcome import Outcome
 from fpm.reading import quantities, responses
 from fpm.scenes.scene import Link, Scene
 from fpm.scenes.timestep import SAFETY, StableStep, stable_step
-from fpm.solver.simulate import divide_time, simulate, warm_up
+from fpm.solver.simulate import divide_time, is_compiled, simulate, warm_up
 
 __all__ = [
     "SAFETY",
@@ -28,6 +28,7 @@ __all__ = [
     "Section",
     "StableStep",
     "divide_time",
+    "is_compiled",
     "quantities",
     "responses",
     "simulate",

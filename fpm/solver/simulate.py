@@ -114,6 +114,16 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
     return batch, parts, world, record
 
 
+def is_compiled(scene: Scene) -> bool:
+    """Whether the cache on disk has the solver for the kinds in a scene."""
+    from fpm.kernels.compiled import DIGESTS, cache_folder
+    from fpm.kernels.lanes import width as lanes_of
+
+    dtype = np.dtype(np.float64)
+    batch = pack.pack([started(scene)], lanes_of(dtype), dtype, 2)
+    return (cache_folder(tuple(map(type, batch.parts()))) / DIGESTS).exists()
+
+
 def warm_up(scene: Scene, record=()) -> None:
     """Compile the solver for the kinds in a scene, or load it from the cache on disk.
 

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import io
+import time
+from pathlib import Path
 
 import pytest
 
+import fpm
 from deployable import campaign
 from deployable.campaign.plan.estimate import _rounded, estimate, size_text
-from deployable.campaign.runs.progress import Progress, Teller
+from deployable.campaign.runs.progress import Progress, Teller, warm_up
+from fpm import structures
+
+CONFIG = Path(__file__).parents[2] / "config"
 
 
 class Terminal(io.StringIO):
@@ -90,8 +96,33 @@ def test_the_time_told_grows_with_runs_and_steps(raw):
     raw["design"] = {"method": "scan", "samples": 100_000}
     raw["solver"] |= {"duration": 10.0}
     many = estimate(campaign.check_config(raw))
-    assert few.seconds < 10 and "min" not in str(few)
-    assert many.seconds > 100 * few.seconds and " min " in str(many)
+    assert few.seconds - few.compiling < 10 and "min" not in str(few)
+    assert many.seconds > 100 * (few.seconds - few.compiling) and " min " in str(many)
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_the_time_told_is_with_that_to_compile_where_that_is_to_be_done(raw, monkeypatch, there):
+    monkeypatch.setattr("fpm.is_compiled", lambda scene: there)
+    found = estimate(campaign.check_config(raw))
+    assert (found.compiling == 0) == there
+    assert ("of it to compile, once" in str(found)) != there
+    assert 15 < found.seconds - 4 - 2 < 25 if not there else found.seconds < 10
+
+
+def test_a_time_loop_is_known_to_be_compiled_once_it_is(monkeypatch, tmp_path):
+    scene = structures.load(CONFIG / "structures/panel.yaml").build()
+    fpm.warm_up(scene)
+    assert fpm.is_compiled(scene)
+    monkeypatch.setattr("fpm.kernels.compiled.cache_folder", lambda kinds: tmp_path)
+    assert not fpm.is_compiled(scene)
+
+
+def test_progress_is_told_while_something_compiles(monkeypatch):
+    monkeypatch.setattr("fpm.warm_up", lambda scene, record: time.sleep(0.05))
+    monkeypatch.setattr("deployable.campaign.runs.progress.PAUSE", 0.02)
+    told = []
+    warm_up(structures.load(CONFIG / "structures/panel.yaml").build(), told.append)
+    assert told and told[0] == "compiling for these kinds of element, once: 0 s of some 17"
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import math
 import os
 from dataclasses import dataclass
 
+import fpm
 from deployable.campaign.config.design import count_runs
 from deployable.campaign.config.sections import Campaign, Experiment
 from deployable.campaign.folder import Folder
@@ -19,11 +20,15 @@ from fpm.scenes import effort
 LANES = 8
 """Runs that are integrated side by side; fewer take as long."""
 
-STARTING = 4.0
-"""Seconds to start, take bounds, draw and write the page."""
+STARTING, RESPONSE, QUANTITY = 4.0, 1.0, 0.6
+"""Seconds to start and write the page, and to take the bounds of a response or the interval of a
+quantity, and draw it."""
 
-ANSWERING, CHOOSING = 2.0, 6.0
-"""Seconds to find the intervals of quantities, and the best choice, by surrogate."""
+REQUIRING, CHOOSING = 2.0, 7.0
+"""Seconds to find what of the box meets requirements, and the best choice, by surrogate."""
+
+MOVING = 3
+"""Batches of runs that are made again for the page, on which they move."""
 
 WRITING = 5e-3
 """Seconds for a run's scene and file."""
@@ -45,9 +50,9 @@ _EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
 
 @dataclass(frozen=True)
 class Estimate:
-    """runs: at most, but for those that answers take; seconds on all cores of this machine,
-    compilation apart; integrating: seconds of a core of it that the runs take, those of answers
-    too; bytes on disk.
+    """runs: at most, but for those that answers take; seconds on all cores of this machine, of
+    which `compiling` takes some if the time loop is not compiled yet; integrating: seconds of a
+    core of it that the runs take, those of answers too; bytes on disk.
 
     is_budget: they are what may be spent, mostly far more than what will be. answers: what takes
     further runs, in words.
@@ -57,20 +62,24 @@ class Estimate:
     seconds: float
     integrating: float
     bytes: float
+    compiling: float = 0.0
     is_budget: bool = False
     answers: str = ""
 
     def __str__(self) -> str:
         about = "at most" if self.is_budget else "about"
         further = f" and further ones for {self.answers}" if self.answers else ""
+        first = duration_text(_rounded(self.compiling))
         return (
             f"at most {self.runs} runs{further}, {about} {duration_text(_rounded(self.seconds))} "
-            f"on {cores()} cores, {size_text(self.bytes)} on disk"
+            f"on {cores()} cores{f' ({first} of it to compile, once)' if self.compiling else ''}, "
+            f"{size_text(self.bytes)} on disk"
         )
 
 
 def estimate(campaign: Campaign) -> Estimate:
-    """What a campaign takes; time is right to a factor of two or so (`fpm.scenes.effort`)."""
+    """What a campaign takes in one call, with its page; time is right to a factor of 1.5 where
+    little is left to chance, and of two or so where runs are most of it (`fpm.scenes.effort`)."""
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
     batch = LANES * effort.machine() * run_seconds(experiment, choose_step(experiment))
@@ -81,8 +90,13 @@ def estimate(campaign: Campaign) -> Estimate:
     # A batch is one core's; rounds wait for each other.
     waiting = batch * sum(math.ceil(number / cores()) * factor for number, factor in batches)
     writing = WRITING * sum(count for count, _ in rounds) / cores()
-    starting = STARTING + ANSWERING * bool(experiment.quantities)
-    starting += CHOOSING * bool(campaign.choose.parameters)
+    scene = experiment.nominal_scene
+    compiling = 0.0 if fpm.is_compiled(scene) else effort.compile_seconds(scene)
+    starting = STARTING + compiling + MOVING * batch
+    starting += RESPONSE * len(experiment.responses) + QUANTITY * len(experiment.quantities)
+    starting += REQUIRING * bool(campaign.requirements) + CHOOSING * bool(
+        campaign.choose.parameters
+    )
     seconds = waiting + writing + starting
     if experiment.is_sought:  # meshes and steps become finer
         integrating = 60 * experiment.accuracy.minutes
@@ -92,7 +106,9 @@ def estimate(campaign: Campaign) -> Estimate:
         curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)
     size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
     answers = " and ".join(further)
-    return Estimate(runs, seconds, integrating, float(size), experiment.is_sought, answers)
+    return Estimate(
+        runs, seconds, integrating, float(size), compiling, experiment.is_sought, answers
+    )
 
 
 def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:

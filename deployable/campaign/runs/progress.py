@@ -10,6 +10,10 @@ from contextlib import suppress
 from typing import Any, TextIO
 
 import fpm
+from fpm.scenes.effort import compile_seconds
+
+PAUSE = 5.0
+"""Seconds between two words while kernels are compiled."""
 
 Tell = Callable[[str], None]
 
@@ -80,12 +84,22 @@ def duration_text(seconds: float) -> str:
 
 
 def warm_up(scene: Any, tell: Tell, record: Sequence = ()) -> None:
-    """Compile the kernels for a scene, or load them, and tell if that takes a while.
+    """Compile the kernels for a scene, or load them, and tell how long that takes, if it does.
 
     record: as for `fpm.simulate`.
     """
-    slow = threading.Timer(5.0, tell, ["compiling the kernels, once; this takes about a minute"])
-    slow.daemon = True
-    slow.start()
-    fpm.warm_up(scene, record)
-    slow.cancel()
+    begun, done, some = time.monotonic(), threading.Event(), compile_seconds(scene)
+    move = tell.move if isinstance(tell, Teller) else tell
+
+    def report() -> None:
+        while not done.wait(PAUSE):
+            taken = time.monotonic() - begun
+            move(f"compiling for these kinds of element, once: {taken:.0f} s of some {some:.0f}")
+
+    watch = threading.Thread(target=report, daemon=True)
+    watch.start()
+    try:
+        fpm.warm_up(scene, record)
+    finally:
+        done.set()
+        watch.join()

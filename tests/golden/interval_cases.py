@@ -147,6 +147,8 @@ def scalars() -> Iterator:
                 yield influence(one, nominal)
             if one.fit:
                 yield one.fit.left_out, one.trend.evaluate(trial)
+        noisy = fit_scalar(points, smooth + 0.03 * RNG.normal(size=count))
+        yield noisy.evaluate(trial), noisy.trend.evaluate(trial), noisy.fit.left_out
         limits = [
             req.Limit(found[0], "at_most", 2.1), req.Limit(found[1], "at_least", 0.15, 0.01),
             req.Limit(found[2], "happens", 1.0, border=0.1), req.Limit(found[4], "at_most", 0.7),

@@ -169,3 +169,8 @@ def test_a_scan_has_the_corners_unless_they_took_more_than_half_of_it(dimension)
         points = make_design("scan", dimension, samples=samples).points
         found = (np.abs(points) == 1.0).all(axis=1).sum()
         assert found == (corners if 2 * corners <= samples else 0), samples
+
+
+def test_no_design_may_have_more_than_ten_million_runs():
+    with pytest.raises(IntervalError, match="max_runs"):
+        make_design("scan", 2, samples=8, max_runs=10**7 + 1)

@@ -55,6 +55,7 @@ if __name__ == "__main__":
         )  # fmt: skip
         curves = curves_of(outcome)
         curves["event", ""] = outcome.events, ""
+        curves["energy", "balance"] = outcome.energies["balance"], "J"
         for name in outcome.largest.keys() - GAPS:
             curves["largest", name] = np.array([outcome.largest[name]]), ""
         case["sums"] = sums(curves)

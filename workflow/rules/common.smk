@@ -35,16 +35,17 @@ if "{" in str(ROOT) or "}" in str(ROOT):
     ENVIRONMENT = ENVIRONMENT.replace("{", "{{").replace("}", "}}")
 
 os.environ.setdefault(stages.CORES, str(os.cpu_count() or 1))
-IS_MODULE = workflow.modifier.namespace is not None
 # Whether jobs get the files that rules declare, and no others.
 IS_APART = workflow.storage_settings.default_storage_provider is not None
 ASKED = workflow.config_settings.configfiles
 
-# A module has the config that it is given. Otherwise the files that were asked for, or what the
-# including Snakefile calls CAMPAIGN, from its folder, or the paper's. Not `configfile:`, which would
-# mix one campaign's intervals into another's and would let a key that is given twice pass.
+# A module (workflow/Snakefile says that it is one) has the config that it is given. Otherwise the
+# files that were asked for, or what the including Snakefile calls CAMPAIGN, from its folder, or the
+# paper's. Not `configfile:`, which would mix one campaign's intervals into another's and would let a
+# key that is given twice pass.
+IS_MODULE = "MODULE" in globals() and bool(config)
 try:
-    if IS_MODULE and config:
+    if IS_MODULE:
         WORKFLOW = Workflow.from_module(config)
     else:
         usual = globals().get("CAMPAIGN", ROOT / "config" / "paper.yaml")

@@ -22,6 +22,7 @@ _COORDINATES = (
     "response_units",
     "response_long_name",
     "response_least",
+    "response_along",
     "parameter",
     "box_units",
     "box_lower",

@@ -8,7 +8,7 @@ import numpy as np
 
 from fpm.elements import kinds_of
 from fpm.elements.kind import Energy, Eventful, Kind, Recorded
-from fpm.errors import InstabilityError
+from fpm.errors import InstabilityError, SceneError
 from fpm.files.trajectory import Column, Curves, to_dataset
 from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import StableStep
@@ -46,8 +46,8 @@ class Outcome(Curves):
     variables in a trajectory file; steps; limit: the stable step; largest: of everything that is
     watched (`bend`, the largest sine of the angle between an element's chord and its ends, or of
     its twist; `strain` at the surface of an element; ...); final: the motion of all particles at
-    the end; failure: None or the InstabilityError of this sample, whose curves and final motion
-    mean nothing then.
+    the end; failure: None or why this sample has none of these that mean something, its
+    InstabilityError, or the SceneError of a travel that it cannot make.
     """
 
     scene: Scene
@@ -55,7 +55,7 @@ class Outcome(Curves):
     recorded: dict[str, Recorded]
     steps: int
     limit: StableStep | None
-    failure: InstabilityError | None
+    failure: InstabilityError | SceneError | None
     largest: dict[str, float]
     final: Motion = field(repr=False)
 

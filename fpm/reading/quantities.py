@@ -49,6 +49,8 @@ class Quantity:
     @property
     def least(self) -> float | None:
         """The least value that it can have; None where there is none."""
+        if self.kind == "smallest_at":
+            return None
         return 0.0 if self.is_time or KINDS[self.kind].positive else self.response.least
 
     @property
@@ -164,6 +166,18 @@ def _of_values(number: Callable[[Quantity, np.ndarray, np.ndarray], float]):
     )
 
 
+def _place_of_smallest(response: Response, time: np.ndarray, values: np.ndarray) -> float:
+    """Where values (t,) are smallest: a time (s), or what the response lies along."""
+    i, shift = int(values.argmin()), 0.0
+    if 0 < i < len(values) - 1:
+        before, after = values[i - 1] - values[i], values[i + 1] - values[i]
+        shift = 0.5 * (before - after) / (before + after) if before + after > 0 else 0.0
+    share = (i + shift) / (len(values) - 1)
+    along = response.along
+    first, last = (along.first, along.last) if along else (time[0], time[-1])
+    return float(first + share * (last - first))
+
+
 def _mean(time: np.ndarray, values: np.ndarray) -> float:
     return float(np.trapezoid(values, time) / (time[-1] - time[0]))
 
@@ -220,6 +234,10 @@ class Kind(NamedTuple):
 KINDS = {
     "largest": Kind(_of_values(lambda q, time, y: peak(y)), "largest {about}", peak=True),
     "smallest": Kind(_of_values(lambda q, time, y: -peak(-y)), "smallest {about}", peak=True),
+    "smallest_at": Kind(
+        lambda q, curves: _place_of_smallest(q.response, curves.time, q.response.evaluate(curves)),
+        "{place} of the smallest {about}",
+    ),
     "final": Kind(_of_values(lambda q, time, y: float(y[-1])), "final {about}"),
     "mean": Kind(_of_values(lambda q, time, y: _mean(time, y)), "mean {about}"),
     "rms": Kind(

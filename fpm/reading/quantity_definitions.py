@@ -61,6 +61,11 @@ def _parse(name, definition, responses, elements, others) -> Quantity:
     fields = {field: read[field](f"{key}.{field}", definition[field])
               for field in KINDS[kind].keys if field in definition}  # fmt: skip
     unit = KINDS[kind].unit or response.unit
+    if kind == "smallest_at":
+        unit = response.along.unit if response.along else "s"
+    if response.along and KINDS[kind].needed:
+        allowed = "a response over time, or largest, smallest, smallest_at, mean of this one"
+        raise SceneError(f"{key}.{kind}", of, allowed)
     return _named(Quantity(name, kind, unit, "", response, **fields))
 
 
@@ -99,15 +104,16 @@ def _places(key: str, event: object, of: object, elements: list[Eventful]) -> tu
 
 def _named(quantity: Quantity, of: str = "") -> Quantity:
     """The quantity with its long name."""
-    at, places = quantity.at, quantity.places
+    at, places, response = quantity.at, quantity.places, quantity.response
     text = KINDS[quantity.kind].text.format(
-        about=quantity.response.long_name if quantity.response else "",
+        about=response.long_name if response else "",
         nth="first " if quantity.number == 1 else f"{_ordinal(quantity.number)} ",
         level=quantity.level,
         way="" if quantity.way == "either" else f" {quantity.way}",
         within=quantity.within,
         moment=f"at {at.name}" if isinstance(at, Quantity) else f"at {at or 0.0:.6g} s",
         event=quantity.event,
+        place=response.along.words if response and response.along else "time",
         whose=f" of {places[0] if len(places) == 1 else of}" if of else "",
     )
     return replace(quantity, long_name=text)

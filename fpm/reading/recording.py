@@ -1,8 +1,8 @@
 """What the loop recorded of one sample for a probe, by particle, hinge and joint."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,7 +34,7 @@ class Recording:
         self.time, self.step, self._lane = time, step, lane
         self._parts = dict(zip(batch.kinds, parts, strict=True))
         self.probe = Probe.asked(self.scene)
-        self._sections: dict[str, tuple[Bar, Sections]] = {}
+        self._known: dict[Hashable, Any] = {}
 
     def _rows(self, array: np.ndarray, count: int) -> np.ndarray:
         """What was recorded of `count` things: (t, count, fields)."""
@@ -145,10 +145,18 @@ class Recording:
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
         """A bar, and what the sections of its elements bear."""
-        if bar not in self._sections:
+
+        def cut() -> tuple[Bar, Sections]:
             found = bars_of(self.scene)[bar]
-            self._sections[bar] = found, sections_of(self.scene, found, self.place, self.axes)
-        return self._sections[bar]
+            return found, sections_of(self.scene, found, self.place, self.axes)
+
+        return self.once(bar, cut)
+
+    def once(self, key: Hashable, find: Callable[[], Any]) -> Any:
+        """What several columns are made of: found for the first of them."""
+        if key not in self._known:
+            self._known[key] = find()
+        return self._known[key]
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:

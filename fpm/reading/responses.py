@@ -17,7 +17,8 @@ from fpm.elements.openings.latch import RECORDED
 from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import Column, Curves
-from fpm.reading import bars
+from fpm.reading import bars, margins
+from fpm.reading.margins import Along
 from fpm.reading.variables import VARIABLES, Variable
 from fpm.scenes.scene import Scene
 
@@ -33,7 +34,8 @@ class Response:
     """A named response: `kind`, what it is about (points, a hinge, ...), `component` of a vector.
 
     unit (UDUNITS) and long_name are those of the values that `evaluate` returns. columns: what of a
-    run it is made of, beside points and energies (`Curves.columns`).
+    run it is made of, beside points and energies (`Curves.columns`). along: over what it lies, if
+    not over time; factors: of its columns, if it has some.
     """
 
     name: str
@@ -43,6 +45,8 @@ class Response:
     unit: str
     long_name: str
     columns: tuple[Column, ...] = ()
+    along: Along | None = None
+    factors: tuple = ()
 
     @property
     def needs(self) -> tuple[Column, ...]:
@@ -346,4 +350,5 @@ KINDS = {
     "joint_moment": Kind(_moment, _sum, optional=("part",), shock=True),
     "joint_power": Kind(_moment, _power, optional=("part",), shock=True),
     "loss": Kind(_loss, _lost),
+    "margin": Kind(margins.read, margins.values, ("to", "standard"), margins.OPTIONAL),
 }  # fmt: skip

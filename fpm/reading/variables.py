@@ -21,7 +21,7 @@ from fpm.elements.openings.opening import PARTS
 from fpm.elements.particles.probe import Probe
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import Column
-from fpm.reading import bars
+from fpm.reading import bars, margins
 from fpm.reading.clearance import clearance
 from fpm.reading.constraint_forces import couple_on_two, joints_of, reaction, reactions_of
 from fpm.reading.recording import Recording
@@ -38,7 +38,8 @@ class Variable(NamedTuple):
     values(recording, name): (t,), or (t, parts). form: how a definition of a response names a
     column (`fpm.reading.responses.FORMS`), "" if there is no response of that name. shock: whether
     a shock makes it jump, or as large as it is short (`fpm.reading.shocks`); positive: whether it
-    is never below 0; along: with what the name of the dimension ends.
+    is never below 0; along: with what the name of the dimension ends; cut: with what begins, in a
+    label, what is no more of the name.
     """
 
     unit: str
@@ -51,6 +52,7 @@ class Variable(NamedTuple):
     shock: bool = False
     positive: bool = False
     along: str = "of"
+    cut: str = ""
 
     def labels(self, scene: Scene) -> list[str]:
         """Its labels in a scene; of places on bars one in the middle, for all others."""
@@ -164,6 +166,16 @@ def _clearance(recording: Recording, name: str) -> np.ndarray:
     return clearance(recording.scene, *pair, recording.place, recording.axes)
 
 
+def _travel(recording: Recording, name: str, part: Callable) -> np.ndarray:
+    led, of = margins.read_label(name)
+    travel = recording.once(led, lambda: margins.travel_of(recording.scene, led))
+    return margins.over_time(part(travel, of), recording.time)
+
+
+def _travel_work(recording: Recording, name: str) -> np.ndarray:
+    return _travel(recording, name, lambda travel, part: travel.work[part])
+
+
 _vector = partial(Variable, parts=AXES, form="vector")
 _of_opening = partial(
     Variable,
@@ -179,6 +191,14 @@ _in_bar = partial(
     probe=lambda scene, name: _keep_bars(scene, [name.partition(PLACE)[0]]),
     form="section",
     shock=True,
+    cut=PLACE,
+)
+_led = partial(
+    Variable,
+    names=lambda scene: [hinge.name for hinge in scene.hinges],
+    probe=lambda scene, name: Probe(),
+    along="along",
+    cut=" led ",
 )
 
 VARIABLES = {
@@ -250,6 +270,14 @@ VARIABLES = {
         lambda scene, name: _keep_bars(scene, name.split(" to ")),
         _clearance, form="bars",
     ),
+    margins.WORK: _led(
+        "N m", "virtual work of a part for each rad (on slides in N, for each m) of an opening "
+        "that is led slowly, evenly over the run's time", values=_travel_work,
+    ),
+    margins.INERTIA: _led(
+        "kg m2", "inertia (on slides mass, in kg) that such an opening moves",
+        values=lambda recording, name: _travel(recording, name, lambda travel, _: travel.inertia),
+    ),
 }  # fmt: skip
 
 
@@ -265,7 +293,7 @@ def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
     for name, label in columns:
         variable = VARIABLES[name]
         of, part = variable.split(label)
-        known = of.partition(PLACE)[0] if variable.form == "section" else of
+        known = of.partition(variable.cut)[0] if variable.cut else of
         if known not in variable.names(scene) or (part or None) not in (variable.parts or [None]):
             labels = variable.labels(scene)
             allowed = f"one of {', '.join(labels) or '(this scene has none)'}"

@@ -5,7 +5,7 @@ import numpy as np
 from fpm.elements.cross import columns, cross
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.turning import turns_of
-from fpm.errors import InstabilityError
+from fpm.errors import InstabilityError, SceneError
 from fpm.files.outcome import BALANCE, KINETIC, Motion, Outcome, columns_of, eventful
 from fpm.kernels import layout as at
 from fpm.reading import variables
@@ -31,14 +31,16 @@ def outcome_of(
         for name, found in kind.recorded(part, scene, lane).items():
             found = found._replace(values=found.values[:instants])
             recorded[name] = found.beside(recorded[name]) if name in recorded else found
-    failed = record.failed_step[lane] >= 0
+    failed, failure = record.failed_step[lane] >= 0, None
     if more and not failed:
         found = Recording(batch, parts, lane, times, division.step)
-        recorded |= variables.recorded(found, more)
+        try:
+            recorded |= variables.recorded(found, more)
+        except SceneError as error:  # this sample cannot do what is to be recorded of it
+            failure = error
     watches = [watch for kind in batch.kinds for watch in kind.watches]
     values = record.failed_watched[:, lane] if failed else world.watched[0, :, lane]
     largest = {watch.name: float(x) for watch, x in zip(watches, values, strict=True)}
-    failure = None
     if failed:
         limit = limit or stable_step(scene)
         failure = _failure(run, lane, largest, division.step, limit)

@@ -31,7 +31,7 @@ from fpm.travel.acting import Acting, acts
 POSITIONS = 61
 """Positions at which the opening is held, both ends among them."""
 
-NEAR = 1e-7
+NEAR = 1e-6
 """Last motion of the rounds at a position, as a share of the size, or turn (rad): the next one
 would be its square, and the stiffness by strains of that size is nothing beside that in bending."""
 
@@ -69,7 +69,12 @@ class Travel(NamedTuple):
 
 
 def lead(
-    scene, openings: str | Sequence[str], first: float, last: float, stand: Sequence[str] = ()
+    scene,
+    openings: str | Sequence[str],
+    first: float,
+    last: float,
+    stand: Sequence[str] = (),
+    positions: int = POSITIONS,
 ) -> Travel:
     """Lead an opening of a scene from one value to another (rad, m).
 
@@ -78,7 +83,7 @@ def lead(
     motion of all, MisfitError where it cannot be led there.
     """
     path = _Path(scene, [openings] if isinstance(openings, str) else openings, stand)
-    spacing = (last - first) / (POSITIONS - 1)
+    spacing = (last - first) / (positions - 1)
     ahead = np.linspace(path.opening, first, 1 + math.ceil(abs((first - path.opening) / spacing)))
     for value in ahead:
         path.to(float(value))
@@ -86,7 +91,7 @@ def lead(
     parts = {name: Acting(scene, kind, [element]) for name, kind, element in _elements(scene)}
     for acting in parts.values():  # as if it had come this way
         acting.forces(path.places.moved(-spacing * path.tangent))
-    way, rows = np.linspace(first, last, POSITIONS), []
+    way, rows = np.linspace(first, last, positions), []
     for value in way:
         path.to(float(value))
         tangent = np.sign(spacing) * path.tangent

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hinged import hinged
 
 import fpm
 from fpm import structures
@@ -12,17 +13,6 @@ from fpm.elements import Friction, SyncLoop, TableSpring
 from fpm.travel import STRAIN, lead, parts_of
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
-
-
-def hinged(*angles, mass=2.0):
-    """A chain of panels on a wall, each folded by an angle (rad) against the one before."""
-    scene = fpm.Scene("chain")
-    bodies = [int(scene.add_particles((0, 0, 0), 1.0, 1.0)[0])]
-    scene.fix(bodies[0])
-    for i, angle in enumerate(angles):
-        bodies.append(int(scene.add_particles((0.5 + i, 0, 0), mass, 0.1)[0]))
-        scene.add_hinge(f"h{i + 1}", bodies[-2:], (i, 0, 0), (0, 0, 1), opening=angle)
-    return scene
 
 
 def test_a_panel_on_one_hinge():

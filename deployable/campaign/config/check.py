@@ -17,6 +17,7 @@ from typing import Any
 from deployable.campaign.config.loader import read_file
 from deployable.campaign.config.models import Config
 from deployable.campaign.config.read import read
+from deployable.campaign.config.resolve import with_margins
 from deployable.campaign.config.scene_checks import accuracy_problems, resolve
 from deployable.campaign.config.sections import Campaign
 from deployable.campaign.errors import ConfigError
@@ -86,7 +87,8 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     config, given, problems = read(raw)
     campaign = None
     if config is not None:
-        problems += accuracy_problems(config, given)
+        config, more = with_margins(config)
+        problems += more + accuracy_problems(config, given)
         campaign, more = resolve(config, given)
         problems += more
     if problems or campaign is None:

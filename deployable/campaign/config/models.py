@@ -350,6 +350,15 @@ class Config(Section):
     """Numbers of a run whose intervals are wanted, by names of your own: peaks, final and mean
     values, values at a time, times of crossings and events and others (docs/quantities.md). A run
     in which it does not happen has none."""
+    margins: Annotated[
+        dict[
+            Name, _definition("margin", "`{along: root, to: 90 deg, standard: ecss-e-st-33-01c}`")
+        ],
+        Key("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
+    ] = field(default_factory=dict)
+    """Torque or force margins over the travel of an opening that is led slowly, by names of your
+    own (docs/review-sheet.md). Each is a response over the opening, the quantity `<name>_least`,
+    and, unless `requirements` say otherwise, the requirement that this is at least 0."""
     published: Annotated[
         dict[str, Annotated[
             float, Key(about="Published largest difference, in the response's unit.")]],

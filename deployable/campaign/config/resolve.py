@@ -7,7 +7,15 @@ from dataclasses import replace
 from typing import Any
 
 from deployable.campaign.config.keys import RefusedError
-from deployable.campaign.config.models import Aim, Around, BoundsChoice, Choosing, Config
+from deployable.campaign.config.models import (
+    Aim,
+    Around,
+    BoundsChoice,
+    Choosing,
+    Config,
+    Limits,
+)
+from deployable.campaign.config.read import show
 from deployable.campaign.config.sections import (
     ADAPTIVE,
     Accuracy,
@@ -52,6 +60,35 @@ def campaign_of(config: Config, given: Mapping, found: Any, intervals: Mapping) 
         choose=choose_of(config.choose, config.intervals),
         **{name: getattr(config, name) for name in rest},
     )
+
+
+def with_margins(config: Config) -> tuple[Config, list[str]]:
+    """The config with its margins as responses, quantities and requirements, and what is wrong with
+    them, one sentence each."""
+    responses, quantities = dict(config.responses), dict(config.quantities)
+    requirements, problems = dict(config.requirements), []
+    for name, definition in config.margins.items():
+        least, key = f"{name}_least", f"margins.{name}"
+        taken = [f"responses.{name}"] * (name in responses)
+        taken += [f"quantities.{least}"] * (least in quantities)
+        along = definition.get("along")
+        first, *more = along if isinstance(along, list) else [along]
+        if taken:
+            problems.append(f"{key}: there is {' and '.join(taken)}; allowed: another name")
+        elif not all(isinstance(one, str) for one in (first, *more)):
+            problems.append(
+                f"{key}.along: {show(along)} is not allowed; allowed: the opening that is led, or "
+                "a list of those that are led together"
+            )
+        else:
+            rest = {key: value for key, value in definition.items() if key != "along"}
+            responses[name] = {"margin": first, **({"with": more} if more else {}), **rest}
+            quantities[least] = {"smallest": name}
+            if not any(least in limits for limits in requirements.values()):
+                limited = name if name not in requirements else f"{name}_margin"
+                requirements[limited] = {least: Limits(at_least=0.0)}
+    found = replace(config, responses=responses, quantities=quantities, requirements=requirements)
+    return found, problems
 
 
 def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:

@@ -35,9 +35,11 @@ from deployable.intervals import IntervalError, check_spline_runs, held_out_poin
 from deployable.intervals.scalars.requirements import ENDS
 from fpm.errors import did_you_mean, meant
 from fpm.files.outcome import eventful
+from fpm.reading.margins import read_label
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.variables import numbers
 from fpm.solver.pack import topology
+from fpm.travel import lead
 
 CHOSEN = ("design", "bounds", "held_out")
 """Keys that a config with `accuracy` must not have: it chooses what they say."""
@@ -64,7 +66,9 @@ def resolve(config: Config, given: Mapping) -> tuple[Campaign | None, list[str]]
         problems += _time_problems(campaign.experiment)
     with suppress(fpm.SceneError):  # where neither it nor the structure as it stands can be built
         scene = campaign.experiment.nominal_scene if is_built else found.sample
-        problems += _response_problems(campaign, scene)
+        problems += _response_problems(campaign, scene, config.margins)
+    if not problems and config.margins:
+        problems += _travel_problems(campaign.experiment)
     if not problems:
         problems += _memory_problems(campaign.experiment)
     if not problems:
@@ -149,20 +153,37 @@ def _memory_problems(experiment: Experiment) -> list[str]:
     ]
 
 
-def _response_problems(campaign: Campaign, scene: Any) -> list[str]:
+def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list[str]:
     problems = []
     known = campaign.experiment.responses
     for name, definition in known.items():
         try:
             fpm.responses.parse(name, definition, scene)
         except fpm.SceneError as error:
-            problems.append(_sentence(error.key, error))
+            key = error.key
+            if name in margins:  # as its section has it
+                key = key.replace(f"responses.{name}.margin", f"margins.{name}.along")
+                key = key.replace(f"responses.{name}", f"margins.{name}")
+            problems.append(_sentence(key, error))
     return problems + [
         f"published.{name}: there is no such response{did_you_mean(name, known)}; "
         f"allowed: {', '.join(known)}"
         for name in campaign.published
         if name not in known
     ]
+
+
+def _travel_problems(experiment: Experiment) -> list[str]:
+    """Which travels the structure cannot make, at the nominal values and a few positions."""
+    problems = []
+    for curve in experiment.curves:
+        if curve.kind == "margin":
+            led, _ = read_label(curve.columns[0][1])
+            try:
+                lead(experiment.nominal_scene, led.openings, *led[1:], positions=9)
+            except fpm.SceneError as error:
+                problems.append(_sentence(f"margins.{curve.name}.along", error))
+    return problems
 
 
 def _quantity_problems(experiment: Experiment) -> list[str]:

@@ -25,7 +25,7 @@ class Response:
 
     error: estimated error of the bounds; shares (k,), widths (k, t): what each parameter
     contributes, overall and at every instant, not a number where that is not above the error of the
-    fit.
+    fit. along: over what it lies instead of time (`results.facts.along_of`).
     """
 
     name: str
@@ -37,6 +37,7 @@ class Response:
     error: np.ndarray | None = None
     shares: np.ndarray | None = None
     widths: np.ndarray | None = None
+    along: Mapping[str, Any] | None = None
 
     @property
     def widest(self) -> int:

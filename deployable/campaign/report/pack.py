@@ -97,7 +97,7 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
         "responses": [
             {
                 "name": r.name, "longName": r.long_name, "units": r.units,
-                "widest": float(data.time[r.widest]),
+                "widest": float(data.time[r.widest]), "along": r.along,
                 **{
                     key: None if values is None else arrays.add(values[..., keep], "f8")
                     for key, values in (

@@ -25,7 +25,7 @@ from deployable.campaign.report.data import (
 )  # fmt: skip
 from deployable.campaign.report.failing import meets
 from deployable.campaign.report.motions import Shown, shown_runs
-from deployable.campaign.results.facts import read_json
+from deployable.campaign.results.facts import along_of, read_json
 from deployable.campaign.results.which import counts, ids, keeps_extremes, roles
 from fpm.files.sealed import DamagedError, check
 
@@ -83,6 +83,7 @@ def _responses(
             name=name,
             long_name=str(bounds["response_long_name"].values[i]),
             units=str(bounds["response_units"].values[i]),
+            along=along_of(bounds, i),
             lower=bounds["lower"].values[i],
             upper=bounds["upper"].values[i],
             nominal=values("nominal", i),

@@ -170,6 +170,8 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
         "mean_difference": float(np.trapezoid(width, time) / (time[-1] - time[0])),
         "error_at_largest_difference": None,
     }
+    if along := along_of(bounds, i):
+        row["along"] = along
     if "error" in bounds.variables:
         error = bounds["error"][i]
         worst = int(error.argmax())
@@ -190,6 +192,14 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
     row["impossible_by"] = float(bounds["largest_impossible"][i])
     row["time_of_impossible"] = float(bounds["largest_impossible_time"][i])
     return row
+
+
+def along_of(data: Any, i: int) -> dict[str, Any] | None:
+    """Over what response `i` of an open file lies, and the `duration` that this takes on the axis
+    of time; None: over time."""
+    found = data.variables.get("response_along")
+    along = json.loads(str(np.asarray(found[i]))) if found is not None else None
+    return along and along | {"duration": float(data["time"][-1])}
 
 
 def grade(error: float | None, width: float) -> str:

@@ -15,7 +15,7 @@ from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_netcdf, result_file
 from deployable.campaign.folder import PICTURES, Folder
-from deployable.campaign.results.facts import known_error
+from deployable.campaign.results.facts import along_of, known_error
 from deployable.campaign.results.which import ids, nominal_row
 from deployable.campaign.text.numbers import pretty
 from fpm.files.sealed import DamagedError
@@ -55,7 +55,8 @@ def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> 
     from matplotlib.figure import Figure
 
     i = list(bounds["response"][:]).index(name)
-    time, lower, upper = bounds["time"][:], bounds["lower"][i], bounds["upper"][i]
+    lower, upper = bounds["lower"][i], bounds["upper"][i]
+    time, over = _over(bounds, i)
     units = pretty(bounds["response_units"][i])
     narrow = width < 5.0
     size = (width, 0.95 * width if narrow else 0.5625 * width)
@@ -73,7 +74,7 @@ def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> 
         doubtful = error > shade_above * (upper - lower).max()
         _shade(ax, time, doubtful, f"error above {shade_above:.0%} of the largest difference")
     _mark_largest(ax, time, lower, upper, units)
-    ax.set_xlabel("time (s)")
+    ax.set_xlabel(over)
     ax.set_ylabel(f"{bounds['response_long_name'][i]} ({units})")
     ax.set_xlim(time[0], time[-1])
     ax.margins(y=0.08)
@@ -105,13 +106,14 @@ def shares(data: Any, width: float = 7.0) -> Any:
     from matplotlib.figure import Figure
 
     names, parameters = list(data["response"][:]), list(data["parameter"][:])
-    keys = ("time", "width", "width_overall", "error")
-    time, widths, overall, errors = (data[key][:] for key in keys)
+    keys = ("width", "width_overall", "error")
+    widths, overall, errors = (data[key][:] for key in keys)
     all_units = data["response_units"][:]
     figure = Figure(figsize=(width, 2.2 * len(names) + 0.4), layout="constrained")
     axes = figure.subplots(len(names), 2, width_ratios=(3, 1), squeeze=False)
     rows = zip(axes, names, all_units, widths, overall, errors, strict=True)
-    for row, name, units, alone, share, error in rows:
+    for place, (row, name, units, alone, share, error) in enumerate(rows):
+        time, over = _over(data, place)
         row[0].fill_between(time, error, color="0.92", lw=0, label="error of the fit")
         for i, (parameter, curve) in enumerate(zip(parameters, alone, strict=True)):
             line, colour = _DASHES[i % len(_DASHES)], _COLOURS[i % len(_COLOURS)]
@@ -124,11 +126,12 @@ def shares(data: Any, width: float = 7.0) -> Any:
         row[0].set_xlim(time[0], time[-1])
         row[0].set_ylim(0, 1.05 * max(float(alone.max()), 1e-300))
         row[0].grid(color="0.9", linewidth=0.5)
+        if place == len(names) - 1 or over != _over(data, place + 1)[1]:
+            row[0].set_xlabel(over, fontsize=8)
         row[1].set_xlim(0, 130)
         row[1].invert_yaxis()
         for ax in row:
             ax.tick_params(labelsize=8)
-    axes[-1, 0].set_xlabel("time (s)", fontsize=8)
     axes[-1, 1].set_xlabel("share (%)", fontsize=8)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=8, fontsize=8, frameon=False)
@@ -158,6 +161,16 @@ def draw_nominal(folder: Folder, count: int) -> None:
 
         figure = draw_moments(motion_of(folder.path, row), count)
     save(figure, folder.overviews / "moments")
+
+
+def _over(data: Any, i: int) -> tuple[np.ndarray, str]:
+    """Over what response `i` of an open file is drawn, (t,), and what the axis is called."""
+    time, along = data["time"][:], along_of(data, i)
+    if not along:
+        return time, "time (s)"
+    share = (time - time[0]) / (time[-1] - time[0])
+    way = along["first"] + (along["last"] - along["first"]) * share
+    return way, f"{along['words']} ({along['unit']})"
 
 
 def _shade(ax: Any, time: np.ndarray, where: np.ndarray, label: str) -> None:

@@ -3,6 +3,7 @@
     dims   run, response, time, parameter, event
     values(run, response, time)   in the units response_units(response)
     response, response_units, response_long_name (response)
+    response_along(response)      over what it lies instead of time; only where some do
     response_least(response)      the least value that it can have, NaN where there is none
     unit(run, parameter)          coordinates in the box, -1 to 1
     value(run, parameter)         parameter values, in the units box_units(parameter)
@@ -180,6 +181,10 @@ def write_names(file: Any, what: str, named: Sequence[Any]) -> None:
         text = f"{key.replace('_', ' ')} of the {what}"
         _text(file, f"{what}_{key}", what, values, text)
     if what == "response":
+        if any(one.along for one in named):
+            along = [json.dumps(one.along and one.along._asdict()) for one in named]
+            text = "over what the response lies instead of time, evenly, as JSON; null: over time"
+            _text(file, "response_along", what, along, text)
         least = [np.nan if one.least is None else one.least for one in named]
         text = "least value that the response can have, in its units; missing where there is none"
         _numbers(file, "response_least", ("response",), least, text)

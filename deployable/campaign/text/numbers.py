@@ -140,3 +140,11 @@ def coded(text: str, units: Iterable[str] = ()) -> Any:
     from markupsafe import Markup, escape
 
     return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", str(escape(unbroken(text, units)))))
+
+
+def position(row: Mapping[str, Any], time: float) -> str:
+    """A time (s), or the place that it stands for where a response does not lie over time."""
+    if along := row.get("along"):
+        way = along["last"] - along["first"]
+        return quantity(along["first"] + way * time / along["duration"], along["unit"], 4)
+    return quantity(time, "s", 4)

@@ -26,7 +26,8 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined,
         finalize=(lambda v: numbers.unbroken(v, units) if type(v) is str else v) if html else None,
     )  # fmt: skip
-    of_numbers = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty")
+    of_numbers = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
+                  "position")  # fmt: skip
     found.filters |= {name: getattr(numbers, name) for name in of_numbers}
     found.filters |= {
         "met_text": met_text, "decisive": decisive, "moments": moments,

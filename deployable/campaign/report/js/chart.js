@@ -9,10 +9,10 @@ function usualHeight() {
 
 class Chart {
   // curves: [{values, kind, style, run}], of a run that moves only while it is shown; areas: [{lower, upper, kind}]; readout(index) -> [[name, text]]
-  constructor({ title, units, height = usualHeight(), curves, areas = [], marks = [], readout }) {
-    Object.assign(this, { title, units, height, curves, areas, marks, readout });
+  constructor({ title, units, height = usualHeight(), curves, areas = [], marks = [], along, readout }) {
+    Object.assign(this, { title, units, height, curves, areas, marks: along ? [] : marks, along: along ?? { words: "t", unit: "s", first: FIRST, last: LAST }, readout });
     this.values = make("p", { class: "readout" });
-    this.svg = svg("svg", { role: "img", tabindex: "0", preserveAspectRatio: "xMinYMin", "aria-label": `${title} over time` });
+    this.svg = svg("svg", { role: "img", tabindex: "0", preserveAspectRatio: "xMinYMin", "aria-label": `${title} over ${along ? along.words : "time"}` });
     this.root = make("div", { class: "chart" }, make("h3", {}, title, make("span", {}, `(${units})`)), this.values, this.svg);
     this.zoom = () => {};
     this.span = [FIRST, LAST];
@@ -77,12 +77,20 @@ class Chart {
       group.append(svg("line", { class: "grid", x1: left, x2: this.width - right, y1: y, y2: y }));
       group.append(svg("text", { x: left - 8, y: y + 4, "text-anchor": "end" }, text));
     }
-    for (const [value, text] of ticks(...this.span, Math.max(3, Math.min(10, this.width / 90)))) {
-      if (this.x(value) > this.width - right - 14) continue; // room for the unit
-      group.append(svg("text", { x: this.x(value), y: base + 16, "text-anchor": "middle" }, value === 0 ? "0" : text));
+    const ends = this.span.map((time) => this.place(time)).sort((a, b) => a - b), { first, last, unit } = this.along;
+    for (const [value, text] of ticks(...ends, Math.max(3, Math.min(10, this.width / 90)))) {
+      const x = this.x(FIRST + ((LAST - FIRST) * (value - first)) / (last - first));
+      if (x > this.width - right - 8 - 6 * unit.length) continue; // room for the unit
+      group.append(svg("text", { x, y: base + 16, "text-anchor": "middle" }, value === 0 ? "0" : text));
     }
-    group.append(svg("text", { x: this.width - right, y: base + 16, "text-anchor": "end", class: "unit" }, "s"));
+    group.append(svg("text", { x: this.width - right, y: base + 16, "text-anchor": "end", class: "unit" }, unit));
     return group;
+  }
+
+  // What a time stands for: itself, or what the response lies along.
+  place(time) {
+    const { first, last } = this.along;
+    return first + ((last - first) * (time - FIRST)) / (LAST - FIRST);
   }
 
   follow(time) {
@@ -95,7 +103,7 @@ class Chart {
 
   tell(time) {
     const parts = this.readout(nearest(TIME, time));
-    this.values.replaceChildren(...[["t", `${digits(time, 4)} s`], ...parts].map(([name, text]) => make("span", {}, `${name} `, make("b", {}, text))));
+    this.values.replaceChildren(...[[this.along.words, `${digits(this.place(time), 4)} ${this.along.unit}`], ...parts].map(([name, text]) => make("span", {}, `${name} `, make("b", {}, text))));
   }
 
   timeAt(event) {

@@ -18,7 +18,7 @@ function responseChart(response, r, marks) {
     ...(error ? [["error ±", digits(error[i], 2)]] : []),
     ...(nominal ? [["nominal", digits(nominal[i])]] : []),
   ];
-  return new Chart({ title: response.longName, units: `${response.name}, ${unit}`, curves, areas, marks, readout });
+  return new Chart({ title: response.longName, units: `${response.name}, ${unit}`, curves, areas, marks, along: response.along, readout });
 }
 
 // Of more parameters than there are colours, the others are dashed.
@@ -30,7 +30,7 @@ function widthCharts(marks) {
   const charts = DATA.responses.filter((response) => response.widths).map((response) => {
     const curves = response.widths.map((values, i) => ({ values, kind: "moving", style: parameterStyle(i) }));
     const readout = (i) => DATA.parameters.map(({ name }, k) => [name, digits(response.widths[k][i], 3) || "–"]);
-    return new Chart({ title: `Width of ${response.name} when one parameter varies alone`, units: pretty(response.units), height: 170, curves, marks, readout });
+    return new Chart({ title: `Width of ${response.name} when one parameter varies alone`, units: pretty(response.units), height: 170, curves, marks, along: response.along, readout });
   });
   if (charts.length) byId("widths").append(make("div", { class: "keys" }, ...DATA.parameters.map(({ name }, i) => key(name, `style="${parameterStyle(i)};stroke-width:2"`))));
   byId("widths").append(...charts.map((chart) => chart.root));

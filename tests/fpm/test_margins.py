@@ -1,0 +1,207 @@
+"""Margins over a travel, as standards have them, against closed forms."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hinged import hinged
+
+from fpm.elements import Friction, SyncLoop, TableSpring
+from fpm.errors import SceneError
+from fpm.reading import margins, responses
+from fpm.reading.quantities import KINDS
+from fpm.reading.quantity_definitions import parse
+from fpm.reading.standards import CLASSES, STANDARDS
+
+HARNESS = {"classes": {"spring h1": "HA"}}
+
+
+def panel(k=0.1, psi=np.pi, f=0.01, h=0.005):
+    """A panel with a spring, friction and a harness, h times the opening."""
+    scene = hinged(0.0)
+    scene.add_torsion_spring(0, k, psi)
+    scene.add(Friction(0, f))
+    scene.add(TableSpring(0, (0.0, 3.0), (0.0, -3.0 * h)))
+    return scene
+
+
+def curves(scene, response, instants=2001):
+    """What a run of a scene has for a margin."""
+    time = np.linspace(0.0, 1.0, instants)
+    columns = {}
+    for variable, label in response.columns:
+        led, part = margins.read_label(label)
+        travel = margins.travel_of(scene, led)
+        values = travel.work[part] if variable == margins.WORK else travel.inertia
+        columns[variable, label] = margins.over_time(values, time)
+    return SimpleNamespace(time=time, columns=columns)
+
+
+def found(scene, definition):
+    """The margin (t,), its least, and the opening there."""
+    response = responses.parse("m", definition, scene)
+    run = curves(scene, response)
+    numbers, problems = parse(
+        {"least": {"smallest": "m"}, "at": {"smallest_at": "m"}}, [response], []
+    )
+    assert not problems
+    return response.evaluate(run), *(number.evaluate(run) for number in numbers)
+
+
+@pytest.mark.parametrize(
+    ("more", "least"),
+    [
+        ({"standard": "ecss-e-st-33-01c", **HARNESS}, 0.173069),
+        ({"standard": "ecss-e-st-33-01c", "evidence": "measurement", **HARNESS}, 1.346137),
+        # (0.1 pi/2)/(3 (0.01 + 0.005 pi/2)) - 1, and with a factor of one's own
+        ({"standard": "nasa-std-5017b", **HARNESS}, 1.932672),
+        ({"standard": "nasa-std-5017b", "evidence": "spring out", **HARNESS}, 7.798016),
+        ({"standard": "nasa-std-5017b", **HARNESS, "factors": {"FR": 1, "HA": 1}}, 7.798016),
+        ({"standard": "aiaa-s-114", **HARNESS}, 3.399008),
+        ({"standard": "aiaa-s-114", **HARNESS, "without": ["torsion spring h1"]}, -1.0),
+        # 0.157080 against what is there and 1.25 x 0.6 kg m² x 0.1 rad/s² and 0.02 N m
+        ({"standard": "ecss-e-st-33-01c", **HARNESS, "accelerate": 0.1, "deliver": 0.02},
+         0.125663706 / (0.107123889 + 0.075 + 0.02) - 1),
+    ],
+)  # fmt: skip
+def test_the_least_margin_of_a_panel(more, least):
+    """k (psi - th) against friction f and a harness h th, least at the end of the travel."""
+    values, smallest, at = found(panel(), {"margin": "h1", "to": "90 deg", **more})
+    assert smallest == pytest.approx(least, rel=1e-5)
+    assert values[-1] == pytest.approx(least, rel=1e-5)
+    if least > -1:
+        assert at == pytest.approx(np.pi / 2)
+
+
+def test_what_drives_counts_by_its_class():
+    """A spring counts 0.8, weight 0.9; friction and harness never drive."""
+    scene = hinged(0.0)
+    scene.add_torsion_spring(0, 0.2, np.pi)
+    scene.gravity = (0, 1.0, 0)
+    scene.add(TableSpring(0, (0.0, 3.0), (0.1, 0.1)))
+    scene.add(Friction(0, 0.1))
+    definition = {"margin": "h1", "to": 1.0, "standard": "ecss-e-st-33-01c", **HARNESS}
+    values = found(scene, definition)[0]
+    assert values[0] == pytest.approx((0.8 * 0.2 * np.pi + 0.9 * 1.0) / 0.6 - 1)
+
+
+def test_where_nothing_resists_the_margin_ends():
+    scene = hinged(0.0)
+    scene.add_torsion_spring(0, 0.2, np.pi)
+    definition = {"margin": "h1", "to": 1.0, "standard": "nasa-std-5017b"}
+    assert found(scene, definition)[0] == pytest.approx(margins.MOST)
+
+
+def drawn(rng):
+    """A random design, its definition, and its margin by a closed form, of the opening."""
+    count, end = int(rng.integers(1, 3)), rng.uniform(0.6, 1.6)
+    standard = str(rng.choice(list(STANDARDS)))
+    evidence = str(rng.choice(list(STANDARDS[standard].resists)))
+    scene = hinged(*[0.0] * count)
+    rates = (1.0, 2.0)[:count]
+    springs, drags, harness = [], [], []
+    classes = {}
+    for hinge in range(count):
+        k, psi = rng.uniform(0.05, 0.5), rng.uniform(0.8, 4.0) * rates[hinge]
+        f, h = rng.uniform(0.002, 0.03), rng.uniform(0.0, 0.02)
+        scene.add_torsion_spring(hinge, k, psi)
+        scene.add(Friction(hinge, f))
+        scene.add(TableSpring(hinge, (-1.0, 9.0), (h, -9.0 * h)))
+        classes[f"spring h{hinge + 1}"] = "HA"
+        springs.append((k, psi))
+        drags.append(f)
+        harness.append(h)
+    weight = rng.uniform(-0.4, 0.4) if count == 1 else 0.0
+    if count == 2:
+        scene.add(SyncLoop("belt", (0, 1), (0.06, 0.03), 1e9))
+    turn = rng.uniform(0, 2 * np.pi)
+    scene.gravity = weight * np.array([np.cos(turn), np.sin(turn), 0.0])
+    drives, resists = STANDARDS[standard].drives, STANDARDS[standard].resists[evidence]
+
+    def margin(angle):
+        work = [
+            ("S", r * k * (psi - r * angle)) for r, (k, psi) in zip(rates, springs, strict=True)
+        ]
+        work += [("FR", -r * f + 0 * angle) for r, f in zip(rates, drags, strict=True)]
+        work += [("HA", -r * h * r * angle) for r, h in zip(rates, harness, strict=True)]
+        # 2 kg at 0.5 m
+        work.append(("I", weight * (np.sin(turn) * np.cos(angle) - np.cos(turn) * np.sin(angle))))
+        driving = sum(drives[name] * np.maximum(w, 0) for name, w in work)
+        resisting = sum(resists[name] * np.maximum(-w, 0) for name, w in work)
+        return driving / resisting - 1
+
+    definition = {"margin": "h1", "to": end, "standard": standard, "evidence": evidence,
+                  "classes": classes}  # fmt: skip
+    return scene, definition, margin, end
+
+
+def agree(seed):
+    """That the least margin of a random design is right to 1e-3 of itself, and its place."""
+    scene, definition, margin, end = drawn(np.random.default_rng(seed))
+    _, least, at = found(scene, definition)
+    fine = np.linspace(0.0, end, 20001)
+    exact = margin(fine)
+    assert least == pytest.approx(exact.min(), rel=1e-3, abs=1e-5), seed
+    if abs(exact.min()) > 1e-4:
+        assert (least >= 0) == (exact.min() >= 0), seed
+    # Where it is flat, any place with that margin is as right.
+    near = fine[exact <= exact.min() + 1e-6 * (1 + abs(exact.min()))]
+    assert np.abs(near - at).min() <= 1e-3 * end, seed
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_random_designs(seed):
+    agree(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(1000, 1200, 25))
+def test_two_hundred_random_designs(first):
+    for seed in range(first, first + 25):
+        agree(seed)
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "allowed"),
+    [
+        ({"margin": "h7"}, "margin", "one of h1"),
+        ({"to": "ninety"}, "to", "with or without its unit"),
+        ({"to": "3 kg"}, "to", "rad, deg"),
+        ({"to": True}, "to", "stow"),
+        ({"to": 0.0}, "to", "another opening than"),
+        ({"standard": "ecss"}, "standard", "ecss-e-st-33-01c"),
+        ({"evidence": "hope"}, "evidence", "theory, measurement"),
+        ({"stand": "h1"}, "stand", "a list of names"),
+        ({"without": ["spring h9"]}, "without", "torsion spring h1"),
+        ({"classes": {"friction h1": "XX"}}, "classes.friction h1", "FR"),
+        ({"classes": ["FR"]}, "classes", "a mapping"),
+        ({"factors": {"FR": -1}}, "factors.FR", "at least 0"),
+        ({"deliver": "much"}, "deliver", "a number"),
+    ],
+)
+def test_what_is_refused(change, key, allowed):
+    definition = {"margin": "h1", "to": 1.0, "standard": "ecss-e-st-33-01c", **change}
+    with pytest.raises(SceneError) as caught:
+        responses.parse("m", definition, panel())
+    assert caught.value.key == f"responses.m.{key}"
+    assert allowed in caught.value.allowed
+
+
+def test_times_of_a_margin_are_refused():
+    response = responses.parse("m", {"margin": "h1", "to": 1.0, "standard": "aiaa-s-114"}, panel())
+    for kind in ("crossing", "value", "settling"):
+        keys = dict.fromkeys(KINDS[kind].needed, 0.5)
+        _, problems = parse({"q": {kind: "m", **keys}}, [response], [])
+        assert "over time" in problems[0].allowed
+
+
+def test_labels_are_read_as_they_are_written():
+    led = margins.Led(("a", "b", "c"), 0.1, -2 / 3, ("d", "e"))
+    assert margins.read_label(led.label("loop x y")) == (led, "loop x y")
+    assert margins.read_label(margins.Led(("a",), 0.0, 1.0).label())[1] == ""
+
+
+def test_every_class_has_its_factors():
+    for standard in STANDARDS.values():
+        for factors in (standard.drives, *standard.resists.values()):
+            assert factors.keys() == CLASSES.keys()

@@ -79,7 +79,7 @@ def graph_of(known, *, annotations=False):
     }
 
 
-def test_rooms_of_the_mechanics_stand_in_eight_floors():
+def test_rooms_of_the_mechanics_stand_in_nine_floors():
     """Nothing in them is in a circle, not by annotations, either."""
     known = {name_of(path): path for path in FILES if path.is_relative_to(ROOT / "fpm")}
     modules = graph_of(known, annotations=True)
@@ -95,7 +95,7 @@ def test_rooms_of_the_mechanics_stand_in_eight_floors():
     for name in TopologicalSorter(rooms).static_order():  # CycleError where rooms are in a circle
         floors[name] = 1 + max((floors[other] for other in rooms[name]), default=0)
     assert floors["fpm.elements"] > floors["fpm.kernels"]
-    assert max(floors.values()) <= 8, floors
+    assert max(floors.values()) <= 9, floors
     flat = {name for name, path in known.items() if path.parent == ROOT / "fpm"}
     assert flat == {"fpm", "fpm.errors"}
 

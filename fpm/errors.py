@@ -50,10 +50,10 @@ class InstabilityError(RuntimeError):
                 "nothing is elastic: halve solver.step; or joints of rigid bodies contradict each "
                 "other, by lengths or axes that do not fit"
             )
+        if words is not None and isfinite(balance):
+            found, remedy = words
         if step > limit:
             remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
-        elif words is not None and isfinite(balance):
-            found, remedy = words
         super().__init__(
             f"unstable at t = {time:.6g} s: {found}, worst in element {element}; "
             f"step {step:.4g} s, stable limit {limit:.4g} s; {remedy}"

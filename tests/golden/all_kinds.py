@@ -24,6 +24,15 @@ GAPS = {"gap", "tilt", "joint_gap", "joint_tilt"}
 """What is left of them is rounding."""
 
 
+def why(case, fails: dict) -> list:
+    """When a run of a case fails that takes too long a step, which element is blamed, and why."""
+    (outcome,) = fpm.simulate(
+        scene_of(case["structure"]), duration=fails["duration"], instants=3, step=fails["step"]
+    )
+    failure = outcome.failure
+    return [float(f"{failure.time:.9g}"), failure.element, failure.cause]
+
+
 def sums(curves) -> dict[str, list[float]]:
     """By quantity; each value has a weight of its own, so that none can stand for another."""
     found: dict[str, list[float]] = {}
@@ -58,6 +67,8 @@ if __name__ == "__main__":
         curves["energy", "balance"] = outcome.energies["balance"], "J"
         for name in outcome.largest.keys() - GAPS:
             curves["largest", name] = np.array([outcome.largest[name]]), ""
+        if "fails" in case:
+            case["fails"]["why"] = why(case, case["fails"])
         case["sums"] = sums(curves)
     lines = (json.dumps(case, separators=(",", ":")) for case in some)
     print("[", ",\n".join(lines), "]", sep="\n")

@@ -34,6 +34,7 @@ def test_they_move_as_before(half):
         check=True,
     )
     for before, after in zip(BEFORE[half::2], json.loads(ran.stdout), strict=True):
+        assert after.get("fails") == before.get("fails")
         assert after["sums"].keys() == before["sums"].keys()
         for what, (total, size) in after["sums"].items():
             assert total == pytest.approx(before["sums"][what][0], abs=1e-8 * size + 1e-12), what

@@ -45,9 +45,10 @@ def sums(curves) -> dict[str, list[float]]:
 
 
 def columns(scene, without: list[str]) -> list[tuple[str, str]]:
-    """All that a run can record, but for what rounding decides: the clearance of bars that touch,
-    forces of a loop that is held twice."""
-    known = VARIABLES.keys() - set(without)
+    """All that a run records, but for what rounding decides: the clearance of bars that touch,
+    forces of a loop that is held twice. What is led slowly takes no run."""
+    led = {name for name, variable in VARIABLES.items() if variable.along == "along"}
+    known = VARIABLES.keys() - led - set(without)
     return [(name, label) for name in sorted(known) for label in VARIABLES[name].labels(scene)]
 
 

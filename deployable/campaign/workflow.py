@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from deployable.campaign.config.check import check_config, load_config
-from deployable.campaign.config.design import count_runs
 from deployable.campaign.config.loader import retyped
-from deployable.campaign.config.sections import Campaign, as_json
+from deployable.campaign.config.sections import Campaign, as_json, count_runs
 from deployable.campaign.files import open_dataset
 from deployable.campaign.folder import PICTURES, Folder
 from deployable.campaign.plan.estimate import job_megabytes, job_minutes

@@ -12,8 +12,7 @@ import yaml
 import fpm
 from deployable import campaign
 from deployable.campaign.config.check import load_config
-from deployable.campaign.config.design import count_runs
-from deployable.campaign.config.sections import Campaign
+from deployable.campaign.config.sections import Campaign, count_runs
 from deployable.campaign.errors import CampaignError, ConfigError
 from evidence.attack.ledger import Ledger
 from evidence.attack.victim import RAW, silent

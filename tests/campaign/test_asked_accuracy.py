@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,8 +15,8 @@ from deployable import campaign
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import Accuracy
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.accuracy import _sought, added
-from deployable.campaign.plan.decide import Cost, decide, growth, needed
+from deployable.campaign.plan.accuracy import _places, added
+from deployable.campaign.plan.decide import Cost, Standing
 from deployable.campaign.plan.plan import Round, Rounds
 from deployable.campaign.results.facts import _accuracy
 from deployable.campaign.text.templates import sentence
@@ -54,7 +55,7 @@ AIM = Accuracy({"x": 0.1}, 1000, 60.0, "n")
 
 def decided(parts, *rounds, check=("mesh",), aim=AIM, cost=COST):
     state = Rounds(rounds, (), check=check)
-    return decide(aim, {"x": parts}, state, cost, step_is_free=True)
+    return Standing(aim, {"x": parts}, state, cost, True).decide()
 
 
 def done(action, elements=6, **parts):
@@ -102,7 +103,7 @@ def test_what_the_config_keeps_is_not_changed_and_the_rest_is():
 
     def action(parts, mesh_is_free, step_is_free):
         aim = Accuracy({"x": 0.1}, 1000, 60.0, "n" if mesh_is_free else "")
-        found = decide(aim, {"x": parts}, state, COST, step_is_free)
+        found = Standing(aim, {"x": parts}, state, COST, step_is_free).decide()
         return found.action, "keeps its" in found.reason
 
     for free in (True, False):
@@ -149,7 +150,7 @@ def test_a_mesh_that_hardly_helps_is_refined_no_further():
 def test_what_half_a_step_would_take_is_told_of_the_step_and_what_is_no_number_is_left():
     aim = Accuracy({"x": 0.1, "y": 0.1}, 20, 60.0, "")
     shares = {"x": {"surrogate": 0.01, "step": 0.3}, "y": {"surrogate": float("nan")}}
-    found = decide(aim, shares, Rounds((), (), check=("step",)), COST, step_is_free=True)
+    found = Standing(aim, shares, Rounds((), (), check=("step",)), COST, True).decide()
     assert found.action == "stop"
     assert "x would take a step 8 times as fine" in found.reason
 
@@ -164,8 +165,8 @@ def test_what_no_mesh_settles_is_set_aside_and_the_rest_goes_on():
     def after(x, check=("mesh",)):
         shares = {"x": {"surrogate": x, "mesh": 0.01}, "y": {"surrogate": 0.5, "mesh": 0.29}}
         state = Rounds((before,), (), check=check)
-        needs = needed(aim, shares, state, finer, step_is_free=True)
-        return needs, decide(aim, shares, state, finer, step_is_free=True)
+        standing = Standing(aim, shares, state, finer, True)
+        return standing.needs, standing.decide()
 
     needs, found = after(0.2)
     assert found.action == "runs"
@@ -204,7 +205,7 @@ def test_runs_are_sought_where_what_is_unmet_decides(asked):
         values[:, change] **= 3
         samples = xr.Dataset({"unit": (("run", "parameter"), unit),
                               "values": (("run", "response", "time"), values)})  # fmt: skip
-        return _sought(experiment, samples, ["BD"], count=8, seed=3)
+        return _places(experiment, samples, ["BD"], count=8, seed=3)
 
     wanted = list(experiment.responses).index("BD")
     first, same, other = sought([]), sought([1 - wanted]), sought([wanted])
@@ -221,7 +222,8 @@ def runs_of(nodes, **parts):
 def test_runs_become_as_many_as_errors_are_expected_to_need():
     def factor(surrogate, *rounds, nodes=32, **parts):
         shares = {"x": {"surrogate": surrogate, **parts}}
-        return growth(AIM, shares, Rounds(rounds, ()), nodes)
+        cost = replace(COST, nodes=nodes)
+        return Standing(AIM, shares, Rounds(rounds, ()), cost, True).growth()
 
     assert factor(0.101) == 1.25
     assert factor(0.12) == pytest.approx((1.2 / 0.75) ** (1 / 1.5))

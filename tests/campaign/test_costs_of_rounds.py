@@ -10,7 +10,7 @@ import xarray as xr
 
 from deployable.campaign.answers.finer import PLACES
 from deployable.campaign.config.check import check_config
-from deployable.campaign.plan.accuracy import _cost, _halved, first_plan, next_plan
+from deployable.campaign.plan.accuracy import _halved, _standing, first_plan, next_plan
 from deployable.campaign.plan.estimate import run_seconds
 from deployable.campaign.plan.plan import Round
 from fpm.files.sealed import whole_file
@@ -41,7 +41,7 @@ def after(plan, action, nodes, **more):
 
 def test_the_first_round_costs_its_runs_and_its_check(experiment):
     plan = first_plan(experiment)
-    (_, cost), nodes = _cost(plan, SHARES), len(plan.unique_runs())
+    cost, nodes = _standing(plan, SHARES).cost, len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
     checked = PLACES + 2 + 2  # of the quantity both ends; an order of either
     assert (cost.nodes, cost.checked, cost.each) == (nodes, checked, each)
@@ -59,10 +59,10 @@ def test_costs_of_rounds_add_up(experiment, action, new):
     nodes = len(plan.unique_runs())
     assert nodes == 8
     before = nodes - new if action == "runs" else nodes
-    _, cost = _cost(after(plan, action, before, check=()), SHARES)
+    cost = _standing(after(plan, action, before, check=()), SHARES).cost
     assert cost.runs == 16 + new
     assert cost.seconds == pytest.approx(2.0 + whole(new) * cost.each)
-    _, both = _cost(after(plan, action, before, check=("step", "mesh")), SHARES)
+    both = _standing(after(plan, action, before, check=("step", "mesh")), SHARES).cost
     assert both.runs - cost.runs == 2 * cost.checked
     assert both.seconds - cost.seconds == pytest.approx((2 + 4) * whole(cost.checked) * cost.each)
 

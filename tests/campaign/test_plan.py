@@ -11,8 +11,7 @@ import pytest
 import fpm
 import fpm.reading
 from deployable.campaign.config.check import check_config
-from deployable.campaign.config.design import count_runs
-from deployable.campaign.config.sections import scene_type
+from deployable.campaign.config.sections import count_runs, scene_type
 from deployable.campaign.plan.plan import make_plan, read_plan, share, write_plan
 from deployable.campaign.runs.results import groups_of
 from deployable.campaign.runs.store import open_store

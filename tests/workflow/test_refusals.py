@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from deployable.campaign.config.beforehand import look
+from deployable.campaign.config.loader import look
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.workflow import Workflow
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import argparse
 import re
-from collections.abc import Iterator, Mapping
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,6 +21,9 @@ _FLOAT = re.compile(r"^[-+]?(\d[\d_]*)(\.[\d_]*)?([eE][-+]?\d+)$|^[-+]?\.\d[\d_]
 
 LARGEST = 1 << 20
 """Characters of a config."""
+
+EXECUTED = "__use_yte__"
+"""Key of a file whose Python Snakemake would run."""
 
 DEEPEST, MOST = 20, 20_000
 """Mappings and lists may be nested so deep, and hold so many values, aliases written out."""
@@ -176,3 +181,22 @@ def read_file(path: str | Path) -> Text:
         reason = getattr(error, "strerror", None) or str(error)
         raise ConfigError(str(path), [f"the file cannot be read: {reason}"]) from None
     return read(text, str(path))
+
+
+def look(arguments: Sequence[str] | None = None) -> None:
+    """End with status 1 and our own words if a file that Snakemake's arguments name (those of this
+    process) cannot be read, is not YAML, or asks for Python in it to be run.
+
+    Snakemake reads them before any rule of ours, tells neither the line of an error nor which file
+    is missing, and would run what a key `__use_yte__` holds; workflow/profiles/default, which it
+    reads earlier still, calls this.
+    """
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--configfile", "--configfiles", nargs="*", default=[], dest="files")
+    try:
+        for path in parser.parse_known_args(arguments)[0].files:
+            if EXECUTED in load(path):
+                raise ConfigError(path, [f"{EXECUTED}: not allowed; nothing in a config is run"])
+    except ConfigError as error:
+        print(error, file=sys.stderr)
+        sys.exit(1)

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 import fpm
-from deployable.campaign.config.design import make_design, steps_problems
 from deployable.campaign.config.models import Aim, Config
 from deployable.campaign.config.read import show
 from deployable.campaign.config.resolve import (
@@ -28,7 +27,9 @@ from deployable.campaign.config.sections import (
     Choose,
     Experiment,
     Interval,
+    make_design,
     scene_type,
+    steps_problems,
 )
 from deployable.campaign.plan.estimate import bytes_of_run, size_text
 from deployable.intervals import IntervalError, check_spline_runs, held_out_points

@@ -18,7 +18,7 @@ import numpy as np
 from deployable import intervals
 from deployable.campaign.config.sections import Experiment, Solver
 from deployable.campaign.files import open_dataset
-from deployable.campaign.plan.decide import Cost, decide, growth, needed
+from deployable.campaign.plan.decide import Cost, Standing
 from deployable.campaign.plan.estimate import LANES, run_seconds
 from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep, choose_step, make_plan
 from deployable.intervals.scalars import fit_scalar
@@ -43,8 +43,8 @@ def next_plan(
     asked, now, before = experiment.accuracy, plan.experiment, plan.adaptive
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
         shares, free = _shares(plan, samples, bounds), now.solver.step == "auto"
-        pursued, cost = _cost(plan, shares, free)
-        decision = decide(asked, shares, plan.adaptive, cost, free)
+        standing = _standing(plan, shares, free)
+        cost, decision = standing.cost, standing.decide()
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
         safety = now.solver.safety if now.solver.step == "auto" else now.solver.step
         done = Round(
@@ -56,7 +56,8 @@ def next_plan(
             return replace(plan, adaptive=Rounds(rounds, before.points, decision.met, before.check))
         points = list(before.points)
         if decision.action == "runs":
-            points += _sought(now, samples, pursued, cost.more, len(rounds)).tolist()
+            pursued = [one.name for one in standing.pursued]
+            points += _places(now, samples, pursued, cost.more, len(rounds)).tolist()
     refined = now
     if decision.action == "mesh":
         parameters = {**now.scene.parameters, asked.mesh: 2 * cost.elements}
@@ -153,9 +154,8 @@ def _surrogate(experiment: Experiment, samples: Any, i: int) -> Any:
     return fit_scalar(samples["unit"].values, values, end, quantity.least)
 
 
-def _cost(plan: Plan, shares: Mapping, step_is_free: bool = True) -> tuple[list[str], Cost]:
-    """Which responses and quantities runs would help, and what the rounds up to this plan's took
-    and the next one would."""
+def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standing:
+    """How things stand, with what the rounds up to this plan's took and the next one would."""
     asked, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
     before = rounds[-1] if rounds else Round(0, 0.0, "mesh", "")
@@ -174,10 +174,8 @@ def _cost(plan: Plan, shares: Mapping, step_is_free: bool = True) -> tuple[list[
     affordable = min(asked.runs - runs - last[0], (60 * asked.minutes - seconds - last[1]) / each)
     elements = int(plan.experiment.scene.parameters.get(asked.mesh, 0))
     cost = Cost(runs, seconds, nodes, 0, checked, each, elements)
-    needs = needed(asked, shares, plan.adaptive, cost, step_is_free)
-    pursued = [name for name, need in needs.items() if not need.why_not]
-    wanted = growth(asked, {name: shares[name] for name in pursued}, plan.adaptive, nodes)
-    return pursued, replace(cost, more=added(nodes, wanted, affordable))
+    found = Standing(asked, shares, plan.adaptive, cost, step_is_free)
+    return replace(found, cost=replace(cost, more=added(nodes, found.growth(), affordable)))
 
 
 def added(nodes: int, growth: float, affordable: float) -> int:
@@ -191,7 +189,7 @@ def _whole(runs: int) -> int:
     return -(-runs // LANES) * LANES
 
 
-def _sought(
+def _places(
     experiment: Experiment, samples: Any, unmet: list[str], count: int, seed: int
 ) -> np.ndarray:
     """Unit points (n, k) of the next `count` runs: where unmet quantities have their ends and

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from deployable.campaign.config.sections import Accuracy
 from deployable.campaign.plan.plan import Rounds
@@ -34,6 +35,8 @@ _LEAST, _MOST = 1.25, 2.0
 _SPARE = 0.75
 """Share of what is left for a surrogate's error that is aimed at: one more round for having missed
 it by little costs more than the runs that are too many."""
+
+_BOTH = ("step", "mesh")
 
 _ROUND = 0.5
 """Seconds of a core that a round takes beside its runs: a check that takes less is made at once
@@ -77,44 +80,40 @@ class Decision:
     met: bool = False
 
 
-def decide(
-    asked: Accuracy, shares: Shares, state: Rounds, cost: Cost, step_is_free: bool
-) -> Decision:
-    """Decide on the next round.
+@dataclass(frozen=True)
+class Errors:
+    """The errors of a response or quantity by part, as shares of its width, and what they may be
+    together, `aim`."""
 
-    1. Where all errors are as small as asked for, stop if this round was checked for step and mesh,
-       else check it.
-    2. What step or mesh alone make too large, where these are kept or what would be needed is not
-       affordable, is set aside: no run helps it. Where nothing else is unmet, that ends the rounds.
-    3. Where step and mesh of the others take too much of what is asked for, halve the larger.
-    4. Else add runs, as many as the errors are expected to need, and check them at once where
-       that is cheap.
-    5. When the budget allows no more runs, end; the reason names what is not met, and what that
-       would cost.
-    """
-    unmet = {name: parts for name, parts in shares.items() if _whole(parts) > asked.shares[name]}
-    if not unmet:
-        if "step" in state.check:
-            near = max(shares, key=lambda name: _whole(shares[name]) / asked.shares[name])
-            reason = "the whole error is as small as asked for; nearest to that is "
-            return Decision("stop", reason + told(asked, {near: shares[near]}), met=True)
-        reason = "the surrogate's error is small enough; step and mesh are checked where it decides"
-        return Decision("check", reason, ("step", "mesh"))
-    needs = needed(asked, shares, state, cost, step_is_free)
-    wanted = {name: need.action for name, need in needs.items() if not need.why_not}
-    if not wanted:
-        why = "; ".join(dict.fromkeys(need.why_not for need in needs.values()))
-        return _end(asked, unmet, why, state, cost)
-    action, worst = _next(asked, {name: unmet[name] for name in wanted}, wanted)
-    if action == "runs" and (why := _too_dear(asked, action, cost)):
-        return _end(asked, unmet, why, state, cost)
-    reason = f"{told(asked, {worst: shares[worst]})}; "
-    if action == "runs":
-        last = _is_last(asked, {name: unmet[name] for name in wanted}, state, cost)
-        check = ("step", "mesh") if last else ()
-        return Decision("runs", f"{reason}{cost.more} runs are added", check)
-    check = ("mesh",) if action == "mesh" else ("step", "mesh")
-    return Decision(action, f"{reason}the {action} is halved", check)
+    name: str
+    aim: float
+    parts: Mapping[str, float]
+
+    @property
+    def whole(self) -> float:
+        """All of them."""
+        return sum(self.parts.values())
+
+    @property
+    def others(self) -> float:
+        """Those of mesh and step, which no run helps."""
+        return self.parts.get("mesh", 0.0) + self.parts.get("step", 0.0)
+
+    @property
+    def larger(self) -> str:
+        """Which of mesh and step has the larger one."""
+        return "mesh" if self.parts.get("mesh", 0.0) >= self.parts.get("step", 0.0) else "step"
+
+    @property
+    def left(self) -> float:
+        """What is left of the aim for the surrogate."""
+        mesh, step = self.parts.get("mesh", 0.0), self.parts.get("step", 0.0)
+        return max(self.aim - mesh - step, (1 - _LATER) * self.aim)
+
+    def __str__(self) -> str:
+        each = ", ".join(f"{part} {_percent(share)}" for part, share in self.parts.items())
+        whole, aim = _percent(self.whole), _percent(self.aim)
+        return f"{self.name} {whole} of the width ({each}), asked for {aim}"
 
 
 @dataclass(frozen=True)
@@ -125,166 +124,170 @@ class Need:
     why_not: str = ""
 
 
-def needed(
-    asked: Accuracy, shares: Shares, state: Rounds, cost: Cost, step_is_free: bool
-) -> dict[str, Need]:
-    """What each response and quantity needs that is not as accurate as asked for.
+@dataclass(frozen=True)
+class Standing:
+    """How things stand after a round: what is wanted, the errors, the rounds so far, what was spent
+    and is at hand, and whether the step may be chosen."""
 
-    A mesh that is too coarse comes first: all runs are made again with a finer one. Where it cannot
-    be had, runs help what its error leaves room for.
-    """
-    first = all(done.action in ("mesh", "step") for done in state.rounds)
-    limit, found = _FIRST if first else _LATER, {}
-    for name, parts in shares.items():
-        aim, others = asked.shares[name], parts.get("mesh", 0.0) + parts.get("step", 0.0)
-        if not _whole(parts) > aim:  # nor where it is no number
-            continue
-        need = Need("runs")
-        if others > limit * aim:
-            action = "mesh" if parts.get("mesh", 0.0) >= parts.get("step", 0.0) else "step"
-            why = _too_dear(asked, action, cost)
-            if (action == "mesh" and not asked.mesh) or (action == "step" and not step_is_free):
-                why = f"the config keeps its {action}"
-            elif not why and action == "mesh" and _is_hopeless(asked, name, parts, state, cost):
-                why = "a finer mesh does not get there within the budget"
-            if not why or others >= aim:
-                need = Need(action, why)
-        found[name] = need
-    return found
+    accuracy: Accuracy
+    shares: Shares
+    state: Rounds
+    cost: Cost
+    step_is_free: bool
+
+    @cached_property
+    def unmet(self) -> list[Errors]:
+        """Errors that are larger than they may be; what is no number is none of them."""
+        return [one for one in self._all if one.whole > one.aim]
+
+    @property
+    def _all(self) -> list[Errors]:
+        aims = self.accuracy.shares
+        return [Errors(name, aims[name], parts) for name, parts in self.shares.items()]
+
+    @cached_property
+    def needs(self) -> dict[str, Need]:
+        """What each response and quantity needs that is not as accurate as it should be."""
+        return {one.name: self._need(one) for one in self.unmet}
+
+    @property
+    def pursued(self) -> list[Errors]:
+        """What of these can be had."""
+        return [one for one in self.unmet if not self.needs[one.name].why_not]
+
+    def decide(self) -> Decision:
+        """Decide on the next round.
+
+        1. Where all errors are small enough, stop if this round was checked for step and mesh, else
+           check it.
+        2. What step or mesh alone make too large, where these are kept or what would be needed is
+           not affordable, is set aside: no run helps it. Where nothing else is unmet, that ends the
+           rounds.
+        3. Where step and mesh of the others take too much of an aim, halve the larger.
+        4. Else add runs, as many as the errors are expected to need, and check them at once where
+           that is cheap.
+        5. When the budget allows no more runs, end; the reason names what is not met, and what that
+           would cost.
+        """
+        if not self.unmet:
+            if "step" in self.state.check:
+                near = max(self._all, key=lambda one: one.whole / one.aim)
+                reason = f"the whole error is as small as asked for; nearest to that is {near}"
+                return Decision("stop", reason, met=True)
+            reason = "the surrogate's error is small enough"
+            return Decision("check", f"{reason}; step and mesh are checked where it decides", _BOTH)
+        if not self.pursued:
+            return self._end("; ".join(dict.fromkeys(n.why_not for n in self.needs.values())))
+        finer = [one for one in self.pursued if self.needs[one.name].action != "runs"]
+        if finer:  # comes before runs, which are all made again then
+            worst = max(finer, key=lambda one: one.others / one.aim)
+            action = self.needs[worst.name].action
+            check = ("mesh",) if action == "mesh" else _BOTH
+            return Decision(action, f"{worst}; the {action} is halved", check)
+        if why := self._too_dear("runs"):
+            return self._end(why)
+        worst = max(self.pursued, key=lambda one: one.whole / one.aim)
+        check = _BOTH if self._is_last() else ()
+        return Decision("runs", f"{worst}; {self.cost.more} runs are added", check)
+
+    def growth(self) -> float:
+        """The factor by which nodes have to become more for surrogates of what is pursued to be
+        accurate enough, by how errors fell when runs were added last."""
+        wanted = [
+            (one.parts["surrogate"] / (_SPARE * one.left)) ** (1 / self._rate(one))
+            for one in self.pursued
+        ]
+        return min(max([_LEAST, *wanted]), _MOST)
+
+    def _need(self, one: Errors) -> Need:
+        """A mesh that is too coarse comes first: all runs are made again with a finer one. Where it
+        cannot be had, runs help what its error leaves room for."""
+        is_first = all(done.action in ("mesh", "step") for done in self.state.rounds)
+        if not one.others > (_FIRST if is_first else _LATER) * one.aim:
+            return Need("runs")
+        action, why = one.larger, self._too_dear(one.larger)
+        if not (self.accuracy.mesh if action == "mesh" else self.step_is_free):
+            why = f"the config keeps its {action}"
+        elif not why and action == "mesh" and self._is_hopeless(one):
+            why = "a finer mesh does not get there within the budget"
+        return Need(action, why) if not why or one.others >= one.aim else Need("runs")
+
+    def _too_dear(self, action: str) -> str:
+        """Why the budget does not allow an action; nothing where it does."""
+        cost, budget = self.cost, self.accuracy
+        runs, seconds = cost.of(action)
+        if cost.runs + runs > budget.runs:
+            spent = f"{cost.runs} are spent, {2 * cost.checked} kept for the last check"
+            return f"the budget of {budget.runs} runs does not allow more ({spent})"
+        if cost.seconds + seconds > 60 * budget.minutes:
+            spent = f"{duration_text(max(1.0, cost.seconds))} are spent"
+            return f"the budget of {budget.minutes:g} minutes does not allow more ({spent})"
+        return ""
+
+    def _rate(self, one: Errors) -> float:
+        """Power of the number of nodes with which the surrogate's error falls."""
+        last, nodes = self.state.rounds[-1] if self.state.rounds else None, self.cost.nodes
+        if last is None or last.action != "runs" or not 0 < last.nodes < nodes:
+            return _RATE
+        before, now = last.shares[one.name]["surrogate"], one.parts["surrogate"]
+        if now <= 0 or before <= now:
+            return _RATES[0]
+        rate = math.log(before / now) / math.log(nodes / last.nodes)
+        return min(max(rate, _RATES[0]), _RATES[1])
+
+    def _is_last(self) -> bool:
+        """Whether surrogates are expected to be accurate enough after the next runs, and a check is
+        cheaper than a round of its own."""
+        fall = self.cost.nodes / (self.cost.nodes + self.cost.more)
+        return self.cost.of("check")[1] <= _ROUND and all(
+            one.parts["surrogate"] * fall ** self._rate(one) <= one.left for one in self.pursued
+        )
+
+    def _end(self, why: str) -> Decision:
+        if "step" not in self.state.check:
+            reason = f"{why}; step and mesh are checked where the bounds are decided"
+            return Decision("check", reason, _BOTH)
+        unmet, takes = "; ".join(map(str, self.unmet)), "; ".join(map(self._takes, self.unmet))
+        return Decision("stop", f"{why}: {unmet}. {takes}")
+
+    def _takes(self, one: Errors) -> str:
+        """What it would take to bring one error down to its aim, by how parts fell so far."""
+        nodes, seconds, texts = self.cost.nodes, self.cost.each, []
+        if one.others > _LATER * one.aim:
+            fall = self._fall(one) or 2.0
+            if fall < _HARDLY:
+                return f"{one.name} has an error of the mesh that hardly falls with a finer one"
+            halvings = _halvings(one, fall)
+            seconds *= {"mesh": 4, "step": 2}[one.larger] ** halvings
+            texts.append(f"a {one.larger} {2**halvings} times as fine")
+        left = max(one.aim - min(one.others, one.aim / 2), 0.1 * one.aim)
+        if one.parts["surrogate"] > left:
+            nodes = math.ceil(nodes * min(one.parts["surrogate"] / left, 100.0))
+            texts.append(f"some {nodes} runs")
+        time = duration_text(max(1.0, (nodes + 4 * self.cost.checked) * seconds))
+        return f"{one.name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"
+
+    def _is_hopeless(self, one: Errors) -> bool:
+        """Whether the mesh that is needed, by how its error fell last, takes more than the budget;
+        the first mesh tells nothing."""
+        if (fall := self._fall(one)) is None or fall < _HARDLY:
+            return fall is not None
+        factor = sum(4.0**i for i in range(1, _halvings(one, fall) + 1))
+        seconds = (self.cost.nodes + 4 * self.cost.checked) * self.cost.each * factor
+        return self.cost.seconds + seconds > 60 * self.accuracy.minutes
+
+    def _fall(self, one: Errors) -> float | None:
+        """The factor by which the error of the mesh fell when it was last halved, at most 8; None
+        where it was not."""
+        now, rounds = one.parts.get("mesh", 0.0), self.state.rounds
+        meshes = {done.elements: done.shares.get(one.name, {}).get("mesh", 0.0) for done in rounds}
+        coarser = [share for n, share in sorted(meshes.items()) if n < self.cost.elements]
+        return min(coarser[-1] / now, 8.0) if coarser and now > 0 else None
 
 
-def _too_dear(asked: Accuracy, action: str, cost: Cost) -> str:
-    """Why the budget does not allow an action; nothing where it does."""
-    runs, seconds = cost.of(action)
-    if cost.runs + runs > asked.runs:
-        spent = f"{cost.runs} are spent, {2 * cost.checked} kept for the last check"
-        return f"the budget of {asked.runs} runs does not allow more ({spent})"
-    if cost.seconds + seconds > 60 * asked.minutes:
-        spent = duration_text(max(1.0, cost.seconds))
-        return f"the budget of {asked.minutes:g} minutes does not allow more ({spent} are spent)"
-    return ""
-
-
-def growth(asked: Accuracy, shares: Shares, state: Rounds, nodes: int) -> float:
-    """The factor by which so many nodes have to become more for surrogates of what is pursued to be
-    as accurate as asked for, by how errors fell when runs were added last."""
-    wanted = _LEAST
-    for name, parts in shares.items():
-        if _whole(parts) > asked.shares[name]:
-            excess = parts["surrogate"] / (_SPARE * _left(asked.shares[name], parts))
-            wanted = max(wanted, excess ** (1 / _rate(name, parts, state, nodes)))
-    return min(wanted, _MOST)
-
-
-def _rate(name: str, parts: Mapping[str, float], state: Rounds, nodes: int) -> float:
-    """Power of the number of nodes, now so many, with which the surrogate's error falls."""
-    last = state.rounds[-1] if state.rounds else None
-    if last is None or last.action != "runs" or not 0 < last.nodes < nodes:
-        return _RATE
-    before, now = last.shares[name]["surrogate"], parts["surrogate"]
-    if now <= 0 or before <= now:
-        return _RATES[0]
-    return min(max(math.log(before / now) / math.log(nodes / last.nodes), _RATES[0]), _RATES[1])
-
-
-def _left(aim: float, parts: Mapping[str, float]) -> float:
-    """What is left of an aim for the surrogate."""
-    return max(aim - parts.get("mesh", 0.0) - parts.get("step", 0.0), (1 - _LATER) * aim)
-
-
-def _is_last(asked: Accuracy, unmet: Shares, state: Rounds, cost: Cost) -> bool:
-    """Whether surrogates are expected to be accurate enough after the next runs, and a check is
-    cheaper than a round of its own."""
-    fall = cost.nodes / (cost.nodes + cost.more)
-    return cost.of("check")[1] <= _ROUND and all(
-        parts["surrogate"] * fall ** _rate(name, parts, state, cost.nodes)
-        <= _left(asked.shares[name], parts)
-        for name, parts in unmet.items()
-    )  # fmt: skip
-
-
-def told(asked: Accuracy, shares: Shares) -> str:
-    """Errors in words: `vBz 7 % of the width (surrogate 1 %, mesh 6 %), asked for 5 %`."""
-    texts = []
-    for name, parts in shares.items():
-        each = ", ".join(f"{part} {_percent(share)}" for part, share in parts.items())
-        texts.append(f"{name} {_percent(_whole(parts))} of the width ({each}), "
-                     f"asked for {_percent(asked.shares[name])}")  # fmt: skip
-    return "; ".join(texts)
-
-
-def _next(asked: Accuracy, unmet: Shares, wanted: Mapping[str, str]) -> tuple[str, str]:
-    """The action that the response or quantity farthest from its aim needs, and its name; a finer
-    mesh or step comes before runs, which are all made again then."""
-
-    def excess(name: str, *parts: str) -> float:
-        return sum(unmet[name].get(part, 0.0) for part in parts) / asked.shares[name]
-
-    if finer := [name for name, action in wanted.items() if action != "runs"]:
-        worst = max(finer, key=lambda name: excess(name, "mesh", "step"))
-        return wanted[worst], worst
-    return "runs", max(wanted, key=lambda name: excess(name, *unmet[name]))
-
-
-def _end(asked: Accuracy, unmet: Shares, why: str, state: Rounds, cost: Cost) -> Decision:
-    if "step" not in state.check:
-        reason = f"{why}; step and mesh are checked where the bounds are decided"
-        return Decision("check", reason, ("step", "mesh"))
-    needs = "; ".join(_needs(asked.shares[name], name, unmet[name], state, cost) for name in unmet)
-    return Decision("stop", f"{why}: {told(asked, unmet)}. {needs}")
-
-
-def _needs(aim: float, name: str, parts: Mapping[str, float], state: Rounds, cost: Cost) -> str:
-    """What it would take to bring one error down to its aim, by how parts fell so far."""
-    others = parts.get("mesh", 0.0) + parts.get("step", 0.0)
-    nodes, seconds, texts = cost.nodes, cost.each, []
-    if others > _LATER * aim:
-        fall = _fall(name, parts.get("mesh", 0.0), state, cost) or 2.0
-        if fall < _HARDLY:
-            return f"{name} has an error of the mesh that hardly falls with a finer one"
-        halvings = _halvings(others, aim, fall)
-        part = "mesh" if parts.get("mesh", 0.0) >= parts.get("step", 0.0) else "step"
-        seconds *= {"mesh": 4, "step": 2}[part] ** halvings
-        texts.append(f"a {part} {2**halvings} times as fine")
-    left = max(aim - min(others, aim / 2), 0.1 * aim)
-    if parts["surrogate"] > left:
-        nodes = math.ceil(nodes * min(parts["surrogate"] / left, 100.0))
-        texts.append(f"some {nodes} runs")
-    time = duration_text(max(1.0, (nodes + 4 * cost.checked) * seconds))
-    return f"{name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"
-
-
-def _is_hopeless(
-    asked: Accuracy, name: str, parts: Mapping[str, float], state: Rounds, cost: Cost
-) -> bool:
-    """Whether the mesh that is needed, by how its error fell last, takes more than the budget."""
-    fall = _fall(name, parts.get("mesh", 0.0), state, cost)
-    if fall is None:  # the first mesh tells nothing
-        return False
-    if fall < _HARDLY:
-        return True
-    others = parts.get("mesh", 0.0) + parts.get("step", 0.0)
-    halvings = _halvings(others, asked.shares[name], fall)
-    factor = sum(4.0**i for i in range(1, halvings + 1))
-    seconds = (cost.nodes + 4 * cost.checked) * cost.each * factor
-    return cost.seconds + seconds > 60 * asked.minutes
-
-
-def _halvings(error: float, aim: float, fall: float) -> int:
+def _halvings(one: Errors, fall: float) -> int:
     """How often a mesh must be halved for its error to take half of the aim."""
-    return max(1, math.ceil(math.log(2 * error / aim) / math.log(fall)))
-
-
-def _fall(name: str, now: float, state: Rounds, cost: Cost) -> float | None:
-    """The factor by which the error of the mesh, now that, fell when it was last halved, at most 8;
-    None where it was not."""
-    meshes = {done.elements: done.shares.get(name, {}).get("mesh", 0.0) for done in state.rounds}
-    coarser = [share for elements, share in sorted(meshes.items()) if elements < cost.elements]
-    return min(coarser[-1] / now, 8.0) if coarser and now > 0 else None
-
-
-def _whole(parts: Mapping[str, float]) -> float:
-    return sum(parts.values())
+    return max(1, math.ceil(math.log(2 * one.others / one.aim) / math.log(fall)))
 
 
 def _percent(share: float) -> str:

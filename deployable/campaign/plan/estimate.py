@@ -7,8 +7,7 @@ import os
 from dataclasses import dataclass
 
 import fpm
-from deployable.campaign.config.design import count_runs
-from deployable.campaign.config.sections import Campaign, Experiment
+from deployable.campaign.config.sections import Campaign, Experiment, count_runs
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import TimeStep, choose_step, make_plan
 from deployable.campaign.runs.extremes import LARGE, MOST

@@ -28,8 +28,14 @@ from pathlib import Path
 import numpy as np
 
 import fpm
-from deployable.campaign.config.design import make_design, steps_problems
-from deployable.campaign.config.sections import Experiment, digest, from_data, plain_data
+from deployable.campaign.config.sections import (
+    Experiment,
+    digest,
+    from_data,
+    make_design,
+    plain_data,
+    steps_problems,
+)
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
 from deployable.campaign.plan.runs import ROLES, Run, Runs, namer, values_of

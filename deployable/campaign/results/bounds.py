@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.config.design import make_design
-from deployable.campaign.config.sections import BoundsChoice, Experiment
+from deployable.campaign.config.sections import BoundsChoice, Experiment, make_design
 from deployable.campaign.files import open_dataset, result_file
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import as_attribute

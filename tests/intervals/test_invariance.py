@@ -110,6 +110,21 @@ def test_bounds_are_attained_where_they_are_said_to_be(model):
             assert there == pytest.approx(float(found[values][0, t]), abs=slack)
 
 
+@pytest.mark.parametrize("unit", [1e-9, 1e9])
+@pytest.mark.parametrize("held_out", [0, 9])
+@pytest.mark.parametrize("model", ["polynomial", "spline", "scan"])
+def test_bounds_and_their_errors_do_not_depend_on_the_unit(model, held_out, unit):
+    design = make_design("tensor_lobatto", BOX, 4)
+    found, other = (
+        bounds_dataset(samples_of(function, BOX, design, TIME, held_out), design, model=model)
+        for function in (wave, lambda values: unit * wave(values))
+    )
+    for name in ("lower", "upper", "inner_lower", "error", "largest_width"):
+        np.testing.assert_allclose(other[name] / unit, found[name], rtol=1e-6, atol=1e-12)
+    for name in ("error_share_of_width", "gap_share_of_width"):
+        np.testing.assert_allclose(other[name], found[name], rtol=1e-6, atol=1e-12)
+
+
 @pytest.mark.parametrize("model", ["polynomial", "spline", "scan"])
 def test_bounds_do_not_depend_on_when_time_begins(model):
     design = make_design("tensor_lobatto", BOX, 3)

@@ -328,6 +328,7 @@ def test_a_box_shrunk_to_a_points_share_just_holds_it():
         for less, inside in ((0.0, True), (1e-9, False)):
             lower, upper = sub_box(nominal, share - less)
             assert ((lower <= point + 1e-12) & (point <= upper + 1e-12)).all() == inside
+    assert share_reaching(nominal, nominal[None]) == [0.0]
 
 
 BORDERS = {

@@ -36,3 +36,10 @@ def test_wrong_boxes_are_refused_with_key_and_value(names, lower, upper, key):
         Box(names, lower, upper)
     assert caught.value.key == key
     assert caught.value.allowed in str(caught.value)
+
+
+@pytest.mark.parametrize("side", ["lower", "upper"])
+def test_a_box_cannot_be_changed(side):
+    box = Box(["a"], [0.1], [0.2])
+    with pytest.raises(ValueError, match="read-only"):
+        getattr(box, side)[0] = 0.15

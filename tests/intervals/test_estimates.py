@@ -137,15 +137,20 @@ def test_the_next_coefficient_of_one_direction_is_told_by_five_runs(degree):
     assert left == pytest.approx(BEYOND * largest, rel=1e-9)
 
 
-def test_runs_that_see_the_same_overrule_nothing():
-    """Of x^2 - y^2 at opposite corners, where it is zero, a linear surrogate tells nothing."""
+CORNERS = np.array([[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]])
+LINE = np.array([[-0.9, 0.1], [-0.3, 0.1], [0.2, 0.1], [0.6, 0.1], [1.0, 0.1]])
+
+
+@pytest.mark.parametrize("unit", [CORNERS, LINE, LINE[:, ::-1]])
+def test_runs_that_see_the_same_overrule_nothing(unit):
+    """Of x^2 - y^2 at opposite corners, where it is zero, a linear surrogate tells nothing; nor of
+    one direction runs on a line along the other."""
     design = make_design("tensor_roots", 2, 1)
     x, y = design.points.T
     surrogate = fit(design, (x + x**2 - y**2)[:, None] * np.ones(3))
-    corners = np.array([[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]])
-    missed = np.zeros((4, 3))
+    missed = np.zeros((len(unit), 3))
     told = decay_estimate(surrogate, TIME)
-    left = overruled(surrogate, design.points, corners, missed, told, TIME)
+    left = overruled(surrogate, design.points, unit, missed, told, TIME)
     np.testing.assert_array_equal(left, told)
 
 

@@ -49,14 +49,7 @@ MASS_SHARE, EASE = 1e-8, 1e-13
 
 
 class MisfitError(SceneError):
-    """Parts that cannot be forced together; `size`: by how much a joint stays open, in m or rad."""
-
-    def __init__(self, key: str, value: object, allowed: str, size: float = 0.0):
-        super().__init__(key, value, allowed)
-        self.size = size
-
-    def __reduce__(self):
-        return type(self), (self.key, self.value, self.allowed, self.size)
+    """Parts that cannot be forced together."""
 
 
 def assemble(scene: Scene, hold: Sequence[str] = ()) -> None:
@@ -177,7 +170,6 @@ def _check_strains(elastic: Elastic, places: Places, before: tuple[str, float, f
             raise MisfitError(
                 f"joint {name}", _opened(gap, tilt), "parts that can be forced together; beams "
                 f"would be {what} by {found:.2g}, at most {watch.most:g} is allowed",
-                max(gap, tilt),
             )  # fmt: skip
 
 
@@ -190,11 +182,10 @@ def _refuse(conditions: Conditions, places: Places, before: tuple[str, float, fl
         raise MisfitError(
             f"joint {name}", _opened(gap, tilt), "parts that come to rest when forced together, "
             f"within {ROUNDS} rounds; a mechanism may need a joint that is held",
-            max(gap, tilt),
         )  # fmt: skip
     raise MisfitError(
         f"joint {name}", _opened(gap, tilt), "parts that can be forced together, with this joint "
-        "closed", max(gap, tilt),
+        "closed",
     )  # fmt: skip
 
 

@@ -103,8 +103,6 @@ class Builder:
             self.refuse(key, point, allowed)
         return found[0]
 
-    def refuse(self, key: str, value: object, allowed: str, size: float = 0.0) -> None:
-        """Raise that a value is not allowed. size: how far it is off."""
-        error = SceneError(key, value, allowed)
-        error.size = size
-        raise error
+    def refuse(self, key: str, value: object, allowed: str) -> None:
+        """Raise that a value is not allowed."""
+        raise SceneError(key, value, allowed)

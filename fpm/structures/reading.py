@@ -18,19 +18,10 @@ DEEPEST = 20
 
 
 class Problem(NamedTuple):
-    """One thing that is wrong: its line (0: none), a sentence that starts with the key.
-
-    size: how far a value is off, by which the worst of several samples is told.
-    """
+    """One thing that is wrong: its line (0: none), a sentence that starts with the key."""
 
     line: int
     text: str
-    size: float = 0.0
-
-    @property
-    def where(self) -> tuple[int, str]:
-        """Line and key."""
-        return self.line, self.text.partition(":")[0]
 
     def __str__(self) -> str:
         return f"line {self.line}: {self.text}" if self.line else self.text
@@ -102,15 +93,15 @@ class Problems:
     def __bool__(self) -> bool:
         return bool(self._found)
 
-    def say(self, line: int, sentence: str, size: float = 0.0) -> None:
+    def say(self, line: int, sentence: str) -> None:
         """Note a sentence, which starts with its key, about a line."""
         sentence = re.sub(r"\S{100,}", lambda word: f"{word[0][:97]}...", sentence)
         same = re.sub(r"\d[\d.e+-]*", "", sentence) if sentence.startswith("repeat.") else sentence
-        self._found.setdefault((line, same), Problem(line, sentence, size))
+        self._found.setdefault((line, same), Problem(line, sentence))
 
-    def refuse(self, line: int, key: str, value: object, allowed: str, size: float = 0.0) -> None:
+    def refuse(self, line: int, key: str, value: object, allowed: str) -> None:
         """Note that `key` has a value which is not allowed."""
-        self.say(line, f"{key}: {show(value)} is not allowed; allowed: {allowed}", size)
+        self.say(line, f"{key}: {show(value)} is not allowed; allowed: {allowed}")
 
     def no_key(self, line: int, key: str, known: Iterable[str], hint: str) -> None:
         """Note a key that means nothing; hint: what may be meant."""

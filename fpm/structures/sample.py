@@ -134,4 +134,4 @@ def _finish(build: Builder, model: Model) -> None:
 
 def _note(build: Builder, line: int, key: str, error: SceneError) -> None:
     """Turn an error into a problem of the file."""
-    build.problems.refuse(line, key, error.value, error.allowed, getattr(error, "size", 0.0))
+    build.problems.refuse(line, key, error.value, error.allowed)

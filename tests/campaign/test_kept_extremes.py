@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import shutil
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,7 +13,6 @@ import xarray as xr
 from harm import harm_file
 
 from deployable import campaign
-from deployable.campaign.config import scene_checks
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.plan.plan import make_plan
@@ -182,7 +182,7 @@ def test_the_page_draws_the_runs_at_the_bounds(scan, tmp_path):
 
 
 def test_a_million_runs_are_refused_where_the_disk_has_no_room(scan, monkeypatch):
-    monkeypatch.setattr(scene_checks, "_free", lambda folder: 1e9)
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=1e9))
     scan["design"]["samples"] = 10**7
     campaign.check_config(scan)
     scan["jobs"]["keep"] = "responses"

@@ -26,14 +26,12 @@ class RefusedError(ValueError):
 class Key:
     """What `Annotated` says of a key: its limits, and what is allowed where these do not tell.
 
-    least, most: entries of a mapping or list; pattern: of the whole text; formerly: a name that the
-    key had; about: what one entry of a mapping is.
+    least, most: entries of a mapping or list; pattern: of the whole text; about: what an entry is.
     """
 
     allowed: str = ""
     about: str = ""
     unit: str = ""
-    formerly: str = ""
     pattern: str = ""
     gt: float | None = None
     ge: float | None = None

@@ -272,7 +272,7 @@ class Jobs(Section):
     makes more than eight jobs, or one for each core of this machine; 4,096, or more where that
     makes more than 64; and more where there would be more jobs for some cores of this machine than
     for others."""
-    group: Annotated[int, Key(ge=1, formerly="lanes")] = 32
+    group: Annotated[int, Key(ge=1)] = 32
     """Runs that are integrated side by side; they are written while the next ones are integrated,
     so this bounds memory and what a killed job loses."""
     keep: Literal["trajectories", "responses", "extremes"] = "trajectories"

@@ -116,8 +116,7 @@ def _as_meant(raw: Any) -> tuple[Any, list[str]]:
 
 def _no_key(path: list[str], name: str, part: Part) -> str:
     """That a key is not known, with the likely one."""
-    renamed = {b.key.formerly: other for other, b in part.children.items() if b.key.formerly}
-    hint = did_you_mean(renamed.get(name, name), part.children)
+    hint = did_you_mean(name, part.children)
     key = ".".join([*path, name])
     return f"{key}: there is no such key{hint}; allowed: {', '.join(part.children)}"
 

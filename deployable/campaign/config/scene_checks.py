@@ -4,7 +4,7 @@ solver, requirements and choices, and whether the disk has room."""
 from __future__ import annotations
 
 import itertools
-import os
+import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -349,7 +349,7 @@ def keep_problems(campaign: Campaign) -> list[str]:
 
 def _room_problems(campaign: Campaign) -> list[str]:
     """Whether the disk of the working folder has room for a large scan."""
-    each, room = bytes_of_run(campaign), _free(Path.cwd())
+    each, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
     samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
     if samples * each <= room:
         return []
@@ -358,9 +358,3 @@ def _room_problems(campaign: Campaign) -> list[str]:
         f"{size_text(samples * each)}, and the disk has {size_text(room)}; allowed: at most "
         f"{int(room / each)}, or jobs.keep extremes"
     ]
-
-
-def _free(folder: Path) -> float:
-    """Free bytes on the disk of a folder, for those who are not its administrator."""
-    found = os.statvfs(folder)
-    return float(found.f_bavail * found.f_frsize)

@@ -39,7 +39,7 @@ def _meet(build, it) -> tuple[list[int], np.ndarray]:
         if not gap <= APART * build.size and build.hold is None:
             found = f"{p.name} of {one.name} and {q.name} of {two.name}, {gap:.6g} m apart"
             allowed = f"points that coincide to {APART * build.size:.2g} m, or `assemble: true`"
-            build.refuse("at", found, allowed, gap)
+            build.refuse("at", found, allowed)
     for particle in particles:
         build.joined.setdefault(particle, []).append(it.name)
     if build.hold is None:  # what is apart by rounding meets at the first part's point
@@ -52,7 +52,7 @@ def _axes(build, it) -> np.ndarray:
     axes = np.array(_each(build, it, "axis", "one"))
     apart = float(np.abs(axes - axes[0]).max())
     if apart > APART and build.hold is None:
-        build.refuse("axis", axes.tolist(), "axes that agree, or `assemble: true`", apart)
+        build.refuse("axis", axes.tolist(), "axes that agree, or `assemble: true`")
     return axes if build.hold is not None else np.tile(axes[0], (len(axes), 1))
 
 

@@ -82,7 +82,7 @@ def drive(build, it):
     arm = build.scene.arm_to(particle, it.at.position)
     off = float(np.linalg.norm(arm.arm))
     if off > APART * build.size and np.any(it.spin):
-        build.refuse("at", it.at.name, "the centre of a body, or a point on the bar's axis", off)
+        build.refuse("at", it.at.name, "the centre of a body, or a point on the bar's axis")
     build.scene.drive(particle, it.velocity, it.spin, _index(it.curve))
     name = f"drive {it.name}" if it.name in build.scene.supports else it.name
     build.scene.supports[name] = arm

@@ -239,6 +239,6 @@ def mass(build, it):
     scene, particle = build.scene, it.part.particle(it.at.name)
     off = float(np.linalg.norm(it.at.position - scene.position[particle]))
     if off > APART * build.size:
-        build.refuse("at", it.at.name, f"a point on the axis of {it.part.name}, or its centre", off)
+        build.refuse("at", it.at.name, f"a point on the axis of {it.part.name}, or its centre")
     scene.mass[particle] += it.mass
     scene.inertia[particle] += it.inertia

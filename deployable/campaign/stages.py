@@ -126,8 +126,8 @@ def _bounds(folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, thr
 
 
 def answers(
-    folder: Folder, tell: Tell, requirements: Any, choose: Any, published: Any, verify: Any,
-    jobs: Any, threads: int = 1,
+    folder: Folder, tell: Tell, requirements: Any, choose: Any, published: Any, review: Any,
+    verify: Any, jobs: Any, threads: int = 1,
 ) -> None:  # fmt: skip
     """Find the intervals of the quantities, what of the box meets the requirements, and the best
     choice, with the runs that decide them; sum everything up."""
@@ -137,7 +137,7 @@ def answers(
         limits.answer(folder, requirements, jobs, tell)
     if choose.parameters:
         best.answer(folder, choose, requirements, verify, jobs, tell, threads)
-    tell(summarise(folder, published, bool(requirements), bool(choose.parameters)))
+    tell(summarise(folder, published, bool(requirements), bool(choose.parameters), review))
 
 
 def figures(folder: Folder, tell: Tell, error: Any, choose: Any) -> None:
@@ -256,7 +256,7 @@ STAGES = {
         Stage(bounds, ("bounds", "verify", "jobs"), (_PLAN,)),
         Stage(
             answers,
-            ("requirements", "choose", "published", "verify", "jobs"),
+            ("requirements", "choose", "published", "review", "verify", "jobs"),
             (_PLAN, _SAMPLES, _BOX),
         ),
         Stage(figures, ("error", "choose"), (_PLAN, _BOX, "sensitivities.nc")),

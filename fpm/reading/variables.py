@@ -31,6 +31,9 @@ from fpm.scenes.scene import Scene
 PLACE = " at "  # between a bar and the share of its length
 
 
+LED = " led "  # between an opening and its travel
+
+
 class Variable(NamedTuple):
     """A variable: unit (UDUNITS), words, and where its values come from.
 
@@ -55,7 +58,10 @@ class Variable(NamedTuple):
     cut: str = ""
 
     def labels(self, scene: Scene) -> list[str]:
-        """Its labels in a scene; of places on bars one in the middle, for all others."""
+        """Its labels in a scene; of places on bars one in the middle, for all others, of travels
+        none, for the same reason."""
+        if self.cut == LED:
+            return []
         place = f"{PLACE}0.5" if self.form == "section" else ""
         names = [f"{name}{place}" for name in self.names(scene)]
         return [f"{name} {part}" for name in names for part in self.parts] if self.parts else names
@@ -198,7 +204,7 @@ _led = partial(
     names=lambda scene: [hinge.name for hinge in scene.hinges],
     probe=lambda scene, name: Probe(),
     along="along",
-    cut=" led ",
+    cut=LED,
 )
 
 VARIABLES = {

@@ -26,5 +26,4 @@ def test_numbers_are_those_of_the_arrays(variable):
         pytest.skip("the linkage has none of it")
     asked = [(variable, labels[0])]
     more = kept(prepared(scene, asked)) - kept(scene)
-    assert numbers(scene, asked) == more
-    assert more > 0 or variable.startswith("travel")  # which is found after the run
+    assert numbers(scene, asked) == more > 0

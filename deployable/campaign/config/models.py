@@ -367,6 +367,9 @@ class Config(Section):
     """Largest differences of the bounds that somebody has published, by response; the summary puts
     ours beside them. Where a later file or `--config` changes `scene` or `intervals`, they are left
     out: they are of another box."""
+    review: Literal["ecss-e-st-33-01c"] = ABSENT
+    """Standard of which a review sheet is made, in summary and page and as `review.csv` and
+    `review.md`: each clause with what was shown of it (docs/review-sheet.md)."""
     error: ErrorDisplay = ErrorDisplay()
     verify: Verify = Verify()
     requirements: Annotated[

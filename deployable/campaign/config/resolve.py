@@ -50,7 +50,7 @@ def campaign_of(config: Config, given: Mapping, found: Any, intervals: Mapping) 
         quantities=config.quantities,
         accuracy=accuracy,
     )
-    rest = ("bounds", "published", "error", "figures", "verify", "jobs")
+    rest = ("bounds", "published", "review", "error", "figures", "verify", "jobs")
     return Campaign(
         experiment=experiment,
         requirements={

@@ -246,6 +246,7 @@ class Campaign:
     experiment: Experiment
     bounds: BoundsChoice
     published: dict[str, float]
+    review: str | None
     error: ErrorDisplay
     figures: FigureChoice
     verify: Verify

@@ -7,18 +7,28 @@ from collections.abc import Mapping
 
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.facts import facts_of
+from deployable.campaign.results.review import HEADS, as_csv, rows_of
 from deployable.campaign.text.templates import summary_text
+from fpm.reading.standards import STANDARDS
 
 
 def summarise(
-    folder: Folder, published: Mapping[str, float], requirements: bool = False, choice: bool = False
-) -> str:
+    folder: Folder, published: Mapping[str, float], requirements: bool = False,
+    choice: bool = False, review: str | None = None,
+) -> str:  # fmt: skip
     """Write both and return the text; `published` are largest differences by response.
 
-    requirements, choice: whether the campaign has them.
+    requirements, choice: whether the campaign has them; review: the standard of its review sheet,
+    which is written as `review.csv` and `review.md` besides.
     """
     facts = facts_of(folder, published, requirements, choice)
+    if review:
+        rows = rows_of(facts, read_plan(folder.plan).experiment, review)
+        facts["review"] = {"title": STANDARDS[review].title, "heads": HEADS, "rows": rows}
+        write_result(folder / "review.csv", as_csv(rows))
+        write_result(folder / "review.md", summary_text(facts, "review.md.jinja"))
     text = summary_text(facts)
     write_result(folder / "summary.json", json.dumps(facts, indent=2) + "\n")
     write_result(folder / "summary.md", text)

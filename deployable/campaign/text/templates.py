@@ -44,9 +44,9 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     return found
 
 
-def summary_text(facts: Mapping[str, Any]) -> str:
-    """The summary as Markdown."""
-    text = environment().get_template("summary.md.jinja").render(facts=facts)
+def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -> str:
+    """The summary as Markdown, or what another template makes of the facts."""
+    text = environment().get_template(template).render(facts=facts)
     return text.rstrip() + "\n"
 
 

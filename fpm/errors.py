@@ -55,7 +55,8 @@ class InstabilityError(RuntimeError):
         if step > limit:
             remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
         super().__init__(
-            f"unstable at t = {time:.6g} s: {found}, worst in element {element}; "
+            f"unstable at t = {time:.6g} s: {found}"
+            f"{f', worst in element {element}' if element != 'none' else ''}; "
             f"step {step:.4g} s, stable limit {limit:.4g} s; {remedy}"
         )
 

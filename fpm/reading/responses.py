@@ -106,7 +106,8 @@ class Definition(NamedTuple):
         """The hinge that it is about, whether it is a slide, and its words."""
         slides = {hinge.name: hinge.slides for hinge in self.scene.hinges}
         name = self.one_of(slides)
-        return name, slides[name], f"{'slide' if slides[name] else 'hinge'} {name}"
+        kind = "slide" if slides[name] else "hinge"
+        return name, slides[name], f"the {kind}" if name == kind else f"{kind} {name}"
 
     @property
     def variable(self) -> Variable:

@@ -5,8 +5,12 @@ from __future__ import annotations
 
 import pytest
 
+import fpm
 from deployable.campaign.cli import main
 from deployable.campaign.config.check import load_config
+from fpm import structures
+from fpm.elements import Hinge
+from fpm.errors import InstabilityError
 
 STRUCTURE = """\
 name: barrier
@@ -225,3 +229,15 @@ def test_a_problem_of_a_repeated_part_is_told_once(tmp_path, capsys, old, new, w
     for word in words:
         assert word in said
     assert "has 1 problem" in said, said
+
+
+def test_a_hinge_that_is_called_hinge_is_named_once(request):
+    scene = structures.load(request.config.rootpath / "config/structures/panel.yaml").build()
+    assert scene.hinges[0].name == "hinge" and Hinge.names(scene) == ["hinge"]
+    found = fpm.responses.parse("psi", {"opening": "hinge"}, scene)
+    assert found.long_name == "opening of the hinge"
+
+
+def test_what_is_unstable_in_no_element_is_told_without_one():
+    told = [str(InstabilityError(0.1, name, 1e-3, 2e-3, 0.0, 1.0)) for name in ("none", "arm[1]")]
+    assert ["worst in element" in text for text in told] == [False, True]

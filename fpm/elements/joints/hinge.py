@@ -75,7 +75,8 @@ class Joined(Kind):
 
     @classmethod
     def names(cls, scene):
-        return [f"{cls.__name__.lower()} {element.name}" for element in cls.of(scene)]
+        kind = cls.__name__.lower()
+        return [f"{kind} {e.name}" if e.name != kind else kind for e in cls.of(scene)]
 
     @classmethod
     def moved(cls, scene):

@@ -37,7 +37,7 @@ from deployable.campaign.export import COLOURS, KINDS, choose, export
 from deployable.campaign.folder import CAMPAIGN, Folder
 from deployable.campaign.new import make_folder, starts
 from deployable.campaign.pictures.still import SUFFIXES, write_structure
-from deployable.campaign.plan.estimate import estimate, found
+from deployable.campaign.plan.estimate import estimate, runs_there
 from deployable.campaign.provenance import program
 from deployable.campaign.results.facts import read_json
 from deployable.campaign.runs.progress import Teller
@@ -205,7 +205,7 @@ def _check(options: argparse.Namespace) -> int:
             print(error if isinstance(error, ConfigError) else f"{path}: {error}", file=sys.stderr)
             status = 1
         else:
-            there = found(campaign, Folder(Path("results", campaign.name)))
+            there = runs_there(campaign, Folder(Path("results", campaign.name)))
             print(f"{path}: {campaign.name}, {takes}{there and '; '}{there}")
             for text in campaign.experiment.warnings:
                 print(f"{path}: warning: {text}")

@@ -78,7 +78,7 @@ class Expression:
             hint = meant(text)
             if text.count("(") != text.count(")"):
                 hint = " (in brackets, put an expression with a comma into quotes or under `let`)"
-            raise ExpressionError(f"not arithmetic{hint}; allowed: {ALLOWED}") from None
+            raise ExpressionError(f"not arithmetic{hint or f'; allowed: {ALLOWED}'}") from None
 
     @cached_property
     def bare(self) -> bool:
@@ -145,7 +145,7 @@ class Expression:
                     lambda names: function(*[value(names) for value in values]),
                     lambda names: _called(name, [measure(names) for measure in measures], zero),
                 )
-        raise ExpressionError(f"not arithmetic{meant(self.text)}; allowed: {ALLOWED}")
+        raise ExpressionError(f"not arithmetic{meant(self.text) or f'; allowed: {ALLOWED}'}")
 
     def _name(self, name: str) -> tuple[Value, Measure]:
         if name == "pi" or name in self._quantities:

@@ -105,7 +105,8 @@ class Problems:
 
     def no_key(self, line: int, key: str, known: Iterable[str], hint: str) -> None:
         """Note a key that means nothing; hint: what may be meant."""
-        self.say(line, f"{key}: there is no such key{hint}; allowed: {', '.join(known)}")
+        allowed = among(known, 6 if hint else 99)
+        self.say(line, f"{key}: there is no such key{hint}; allowed: {allowed}")
 
     def stop(self) -> None:
         """Raise them as one StructureError, by lines, if there are any."""

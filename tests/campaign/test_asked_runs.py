@@ -7,7 +7,7 @@ import pytest
 
 from deployable import campaign
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.estimate import found
+from deployable.campaign.plan.estimate import runs_there
 from fpm.files.trajectory import read_curves
 from fpm.reading.variables import VARIABLES
 
@@ -34,18 +34,18 @@ def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, t
     folder = Folder(tmp_path / "test")
     config, told = run(raw, tmp_path)
     assert "simulated again" not in told
-    assert found(config, folder) == "5 of them are there"
+    assert runs_there(config, folder) == "5 of them are there"
     files = sorted(folder.runs("trajectories").glob("*.nc"))
     plain = {path: read_curves(path) for path in files}
     assert not recorded(*plain.values())
 
     asking = campaign.check_config({**raw, "responses": {**raw["responses"], **STRESS}})
-    said = found(asking, folder)
+    said = runs_there(asking, folder)
     assert said.startswith("0 of them are there; 5 more were recorded without stress of all and")
     assert "simulated again, all in all about" in said
     _, told = run(raw, tmp_path, **STRESS)
     assert "were recorded without stress of all; they are simulated again" in told
-    assert found(asking, folder) == "5 of them are there"
+    assert runs_there(asking, folder) == "5 of them are there"
 
     _, told = run(raw, tmp_path, **SPIN)
     assert "were recorded without angular velocity of B x, B y, B z" in told
@@ -81,7 +81,9 @@ def test_with_responses_only_they_are_there_too(raw, tmp_path):
     raw["jobs"] = {"group": 2, "keep": "responses"}
     bounds = campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
     assert bounds["response_units"].sel(response="stress") == "Pa"
-    assert found(campaign.check_config(raw), Folder(tmp_path / "test")) == "5 of them are there"
+    assert (
+        runs_there(campaign.check_config(raw), Folder(tmp_path / "test")) == "5 of them are there"
+    )
 
 
 def test_memory_counts_what_responses_ask(raw):

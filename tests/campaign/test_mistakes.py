@@ -134,6 +134,7 @@ def test_a_mistake_is_told_with_its_line_and_a_remedy(
     for word in words:
         assert word in said
     assert len(said.splitlines()) <= 3
+    assert max(map(len, said.splitlines())) < 300  # three lines of a terminal
 
 
 @pytest.mark.parametrize(

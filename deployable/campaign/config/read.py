@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from deployable.campaign.config.keys import Part, RefusedError, part_of
 from deployable.campaign.config.models import Config
 from fpm.errors import did_you_mean, likely, meant
+from fpm.structures.reading import among
 
 
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
@@ -118,7 +119,7 @@ def _no_key(path: list[str], name: str, part: Part) -> str:
     """That a key is not known, with the likely one."""
     hint = did_you_mean(name, part.children)
     key = ".".join([*path, name])
-    return f"{key}: there is no such key{hint}; allowed: {', '.join(part.children)}"
+    return f"{key}: there is no such key{hint}; allowed: {among(part.children, 6 if hint else 99)}"
 
 
 def _remove(data: Any, path: tuple[str, ...]) -> None:

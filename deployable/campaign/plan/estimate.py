@@ -150,7 +150,7 @@ def bytes_of_run(campaign: Campaign) -> float:
     return 8.0 * instants * (recorded(experiment) + responses)
 
 
-def found(campaign: Campaign, folder: Folder) -> str:
+def runs_there(campaign: Campaign, folder: Folder) -> str:
     """Which of a campaign's runs are there, and why others must be made again; nothing where none
     is there, and for an `accuracy`, whose runs are not known beforehand."""
     keep = campaign.jobs.keep

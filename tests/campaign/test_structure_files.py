@@ -182,7 +182,7 @@ def test_what_is_wrong_with_a_file_is_told(path):
     )
     scene = {"file": str(path.parent / "structures" / "panel.yaml")}
     told = problems({**RAW, "scene": scene, "intervals": {"kk": {"relative": 0.1}}})
-    assert "the scene panel has no such parameter (did you mean k?)" in told
+    assert "there is no such parameter of panel (did you mean k?)" in told
     assert "allowed: one of hinge" in problems(
         {**RAW, "scene": scene, "responses": {"x": {"opening": "hing"}}}
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -145,12 +145,13 @@ def intervals_of(
 
 def _interval(name: str, around: Around, given: Mapping, scene_type: Any) -> Interval:
     """The interval of one parameter, inside the range that the scene allows."""
-    allowed = ", ".join(real_names(scene_type))
+    real = real_names(scene_type)
     if name not in scene_type.parameters:
-        raise RefusedError("", no_parameter(name, scene_type, real_names(scene_type)))
+        raise RefusedError("", unknown(name, f"parameter of {scene_type.name}", real))
     parameter = scene_type.parameters[name]
     if parameter.kind != "real":
-        told = f"{name} is of kind {parameter.kind} and cannot be an interval; allowed: {allowed}"
+        told = f"{name} is of kind {parameter.kind} and cannot be an interval"
+        told += f"; allowed: {', '.join(real)}"
         raise RefusedError("", told)
     if name in given and around.nominal is not None:
         told = f"{name} is defined twice, here and by scene.parameters.{name}"
@@ -186,12 +187,10 @@ def real_names(scene_type: Any) -> list[str]:
     return [name for name, parameter in scene_type.parameters.items() if parameter.kind == "real"]
 
 
-def no_parameter(name: str, scene_type: Any, known: Sequence[str]) -> str:
-    """That a structure has no such parameter, with the likely one."""
-    return (
-        f"the scene {scene_type.name} has no such parameter{did_you_mean(name, known)}; "
-        f"allowed: {', '.join(known)}"
-    )
+def unknown(name: str, what: str, known: Iterable[str]) -> str:
+    """That there is nothing of this name, with the likely one."""
+    hint, known = did_you_mean(name, known), ", ".join(known)
+    return f"there is no such {what}{hint}; allowed: {known or 'none'}"
 
 
 def allows(parameter: Any, value: Any) -> bool:

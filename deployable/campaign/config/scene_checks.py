@@ -19,8 +19,8 @@ from deployable.campaign.config.resolve import (
     allows,
     campaign_of,
     intervals_of,
-    no_parameter,
     real_names,
+    unknown,
 )
 from deployable.campaign.config.sections import (
     Campaign,
@@ -34,7 +34,7 @@ from deployable.campaign.config.sections import (
 from deployable.campaign.plan.estimate import bytes_of_run, size_text
 from deployable.intervals import IntervalError, check_spline_runs, held_out_points
 from deployable.intervals.scalars.requirements import ENDS
-from fpm.errors import did_you_mean, meant
+from fpm.errors import meant
 from fpm.files.outcome import eventful
 from fpm.reading.margins import read_label
 from fpm.reading.quantity_definitions import parse
@@ -166,12 +166,8 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
                 key = key.replace(f"responses.{name}.margin", f"margins.{name}.along")
                 key = key.replace(f"responses.{name}", f"margins.{name}")
             problems.append(_sentence(key, error))
-    return problems + [
-        f"published.{name}: there is no such response{did_you_mean(name, known)}; "
-        f"allowed: {', '.join(known)}"
-        for name in campaign.published
-        if name not in known
-    ]
+    others = [name for name in campaign.published if name not in known]
+    return problems + [f"published.{name}: {unknown(name, 'response', known)}" for name in others]
 
 
 def _travel_problems(experiment: Experiment) -> list[str]:
@@ -243,7 +239,7 @@ def parameter_problems(given: Mapping, scene_type: Any) -> list[str]:
     problems, known = [], scene_type.parameters
     for name, value in given.items():
         if name not in known:
-            told = no_parameter(name, scene_type, list(known))
+            told = unknown(name, f"parameter of {scene_type.name}", known)
         elif not allows(known[name], value):
             hint = meant(value, with_unit=False) if isinstance(value, str) else ""
             told = f"{show(value)} is not allowed{hint}; allowed: {known[name].allowed}"
@@ -263,13 +259,9 @@ def accuracy_problems(config: Config, given: Mapping) -> list[str]:
         if key in given
     ]
     known = [*config.responses, *config.quantities]
-    for name in config.accuracy.of if isinstance(config.accuracy, Aim) else ():
-        if name not in known:
-            problems.append(
-                f"accuracy.of.{name}: there is no such response or quantity"
-                f"{did_you_mean(name, known)}; allowed: {', '.join(known)}"
-            )
-    return problems
+    of = config.accuracy.of if isinstance(config.accuracy, Aim) else ()
+    what = "response or quantity"
+    return problems + [f"accuracy.of.{n}: {unknown(n, what, known)}" for n in of if n not in known]
 
 
 def answer_problems(campaign: Campaign) -> list[str]:
@@ -280,15 +272,10 @@ def answer_problems(campaign: Campaign) -> list[str]:
         for quantity in limits:
             if quantity not in known:
                 key = f"requirements.{name}.{quantity}"
-                problems.append(f"{key}: {_no_quantity(quantity, known)}")
+                problems.append(f"{key}: {unknown(quantity, 'quantity', known)}")
     if campaign.choose.parameters:
         problems += _choose_problems(campaign.experiment, campaign.choose)
     return problems
-
-
-def _no_quantity(name: str, known: Mapping) -> str:
-    allowed = f"one of {', '.join(known)}" if known else "none, without `quantities`"
-    return f"there is no such quantity{did_you_mean(name, known)}; allowed: {allowed}"
 
 
 def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
@@ -302,7 +289,7 @@ def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
             problems.append(f"{key}: {text!r} is not allowed; allowed: e.g. upper(q) of a quantity "
                             f"q, with {', '.join(ENDS)}")  # fmt: skip
         elif quantity not in known:
-            problems.append(f"{key}: {_no_quantity(quantity, known)}")
+            problems.append(f"{key}: {unknown(quantity, 'quantity', known)}")
     problems += [
         f"choose.parameters.{name}: {told}"
         for name in choose.parameters
@@ -317,8 +304,7 @@ def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
     """What is wrong with the range of a parameter's choices; nothing where it is right."""
     scene, (low, high) = experiment.scene_type, choose.parameters[name]
     if name not in (real := real_names(scene)):
-        hint = did_you_mean(name, real)
-        return f"there is no such real parameter{hint}; allowed: {', '.join(real)}"
+        return unknown(name, "real parameter", real)
     if not low < high:
         return f"{show([low, high])} is not allowed; allowed: a lower and a larger upper end"
     parameter = scene.parameters[name]

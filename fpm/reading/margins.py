@@ -105,7 +105,7 @@ def read(it: Any) -> Any:
         columns.append((INERTIA, led.label()))
         factors.append((0.0, resists["TD"] * rate))
     load = resists["TL"] * _number(it, "deliver", it.data.get("deliver", 0.0))
-    text = f"margin along {openings[0]} by {standard.title} ({evidence})"
+    text = f"margin of {openings[0]}, {standard.title}, {evidence}"
     along = Along(f"opening of {openings[0]}", unit, first, last)
     about = (*openings, it.data["standard"], evidence, *left)
     return it.response(about, "", "1", text, tuple(columns), along, (load, *factors))

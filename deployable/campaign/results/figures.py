@@ -75,7 +75,8 @@ def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> 
         _shade(ax, time, doubtful, f"error above {shade_above:.0%} of the largest difference")
     _mark_largest(ax, time, lower, upper, units)
     ax.set_xlabel(over)
-    ax.set_ylabel(f"{bounds['response_long_name'][i]} ({units})")
+    unit = f" ({units})" if units != "1" else ""
+    ax.set_ylabel(f"{bounds['response_long_name'][i]}{unit}")
     ax.set_xlim(time[0], time[-1])
     ax.margins(y=0.08)
     ax.grid(color="0.9", linewidth=0.5)
@@ -201,7 +202,7 @@ def _mark_largest(
     arrow = {"arrowstyle": "<->", "color": "black", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", (time[at], lower[at]), (time[at], upper[at]), arrowprops=arrow, zorder=5)
     sign = {"marker": "|", "markersize": 9, "linestyle": "none", "color": "black"}
-    told = f"largest difference {width:.3g} {units}"
+    told = f"largest difference {width:.3g}" + (f" {units}" if units != "1" else "")
     ax.plot([], [], label=told, **sign)
 
 

@@ -10,7 +10,7 @@ function usualHeight() {
 class Chart {
   // curves: [{values, kind, style, run}], of a run that moves only while it is shown; areas: [{lower, upper, kind}]; readout(index) -> [[name, text]]
   constructor({ title, units, height = usualHeight(), curves, areas = [], marks = [], along, readout }) {
-    Object.assign(this, { title, units, height, curves, areas, marks: along ? [] : marks, along: along ?? { words: "t", unit: "s", first: FIRST, last: LAST }, readout });
+    Object.assign(this, { title, units, height, curves, areas, marks: along ? [] : marks, timeless: Boolean(along), along: along ?? { words: "t", unit: "s", first: FIRST, last: LAST }, readout });
     this.values = make("p", { class: "readout" });
     this.svg = svg("svg", { role: "img", tabindex: "0", preserveAspectRatio: "xMinYMin", "aria-label": `${title} over ${along ? along.words : "time"}` });
     this.root = make("div", { class: "chart" }, make("h3", {}, title, make("span", {}, `(${units})`)), this.values, this.svg);
@@ -93,8 +93,15 @@ class Chart {
     return first + ((last - first) * (time - FIRST)) / (LAST - FIRST);
   }
 
+  // The moment at which the lower bound is least, where no moment of the motion is meant.
+  least() {
+    const { values } = this.curves.find(({ kind }) => kind === "lower") ?? this.curves[0];
+    return TIME[Math.max(0, values.indexOf(values.reduce((a, b) => Math.min(a, b))))];
+  }
+
   follow(time) {
     if (!this.cursor) return;
+    if (this.timeless) time = this.least();
     const at = this.x(time).toFixed(1);
     this.cursor.setAttribute("x1", at);
     this.cursor.setAttribute("x2", at);
@@ -148,6 +155,6 @@ class Chart {
     this.start = null;
     this.chosen.setAttribute("width", 0);
     if (wide) this.zoom([from, to]);
-    else { clock.play(false); clock.set(time); }
+    else if (!this.timeless) { clock.play(false); clock.set(time); }
   }
 }

@@ -11,6 +11,7 @@ from deployable.intervals.estimates import (
     decay_estimate,
     error_estimate,
     overruled,
+    usual,
     widen,
 )
 
@@ -152,6 +153,14 @@ def test_runs_that_see_the_same_overrule_nothing(unit):
     told = decay_estimate(surrogate, TIME)
     left = overruled(surrogate, design.points, unit, missed, told, TIME)
     np.testing.assert_array_equal(left, told)
+
+
+@pytest.mark.parametrize(
+    ("directions", "expected"), [(0, 2.5), (1, 2.5), (2, 7.5**0.5), (3, 25.0 ** (1 / 3)), (4, 4.0)]
+)
+def test_runs_that_were_sought_count_by_a_mean_in_few_directions(directions, expected):
+    left_out = np.array([1.0, -2.0, 3.0, -4.0])
+    assert usual(left_out, directions) == pytest.approx(expected, rel=1e-12)
 
 
 def test_metrics_of_known_bounds():

@@ -31,9 +31,9 @@ from fpm.travel.acting import Acting, acts
 POSITIONS = 61
 """Positions at which the opening is held, both ends among them."""
 
-NEAR = 1e-6
-"""Last motion of the rounds at a position, as a share of the size, or turn (rad): the next one
-would be its square, and the stiffness by strains of that size is nothing beside that in bending."""
+NEAR = 1e-8
+"""Last motion of the rounds at a position, as a share of the size, or turn (rad). The way on is
+that before it, where bars may be strained by as much, which stiffens thin ones in bending."""
 
 AHEAD = ([1], [3, -1], [23, -16, 5], [55, -59, 37, -9])
 """Weights of the last motions, by how many there are, in that to the next position (Adams and

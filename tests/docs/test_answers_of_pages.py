@@ -49,6 +49,10 @@ TOLD = {
         interval(a.t_open, 3, "s"), interval(a.v_open, 3, "m/s"), interval(a.turned, 4, "m"),
         f"{a.runs} runs",
     ]},
+    "review": {"docs/review-sheet.md": lambda a: [
+        f"| {a.ecss_least.lower:.2f} |", f"| {a.nasa_least.lower:.1f} |",
+        f"| {a.one_out_least.lower:.1f} |",
+    ]},
     "boom": {"docs/library/boom.md": lambda a: [
         interval(a.t_root, 2, "s"), interval(a.t_tube, 2, "s"), f"{a.runs} runs",
     ]},

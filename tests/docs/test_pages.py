@@ -67,7 +67,8 @@ CAMPAIGNS = {
     "first": "here", "my": "here", "paper": _FLOW, "aim": _FLOW,
     "small": _GOLDEN, "three": _GOLDEN, "six": _GOLDEN,
     "array": _TOLD, "boom": _TOLD, "closing": _TOLD, "deploys": _TOLD, "mast": _TOLD,
-    "ring_truss": _TOLD, "strength": _TOLD, "telescope": _TOLD, "tensegrity": _TOLD,
+    "review": _TOLD, "ring_truss": _TOLD, "strength": _TOLD, "telescope": _TOLD,
+    "tensegrity": _TOLD,
     # With 64 of their 10,000 runs, which take 5 and 16 minutes of a core.
     "scan": _TOLD, "strength_scan": _TOLD,
 }  # fmt: skip

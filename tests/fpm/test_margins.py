@@ -1,5 +1,6 @@
 """Margins over a travel, as standards have them, against closed forms."""
 
+import os
 from types import SimpleNamespace
 
 import numpy as np
@@ -149,16 +150,19 @@ def agree(seed):
     assert np.abs(near - at).min() <= 1e-3 * end, seed
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_random_designs(seed):
     agree(seed)
 
 
+MORE = int(os.environ.get("DESIGNS", "16"))
+"""Random designs of the slow test; with 200 it takes some ten minutes of a core."""
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(1000, 1200, 25))
-def test_two_hundred_random_designs(first):
-    for seed in range(first, first + 25):
-        agree(seed)
+@pytest.mark.parametrize("seed", range(1000, 1000 + MORE))
+def test_more_random_designs(seed):
+    agree(seed)
 
 
 @pytest.mark.parametrize(

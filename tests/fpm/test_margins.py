@@ -155,7 +155,7 @@ def test_random_designs(seed):
     agree(seed)
 
 
-MORE = int(os.environ.get("DESIGNS", "16"))
+MORE = int(os.environ.get("DESIGNS", "8"))
 """Random designs of the slow test; with 200 it takes some ten minutes of a core."""
 
 

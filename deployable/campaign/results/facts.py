@@ -319,7 +319,7 @@ def _reached(quantity: Any, experiment: Any, folder: Folder) -> dict[str, Any]:
     """How far the response of a crossing, or of a latch's joint, comes to its level over the box,
     when (s), and whether it `moves` then, at the end of the run; nothing where there is none."""
     response, level = quantity.response, quantity.level
-    if quantity.event in ("latches", "misses"):
+    if quantity.event == "latches":
         scene = experiment.nominal_scene
         latches = {
             name: latch
@@ -327,10 +327,9 @@ def _reached(quantity: Any, experiment: Any, folder: Folder) -> dict[str, Any]:
             for name, latch in zip(kind.names(scene), kind.of(scene), strict=True)
         }
         latch = latches[quantity.places[0]]
-        openings = (
-            c for c in experiment.curves if (c.kind, c.about) == ("opening", (latch.joint,))
-        )
-        response, level = next(openings, None), latch.angle
+        of = "opening", (scene.hinges[latch.hinge].name,)
+        response = next((c for c in experiment.curves if (c.kind, c.about) == of), None)
+        level = latch.angle
     elif quantity.kind != "crossing":
         response = None
     if response is None:

@@ -82,7 +82,7 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     assert fails["at"]["k"] == pytest.approx(0.1 - 1.001 * share * 0.005, rel=1e-5)
     assert LATEST < fails["simulated"] == pytest.approx(exact_time(fails["at"]["k"]), rel=1e-6)
     text = (folder / "summary.md").read_text()
-    assert f"met in {100 * together['share']:.4g} % of the box." in text
+    assert f"met in {100 * together['share']:.4g} % of the tolerated combinations." in text
     assert "The nearest failure is of in_time" in text
 
 

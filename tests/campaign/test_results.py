@@ -243,7 +243,7 @@ def test_an_error_that_no_run_shows_is_told_to_be_foretold(tmp_path):
     data.to_netcdf(tmp_path / "bounds.nc")
     with netCDF4.Dataset(tmp_path / "bounds.nc") as bounds:
         row = {"units": "m", "foretold": _foretold(bounds, 0, 0)}
-        assert "off by at most 0.01 m from the 3 runs that were not fitted" in sentence(
+        assert "misses the 3 runs that were not fitted by at most 0.01 m" in sentence(
             "foretold", row
         )
         assert _foretold(bounds, 0, 1) == {}

@@ -76,7 +76,7 @@ def test_ends_are_simulated_or_foretold(foretold, text, named):
     row |= {"name": "t", "long_name": "time", "lower": 1.0, "upper": 2.0, "units": "s"}
     assert sentence("ends", row) == text
     row |= {"beyond": None, "runs_without": 0, "error": None}
-    assert sentence("ranges", {"quantities": [row]}) == f"t (time) is 1.00 to 2.00 s{named}."
+    assert sentence("ranges", {"quantities": [row]}) == f"The time (t) is 1.00 to 2.00 s{named}."
 
 
 @pytest.mark.parametrize(
@@ -98,22 +98,24 @@ def test_a_share_has_the_digits_that_what_is_open_leaves(part, open_, text):
 
 
 FOUND = "No failure found in 9 runs"
+OF = "of the tolerated combinations"
 
 
 @pytest.mark.parametrize(
     ("kept", "part", "open_", "text"),
     [
-        ("all", 1.0, 1e-4, "All requirements are met in all of the box."),
-        ("all", 1.0, 0.03, "All requirements are met in at least 97 % of the box."),
-        ("none", 0.0, 1e-4, "No combination within the intervals meets all requirements."),
-        ("none", 0.0, 0.28, "All requirements are met in at most 28 % of the box."),
-        ("some", 0.5, 0.02, "All requirements are met in 50 ± 2 % of the box."),
-        ("open", 1.0, 0.03, f"{FOUND}: all requirements are met in at least 97 % of the box."),
+        ("all", 1.0, 1e-4, "Yes: all requirements are met in every tolerated combination."),
+        ("all", 1.0, 0.03, f"All requirements are met in at least 97 % {OF}."),
+        ("none", 0.0, 1e-4, "No: no tolerated combination meets all requirements."),
+        ("none", 0.0, 0.28, f"All requirements are met in at most 28 % {OF}."),
+        ("some", 0.5, 0.02, f"Not always: all requirements are met in 50 ± 2 % {OF}."),
+        ("open", 1.0, 0.03, f"{FOUND}: all requirements are met in at least 97 % {OF}."),
         (
             "open",
             1.0,
             0.0,
-            f"{FOUND}, which do not prove that all requirements are met in all of the box.",
+            f"{FOUND}, which do not prove that all requirements are met in every "
+            "tolerated combination.",
         ),
     ],
 )

@@ -18,7 +18,7 @@ from deployable.campaign.report.motions import MOST_MOVING, how_many_move, shown
 from deployable.campaign.report.pack import thinned
 from deployable.campaign.report.page import render
 from deployable.campaign.results.facts import grade
-from deployable.campaign.text.numbers import coded, number, spread, unbroken
+from deployable.campaign.text.numbers import coded, measured, number, spread, unbroken
 from deployable.campaign.text.templates import sentence
 
 
@@ -199,14 +199,14 @@ def test_the_estimated_error_has_a_grade(data, share, name):
 
 @pytest.mark.parametrize("quantities", [False, True])
 def test_a_warning_is_said_once(data, quantities):
-    """Beside the headline if that has the number, at the response's own numbers if not."""
+    """Where it is said what may be said, whatever else there is."""
     data = altered(data, grade="large", error_at_largest_difference=0.2)
     row = {"name": "q", "long_name": "", "lower": None, "upper": None, "runs_with": 0,
            "runs_without": 1, "foretold_ends": []}  # fmt: skip
     page = render(replace(data, facts=data.facts | {"quantities": [row] * quantities}))
     text = page.split("</style>")[1].replace("\N{NO-BREAK SPACE}", " ")
     assert text.count("Do not rely on the number for x: either bound may be off by ") == 1
-    assert (text.index("Do not rely") > text.index('id="motion"')) == quantities
+    assert text.index('id="questions"') < text.index("Do not rely") < text.index('id="curves"')
 
 
 def test_a_large_error_comes_with_what_to_do_about_it(data):
@@ -265,10 +265,10 @@ def test_trust_never_sounds_like_a_guarantee(data, kind):
 
 def test_the_headline_says_how_far_the_responses_go(data):
     first, second = data.facts["responses"]
-    width = first["largest_difference"]
+    width, error = first["largest_difference"], first["error_at_largest_difference"]
     text = sentence("headline", data.facts)
     assert text.startswith("The x-component of the position of T (x) may differ by up to ")
-    assert text.count("may differ by up to ") == 2 and number(width) in text
+    assert text.count("may differ by up to ") == 2 and measured(width, error, "m") in text
     three = altered(data, responses=[first, second, first]).facts
     assert sentence("headline", three).endswith(" 1 more below.")
     given = sentence("given", data.facts)
@@ -292,6 +292,9 @@ def parameter(units, *ends):
 
 def test_numbers_as_people_write_them():
     assert number(0.0617852) == "0.0618"
+    assert measured(0.0617852, 0.0046, "m") == "0.062 ± 0.005 m"
+    assert measured(-46.2, 3.0, "m s-1") == "−46 ± 3 m/s"
+    assert measured(0.0617852, 1e-6, "m") == measured(0.0617852, None, "m") == "0.0618 m"
     assert number(-2.5) == "−2.5"
     assert number(1.05e9) == "1.05 × 10⁹"
     assert number(1e9) == "10⁹"

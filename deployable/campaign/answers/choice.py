@@ -30,6 +30,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, choose_step, read_plan
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs.progress import Tell
+from deployable.campaign.text.words import words_of
 
 _HELD_OUT, _DOUBTS = 4, 4
 
@@ -149,7 +150,8 @@ def _parameters(experiment: Experiment, choose: Choose, values: np.ndarray) -> l
 def _goal(bench: Bench, goal: tuple[float, str, str], value: float, at: np.ndarray) -> dict:
     sign, end, name = goal
     q = list(bench.experiment.quantities).index(name)
-    named = {"end": end, "quantity": name, "units": bench.experiment.numbers[q].unit}
+    asked = bench.experiment.numbers[q]
+    named = {"end": end, "quantity": name, "units": asked.unit, **words_of(asked)}
     named |= {"sense": "minimise" if sign > 0 else "maximise", "value": number(value)}
     *low, place = (bench.place(one, q) for one in at)
     if low:

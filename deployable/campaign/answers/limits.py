@@ -10,6 +10,7 @@ import numpy as np
 
 from deployable.campaign.answers.bench import Bench
 from deployable.campaign.config.models import LIMITS
+from deployable.campaign.text.words import words_of
 from fpm.reading.quantities import Quantity
 
 _BEYOND = 1e-3  # by how much farther from the nominal values than the border a run is made
@@ -121,5 +122,5 @@ def told(bench: Bench, asked: Asked) -> dict:
     """A limit as plain data."""
     quantity = bench.experiment.numbers[asked.quantity]
     level = bool(asked.level) if asked.kind == "happens" else asked.level
-    named = {"quantity": quantity.name, "units": quantity.unit}
+    named = {"quantity": quantity.name, "units": quantity.unit, **words_of(quantity)}
     return {**named, "kind": asked.kind, "level": level}

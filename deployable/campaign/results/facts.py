@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -16,8 +17,10 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, read_plan
 from deployable.campaign.results.which import counts, nominal_row
 from deployable.campaign.text.numbers import percent
+from deployable.campaign.text.words import words_of
 from deployable.intervals.estimates import BEYOND
-from fpm.elements import Latch, RigidLatch
+from fpm.elements import Contact, Latch, RigidLatch
+from fpm.errors import SceneError
 from fpm.files.sealed import check
 
 PARTS = ("surrogate", "step", "mesh")
@@ -56,6 +59,7 @@ def facts_of(
             found["quantities"] = quantity_rows(data, experiment.solver.duration)
             further = int(data.further_runs)
         for row, quantity in zip(found["quantities"], experiment.numbers, strict=True):
+            row |= words_of(quantity)
             if not row["runs_with"] and (far := _reached(quantity, experiment, folder)):
                 row["reached"] = far
         if requirements:
@@ -75,6 +79,8 @@ def facts_of(
     for row in rows:
         if row["name"] in experiment.doubts:
             row["doubt"] = experiment.doubts[row["name"]]
+    if found["overlap"] > SOFT:
+        found["contacts"] = _of_contacts(experiment, found["fixed"])
     found["runs"] = _run_counts(found)
     return found
 
@@ -124,11 +130,27 @@ def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
     given = experiment.scene.parameters
     values = {name: given.get(name, one.default) for name, one in known.items()}
     fixed = [
-        {"name": name, "value": value, "units": known[name].unit or "1"}
+        {"name": name, "value": value, "units": known[name].unit or "1",
+         "description": known[name].description}
         for name, value in values.items()
         if name not in experiment.intervals and value is not None
-    ]
-    return {"about": experiment.scene_type.description.strip().rstrip("."), "fixed": fixed}
+    ]  # fmt: skip
+    about = experiment.scene_type.description.strip().rstrip(".")
+    return {"about": about, "fixed": fixed}
+
+
+def _of_contacts(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
+    """Which parameters the stiffness of contacts is proportional to."""
+
+    def stiffness(**values: float) -> np.ndarray:
+        return np.array([one.stiffness for one in Contact.of(experiment.build(values))])
+
+    nominal, doubled = dict(zip(experiment.intervals, experiment.nominal, strict=True)), {}
+    for one in fixed:
+        if type(one["value"]) is float and one["value"] > 0:
+            with suppress(SceneError):  # a value that it may not have
+                doubled[one["name"]] = stiffness(**nominal, **{one["name"]: 1.01 * one["value"]})
+    return [n for n, found in doubled.items() if np.allclose(found, 1.01 * stiffness(**nominal))]
 
 
 def read_json(path: Path) -> dict:

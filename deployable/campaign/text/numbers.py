@@ -38,14 +38,29 @@ def quantity(value: float | None, units: str, digits: int = 3, none: str = "unkn
     return none if value is None else with_unit(number(value, digits), units)
 
 
+def measured(value: float, error: float | None, units: str) -> str:
+    """A number with its error, to the place of the error's first digit: `0.062 ± 0.005 m`; three
+    digits where the error is below these, or not known."""
+    if not error or error < 1e-3 * abs(value):
+        return quantity(value, units)
+    places = -_power(error)
+    text = [f"{v:.{places}f}" if 0 <= places <= 9 else number(v, 1) for v in (value, error)]
+    return with_unit(" ± ".join(text).replace("-", "−"), units)
+
+
+def earliest(row: Mapping[str, Any]) -> str:
+    """The lower end of an interval, with the digits that `interval` leaves it."""
+    return with_unit(interval(row).split(" to ")[0], row["units"])
+
+
 def with_unit(text: str, units: str) -> str:
     """A number that is written already, with its unit."""
     return text if pretty(units) == "1" else f"{text} {pretty(units)}"
 
 
 def percent(share: float) -> str:
-    """`0.0749` as `7 %`; two digits below one per cent."""
-    return f"{100 * share:.2g} %" if abs(share) < 0.01 else f"{100 * share:.0f} %"
+    """`0.0749` as `7 %`, `0.000002` as `0.0002 %`: two digits below one per cent."""
+    return f"{number(100 * share, 2) if abs(share) < 0.01 else round(100 * share)} %"
 
 
 def share(share: float, open_: float = 0.0) -> str:
@@ -132,7 +147,7 @@ def unbroken(text: str, units: Iterable[str]) -> str:
         text = text.replace(_FIXED + unit, _FIXED + unit.replace(" ", _FIXED))
     text = re.sub(r" = (?=[\d−-])", f"{_FIXED}={_FIXED}", text)
     text = re.sub(r"(?<![\w)-])-(?=\d)", "−", text)
-    return re.sub(r"(?<=[\d±]) (?=[\d×])|(?<=×) (?=10)", _FIXED, text)
+    return re.sub(r"(?<=[\d±]) (?=[\d×])|(?<=\d) (?=±)|(?<=×) (?=10)", _FIXED, text)
 
 
 def coded(text: str, units: Iterable[str] = ()) -> Any:

@@ -27,11 +27,11 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         finalize=(lambda v: numbers.unbroken(v, units) if type(v) is str else v) if html else None,
     )  # fmt: skip
     of_numbers = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
-                  "position")  # fmt: skip
+                  "position", "measured", "earliest")  # fmt: skip
     found.filters |= {name: getattr(numbers, name) for name in of_numbers}
     found.filters |= {
         "met_text": met_text, "decisive": decisive, "moments": moments,
-        "happens_only": happens_only, "doubts": doubts, "small_share": small_share,
+        "happens_only": happens_only, "doubts": doubts,
         "first_lower": lambda text: text[:1].lower() + text[1:],
         "capitalize_first": lambda text: text[:1].upper() + text[1:],
         "escaped": (lambda text: text) if html else numbers.escaped,
@@ -71,12 +71,6 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
     for name, why in doubts.items():
         names.setdefault(why, []).append(name)
     return [f"Mesh and step decide {', '.join(own)}: {why}" for why, own in names.items()]
-
-
-def small_share(share: float) -> str:
-    """`2 %`, `0.0002 %`."""
-    text = f"{100 * share:.2g}"
-    return f"{text if 'e' not in text else f'{100 * share:.9f}'.rstrip('0')} %"
 
 
 def sentence(name: str, *facts: Any) -> str:

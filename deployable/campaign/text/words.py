@@ -1,0 +1,35 @@
+"""Quantities in the words of readers who do not know their names."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from deployable.campaign.text.numbers import quantity as with_unit
+
+if TYPE_CHECKING:
+    from fpm.reading.quantities import Quantity
+
+
+def words_of(quantity: Quantity) -> dict[str, str]:
+    """What has to happen for there to be a quantity (`event`, a sentence), and what it is
+    (`words`): `L latches`, `speed of the tip when L latches`."""
+    from fpm.reading.quantities import Quantity
+
+    name = quantity.response.long_name if quantity.response else ""
+    if isinstance(quantity.at, Quantity):
+        happens = words_of(quantity.at)["event"]
+        return {"event": happens, "words": f"{name} when {happens}"}
+    again = f" (number {quantity.number})" if quantity.number > 1 else ""
+    if quantity.kind == "event":
+        kind = f"{quantity.event.removesuffix('es')} "  # `latch L latches` says it twice
+        many = len(quantity.places) != 1
+        who = "something" if many else quantity.places[0].removeprefix(kind)
+        happens = f"{who} {quantity.event}{again}"
+    elif quantity.kind == "crossing":
+        level = with_unit(quantity.level, quantity.response.unit)
+        happens = f"the {name} reaches {level}{again}"
+    elif quantity.kind == "settling":
+        happens = f"the {name} settles"
+    else:
+        return {"event": f"there is a {quantity.long_name}", "words": quantity.long_name}
+    return {"event": happens, "words": f"time at which {happens}"}

@@ -17,6 +17,7 @@ import scipy
 
 from .designs import spread_points
 from .errors import IntervalError
+from .formula import Formula, cubes
 from .ranges import Range, attained
 from .spline_equations import Polyharmonic, distinct, line_rows, solve_line
 
@@ -86,6 +87,27 @@ class Spline:
         """Values (P, ...) at unit coordinates (P, k)."""
         flat = self.weights.reshape(len(self.weights), -1)
         return (self.basis(unit) @ flat).reshape(len(unit), *self.weights.shape[1:])
+
+    def formula(self) -> Formula:
+        """The same function of one number (N, 1) as a table. On a line the weights are the jumps of
+        the third derivative, by 12; many runs close together cost digits there."""
+        count, free = len(self.points), self.scales > 0
+        linear = np.zeros(1 + len(free))
+        if not self.on_line:
+            weights = self.weights[:, 0]
+            linear[0], linear[1:][free] = weights[count], weights[count + 1 :] * self.scales[free]
+            return cubes(self.points, self.scales, weights[:count], linear)
+        j = int(np.argmax(free))
+        order = np.argsort(self.points[:, j])
+        knots, second = self.points[order, j], self.weights[count:, 0][order]
+        third = np.concatenate([[0.0], np.diff(second) / np.diff(knots), [0.0]])
+        jumps, weights = np.diff(third) / 12, np.zeros(count)
+        weights[order] = jumps
+        ends = knots[[0, -1]]
+        left = self.values[order[[0, -1]], 0] - np.abs(ends[:, None] - knots) ** 3 @ jumps
+        linear[1 + j] = (left[1] - left[0]) / (ends[1] - ends[0])
+        linear[0] = left[0] - linear[1 + j] * ends[0]
+        return cubes(self.points, free.astype(float), weights, linear)
 
 
 def check_spline_runs(points: np.ndarray) -> None:

@@ -15,6 +15,7 @@ import scipy
 from ..chebyshev import Surrogate, least_squares, product_basis, total_degree
 from ..errors import IntervalError
 from ..estimates import usual
+from ..formula import Formula, polynomial
 from ..spline_equations import distinct
 from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 
@@ -38,6 +39,12 @@ class Corrected:
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
         """Values (P, 1) at unit coordinates (P, k)."""
         return self.trend.evaluate(unit) + _fading(unit, self.points, self.length) @ self.weights
+
+    def formula(self) -> Formula:
+        """The same as a table."""
+        scales = np.full(self.points.shape[1], 1 / self.length)
+        fading = {"points": self.points, "scales": scales, "weights": self.weights[:, 0]}
+        return replace(polynomial(self.trend), kernel="fading", **fading)
 
 
 def _fading(unit: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
@@ -77,6 +84,12 @@ class Fit:
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
         """Values (P) at unit coordinates (P, k)."""
         return self.function.evaluate(np.asarray(unit, dtype=float))[:, 0]
+
+    def formula(self) -> Formula:
+        """The same as a table."""
+        if isinstance(self.function, Surrogate):
+            return polynomial(self.function)
+        return self.function.formula()
 
 
 def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:

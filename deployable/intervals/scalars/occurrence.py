@@ -10,15 +10,19 @@ docs/quantities.md.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 
 from ..designs import scan_points, spread_points
+from ..formula import Formula
 from ..spline_equations import distinct
+
+if TYPE_CHECKING:
+    from .fits import Fit
 
 _POINTS, _CANDIDATES = 8192, 2048
 _MOST = (
@@ -122,19 +126,29 @@ class Occurrence:
     def _free(self) -> np.ndarray:
         return np.ptp(self.points, axis=0) > 0
 
-    @cached_property
-    def _border(self) -> Callable[[np.ndarray], np.ndarray]:
-        """The smoothest function that tells the runs apart, by its dual: the least |L' a - b| with
-        a >= 0, where L L' is the kernel with the runs' signs and L b = 1."""
+    def _border(self, unit: np.ndarray) -> np.ndarray:
+        """The smoothest function that tells the runs apart."""
+        points, weights = self._bearing
+        return _matern(unit, points) @ weights
 
+    def formula(self) -> Formula:
+        """The certainty as a table, where the runs do not agree."""
+        points, weights = self._bearing
+        k = points.shape[1]
+        none, scales = np.zeros((0, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
+        return Formula(none, np.zeros(0), points, scales, weights, "matern")
+
+    @cached_property
+    def _bearing(self) -> tuple[np.ndarray, np.ndarray]:
+        """Unit points (n, k) and weights (n) of that function, by its dual: the least |L' a - b|
+        with a >= 0, where L L' is the kernel with the runs' signs and L b = 1."""
         points, signs = self._deciding()
         kernel = _matern(points, points) * signs * signs[:, None]
         root = scipy.linalg.cholesky(kernel + _NOISE * np.eye(len(points)), lower=True)
         ones = scipy.linalg.solve_triangular(root, np.ones(len(points)), lower=True)
         weights, _ = scipy.optimize.nnls(root.T, ones, maxiter=100 * len(points))
         bearing = weights > 0
-        points, weights = points[bearing], (weights * signs)[bearing]
-        return lambda unit: _matern(unit, points) @ weights
+        return points[bearing], (weights * signs)[bearing]
 
     @cached_property
     def _certain(self) -> np.ndarray:
@@ -174,25 +188,30 @@ def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Foretold(Occurrence):
-    """It happens where a function of unit coordinates (P, k) is not below 0, up to its `error`.
+    """It happens where a fit is not below 0, or not above `latest`, up to its `error`.
 
     Such a function tells the border better than whether it happens does: by how much it does, or,
     of a time, how long before `latest`, when runs end.
     """
 
-    function: Callable[[np.ndarray], np.ndarray]
+    fit: Fit
     error: float
     latest: float | None = None
 
     def agrees(self, slack: float = 0.0) -> bool:
         """Whether the function tells of every run what happened in it, up to its error, and a slack
         where it did not."""
-        found = self.function(self.points)
+        found = self.certainty(self.points)
         there = found[self.happens] >= -self.error
         return bool(there.all() and (found[~self.happens] < slack).all())
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
-        return self.function(np.asarray(unit, dtype=float))
+        found = self.fit.evaluate(unit)
+        return found if self.latest is None else self.latest - found
+
+    def formula(self) -> Formula:
+        found = self.fit.formula()
+        return found if self.latest is None else found.below(self.latest)
 
     def told(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         return margins if self.latest is None else self.latest - numbers

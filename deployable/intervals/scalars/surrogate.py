@@ -242,10 +242,10 @@ def _occurrence(
     told = [found]
     if margin is not None and np.isfinite(margin).all():
         by_how_much = best_fit(points, margin)
-        one = Foretold(points, there, by_how_much.evaluate, by_how_much.error)
+        one = Foretold(points, there, by_how_much, by_how_much.error)
         told += [one] if np.isfinite(one.error) and one.agrees(one.error) else []
     if latest is not None and np.isfinite(fit.error):
-        until = Foretold(points, there, lambda unit: latest - fit.evaluate(unit), fit.error, latest)
+        until = Foretold(points, there, fit, fit.error, latest)
         told += [until] if until.agrees() else []
     return min(reversed(told), key=lambda one: one.open)
 

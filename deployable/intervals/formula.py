@@ -1,0 +1,65 @@
+"""Functions of unit coordinates as tables of numbers, which other programs can evaluate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy
+
+from .chebyshev import Surrogate
+
+KERNELS = {
+    "cube": lambda d: d**3,
+    "fading": lambda d: np.exp(-d),
+    "matern": lambda d: (1 + d + d**2 / 3) * np.exp(-d),
+}
+"""Functions of the distance from a run."""
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A polynomial and, for each of N points, a kernel of the distance from it: sum_m coefficients
+    [m] T_(i_m1)(x_1) ... T_(i_mk)(x_k) + sum_n weights[n] kernel(|scales (x - points[n])|).
+
+    indices (M, k), coefficients (M), points (N, k), scales (k), weights (N); kernel: of `KERNELS`.
+    """
+
+    indices: np.ndarray
+    coefficients: np.ndarray
+    points: np.ndarray
+    scales: np.ndarray
+    weights: np.ndarray
+    kernel: str
+
+    def evaluate(self, unit: np.ndarray) -> np.ndarray:
+        """Values (P) at unit coordinates (P, k)."""
+        away = scipy.spatial.distance.cdist(unit * self.scales, self.points * self.scales)
+        smooth = Surrogate(self.coefficients, self.indices).evaluate(unit)
+        return smooth + KERNELS[self.kernel](away) @ self.weights
+
+    def below(self, level: float) -> Formula:
+        """By how much the function is below a level."""
+        constant = np.zeros((1, self.indices.shape[1]), dtype=int)
+        return replace(
+            self,
+            indices=np.concatenate([self.indices, constant]),
+            coefficients=np.append(-self.coefficients, level),
+            weights=-self.weights,
+        )
+
+
+def polynomial(surrogate: Surrogate) -> Formula:
+    """The formula of a polynomial with coefficients (M, 1)."""
+    k = surrogate.dimension
+    none, coefficients = np.zeros((0, k)), surrogate.coefficients[:, 0]
+    return Formula(surrogate.multi_indices, coefficients, none, np.ones(k), np.zeros(0), "cube")
+
+
+def cubes(
+    points: np.ndarray, scales: np.ndarray, weights: np.ndarray, linear: np.ndarray
+) -> Formula:
+    """The formula of a spline of points (N, k) and weights (N), with a constant and the slopes in
+    each direction, `linear` (1 + k)."""
+    indices = np.concatenate([np.zeros((1, len(scales)), int), np.eye(len(scales), dtype=int)])
+    return Formula(indices, linear, points, scales, weights, "cube")

@@ -102,6 +102,8 @@ class Scene:
         self.points: dict[str, VirtualBeam] = {}
         self.bodies: dict[str, int] = {}  # rigid ones that have a name, with their particles
         self.supports: dict[str, VirtualBeam] = {}  # named points that are held or driven
+        self.bearings: dict[int, float] = {}  # by hinge: mu r (m), of slides mu; in travels only
+        self.classes: dict[tuple[type[Kind], int], str] = {}  # other than Kind.resists_as
         self.gravity, self.damping = gravity, damping
 
     beams = _elements(Beams)

@@ -30,6 +30,10 @@ USUAL = {
 def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     """Sentences about a scene at its start; duration (s): of a run, which may be too short."""
     found = [*_sizes(scene), *_support(scene)]
+    found += [
+        f"bearing of {scene.hinges[hinge].name}: it counts in margins, and in no motion"
+        for hinge in scene.bearings
+    ]
     for kind in (Latch, RigidLatch):
         for latch in kind.of(scene):
             found += _latch(scene, latch, duration)

@@ -1,5 +1,6 @@
 """One sample of a structure: the values of its parameters become a scene."""
 
+from collections import Counter
 from collections.abc import Mapping
 
 import numpy as np
@@ -79,8 +80,10 @@ def _scene(build: Builder, model: Model) -> Scene:
 
 def _build(build: Builder, entry: Entry) -> None:
     before = len(build.scene.position)
+    count = Counter({kind: len(elements) for kind, elements in build.scene.kinds.items()})
     try:
-        made = entry.statement.build(build, entry.values(build))
+        values = entry.values(build)
+        made = entry.statement.build(build, values)
     except SkippedError:
         return
     except SceneError as error:
@@ -92,6 +95,10 @@ def _build(build: Builder, entry: Entry) -> None:
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         _note(build, entry.line, entry.key, SceneError("", str(error), "possible numbers"))
         return
+    if word := vars(values).get("class"):
+        now = build.scene.kinds.items()
+        new = [(kind, i) for kind, own in now for i in range(count[kind], len(own))]
+        build.scene.classes |= dict.fromkeys(new, word)
     if isinstance(made, Part):
         made.particles = np.arange(before, len(build.scene.position))
         build.keep("parts", entry.name, made)

@@ -16,6 +16,7 @@ import numpy as np
 from fpm.elements.fields import Index, Word, stated
 from fpm.elements.kind import Kind
 from fpm.errors import did_you_mean, likely
+from fpm.reading.standards import CLASSES
 from fpm.structures.builder import Builder
 from fpm.structures.keys import REQUIRED, Choice, Key, Many, Number, Opening, Reference, Value
 from fpm.structures.names import Place
@@ -83,6 +84,9 @@ def statement(group: str, type: str = "", about: str = "", /, **keys: Key) -> Ca
 JOINT = Opening(about="on which joint it acts")
 """The key of a field `hinge`."""
 
+CLASS = {"class": Choice(None, "in margins; left out: by what it is", options=tuple(CLASSES))}
+"""The key of what has a part where an opening is led slowly (fpm/travel/)."""
+
 
 def key_of(kind: type[Kind], name: str, left_out: str = "", **changes: Any) -> Key:
     """The key of a field of a kind, with these changes.
@@ -134,6 +138,7 @@ def acting(
     found = {name: key_of(kind, name, (left_out or {}).get(name, "")) for name in names}
     keys = {"joint": found.pop("hinge")} if "hinge" in found else {}
     keys |= {**{name: key for name, key in more.items() if name not in found}, **found, **more}
+    keys |= CLASS if kind.resists_as else {}
     required_first = sorted(keys.items(), key=lambda pair: pair[1].default is not REQUIRED)
     return statement("actions", kind.called, about, **dict(required_first))
 

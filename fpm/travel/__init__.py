@@ -17,14 +17,16 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from copy import copy
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
 from fpm.assembly import FARTHEST, MisfitError, linearised, masses
-from fpm.assembly.conditions import Conditions, Places, conditions_of
+from fpm.assembly.conditions import NORMAL, Conditions, Places, conditions_of
 from fpm.assembly.elastic import elastic_of
 from fpm.elements import Beams, Kind, kinds_of
+from fpm.elements.openings.opening import rate_at
 from fpm.errors import SceneError
 from fpm.travel.acting import Acting, acts
 
@@ -88,7 +90,7 @@ def lead(
     for value in ahead:
         path.to(float(value))
     path.check()
-    parts = {name: Acting(scene, kind, [element]) for name, kind, element in _elements(scene)}
+    parts = {part.name: Acting(scene, [part.element]) for part in _elements(scene)}
     for acting in parts.values():  # as if it had come this way
         acting.forces(path.places.moved(-spacing * path.tangent))
     way, rows = np.linspace(first, last, positions), []
@@ -96,6 +98,7 @@ def lead(
         path.to(float(value))
         tangent = np.sign(spacing) * path.tangent
         row = {name: acting.forces(path.places) @ tangent for name, acting in parts.items()}
+        row |= path.in_bearings()
         row[STRAIN] = path.balance.strain(path.places)
         row[INERTIA] = tangent @ (masses(scene, path.places) @ tangent)
         rows.append(row)
@@ -108,20 +111,36 @@ def lead(
 
 def parts_of(scene) -> dict[str, str]:
     """The parts of the virtual work in a scene, with their classes (Kind.resists_as)."""
-    found = {name: kind.resists_as for name, kind, _ in _elements(scene)}
+    found = {part.name: part.resists_as for part in _elements(scene)}
+    found |= {_bearing(scene, hinge): "FR" for hinge in scene.bearings}
     return found | ({STRAIN: "S"} if scene.beams else {})
 
 
-def _elements(scene) -> list[tuple[str, type, Kind]]:
-    """Name, kind and element of all that acts; those with one name are told apart by numbers."""
+class _Part(NamedTuple):
+    """An element that acts; drags: whether it only resists."""
+
+    name: str
+    element: Kind
+    resists_as: str
+    drags: bool
+
+
+def _elements(scene) -> list[_Part]:
+    """All that acts; those with one name are told apart by numbers."""
     found, count = [], Counter()
     for kind in kinds_of([scene]):
-        if not kind.resists_as or kind is Beams or not acts(kind):
+        own = kind.resists_as
+        if not own or kind is Beams or not acts(kind):
             continue
-        for name, element in zip(kind.names(scene), kind.led(scene), strict=True):
+        for i, (name, element) in enumerate(zip(kind.names(scene), kind.led(scene), strict=True)):
             count[name] += 1
-            found.append((f"{name} #{count[name]}" if count[name] > 1 else name, kind, element))
+            name = f"{name} #{count[name]}" if count[name] > 1 else name
+            found.append(_Part(name, element, scene.classes.get((kind, i), own), own in DRAGS))
     return found
+
+
+def _bearing(scene, hinge: int) -> str:
+    return f"bearing {scene.hinges[hinge].name}"
 
 
 class _Balance:
@@ -130,10 +149,10 @@ class _Balance:
     def __init__(self, scene):
         self._bars = elastic_of(scene)
         by_kind: dict[type, list] = {}
-        for _, kind, element in _elements(scene):
-            if kind.resists_as not in DRAGS:
-                by_kind.setdefault(kind, []).append(element)
-        self._others = [Acting(scene, kind, elements) for kind, elements in by_kind.items()]
+        for part in _elements(scene):
+            if not part.drags:
+                by_kind.setdefault(type(part.element), []).append(part.element)
+        self._others = [Acting(scene, elements) for elements in by_kind.values()]
 
     def strain(self, places: Places) -> float:
         """Energy (J) of the bars."""
@@ -186,6 +205,7 @@ class _Path:
         self.opening = self._start = float(self._hinges[0].opening)
         self.places = Places(scene.position.copy(), scene.frame.copy())
         self._conditions = conditions_of(scene, [*stand, *openings])
+        self._leading = len(stand) + len(openings)
         self._zeros = self._conditions.gaps(self.places)[-len(openings) :]
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
@@ -221,6 +241,20 @@ class _Path:
             f"opening {self.name}", f"{value:.6g}", "openings to which it can be led, the joints "
             "closed and all else in balance; other openings that nothing decides may `stand`"
         )  # fmt: skip
+
+    def in_bearings(self) -> dict[str, float]:
+        """Virtual work of the friction by the forces of joints: all of a hinge's, those across a
+        slide; by them without friction."""
+        shift, turn = self.tangent.reshape(-1, 2, 3).transpose(1, 0, 2)
+        motion, found = SimpleNamespace(velocity=shift, spin=turn), {}
+        for number, lever in self.scene.bearings.items():
+            hinge, of = self.scene.hinges[number], self._conditions
+            own = (np.array(of.joint) == hinge.joint) & (of.how != NORMAL)
+            own[-self._leading :] = False
+            force = np.linalg.norm((self._weight * self._impulses)[own])
+            rate = abs(rate_at(self.places, hinge, motion))
+            found[_bearing(self.scene, number)] = -lever * float(force) * rate
+        return found
 
     def check(self) -> None:
         """SceneError unless the opening decides the motion of everything else."""

@@ -30,8 +30,8 @@ class Acting:
     They keep what they keep from one place to the next, as the foot of a bristle.
     """
 
-    def __init__(self, scene, kind: type, elements: list):
-        alone = copy(scene)
+    def __init__(self, scene, elements: list):
+        alone, kind = copy(scene), type(elements[0])
         alone.kinds = {Hinge: scene.hinges, kind: elements}
         kinds = [*kind.reads, kind]
         batch = Batch([alone], kinds, energies_of(kinds), at_once(), np.float64, 1, 1)

@@ -9,7 +9,7 @@ from hinged import hinged
 
 import fpm
 from fpm import structures
-from fpm.elements import Friction, SyncLoop, TableSpring
+from fpm.elements import Friction, RigidFriction, SyncLoop, TableSpring
 from fpm.travel import STRAIN, lead, parts_of
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
@@ -40,6 +40,40 @@ def test_friction_slips_the_way_that_its_joint_goes():
     scene.add(Friction(0, 0.3))
     for first, last in ((1.0, 1.5), (1.5, 1.0), (0.5, 0.2)):
         assert lead(scene, "h1", first, last).work["friction h1"] == pytest.approx(-0.3, rel=2e-6)
+
+
+def test_friction_that_sticks_exactly_slips_alike():
+    scene = hinged(1.0)
+    scene.add(RigidFriction(0, 0.3))
+    assert lead(scene, "h1", 1.0, 1.5).work["friction h1"] == pytest.approx(-0.3, rel=2e-6)
+
+
+def test_bearings_rub_by_the_forces_of_their_joints():
+    """Two panels of 2 kg, geared 1 to 2: h1 bears both weights and the pull at the second's middle,
+    h2 its own share and turns twice as far."""
+    scene = hinged(0.2, 0.4)
+    scene.gravity = (0, 0, -9.0)
+    scene.add_load(2, force=(3.0, -4.0, 0))
+    scene.add(SyncLoop("belt", (0, 1), (0.06, 0.03), 1e8))
+    scene.bearings = {0: 0.1 * 0.02, 1: 0.2 * 0.03}
+    found = lead(scene, "h1", 0.2, 1.2)
+    assert parts_of(scene)["bearing h2"] == "FR"
+    assert parts_of(scene).keys() == found.work.keys()
+    for name, lever, weight in (("h1", 0.002, 36.0), ("h2", 2 * 0.006, 18.0)):
+        expected = -lever * np.hypot(weight, 5)  # the belt gives a little
+        assert found.work[f"bearing {name}"] == pytest.approx(expected, rel=1e-4)
+
+
+def test_a_bearing_beside_a_stay():
+    """A stay pulls the tip: its tension is what the hinge bears."""
+    scene = hinged(0.0)
+    scene.add_cable("stay", [(0, (1.0, 2.0, 0.0)), (1, (1.0, 0.0, 0.0))], EA=50.0, rest=1.5)
+    scene.bearings = {0: 0.004}
+    found = lead(scene, "h1", 0.0, 1.0)
+    tip = np.stack([np.cos(found.opening), np.sin(found.opening)])
+    length = np.hypot(*(np.array([[1.0], [2.0]]) - tip))
+    tension = 50.0 * np.maximum(length / 1.5 - 1, 0)  # which the hinge alone bears
+    assert found.work["bearing h1"] == pytest.approx(-0.004 * tension, rel=1e-5, abs=1e-9)
 
 
 def test_two_panels_with_a_synchronising_loop():
@@ -81,11 +115,13 @@ def test_a_slide_is_led_by_its_way():
     slide = scene.add_slide("rail", (wall, cart), (0.3, 0, 0), (1, 0, 0), opening=0.1)
     scene.add_torsion_spring(slide, 5.0, 1.0)
     scene.add(Friction(slide, 0.7, 1e-4))
-    scene.gravity = (-1.0, 0, 0)
+    scene.gravity = (-1.0, 0, 3.0)
+    scene.bearings = {slide: 0.25}
     found = lead(scene, "rail", 0.2, 0.6)
     assert found.work["spring rail"] == pytest.approx(5.0 * (1.0 - found.opening))
     assert found.work["friction rail"] == pytest.approx(-0.7)
     assert found.work["weight 0"] == pytest.approx(-2.0)
+    assert found.work["bearing rail"] == pytest.approx(-0.25 * 6.0)
     assert found.inertia == pytest.approx(2.0)
 
 

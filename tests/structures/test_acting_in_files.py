@@ -23,6 +23,7 @@ from fpm.elements import (
 from fpm.structures import loads
 from fpm.structures.describe import describe
 from fpm.structures.report import longer_steps
+from fpm.travel import parts_of
 
 HINGES = """
   oil: {type: damper, joint: root, damping: 0.1 N m s/rad}
@@ -100,6 +101,22 @@ def test_what_acts_on_joints_is_in_the_scene():
     }  # fmt: skip
     for kind, elements in expected.items():
         assert scene.kinds[kind] == elements
+
+
+def test_classes_and_bearings_of_margins():
+    more = "rub: {type: bearing, joint: root, mu: 0.1, radius: 20 mm}\nrecord:"
+    text = changed(HINGES, ("type: tape spring, ", "type: tape spring, class: HA, "),
+                   ("type: friction, ", "type: friction, class: HD, "),
+                   ("record:", f"  {more}"))  # fmt: skip
+    scene = loads(text).build()
+    assert parts_of(scene) == {
+        "torsion spring root": "S", "friction root": "HD", "stop root below": "S", "stop root above": "S",
+        "spring root": "HA", "bearing root": "FR", "strain of bars": "S",
+    }  # fmt: skip
+    assert scene.bearings == {0: pytest.approx(0.002)}
+    assert "in no motion" in describe(loads(text))
+    refused(text, "class: HA", "class: XX", "allowed: S, I, HM, FR")
+    refused(text, ", radius: 20 mm", "", "a length on a hinge, and none on a slide")
 
 
 def test_motors_and_what_lets_go_are_in_the_scene():

@@ -298,20 +298,21 @@ def moving_at_start(scene) -> SimpleNamespace:
 def turning_at_start(scene, on) -> list[float]:
     """Rates (rad/s, m/s) of the openings `on` (indices) at the start, also of driven particles."""
     motion = moving_at_start(scene)
-    return [_rate_at(scene, scene.hinges[h], motion) for h in on]
+    return [rate_at(scene, scene.hinges[h], motion) for h in on]
 
 
-def _rate_at(scene, hinge, motion) -> float:
-    """Rate of an opening with the velocities and spins of a motion."""
+def rate_at(places, hinge, motion) -> float:
+    """Rate of an opening, particles being in places, with the velocities and spins of a motion."""
     one, two = hinge.particles
-    axis = scene.frame[one] @ hinge.axes[0]
+    axis = places.frame[one] @ hinge.axes[0]
     if not hinge.slides:
         return float(axis @ (motion.spin[two] - motion.spin[one]))
-    point = scene.position[two] + scene.frame[two] @ hinge.beams[1].arm
-    velocities = [
-        motion.velocity[p] + np.cross(motion.spin[p], point - scene.position[p]) for p in (one, two)
-    ]
-    return float(axis @ (velocities[1] - velocities[0]))
+    point = places.position[two] + places.frame[two] @ hinge.beams[1].arm
+    first, second = (
+        motion.velocity[p] + np.cross(motion.spin[p], point - places.position[p])
+        for p in (one, two)
+    )
+    return float(axis @ (second - first))
 
 
 def pack_past(batch, kind) -> np.ndarray:

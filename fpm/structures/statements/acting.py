@@ -22,7 +22,7 @@ from fpm.elements import (
 from fpm.elements.openings.friction import BEND, SLIDE_BEND
 from fpm.elements.openings.opening import unit_of
 from fpm.structures.keys import Choice, Many, Number, Opening, Reference
-from fpm.structures.statement import JOINT, SLIDE, acting, element, key_of, statement, whole
+from fpm.structures.statement import CLASS, JOINT, SLIDE, acting, element, key_of, statement, whole
 
 TURNING = replace(JOINT, types=("revolute", "universal"))
 AT_START = 1e-9
@@ -50,6 +50,7 @@ SPRING = {
     "stiffness": key_of(TorsionSpring, "stiffness"),
     "rest": key_of(TorsionSpring, "rest"),
     "preload": Number(None, "moment at the start, > 0 where it opens, for `rest`", unit="N m"),
+    **CLASS,
 }
 
 
@@ -76,7 +77,7 @@ statement(
     "spring",
     "Pushes or pulls a slide towards an opening.",
     joint=replace(JOINT, types=(SLIDE,)),
-    **{name: _of_slide(key) for name, key in SPRING.items()},
+    **{name: key if name in CLASS else _of_slide(key) for name, key in SPRING.items()},
 )(torsion_spring.build)
 
 whole(Contact)
@@ -100,6 +101,21 @@ def friction(build, it):
         build.scene.add(element(RigidFriction, it))
         return
     build.scene.add(element(Friction, it, bend=it.bend or (SLIDE_BEND if slides else BEND)))
+
+
+@statement(
+    "actions",
+    "bearing",
+    joint=JOINT,
+    mu=Number(about="coefficient of friction", least=0),
+    radius=Number(None, "at which it rubs; of hinges only", unit="m", above=0),
+)
+def bearing(build, it):
+    """Friction by the force that a joint itself bears: counts in margins only, in no motion."""
+    if build.scene.hinges[it.joint].slides == (it.radius is not None):
+        build.refuse("radius", it.radius, "a length on a hinge, and none on a slide")
+    found = build.scene.bearings
+    found[it.joint] = found.get(it.joint, 0.0) + it.mu * (1.0 if it.radius is None else it.radius)
 
 
 @acting(
@@ -142,6 +158,7 @@ def latch(build, it):
     moments=Many(
         kind=Number(unit="N m"), least=2, about="one for each, > 0 where it opens; straight between"
     ),
+    **CLASS,
 )
 def tape_spring(build, it):
     """Moves a joint by a moment, or force, that a table gives, with a peak and a plateau, say."""

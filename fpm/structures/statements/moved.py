@@ -6,7 +6,7 @@ import numpy as np
 from fpm.elements import Load
 from fpm.structures.builder import APART
 from fpm.structures.keys import Many, Number, PointOfPart, Reference, Vector
-from fpm.structures.statement import statement
+from fpm.structures.statement import CLASS, statement
 
 ZERO = np.zeros(3)
 PART = Reference(group="parts", about="what it is about")
@@ -35,6 +35,7 @@ def _index(curve: int | None) -> int:
     force=Vector(ZERO, unit="N", about="the force"),
     moment=Vector(ZERO, unit="N m", about="the moment"),
     curve=CURVE,
+    **CLASS,
 )
 def load(build, it):
     """A force and a moment in global axes at a point of a part."""
@@ -53,6 +54,7 @@ def load(build, it):
     friction=Number(
         None, "coefficient of friction at the points between its ends; left out: they turn", least=0
     ),
+    **CLASS,
 )
 def cable(build, it):
     """Pulls its points together where it is tight, and runs through those between its ends."""

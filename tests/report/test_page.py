@@ -203,7 +203,8 @@ def test_a_warning_is_said_once(data, quantities):
     data = altered(data, grade="large", error_at_largest_difference=0.2)
     row = {"name": "q", "long_name": "", "lower": None, "upper": None, "runs_with": 0,
            "runs_without": 1, "foretold_ends": []}  # fmt: skip
-    page = render(replace(data, facts=data.facts | {"quantities": [row] * quantities}))
+    facts = data.facts | {"quantities": [row] * quantities}
+    page = render(replace(data, facts=facts, what_if=None))
     text = page.split("</style>")[1].replace("\N{NO-BREAK SPACE}", " ")
     assert text.count("Do not rely on the number for x: either bound may be off by ") == 1
     assert text.index('id="questions"') < text.index("Do not rely") < text.index('id="curves"')

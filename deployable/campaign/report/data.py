@@ -25,7 +25,8 @@ class Response:
 
     error: estimated error of the bounds; shares (k,), widths (k, t): what each parameter
     contributes, overall and at every instant, not a number where that is not above the error of the
-    fit. along: over what it lies instead of time (`results.facts.along_of`).
+    fit. along: over what it lies instead of time (`results.facts.along_of`); least: what it can not
+    be below.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Response:
     shares: np.ndarray | None = None
     widths: np.ndarray | None = None
     along: Mapping[str, Any] | None = None
+    least: float | None = None
 
     @property
     def widest(self) -> int:
@@ -87,10 +89,23 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class Judged:
-    """Runs with their parameter values (R, k), and which of them meet all requirements (R,)."""
+    """Runs with their parameter values (R, k), which of them meet all requirements (R,), and their
+    quantities (R, q), not a number where there is none."""
 
     values: np.ndarray
     met: np.ndarray
+    numbers: np.ndarray
+
+
+@dataclass(frozen=True)
+class WhatIf:
+    """What was fitted, which sliders ask: the surrogate of each quantity (`intervals.scalars`), and
+    of all responses the polynomial, coefficients (n, M, t) of the products `indices` (M, k); None
+    where the bounds are not those of a polynomial."""
+
+    quantities: Mapping[str, Any]
+    indices: np.ndarray | None
+    coefficients: np.ndarray | None
 
 
 @dataclass(frozen=True)
@@ -111,7 +126,8 @@ class PageData:
     moving: the nominal run first, then those at which quantities and bounds are attained;
     left: those of them that do not move, since the page would be too large;
     provenance: name -> text; config: text to start from again;
-    judged: which runs meet the requirements, if there are any.
+    judged: the runs with their quantities, and which meet the requirements, if there are any;
+    what_if: what sliders ask.
     """
 
     facts: Mapping[str, Any]
@@ -124,6 +140,7 @@ class PageData:
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
     judged: Judged | None = None
+    what_if: WhatIf | None = None
 
     @property
     def parameters(self) -> list[dict[str, Any]]:

@@ -16,12 +16,16 @@ import numpy as np
 
 from deployable.campaign.export.glb import glb_of
 from deployable.campaign.report.data import MovingRun, PageData, Response
+from deployable.campaign.results.facts import LARGE
 
 MOST_INSTANTS = 4001
 """Instants of a curve from which it is thinned."""
 
 MOST_TOLD = 300
 """Runs up to which the contact events of all are in the page, not only of those that are drawn."""
+
+MOST_COEFFICIENTS = 150_000
+"""Coefficients of polynomials over time up to which sliders move curves."""
 
 PAGE = 2_450_000
 """Characters of the data by which a page stays below 3 MB, with what it shows them by."""
@@ -89,15 +93,17 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
 
     return {
         "campaign": data.facts["campaign"],
+        "large": LARGE,
         "time": arrays.add(data.time[keep], "f8"),
         "parameters": [
-            {key: p[key] for key in ("name", "units", "lower", "nominal", "upper")}
+            {key: p[key] for key in ("name", "units", "lower", "nominal", "upper", "description")}
             for p in data.parameters
         ],
         "responses": [
             {
                 "name": r.name, "longName": r.long_name, "units": r.units,
                 "widest": float(data.time[r.widest]), "along": r.along,
+                "least": None if r.least is None or np.isnan(r.least) else float(r.least),
                 **{
                     key: None if values is None else arrays.add(values[..., keep], "f8")
                     for key, values in (
@@ -110,6 +116,8 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
             for r in data.responses
         ],
         "runs": _runs(data),
+        "whatIf": _what_if(data, keep, arrays),
+        "judged": _judged(data, arrays),
         "lines": [_line(data, run, keep, arrays) for run in data.lines],
         "moving": [_line(data, m.run, keep, arrays) | {"label": m.label} for m in data.moving],
         "motion": _motion(data.moving, frames, arrays) if data.moving else None,
@@ -131,6 +139,52 @@ def _runs(data: PageData) -> list[dict[str, Any]]:
         }
         for i, run in enumerate(data.runs)
     ]
+
+
+def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any] | None:
+    """What was fitted; a polynomial's constant, which is most of it, in double precision."""
+    if (found := data.what_if) is None:
+        return None
+    rows = [row for row in data.facts["quantities"] if row["name"] in found.quantities]
+    told = {"quantities": [_quantity(row, found.quantities[row["name"]], arrays) for row in rows]}
+    told["limits"] = [
+        {"of": row["name"], **{key: limit[key] for key in ("quantity", "kind", "level")}}
+        for row in data.facts.get("requirements", ()) for limit in row["limits"]
+    ]  # fmt: skip
+    if found.coefficients is None or found.coefficients[..., keep].size > MOST_COEFFICIENTS:
+        return told
+    constant = ~found.indices.any(axis=1)
+    return told | {
+        "indices": found.indices[~constant].tolist(),
+        "constants": [arrays.add(c[constant][:, keep].sum(axis=0), "f8")
+                      for c in found.coefficients],
+        "slopes": [[arrays.add(row, "f4") for row in c[~constant][:, keep]]
+                   for c in found.coefficients],
+    }  # fmt: skip
+
+
+def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str, Any]:
+    def table(formula: Any) -> Any:
+        if formula is None or formula is True or formula is False:
+            return formula
+        numbers = ("coefficients", "points", "scales", "weights")
+        return {"indices": formula.indices.tolist(), "kernel": formula.kernel} | {
+            key: arrays.add(getattr(formula, key), "f8") for key in numbers
+        }
+
+    value, there = surrogate.formulas()
+    ends = {key: end if np.isfinite(end) else None
+            for key, end in (("least", surrogate.least), ("latest", surrogate.latest))}  # fmt: skip
+    named = {key: row[key] for key in ("name", "units", "error")}
+    return {**named, "words": row.get("words", row["long_name"]), **ends,
+            "value": table(value), "there": table(there)}  # fmt: skip
+
+
+def _judged(data: PageData, arrays: _Arrays) -> dict[str, Any] | None:
+    if data.judged is None:
+        return None
+    kept = {"values": "f8", "numbers": "f8", "met": "u1"}
+    return {key: arrays.add(getattr(data.judged, key), kind) for key, kind in kept.items()}
 
 
 def _line(data: PageData, run: int, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any]:

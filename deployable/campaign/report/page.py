@@ -13,7 +13,7 @@ from deployable.campaign.pictures.paint import limits_of, visible_faces
 from deployable.campaign.pictures.solid import solid_of_motion
 from deployable.campaign.pictures.view import View
 from deployable.campaign.report.data import PageData
-from deployable.campaign.report.failing import panels
+from deployable.campaign.report.failing import lines, panels, prices
 from deployable.campaign.report.pack import compressed, packed
 from deployable.campaign.text.numbers import pretty
 from deployable.campaign.text.templates import environment
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 _FOLDER = Path(__file__).parent
 
 SCRIPTS = (
-    "data", "clock", "scene", "viewer", "stills", "axes", "chart", "charts", "tables", "main",
+    "data", "clock", "scene", "viewer", "stills", "axes", "chart", "charts", "what", "tables",
+    "main",
 )  # fmt: skip
 """The page's script, in the order in which its files are put together."""
 
@@ -49,6 +50,8 @@ def render(data: PageData) -> str:
             facts=data.facts,
             shares={response.name: response.shares for response in data.responses},
             panels=panels(data),
+            lines=lines(data),
+            prices=prices(data.facts),
             style=_text("style.css"),
             script="\n".join(_text(f"js/{name}.js") for name in SCRIPTS),
             still=still(data.moving[0].motion) if data.moving else "",

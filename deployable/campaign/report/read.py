@@ -21,11 +21,13 @@ from deployable.campaign.report.data import (
     PageData,
     Response,
     Run,
+    WhatIf,
     Work,
 )  # fmt: skip
 from deployable.campaign.report.failing import meets
 from deployable.campaign.report.motions import Shown, shown_runs
 from deployable.campaign.results.facts import along_of, read_json
+from deployable.campaign.results.ranges import runs_of
 from deployable.campaign.results.which import counts, ids, keeps_extremes, roles
 from fpm.files.sealed import DamagedError, check
 
@@ -49,7 +51,9 @@ def from_results(folder: str | Path) -> PageData:
     data = PageData(
         facts=facts,
         time=bounds["time"].values,
-        responses=_responses(bounds, _load(sensitivities) if sensitivities.exists() else None),
+        responses=_responses(
+            bounds, _load(sensitivities) if sensitivities.exists() else None, samples
+        ),
         runs=runs,
         moving=moving,
         left=_left(shown, runs, moving),
@@ -57,6 +61,7 @@ def from_results(folder: str | Path) -> PageData:
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
         judged=_judged(samples, folder, facts),
+        what_if=_what_if(folder, facts),
     )
     own = {m.run: m.motion["curves"].values for m in data.moving if "curves" in m.motion}
     runs = tuple(replace(run, curves=own.get(i)) for i, run in enumerate(runs))
@@ -73,7 +78,7 @@ def _load(path: Path, but: str = "") -> xarray.Dataset:
 
 
 def _responses(
-    bounds: xarray.Dataset, sensitivities: xarray.Dataset | None
+    bounds: xarray.Dataset, sensitivities: xarray.Dataset | None, samples: xarray.Dataset
 ) -> tuple[Response, ...]:
     def values(name: str, i: int, dataset: xarray.Dataset | None = bounds) -> np.ndarray | None:
         return None if dataset is None or name not in dataset else dataset[name].values[i]
@@ -84,6 +89,7 @@ def _responses(
             long_name=str(bounds["response_long_name"].values[i]),
             units=str(bounds["response_units"].values[i]),
             along=along_of(bounds, i),
+            least=values("response_least", i, samples),
             lower=bounds["lower"].values[i],
             upper=bounds["upper"].values[i],
             nominal=values("nominal", i),
@@ -162,8 +168,8 @@ def _moving(
 
 
 def _judged(samples: xarray.Dataset, folder: Path, summary: Mapping) -> Judged | None:
-    """Which runs meet the requirements, further ones too."""
-    if "requirements" not in summary:
+    """The runs and which meet the requirements, further ones too."""
+    if not summary["quantities"]:
         return None
     found = [samples]
     if (folder / "further.nc").exists():
@@ -171,8 +177,22 @@ def _judged(samples: xarray.Dataset, folder: Path, summary: Mapping) -> Judged |
     values, numbers = (
         np.concatenate([each[name].values for each in found]) for name in ("value", "quantities")
     )
-    limits = [limit for row in summary["requirements"] for limit in row["limits"]]
-    return Judged(values, meets(limits, samples["quantity"].values.tolist(), numbers))
+    limits = [limit for row in summary.get("requirements", ()) for limit in row["limits"]]
+    return Judged(values, meets(limits, samples["quantity"].values.tolist(), numbers), numbers)
+
+
+def _what_if(folder: Path, summary: Mapping) -> WhatIf:
+    """What was fitted to quantities and, where bounds are a polynomial's, to responses."""
+    place, quantities = Folder(folder), {}
+    if summary["quantities"]:
+        seen = runs_of(place)
+        with open_netcdf(place.quantities) as found:
+            names = found["quantity"][:].tolist()
+            quantities = {name: seen.surrogate(found, q) for q, name in enumerate(names)}
+    if "polynomial" not in summary["bounds"]:
+        return WhatIf(quantities, None, None)
+    with open_netcdf(place.surrogate) as found:
+        return WhatIf(quantities, found["multi_index"][:], found["coefficient"][:])
 
 
 def _left(

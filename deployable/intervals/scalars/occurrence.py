@@ -135,8 +135,8 @@ class Occurrence:
         """The certainty as a table, where the runs do not agree."""
         points, weights = self._bearing
         k = points.shape[1]
-        none, scales = np.zeros((0, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
-        return Formula(none, np.zeros(0), points, scales, weights, "matern")
+        none, scales = np.zeros((1, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
+        return Formula(none, np.zeros(1), points, scales, weights, "matern")
 
     @cached_property
     def _bearing(self) -> tuple[np.ndarray, np.ndarray]:

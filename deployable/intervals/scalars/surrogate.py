@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 
 from ..designs import spread_points
+from ..formula import Formula
 from .fits import Fit, best_fit
 from .occurrence import Foretold, Occurrence
 
@@ -156,6 +157,15 @@ class ScalarSurrogate:
         if self.fit is None:
             return np.full(len(unit), np.nan)
         return np.where(self.occurrence.evaluate(unit), self.foretold(unit), np.nan)
+
+    def formulas(self) -> tuple[Formula | None, Formula | bool]:
+        """What the fit tells, None where there is none; and what is not below 0 where there is a
+        number, or whether there is one everywhere."""
+        sure = not self.occurrence.mixed
+        return (
+            None if self.fit is None else self.fit.formula(),
+            bool(self.occurrence.happens.all()) if sure else self.occurrence.formula(),
+        )
 
     def range(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None, **options: int

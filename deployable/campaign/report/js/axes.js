@@ -45,15 +45,20 @@ function points(values, span, x, y) {
   return out;
 }
 
-// A curve, with gaps where it has no numbers.
-function line(...curve) {
-  let open = false;
-  return points(...curve).map((point) => {
-    const step = point && `${open ? "L" : "M"}${point}`;
-    open = point !== null;
-    return step ?? "";
-  }).join("");
+// Points in the pieces that lie between gaps.
+function pieces(...curve) {
+  const found = [[]];
+  for (const point of points(...curve)) {
+    if (point === null) found.push([]); else found[found.length - 1].push(point);
+  }
+  return found.filter((piece) => piece.length);
 }
 
-// The outline of the area between two curves.
-const area = (one, two, ...rest) => `M${points(one, ...rest).join("L")}L${points(two, ...rest).reverse().join("L")}Z`;
+// A curve, with gaps where it has no numbers.
+const line = (...curve) => pieces(...curve).map((piece) => `M${piece.join("L")}`).join("");
+
+// The outline of the area between two curves, whose gaps are the same.
+function area(one, two, ...rest) {
+  const back = pieces(two, ...rest);
+  return pieces(one, ...rest).map((piece, i) => `M${piece.join("L")}L${back[i].reverse().join("L")}Z`).join("");
+}

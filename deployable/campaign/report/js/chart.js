@@ -35,6 +35,7 @@ class Chart {
         if (values[i] > high) high = values[i];
       }
     }
+    if (low > high) [low, high] = [0, 0]; // all of it is too uncertain
     const room = 0.05 * (high - low) || 0.5 * Math.abs(high) || 1;
     return [low - room, high + room];
   }
@@ -62,12 +63,23 @@ class Chart {
     for (const { values, kind, run, style = run ? `stroke:var(${SHOWN.colour(run)})` : "" } of this.drawn()) {
       inside.append(svg("path", { class: `curve ${kind}`, style, d: line(values, this.span, this.x, this.y) }));
     }
+    this.asked = svg("path", { class: "curve asked" });
+    inside.append(this.asked);
+    this.ask(this.what);
     this.cursor = svg("line", { class: "cursor", y1: top - 6, y2: base });
     this.hovered = svg("line", { class: "hover", y1: top, y2: base, visibility: "hidden" });
     this.chosen = svg("rect", { class: "chosen", y: top, height: base - top, width: 0 });
     inside.append(this.chosen, this.hovered, this.cursor);
     this.svg.replaceChildren(clip, this.axes(low, high, base), inside);
     this.follow(clock.time);
+  }
+
+  // Draw the curve that sliders ask for.
+  ask(values) {
+    this.what = values;
+    if (!values || !this.asked) return;
+    this.asked.curve = values;
+    this.asked.setAttribute("d", line(values, this.span, this.x, this.y));
   }
 
   axes(low, high, base) {

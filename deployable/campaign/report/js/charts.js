@@ -4,18 +4,25 @@ function offset(values, error, sign) {
   return values.map((value, i) => value + sign * error[i]);
 }
 
+// The bounds, without those whose error is so large that they are not to be relied on.
+function drawable({ lower, upper, error, widest }) {
+  const i = nearest(TIME, widest), most = error ? DATA.large * (upper[i] - lower[i]) : Infinity;
+  const sure = (values) => values.map((value, at) => (error && error[at] >= most ? NaN : value));
+  return { lower: sure(lower), upper: sure(upper) };
+}
+
 function responseChart(response, r, marks) {
-  const { lower, upper, nominal, error } = response, unit = pretty(response.units);
+  const { nominal, error } = response, unit = pretty(response.units), { lower, upper } = drawable(response);
   const areas = [{ lower, upper, kind: "band" }];
-  if (error) areas.unshift({ lower: offset(lower, error, -1), upper: offset(upper, error, 1), kind: "doubt" });
+  if (error) areas.unshift({ lower: offset(lower, error, -1).map((value) => (value < response.least ? response.least : value)), upper: offset(upper, error, 1), kind: "doubt" });
   const curves = DATA.lines.map(({ curves }) => ({ values: curves[r], kind: "thin" }));
   DATA.moving.slice(1).forEach(({ curves: ours }, i) => curves.push({ values: ours[r], kind: "moving", run: i + 1 }));
   curves.push({ values: lower, kind: "lower" }, { values: upper, kind: "upper" });
   if (nominal) curves.push({ values: nominal, kind: "nominal" });
   const readout = (i) => [
-    ["bounds", `${digits(lower[i])} to ${digits(upper[i])}`],
-    ["width", digits(upper[i] - lower[i], 3)],
-    ...(error ? [["error ±", digits(error[i], 2)]] : []),
+    ["bounds", `${digits(response.lower[i])} to ${digits(response.upper[i])}`],
+    ["width", digits(response.upper[i] - response.lower[i], 3)],
+    ...(error ? [["error ±", `${digits(error[i], 2)}${Number.isNaN(lower[i]) ? ", too large to draw them" : ""}`]] : []),
     ...(nominal ? [["nominal", digits(nominal[i])]] : []),
   ];
   return new Chart({ title: response.longName, units: `${response.name}, ${unit}`, curves, areas, marks, along: response.along, readout });
@@ -52,6 +59,7 @@ function legend() {
   if (DATA.lines.length) items.push(key("runs that were not fitted", 'class="curve thin"'));
   items.push(key("between the bounds", 'class="band"', true));
   if (DATA.responses.some(({ error }) => error)) items.push(key("estimated error of the bounds", 'class="doubt"', true));
+  if (DATA.whatIf?.slopes) items.push(key("what if", 'class="curve asked"'));
   byId("legend").append(...items);
 }
 

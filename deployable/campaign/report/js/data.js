@@ -98,6 +98,12 @@ function digits(value, count = 4) {
   return (size !== 0 && (size < 1e-5 || size >= 1e6) ? text.toExponential(count - 1) : String(text)).replaceAll("-", "−");
 }
 
+// A number to the place of the first digit of its error, with that: `0.062 ± 0.005`.
+function measured(value, error) {
+  const places = error > 1e-3 * Math.abs(value) ? -Math.floor(Math.log10(error)) : NaN;
+  return places >= 0 && places < 10 ? `${value.toFixed(places)} ± ${error.toFixed(places)}`.replaceAll("-", "−") : digits(value, 3);
+}
+
 // `m s-1` as `m/s`.
 function pretty(units) {
   const above = [], under = [];

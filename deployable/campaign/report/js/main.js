@@ -18,9 +18,10 @@ function repaint() {
   stills.draw();
 }
 
-// Draw all that depends on which runs are shown.
-function showRuns() {
-  repaint();
+// Draw all that depends on which runs are shown; the stills too, unless a slider is moved.
+function showRuns(all = true) {
+  if (all) repaint();
+  else if (viewer) { viewer.recolour(); viewer.draw(); }
   drawMarks();
   for (const chart of charts) chart.draw();
 }
@@ -128,4 +129,5 @@ drawMarks();
 drawEvents();
 const charts = drawCharts();
 drawTables();
+const whatIf = byId("what-if") && new WhatIf(DATA.whatIf);
 clock.set(DATA.responses[0].widest);

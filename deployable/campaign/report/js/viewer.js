@@ -188,19 +188,21 @@ class Viewer {
   }
 }
 
+let markShown = () => {};
+
 // Which runs are shown, the colours' meaning, views and zoom.
 function viewerControls(viewer) {
   const boxes = DATA.moving.map((one, i) => {
     const box = make("input", { type: "checkbox" });
-    box.addEventListener("change", () => { SHOWN.set(i, box.checked); mark(); showRuns(); });
+    box.addEventListener("change", () => { SHOWN.set(i, box.checked); markShown(); showRuns(); });
     byId("runs-shown").append(make("label", { title: runText(one) }, box, one.label));
     return box;
   });
-  const mark = () => boxes.forEach((box, i) => {
+  markShown = () => boxes.forEach((box, i) => {
     box.checked = SHOWN.has(i);
     box.style = `color:var(${SHOWN.colour(i)});accent-color:var(${SHOWN.colour(i)})`;
   });
-  mark();
+  markShown();
   byId("few").hidden = boxes.length <= COLOURS.length + 1;
   const [{ loads, meshes }] = viewer.runs, gradient = (colourOf) => `background:linear-gradient(90deg,${[0, 0.25, 0.5, 0.75, 1].map((share) => `#${colourOf(share).getHexString()}`).join(",")})`;
   if (meshes.cables) {
@@ -224,9 +226,10 @@ function viewerControls(viewer) {
 
 // What a shown run is, in full.
 function runText({ run, label }) {
-  const values = DATA.parameters.map(({ name, units }, k) => `${name} = ${digits(DATA.runs[run].values[k], 6)} ${pretty(units)}`);
-  return `${label}: run ${DATA.runs[run].id}, ${values.join(", ")}`;
+  return `${label}: run ${DATA.runs[run].id}, ${parametersOf(run)}`;
 }
+
+const parametersOf = (run) => DATA.parameters.map(({ name, units }, k) => `${name} = ${digits(DATA.runs[run].values[k], 4)} ${pretty(units)}`).join(", ");
 
 // The stress (Pa) where the colours end: all but one in two hundred values of the first run are below.
 function usualTop(stress) {

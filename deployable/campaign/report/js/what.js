@@ -1,0 +1,102 @@
+// What if: sliders ask what was fitted, as `intervals/formula.py` does, and the nearest run that moves.
+
+const KERNELS = { cube: (d) => d ** 3, fading: (d) => Math.exp(-d), matern: (d) => (1 + d + (d * d) / 3) * Math.exp(-d) };
+
+// Chebyshev products at unit coordinates.
+const products = (indices, unit) => indices.map((powers) => powers.reduce((product, n, j) => (n ? product * Math.cos(n * Math.acos(unit[j])) : product), 1));
+
+function evaluate({ indices, coefficients, points, scales, weights, kernel }, unit) {
+  let sum = products(indices, unit).reduce((total, value, m) => total + value * coefficients[m], 0);
+  for (let n = 0; n < weights.length; n++) {
+    const square = unit.reduce((total, x, j) => total + (scales[j] * (x - points[n * unit.length + j])) ** 2, 0);
+    sum += weights[n] * KERNELS[kernel](Math.sqrt(square));
+  }
+  return sum;
+}
+
+// A quantity, not a number where there is none.
+function answer({ value, there, least, latest }, unit) {
+  if (!value || !(typeof there === "boolean" ? there : evaluate(there, unit) >= 0)) return NaN;
+  return Math.min(latest ?? Infinity, Math.max(least ?? -Infinity, evaluate(value, unit)));
+}
+
+const keeps = ({ kind, level }, value) => (kind === "happens" ? Number.isNaN(value) !== level : kind === "at_most" ? value <= level : value >= level);
+
+class WhatIf {
+  constructor({ quantities, limits, indices, constants, slopes }) {
+    Object.assign(this, { quantities, limits, indices, constants, slopes, shown: null });
+    this.sliders = DATA.parameters.map(({ name, units, lower, nominal, upper, description }) => {
+      const input = make("input", { type: "range", min: lower, max: upper, step: "any", "aria-label": description || name });
+      const told = make("output");
+      input.value = nominal;
+      input.disabled = !(upper > lower);
+      input.addEventListener("input", () => this.ask());
+      byId("sliders").append(make("label", {}, make("span", {}, make("b", {}, name), ` ${description}`), input, told));
+      return { input, told, units };
+    });
+    byId("usual").addEventListener("click", () => this.set(DATA.parameters.map(({ nominal }) => nominal)));
+    for (const mark of document.querySelectorAll("[data-judged]")) mark.addEventListener("click", () => this.run(Number(mark.dataset.judged)));
+    if (!DATA.judged) return;
+    const number = make("input", { type: "number", min: 1, max: DATA.judged.met.length, "aria-label": "Run" });
+    number.addEventListener("input", () => { if (number.checkValidity() && number.value) this.run(number.value - 1); });
+    byId("usual").after(make("label", { class: "choice" }, "run ", number, ` of ${DATA.judged.met.length}`));
+    this.number = number;
+  }
+
+  values() {
+    return this.sliders.map(({ input }) => Number(input.value));
+  }
+
+  unit(values) {
+    return DATA.parameters.map(({ lower, upper }, j) => (upper > lower ? Math.min(1, Math.max(-1, (2 * (values[j] - lower)) / (upper - lower) - 1)) : 0));
+  }
+
+  set(values, run = null) {
+    this.sliders.forEach(({ input }, j) => { input.value = values[j]; });
+    this.ask(run);
+  }
+
+  // Show a run that was judged, by its number.
+  run(index) {
+    const { values } = DATA.judged, k = this.sliders.length;
+    this.set([...values.subarray(k * index, k * (index + 1))], index);
+    for (const mark of document.querySelectorAll("[data-judged]")) mark.classList.toggle("asked", Number(mark.dataset.judged) === index);
+  }
+
+  // A response over time at unit coordinates.
+  curve(r, unit) {
+    const found = Float64Array.from(this.constants[r]);
+    products(this.indices, unit).forEach((factor, m) => { const slope = this.slopes[r][m]; for (let i = 0; i < found.length; i++) found[i] += factor * slope[i]; });
+    return found;
+  }
+
+  ask(run = null) {
+    const values = this.values(), unit = this.unit(values), q = this.quantities.length;
+    this.sliders.forEach(({ told, units }, j) => { told.textContent = `${digits(values[j], 3)} ${pretty(units)}`; });
+    if (this.number) this.number.value = run === null ? "" : run + 1;
+    const numbers = run === null ? this.quantities.map((one) => answer(one, unit)) : [...DATA.judged.numbers.subarray(q * run, q * (run + 1))];
+    const broken = [...new Set(this.limits.filter((limit) => !keeps(limit, numbers[this.quantities.findIndex(({ name }) => name === limit.quantity)])).map(({ of }) => of))];
+    const basis = run === null ? "by what was fitted" : "simulated";
+    byId("what-verdict").replaceChildren(...(this.limits.length ? [make("b", { class: broken.length ? "bad" : "good" }, broken.length ? `Fails: ${broken.join(", ")}` : "Meets all requirements"), ` (${basis}).`] : []));
+    byId("what-numbers").replaceChildren(...this.quantities.flatMap(({ name, words, units, latest, error }, i) => {
+      const late = run === null && latest !== null && numbers[i] >= latest;
+      const text = Number.isNaN(numbers[i]) ? "does not happen" : late ? `not within ${digits(latest)} s` : `${measured(numbers[i], run === null ? error : 0)} ${pretty(units)}`;
+      return [make("dt", {}, `${words} (${name})`), make("dd", {}, text)];
+    }));
+    if (this.slopes) DATA.responses.forEach((_, r) => charts[r].ask(this.curve(r, unit)));
+    this.nearest(unit);
+    Object.assign(byId("what-if").dataset, { numbers: JSON.stringify(numbers.map((value) => (Number.isNaN(value) ? null : value))) });
+  }
+
+  // Show the moving run that is nearest beside the first, and no other.
+  nearest(unit) {
+    const apart = DATA.moving.map(({ run }) => Math.max(...this.unit(DATA.runs[run].values).map((x, j) => Math.abs(x - unit[j]))));
+    const near = apart.indexOf(Math.min(...apart));
+    if (near < 0 || near === this.shown) return;
+    this.shown = near;
+    DATA.moving.forEach((_, i) => SHOWN.set(i, i === 0 || i === near));
+    markShown();
+    showRuns(false);
+    byId("what-moves").textContent = `The structure that moves: ${near ? "the nearest run that has a motion, beside the nominal one" : "the nominal run"} (${parametersOf(DATA.moving[near].run)}).`;
+  }
+}

@@ -1,0 +1,118 @@
+"""Sliders, and runs that are clicked, tell what Python tells."""
+
+import copy
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from browser import MISSING, Browser
+from opening import CONFIG
+
+from deployable import campaign
+from deployable.campaign.report import from_results, make_motions, write_page
+from deployable.campaign.report.data import Judged
+from deployable.campaign.report.failing import MOST_PARAMETERS, lines, prices
+from deployable.campaign.report.page import render
+
+in_a_browser = pytest.mark.skipif(bool(MISSING), reason=f"not installed: {', '.join(MISSING)}")
+
+SLIDE = """(() => {{ const slider = document.querySelector('#sliders input');
+slider.value = {}; const start = performance.now(); slider.dispatchEvent(new Event('input'));
+return performance.now() - start; }})()"""
+TOLD = "document.getElementById('what-if').dataset.numbers"
+VERDICT = "document.getElementById('what-verdict').textContent"
+
+
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory):
+    """The page's data of a panel with requirements that part of the box meets."""
+    results = tmp_path_factory.mktemp("results")
+    campaign.run(copy.deepcopy(CONFIG), results, figures=False, tell=lambda text: None)
+    make_motions(results / CONFIG["campaign"], frames=21)
+    return from_results(results / CONFIG["campaign"])
+
+
+@pytest.fixture(scope="module")
+def window(opened, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "report.html"
+    write_page(opened, path)
+    with Browser() as browser:
+        browser.open(path)
+        browser.settle()
+        yield browser
+        assert browser.errors() == []
+
+
+@in_a_browser
+@pytest.mark.parametrize("share", [0.03, 0.31, 0.5, 0.77, 0.99])
+def test_a_slider_asks_what_python_asks(window, opened, share):
+    """Quantities, verdict and curves, to less than a millionth of their widths, within 50 ms."""
+    (k,) = opened.parameters
+    value = k["lower"] + share * (k["upper"] - k["lower"])
+    window.ask(SLIDE.format(repr(value)))
+    milliseconds = min(window.ask(SLIDE.format(repr(v))) for v in (k["nominal"], value) * 2)
+    assert milliseconds < 50
+    window.ask(SLIDE.format(repr(value)))
+    unit = np.array([[2 * share - 1]])
+    wanted = [surrogate.evaluate(unit)[0] for surrogate in opened.what_if.quantities.values()]
+    for found, number, row in zip(
+        json.loads(window.ask(TOLD)), wanted, opened.facts["quantities"], strict=True
+    ):
+        assert (found is None) == np.isnan(number)
+        if found is not None:
+            assert found == pytest.approx(number, abs=1e-6 * (row["upper"] - row["lower"]))
+    assert ("Meets all" in window.ask(VERDICT)) == (wanted[0] <= 1.9334)
+    curve = np.array(window.ask("Array.from(document.querySelector('#charts .asked').curve)"))
+    powers = opened.what_if.indices[:, 0]
+    exact = np.cos(powers * np.arccos(unit[0, 0])) @ opened.what_if.coefficients[0]
+    width = (opened.responses[0].upper - opened.responses[0].lower).max()
+    np.testing.assert_allclose(curve, exact, rtol=0, atol=1e-6 * width)
+
+
+@in_a_browser
+def test_a_run_that_is_clicked_is_told_as_it_was_simulated(window, opened):
+    run = window.ask("Number(document.querySelector('path[data-judged]').dataset.judged)")
+    window.ask("document.querySelector('path[data-judged]').dispatchEvent(new Event('click'))")
+    slider = float(window.ask("document.querySelector('#sliders input').value"))
+    assert slider == pytest.approx(opened.judged.values[run, 0], rel=1e-9)
+    numbers = [None if np.isnan(n) else n for n in opened.judged.numbers[run]]
+    assert json.loads(window.ask(TOLD)) == numbers
+    assert window.ask(VERDICT) == "Fails: in_time (simulated)."
+    assert window.ask("document.querySelectorAll('.asked[data-judged]').length") == 1
+    window.ask("document.getElementById('usual').click()")
+    assert float(window.ask("document.querySelector('#sliders input').value")) == pytest.approx(0.1)
+
+
+def test_runs_of_many_parameters_are_lines_along_all(opened):
+    (k,) = opened.parameters
+    count = MOST_PARAMETERS + 1
+    values = np.random.default_rng(1).uniform(k["lower"], k["upper"], (30, count))
+    met = values[:, 0] > 0.1
+    data = replace(
+        opened,
+        facts=opened.facts
+        | {"parameters": [{**k, "name": f"k{i}"} for i in range(count)], "quantities": []}
+        | {"requirements": []},
+        judged=Judged(values, met, np.ones((30, 2))),
+        what_if=None,
+        responses=tuple(replace(one, shares=None, widths=None) for one in opened.responses),
+    )
+    found = lines(data)
+    assert [each for _, each, _ in found] == sorted(met, reverse=True)
+    for run, _, places in found:
+        unit = (values[run] - k["lower"]) / (k["upper"] - k["lower"])
+        np.testing.assert_allclose(places, unit, atol=1e-4)
+    assert render(data).count("<polyline") == 30
+    assert lines(opened) == []
+
+
+def test_what_choices_cost_leaves_out_those_that_end_with_the_runs(opened):
+    panel = prices(opened.facts)
+    assert panel.marks[-1][2] is None  # the best
+    assert len(panel.marks) == len(opened.facts["choice"]["tried"]) + 1
+    late = copy.deepcopy(opened.facts)
+    late["choice"]["goals"][0]["end"] = "upper"
+    late["choice"]["tried"][0]["goals"] = [late["duration"]]
+    assert len(prices(late).marks) == len(panel.marks) - 1
+    assert prices({"duration": 1.0}) is None

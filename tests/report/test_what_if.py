@@ -92,8 +92,8 @@ def test_runs_of_many_parameters_are_lines_along_all(opened):
     data = replace(
         opened,
         facts=opened.facts
-        | {"parameters": [{**k, "name": f"k{i}"} for i in range(count)], "quantities": []}
-        | {"requirements": []},
+        | {"parameters": [{**k, "name": f"k{i}"} for i in range(count)], "requirements": []}
+        | {"quantities": [row for row in opened.facts["quantities"] if row["lower"] is None]},
         judged=Judged(values, met, np.ones((30, 2))),
         what_if=None,
         responses=tuple(replace(one, shares=None, widths=None) for one in opened.responses),

@@ -89,11 +89,16 @@ def test_runs_of_many_parameters_are_lines_along_all(opened):
     count = MOST_PARAMETERS + 1
     values = np.random.default_rng(1).uniform(k["lower"], k["upper"], (30, count))
     met = values[:, 0] > 0.1
+    facts = {
+        **{name: fact for name, fact in opened.facts.items() if name != "choice"},
+        "parameters": [{**k, "name": f"k{i}"} for i in range(count)],
+        "quantities": [row for row in opened.facts["quantities"] if row["lower"] is None],
+        "requirements": [],
+        "together": {**opened.facts["together"], "fails": None, "halved": {}},
+    }
     data = replace(
         opened,
-        facts=opened.facts
-        | {"parameters": [{**k, "name": f"k{i}"} for i in range(count)], "requirements": []}
-        | {"quantities": [row for row in opened.facts["quantities"] if row["lower"] is None]},
+        facts=facts,
         judged=Judged(values, met, np.ones((30, 2))),
         what_if=None,
         responses=tuple(replace(one, shares=None, widths=None) for one in opened.responses),

@@ -5,6 +5,9 @@ bears at most `moment`, M; beyond, its foot slips, so that k |psi - z| = M, and 
 Below, the foot stays where it is for ever: nothing creeps. The bristle is bent by `bend` = M/k when
 it begins to slip. While it sticks, a damper c on dpsi/dt brings it to rest; both together never
 exceed M.
+
+M may go by a table of the opening: a curve that is another on the way back is the mean of both, of
+a spring by a table, beside friction with half of their difference (hysteresis).
 Source: Dupont, Hayward, Armstrong, Altpeter, IEEE Trans. Automatic Control 47 (2002) 787.
 """
 
@@ -15,6 +18,8 @@ import numpy as np
 from fpm.elements.fields import damping, number
 from fpm.elements.kind import Energy
 from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge, opened, softness
+from fpm.elements.openings.table_spring import bends, check_table, table_array
+from fpm.errors import SceneError
 
 BEND = 1e-3
 """Angle (rad) by which a bristle is bent before it slips, if nothing else is said."""
@@ -44,6 +49,8 @@ class Friction(OnHinge):
         default=None,
         about="while it sticks; left out: 0.3 of critical for the joint's own two particles",
     )
+    angles: tuple[float, ...] = ()  # increasing (rad), with the shares of `moment` there, straight
+    shares: tuple[float, ...] = ()  # between; without them all of it everywhere
 
     stores = Energy("friction", "friction_energy", "energy of the bristles of friction")
     takes = JOINT_LOSS
@@ -55,6 +62,20 @@ class Friction(OnHinge):
     def led(cls, scene):
         """They slip at once, the way that their joints go."""
         return [replace(friction, bend=AT_ONCE, damping=0.0) for friction in cls.of(scene)]
+
+    def check(self, scene):
+        """The table as well."""
+        super().check(scene)
+        if self.angles or self.shares:
+            check_table(self.angles, self.shares, "shares", self.title(scene))
+            if min(self.shares) < 0:
+                raise SceneError(f"shares of {self.title(scene)}", self.shares, "none below 0")
+
+    def topology(self):
+        return self.hinge, len(self.angles)
+
+    def title(self, scene):
+        return f"hysteresis {self.label(scene)}" if self.angles else super().title(scene)
 
     @property
     def stiffness(self) -> float:
@@ -70,11 +91,17 @@ class Friction(OnHinge):
 
     @classmethod
     def array(cls, name, batch):
-        """The dampers depend on the scene; at the start the feet are where the hinges are."""
+        """The dampers depend on the scene; at the start the feet are where the hinges are. The
+        tables are those of the bend."""
 
         def bristles(scene):
-            return [[f.stiffness, f.bend, f.damping_in(scene)] for f in cls.of(scene)]
+            return [[f.stiffness, f.bend * (f.shares or (1.0,))[0], f.damping_in(scene)]
+                    for f in cls.of(scene)]  # fmt: skip
 
+        if name in ("start", "points"):
+            if not any(f.angles for f in cls.of(batch.one)):
+                return None
+            return table_array(name, batch, cls, lambda f: f.bend * bends(f.angles, f.shares))
         if name == "numbers":
             return batch.stack(len(cls.of(batch.one)), 3, bristles)
         found = super().array(name, batch)

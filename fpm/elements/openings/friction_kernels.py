@@ -5,11 +5,14 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.openings.losses_kernels import LOSING, edge, follow_rate, lose
-from fpm.elements.openings.opening_kernels import NOW, Openings, turn
+from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, store, where_negative
+from fpm.kernels.vectors import kernel
 
 STIFFNESS, BEND, DAMPING = range(3)
+
+ANGLE, SLOPE = 0, 1  # of a point: where, and by how much the slope of the bend changes there
 
 FOOT = 0  # opening at which the bristle is straight
 BENT = 1  # by how much it is bent
@@ -26,6 +29,18 @@ class Frictions(NamedTuple):
     state: np.ndarray
     account: int
     rows: np.ndarray
+    start: np.ndarray | None = None  # (f + 1,) where the points of each begin,
+    points: np.ndarray | None = None  # (p, 2, lanes), where the bend goes by a table
+
+
+@kernel
+def bend_at(points, start, i, most, psi):
+    """By how much bristle i bends at an opening before it slips; most: up to the first point."""
+    if points is not None:
+        for j in range(start[i], start[i + 1]):
+            after = psi - load(points, j, ANGLE)
+            most = most + load(points, j, SLOPE) * where_negative(after, 0.0, after)
+    return most
 
 
 @hook(Frictions)
@@ -37,15 +52,18 @@ def forces(part, world, now):
     """
     for i in range(part.on.shape[0]):
         h, last = part.on[i], load(part.state, i, BENT)
-        stiffness, most = load(part.numbers, i, STIFFNESS), load(part.numbers, i, BEND)
+        stiffness, first = load(part.numbers, i, STIFFNESS), load(part.numbers, i, BEND)
         psi, foot = load(part.openings.angles, h, NOW), load(part.state, i, FOOT)
+        most = bend_at(part.points, part.start, i, first, psi)
+        before = load(part.openings.angles, h, BEFORE)
+        before = bend_at(part.points, part.start, i, first, before)
         rate = follow_rate(part.openings, part.past, i, h, now)
         trial = psi - foot
         sign = where_negative(trial, -1.0, 0.0 * trial + 1.0)
         slips = most - absolute(trial)  # < 0 where it does
         bent = where_negative(slips, sign * most, trial)
         moved = where_negative(slips, psi - bent, foot)
-        extra = -1.0 * stiffness * edge(-slips, sign * last - most)
+        extra = -1.0 * stiffness * edge(-slips, sign * last - before)
         spring = -1.0 * (stiffness * bent + sign * extra)
         # The damper acts while it sticks, and takes the moment to M at most.
         damper = -1.0 * load(part.numbers, i, DAMPING) * rate
@@ -60,7 +78,7 @@ def forces(part, world, now):
         damper = where_negative(slips, sign * helped, damper)
         turn(part.openings, world.state, h, spring + damper)
         lose(world, part.account, part.openings, part.past, i, h, damper)
-        lost = room * absolute(moved - foot)
+        lost = 0.5 * stiffness * (most + before) * absolute(moved - foot)
         store(world.accounts, 0, part.account, load(world.accounts, 0, part.account) + lost)
         store(part.state, i, FOOT, moved)
         store(part.state, i, BENT, bent)

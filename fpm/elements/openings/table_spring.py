@@ -3,7 +3,7 @@
 What tape springs need: a moment that rises to a peak, falls, and stays on a plateau. The moment
 turns the hinge open where it is positive, on the second particle as all openings count; beyond the
 ends of the table it keeps its last value. The energy is the exact integral, zero where it is least
-within the table. One curve for both ways: the hysteresis of a snapping tape is not in it.
+within the table. One curve for both ways: hysteresis is friction by a table beside it.
 """
 
 from dataclasses import dataclass
@@ -31,13 +31,7 @@ class TableSpring(OnHinge):
     def check(self, scene):
         """The hinge and the table."""
         super().check(scene)
-        both = len(self.angles) == len(self.moments) >= 2
-        if not (both and np.isfinite([self.angles, self.moments]).all()):
-            found = (len(self.angles), len(self.moments))
-            allowed = "as many moments as angles, two or more, all finite"
-            raise SceneError("angles, moments of spring by a table", found, allowed)
-        if not np.all(np.diff(self.angles) > 0):
-            raise SceneError("angles of spring by a table", list(self.angles), "increasing angles")
+        check_table(self.angles, self.moments, "moments", "spring by a table")
 
     def topology(self):
         """The hinge and the number of points."""
@@ -47,11 +41,6 @@ class TableSpring(OnHinge):
     def slopes(self) -> np.ndarray:
         """Slopes (N m/rad) of the moment between the points."""
         return np.diff(self.moments) / np.diff(self.angles)
-
-    @property
-    def bends(self) -> np.ndarray:
-        """By how much the slope changes at each point."""
-        return np.diff(self.slopes, prepend=0.0, append=0.0)
 
     @property
     def lift(self) -> float:
@@ -76,11 +65,31 @@ class TableSpring(OnHinge):
     @classmethod
     def array(cls, name, batch):
         """Besides, all `points`, and where those of each spring `start`."""
-        ends = np.cumsum([0, *(len(s.angles) for s in cls.of(batch.one))])
-        if name == "start":
-            return batch.integers(ends)
-        if name != "points":
+        if name not in ("start", "points"):
             return super().array(name, batch)
-        return batch.stack(ends[-1], 2, lambda scene: np.concatenate(
-            [np.column_stack([s.angles, s.bends]) for s in cls.of(scene)]
-        ))  # fmt: skip
+        return table_array(name, batch, cls, lambda s: bends(s.angles, s.moments))
+
+
+def check_table(angles, values, what: str, whose: str) -> None:
+    """SceneError unless there is a value for each of increasing angles, two or more."""
+    both = len(angles) == len(values) >= 2
+    if not (both and np.isfinite([angles, values]).all()):
+        allowed = f"as many {what} as angles, two or more, all finite"
+        raise SceneError(f"angles, {what} of {whose}", (len(angles), len(values)), allowed)
+    if not np.all(np.diff(angles) > 0):
+        raise SceneError(f"angles of {whose}", list(angles), "increasing angles")
+
+
+def bends(angles, values) -> np.ndarray:
+    """By how much the slope of a table changes at each point."""
+    return np.diff(np.diff(values) / np.diff(angles), prepend=0.0, append=0.0)
+
+
+def table_array(name: str, batch, kind, bends_of) -> np.ndarray:
+    """All `points` of the tables of a kind's elements, or where those of each `start`."""
+    ends = np.cumsum([0, *(len(element.angles) for element in kind.of(batch.one))])
+    if name == "start":
+        return batch.integers(ends)
+    return batch.stack(ends[-1], 2, lambda scene: np.concatenate(
+        [np.column_stack([e.angles, bends_of(e)]) for e in kind.of(scene) if e.angles]
+    ))  # fmt: skip

@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from fpm.elements import (
     Contact,
     Damper,
@@ -100,7 +102,11 @@ def friction(build, it):
             build.refuse("sticks", it.sticks, "by its bend, on a slide")
         build.scene.add(element(RigidFriction, it))
         return
-    build.scene.add(element(Friction, it, bend=it.bend or (SLIDE_BEND if slides else BEND)))
+    build.scene.add(element(Friction, it, bend=it.bend or _bend(build.scene, it.joint)))
+
+
+def _bend(scene, hinge: int) -> float:
+    return SLIDE_BEND if scene.hinges[hinge].slides else BEND
 
 
 @statement(
@@ -150,19 +156,42 @@ def latch(build, it):
     build.scene.add(element(RigidLatch if rigid else Latch, it, one_sided=one_sided))
 
 
+MOMENTS = Many(
+    kind=Number(unit="N m"), least=2, about="one for each, > 0 where it opens; straight between"
+)
+
+
 @statement(
     "actions",
     "tape spring",
     joint=JOINT,
     angles=Many(kind=Number(unit="rad"), least=2, about="openings, increasing"),
-    moments=Many(
-        kind=Number(unit="N m"), least=2, about="one for each, > 0 where it opens; straight between"
+    moments=MOMENTS,
+    back=replace(
+        MOMENTS, default=None, about="on the way back, none below `moments`; left out: the same"
+    ),
+    bend=key_of(
+        Friction, "bend", default=None,
+        about="half of the way from one branch to the other; left out: as that of friction",
     ),
     **CLASS,
-)
+)  # fmt: skip
 def tape_spring(build, it):
-    """Moves a joint by a moment, or force, that a table gives, with a peak and a plateau, say."""
-    build.scene.add(element(TableSpring, it))
+    """Moves a joint by a moment, or force, that a table gives: a tape spring, a harness.
+
+    With `back` the mean of both is the spring's, and what depends on the sense is hysteresis.
+    """
+    scene, there = build.scene, np.array(it.moments)
+    back = there if it.back is None else np.array(it.back)
+    if len(back) != len(there) or np.any(back < there):
+        build.refuse("back", it.back, "one for each opening, none below that on the way there")
+    scene.add(element(TableSpring, it, moments=tuple((there + back) / 2)))
+    if it.back is not None:
+        most = float((back - there).max() / 2)
+        shares = tuple((back - there) / 2 / (most or 1.0))
+        bend = it.bend or _bend(scene, it.joint)
+        drag = Friction(it.joint, most, bend, angles=tuple(it.angles), shares=shares)
+        scene.classes[Friction, scene.add(drag)] = "HY"
 
 
 @acting(

@@ -61,9 +61,9 @@ def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, n
     sections as the particles there carry them (t, m, 3, 2). place(particle) gives positions (t, 3)
     m, axes(particle) frames (t, 3, 3)."""
     start, found = scene.frame if scene.unstrained is None else scene.unstrained, []
-    for nodes in beams.nodes.T:
+    for nodes, square in zip(beams.nodes.T, beams.end_axes(), strict=True):
         frames = np.stack([axes(int(p)) for p in nodes], axis=1)
-        own = frames @ (start[nodes].transpose(0, 2, 1) @ beams.triad[:, :, 1:])
+        own = frames @ (start[nodes].transpose(0, 2, 1) @ square)
         found.append((np.stack([place(int(p)) for p in nodes], axis=1), own))
     return found
 

@@ -12,8 +12,10 @@ import ast
 import math
 import operator
 import re
+from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, lru_cache
+from itertools import pairwise
 
 from fpm.errors import meant
 from fpm.structures.units import BARE, CHAIN, NUMBER, Dimension, power, product, unit
@@ -35,6 +37,18 @@ _OPERATORS = {
     ast.USub: operator.neg,
 }
 _ANGULAR = ("sin", "cos", "tan")
+
+
+def _interpolate(x: float, *points: float) -> float:
+    """Straight between points x1, y1, x2, y2, ..., and constant beyond them."""
+    at, values = points[::2], points[1::2]
+    if any(one >= two for one, two in pairwise(at)):
+        raise ExpressionError("interpolated between places that do not increase")
+    k = min(max(bisect_right(at, x), 1), len(at) - 1)
+    share = min(max((x - at[k - 1]) / (at[k] - at[k - 1]), 0.0), 1.0)
+    return (1.0 - share) * values[k - 1] + share * values[k]
+
+
 _ROUND = {name: getattr(math, name) for name in (*_ANGULAR, "asin", "acos", "atan")}
 _FUNCTIONS: dict[str, tuple[Callable, int, int]] = {  # with the least and largest number of values
     **{name: (function, 1, 1) for name, function in _ROUND.items()},
@@ -43,6 +57,7 @@ _FUNCTIONS: dict[str, tuple[Callable, int, int]] = {  # with the least and large
     "abs": (abs, 1, 1),
     "min": (min, 2, 20),
     "max": (max, 2, 20),
+    "interpolate": (_interpolate, 5, 41),
 }
 RESERVED = (*_FUNCTIONS, "pi")
 ALLOWED = f"numbers with units, names, + - * / ** ( ), pi and {', '.join(_FUNCTIONS)}"
@@ -89,6 +104,8 @@ class Expression:
         """The value in SI units; ExpressionError if it is no finite number."""
         try:
             found = float(self._value(names))
+        except ExpressionError:
+            raise
         except (ArithmeticError, ValueError):
             found = math.nan
         if not math.isfinite(found):
@@ -135,6 +152,8 @@ class Expression:
                 )
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in _FUNCTIONS:
                 function, least, most = _FUNCTIONS[name]
+                if name == "interpolate" and len(args) % 2 == 0:
+                    raise ExpressionError(f"{name} takes a value, and two for each point")
                 if not least <= len(args) <= most:
                     count = f"{least}" if least == most else f"{least} or more"
                     plural = "s" if most > 1 else ""
@@ -199,6 +218,9 @@ def _called(name: str, found: list[Dimension], zero: bool) -> Dimension:
     """The dimension of a function's value from those of its own; zero: of the plain number 0."""
     if name in ("abs", "min", "max"):
         return _same(found, f"values of one {name}")
+    if name == "interpolate":
+        _same([found[0], *found[1::2]], f"places of one {name}")
+        return _same(found[2::2], f"values of one {name}")
     if name == "sqrt":
         return power(found[0], 0.5)
     if name == "atan2":

@@ -18,6 +18,8 @@ VALUES = {
     "5/s": 5.0, "9.81 m/s2": 9.81, "(2 mm)**2": 4e-6, "6 m/2": 3.0, "-2**2": -4.0,
     "2*(1 + 3)/4": 2.0, "min(3 mm, 2 mm) + max(1 m, 2 m)": 2.002,
     "atan2(1, -1)": 3 * math.pi / 4, "sqrt(16 m2)": 4.0, "abs(-pi)": math.pi,
+    "interpolate(0, -40, 11 mm, 20, 5 mm, 80, 4 mm)": 0.007, "interpolate(20, -4, 1, 20, 5)": 5.0,
+    "interpolate(-90, -40, 11, 20, 5, 80, 4)": 11.0, "interpolate(90, -40, 11, 20, 5, 80, 4)": 4.0,
 }  # fmt: skip
 
 
@@ -69,7 +71,7 @@ NO_ARITHMETIC = (
     "1 or 2", "f'{1}'", "'a'", "True", "None", "1j", "L[0]", "*L", "L := 1", "1 // 2", "7 % 4",
     "1 << 9", "~1", "a @ b", "open(1)", "eval(1)", "cos", "cos.x(1)", "cos(1, 2)", "cos(x=1)",
     "cos(*L)", "_0_", "2 ** ", "", "(" * 300, "1" * 501, "\x00", "a\nb", "await x", "yield",
-    "print",
+    "print", "interpolate(1, 2, 3, 4)", "interpolate(1, 2, 3)",
 )  # fmt: skip
 
 
@@ -89,6 +91,12 @@ def test_what_has_no_value_is_refused(text):
         value(text)
 
 
+@pytest.mark.parametrize("text", ["interpolate(1, 0, 1, 0, 2)", "interpolate(1, 2, 1, 0, 2)"])
+def test_tables_whose_places_do_not_increase_are_refused(text):
+    with pytest.raises(ExpressionError, match="do not increase"):
+        value(text)
+
+
 REFUSED = {
     "L + t": "cannot be added",
     "L + 1": "a number without unit and m cannot be added",
@@ -99,6 +107,8 @@ REFUSED = {
     "2**L": "an exponent is a number",
     "L**x": "plain number as exponent",
     "atan2(L, t)": "values of one atan2",
+    "interpolate(x, 1, L, 2, t)": "values of one interpolate",
+    "interpolate(L, 1, 0, 2, 1)": "places of one interpolate",
     # what a unit behind a number belongs to is never guessed
     "0.018 m**3*x": r"0\.018 m\*\*: a power right after a unit .* allowed: .*3 m2.*\(3 m\)",
     "3 m/s**2": "a power right after a unit",

@@ -16,7 +16,7 @@ intrinsic finite element); corotational chord frame: Crisfield, Non-linear FEA v
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -102,7 +102,9 @@ class Beams(Kind):
     """Beam elements of one section and material.
 
     nodes (m, 2) particle indices; length (m,) undeformed lengths (m); triad (m, 3, 3) the element's
-    initial axes as columns (first along the chord); name: prefix of the elements' names.
+    initial axes as columns (first along the chord); name: prefix of the elements' names; bow (rad):
+    by how much, without stress, the first end is turned up against the chord and the second down,
+    up being the third axis; None: neither, in no sample.
     """
 
     nodes: np.ndarray
@@ -111,6 +113,7 @@ class Beams(Kind):
     section: Section
     material: Material
     name: str
+    bow: float | None = None
 
     stores = Energy("strain", "strain_energy", "strain energy of the beam elements")
     watches = (BEND, STRAIN)
@@ -128,6 +131,21 @@ class Beams(Kind):
         normals = np.broadcast_to(np.asarray(normal, float), (len(nodes), 3))
         axes = np.array([triad(c, z) for c, z in zip(chord, normals, strict=True)])
         return Beams(nodes, length, axes, section, material, name)
+
+    def strained(self, strain: float, curvature: float | None) -> "Beams":
+        """The same elements, of one length, that are longer and curved (1/m) without stress: > 0
+        where the side of the third axis is the longer one."""
+        length = self.length * (1.0 + strain)
+        bow = None if curvature is None else float(curvature * length[0] / 2)
+        return replace(self, length=length, bow=bow)
+
+    def end_axes(self) -> np.ndarray:
+        """Axes 2 and 3 of both ends (2, m, 3, 2) as they are square to the chord without stress."""
+        axes = np.stack([self.triad[:, :, 1:]] * 2)
+        if self.bow:
+            turn = np.array([self.bow, -self.bow])[:, None, None]
+            axes[..., 1] = np.cos(turn) * axes[..., 1] + np.sin(turn) * self.triad[:, :, 0]
+        return axes
 
     def stiffness(self) -> np.ndarray:
         """Rows (m, 5): l0 (m), EA/l0 (N/m), 2 EIz/l0, 2 EIy/l0 and GJ/l0 (N m)."""
@@ -214,20 +232,22 @@ ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
 
 
 def framed(scene) -> bool:
-    """Whether some element's axes are not those of its particles (to rounding).
+    """Whether some element's axes are not those of its particles (to rounding), or may not be.
 
     The kernels take another path then. It must follow from the scene alone: a choice for a whole
     batch would let a sample's last digits depend on its neighbours.
     """
-    return bool(np.abs(end_axes(scene) - ALIGNED).max() >= 1e-12) if Beams.of(scene) else False
+    bowed = any(beams.bow is not None for beams in Beams.of(scene))
+    return bowed or bool(Beams.of(scene) and np.abs(end_axes(scene) - ALIGNED).max() >= 1e-12)
 
 
 def end_axes(scene) -> np.ndarray:
     """Axes 2 and 3 of every element in the frames of its ends (m, 12)."""
     frame = scene.frame if scene.unstrained is None else scene.unstrained
     nodes = np.concatenate([beams.nodes for beams in Beams.of(scene)])
-    axes = np.concatenate([beams.triad[:, :, 1:] for beams in Beams.of(scene)])
-    ends = [np.einsum("mji,mjk->mki", frame[end], axes) for end in nodes.T]
+    axes = np.concatenate([beams.end_axes() for beams in Beams.of(scene)], axis=1)
+    pairs = zip(nodes.T, axes, strict=True)
+    ends = [np.einsum("mji,mjk->mki", frame[end], own) for end, own in pairs]
     return np.hstack([end.reshape(-1, 6) for end in ends])
 
 

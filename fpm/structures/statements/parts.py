@@ -85,15 +85,26 @@ for _type, _about, _sizes, _build in SECTIONS:
         group="points", kind=POINT,
     ),
     inertia_scale=Number(1.0, "factor on the section's rotational inertia", least=1),
+    strain=Number(0.0, "of what is free of stress, as by heat; with `assemble`", above=-0.5),
+    curvature=Number(
+        None, "likewise, > 0 where the side of `up` is longer: difference of strains over height",
+        unit="/m",
+    ),
 )  # fmt: skip
 def bar(build, it):
     """An elastic bar through points, each stretch between two of them straight."""
+    for key in ("strain", "curvature"):
+        if getattr(it, key) and build.hold is None:
+            build.refuse(key, getattr(it, key), "0, or `assemble: true`")
     names = [point.name for point in it.through]
     points = [point.position for point in it.through]
     directions = _directions(build, names, points)
     up = _up(build, it, directions)
     lay = _straight if len(points) == 2 else _stretches
-    nodes = lay(build.scene, it, points, directions, up)
+    scene, before = build.scene, len(build.scene.beams)
+    nodes = lay(scene, it, points, directions, up)
+    if it.strain or it.curvature is not None:
+        scene.beams[before:] = [b.strained(it.strain, it.curvature) for b in scene.beams[before:]]
     particles = dict(zip(names, nodes, strict=True))
     for point, holder in (it.carries or {}).items():
         if holder.name not in particles:

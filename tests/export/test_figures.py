@@ -84,3 +84,45 @@ def test_a_panel_a_moment_all_in_the_same_measure(motion):
     assert len({(*ax.get_xlim(), *ax.get_ylim()) for ax in figure.axes}) == 1
     titles = [ax.get_title() for ax in figure.axes]
     assert titles[0] == "0 s" and titles[-1] == "0.6 s"
+
+
+class Bounds(dict):
+    """As much of an open `bounds.nc` as a figure asks for."""
+
+    bounds_kind = "enclosed range of the polynomial"
+    variables = property(lambda self: self)
+
+
+def bounds_of(width, error):
+    """Bounds about a curve from 2 to 10 m, with their differences and errors (t,)."""
+    middle = np.linspace(2, 10, len(width))
+    return Bounds(
+        response=["x"], response_units=["m"], response_long_name=["place of the tip"],
+        response_least=[0.0], time=np.linspace(0, 1, len(width)),
+        lower=middle[None] - width / 2, upper=middle[None] + width / 2, error=error[None],
+    )  # fmt: skip
+
+
+def test_a_difference_that_is_too_thin_to_see_has_a_panel_of_its_own():
+    width = np.linspace(0.1, 0.5, 11)
+    figure = envelope(bounds_of(width, 0.01 * width), "x", 0.1)
+    ax, below = figure.axes
+    np.testing.assert_allclose(below.lines[0].get_ydata(), width)
+    assert below.get_xlabel() == "time (s)" and not ax.get_xlabel()
+    assert len(envelope(bounds_of(10 * width, 0.1 * width), "x", 0.1).axes) == 1
+
+
+def test_bounds_are_not_drawn_where_their_error_is_large():
+    width, error = np.full(11, 4.0), np.where(np.arange(11) > 5, 1.5, 0.1)
+    figure = envelope(bounds_of(width, error), "x", 0.1)
+    (ax,), (legend,) = figure.axes, figure.legends
+    drawn = {line.get_label(): line.get_ydata() for line in ax.lines}
+    for name in ("lower bound", "upper bound"):
+        assert (np.isnan(drawn[name]) == (error > 1)).all()
+    assert any("no bounds where it is large" in text.get_text() for text in legend.get_texts())
+    figure.draw_without_rendering()
+    assert legend.get_window_extent().y1 < ax.get_window_extent().y0  # no words above the axes
+    bands = [place for band in ax.collections for place in band.get_paths()]
+    assert (
+        min(path.vertices[:, 1].min() for path in bands if len(path.vertices)) >= -2.0
+    )  # least bound

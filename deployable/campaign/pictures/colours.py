@@ -12,10 +12,13 @@ if TYPE_CHECKING:
 BARS = ("#E69F00", "#56B4E9", "#009E73", "#CC79A7", "#F0E442", "#0072B2", "#D55E00")
 """Of bars, in their order; repeated where there are more."""
 
+BLUE, RED = BARS[5:]
+"""Of lower and upper, kept and broken."""
+
 BODY = "#999999"
 """Of rigid bodies, where bars have the colours of their stress."""
 
-CABLE = "#0072B2"
+CABLE = BLUE
 
 PIN = "#1D2327"
 """Of the axes of hinges."""

@@ -51,9 +51,7 @@ def from_results(folder: str | Path) -> PageData:
     data = PageData(
         facts=facts,
         time=bounds["time"].values,
-        responses=_responses(
-            bounds, _load(sensitivities) if sensitivities.exists() else None, samples
-        ),
+        responses=_responses(bounds, _load(sensitivities) if sensitivities.exists() else None),
         runs=runs,
         moving=moving,
         left=_left(shown, runs, moving),
@@ -78,7 +76,7 @@ def _load(path: Path, but: str = "") -> xarray.Dataset:
 
 
 def _responses(
-    bounds: xarray.Dataset, sensitivities: xarray.Dataset | None, samples: xarray.Dataset
+    bounds: xarray.Dataset, sensitivities: xarray.Dataset | None
 ) -> tuple[Response, ...]:
     def values(name: str, i: int, dataset: xarray.Dataset | None = bounds) -> np.ndarray | None:
         return None if dataset is None or name not in dataset else dataset[name].values[i]
@@ -89,7 +87,7 @@ def _responses(
             long_name=str(bounds["response_long_name"].values[i]),
             units=str(bounds["response_units"].values[i]),
             along=along_of(bounds, i),
-            least=values("response_least", i, samples),
+            least=values("response_least", i),
             lower=bounds["lower"].values[i],
             upper=bounds["upper"].values[i],
             nominal=values("nominal", i),

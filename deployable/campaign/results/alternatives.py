@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.folder import Folder
+from deployable.campaign.pictures.colours import BLUE, RED
 from deployable.campaign.results.facts import read_json
 from deployable.campaign.results.figures import save
-from deployable.campaign.text.numbers import pretty
+from deployable.campaign.text.numbers import pretty, quantity
 
-_BLUE, _RED, _GREY = "#0072B2", "#D55E00", "0.6"
+_GREY = "0.6"
 _LABELS = 6
 
 
@@ -42,14 +43,14 @@ def alternatives(found: Mapping, width: float = 6.4) -> Any:
     x, y = (worth[:, 0], worth[:, 1]) if several else (values[:, 0], worth[:, 0])
     if values.shape[1] == 1:
         ax.plot(x, y, color=_GREY, lw=0.8, zorder=1)
-    ax.plot(x[~kept], y[~kept], "o", mfc="white", mec=_RED, ms=5, label="breaks a requirement")
-    ax.plot(x[kept], y[kept], "o", color=_BLUE, ms=5, label="meets all over its box")
+    ax.plot(x[~kept], y[~kept], "o", mfc="white", mec=RED, ms=5, label="breaks a requirement")
+    ax.plot(x[kept], y[kept], "o", color=BLUE, ms=5, label="meets all over its box")
     best = [goal["value"] for goal in goals[:2]]
     best = best if several else [first["value"], *best]
-    chosen = [f"{p['name']} = {p['value']:.4g} {pretty(p['units'])}" for p in found["parameters"]]
+    chosen = [f"{p['name']} = {quantity(p['value'], p['units'])}" for p in found["parameters"]]
     how = {"marker": "*", "color": "black", "label": "best choice"}
     if not found["kept"]:
-        how = {"marker": "D", "mfc": "none", "mec": _RED, "label": "none meets all; misses least"}
+        how = {"marker": "D", "mfc": "none", "mec": RED, "label": "none meets all; misses least"}
     ax.plot(*best, ls="", ms=12, **how | {"label": f"{how['label']}: {', '.join(chosen)}"})
     ax.margins(0.1)
     if several and values.shape[1] == 1:

@@ -1,11 +1,11 @@
 """Envelope figures in the manner of the paper's Figure 4, sensitivities, and nominal moments.
 
-Colours are those of Okabe and Ito, which colour-blind people can tell apart; bounds differ by dash
-as well, so that a grey print can be read.
+Bounds differ by dash as well as by colour, so that a grey print can be read.
 """
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 from typing import Any
 
@@ -15,26 +15,23 @@ from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_netcdf, result_file
 from deployable.campaign.folder import PICTURES, Folder
-from deployable.campaign.results.facts import along_of, known_error
+from deployable.campaign.pictures.colours import BARS, BLUE, RED
+from deployable.campaign.results.facts import LARGE, along_of, known_error
 from deployable.campaign.results.which import ids, nominal_row
 from deployable.campaign.text.numbers import pretty
 from fpm.files.sealed import DamagedError
 
-LOWER = {"color": "#0072B2", "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
-UPPER = {
-    "color": "#D55E00",
-    "linestyle": (0, (5, 1, 1, 1)),
-    "linewidth": 1.1,
-    "label": "upper bound",
-}
-ERROR = {"color": "#CC79A7", "alpha": 0.35, "linewidth": 0, "label": "error estimate"}
-NOMINAL = {"color": "black", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
+LOWER = {"color": BLUE, "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
+UPPER = {"color": RED, "linestyle": (0, (5, 1, 1, 1)), "linewidth": 1.1, "label": "upper bound"}
+ERROR = {"color": BARS[3], "alpha": 0.35, "linewidth": 0, "label": "error estimate"}
+NOMINAL = {"color": "0.35", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
+BETWEEN = {"color": "0.85", "linewidth": 0, "zorder": 1, "label": "between the bounds"}
 DATELESS = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 """Metadata of figures that the same data make the same."""
 SAME = {"svg.hashsalt": "deployable-intervals", "pdf.fonttype": 42}
 """Settings of matplotlib for files: the same names in all of them, and TrueType fonts, since many
 journals refuse type 3."""
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#7F7F7F")
+_COLOURS = (BLUE, RED, *(BARS[i] for i in (2, 3, 0, 1)), "#000000", "#7F7F7F")
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 
 
@@ -46,49 +43,74 @@ def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Pa
 
 
 def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> Any:
-    """A figure of one response: lower and upper bound, nominal run, and where the error is large.
+    """A figure of one response: lower and upper bound, nominal run, and where the error is large;
+    below, the difference of the bounds, where it is too thin to be seen above.
 
     `bounds` is the open `bounds.nc`. Instants are shaded at which the error estimate exceeds
-    `shade_above` times the largest width of the bounds. All words stand outside the axes, where
-    they hide no curve. width: in inches.
+    `shade_above` times the largest difference of the bounds; from `LARGE` times that on, bounds are
+    not drawn. All words stand below the axes. width: in inches.
     """
     from matplotlib.figure import Figure
 
     i = list(bounds["response"][:]).index(name)
     lower, upper = bounds["lower"][i], bounds["upper"][i]
+    least = np.nan
+    if "response_least" in bounds.variables:
+        least = float(np.ma.filled(bounds["response_least"][i], np.nan))
     time, over = _over(bounds, i)
     units = pretty(bounds["response_units"][i])
-    narrow = width < 5.0
-    size = (width, 0.95 * width if narrow else 0.5625 * width)
-    figure = Figure(figsize=size, layout="constrained")
-    ax = figure.subplots()
-    ax.fill_between(time, lower, upper, color="0.85", linewidth=0, zorder=1, label="between")
-    ax.plot(time, lower, zorder=3, **LOWER)
-    ax.plot(time, upper, zorder=3, **UPPER)
-    if "nominal" in bounds.variables:
-        ax.plot(time, bounds["nominal"][i], zorder=4, **NOMINAL)
-    error = bounds["error"][i] if "error" in bounds.variables else None
-    if error is not None and known_error(bounds.bounds_kind, float(error.max())) is not None:
-        ax.fill_between(time, lower - error, lower, zorder=0.5, **ERROR)
-        ax.fill_between(time, upper, upper + error, zorder=0.5, **{**ERROR, "label": None})
-        doubtful = error > shade_above * (upper - lower).max()
-        _shade(ax, time, doubtful, f"error above {shade_above:.0%} of the largest difference")
-    _mark_largest(ax, time, lower, upper, units)
-    ax.set_xlabel(over)
     unit = f" ({units})" if units != "1" else ""
-    ax.set_ylabel(f"{bounds['response_long_name'][i]}{unit}")
+    apart, narrow = upper - lower, width < 5.0
+    thin = 0 < apart.max() < _THIN * (upper.max() - lower.min())
+    size = (width, (0.95 if narrow else 0.5625) * width * (1.4 if thin else 1.0))
+    figure = Figure(figsize=size, layout="constrained")
+    ax, *below = np.atleast_1d(
+        figure.subplots(1 + thin, sharex=True, height_ratios=(2, 1)[: 1 + thin])
+    )
+    error = bounds["error"][i] if "error" in bounds.variables else None
+    known = error is not None and known_error(bounds.bounds_kind, float(error.max())) is not None
+    sure = error < LARGE * apart.max() if known else np.full(len(time), True)
+    ax.fill_between(time, lower, upper, where=sure, **BETWEEN)
+    if "nominal" in bounds.variables:
+        ax.plot(time, bounds["nominal"][i], zorder=2, **NOMINAL)
+    ax.plot(time, np.where(sure, lower, np.nan), zorder=3, **LOWER)
+    ax.plot(time, np.where(sure, upper, np.nan), zorder=3, **UPPER)
+    for one in below:
+        one.plot(time, np.where(sure, apart, np.nan), color="black", lw=0.9)
+        one.set_ylabel(f"difference{unit}")
+        one.set_ylim(bottom=0)
+    if known:
+        outermost = np.fmax(lower - error, least)
+        ax.fill_between(time, outermost, lower, where=sure, zorder=0.5, **ERROR)
+        outer = {**ERROR, "label": None}
+        ax.fill_between(time, upper, upper + error, where=sure, zorder=0.5, **outer)
+        for one in below:
+            one.fill_between(time, apart - error, apart + error, where=sure, zorder=0.5, **outer)
+        doubtful = error > shade_above * apart.max()
+        told = f"error above {100 * shade_above:.0f} % of the largest difference"
+        _shade(ax, time, doubtful, told + ("" if sure.all() else "; no bounds where it is large"))
+    if sure[apart.argmax()]:
+        _mark_largest(ax, time, lower, upper, units)
+    label = f"{bounds['response_long_name'][i]}{unit}"
+    ax.set_ylabel(textwrap.fill(label, 30 if narrow else 36))
     ax.set_xlim(time[0], time[-1])
     ax.margins(y=0.08)
-    ax.grid(color="0.9", linewidth=0.5)
-    ax.set_axisbelow(True)
+    for one in (ax, *below):
+        one.grid(color="0.9", linewidth=0.5)
+        one.set_axisbelow(True)
+    one.set_xlabel(over)
     figure.legend(
-        loc="outside upper center",
+        loc="outside lower center",
         ncols=2 if narrow else 3,
         columnspacing=1.2,
         fontsize=7,
         frameon=False,
     )
     return figure
+
+
+_THIN = 0.15
+"""Share of the height of the curves from which a difference of the bounds can be read."""
 
 
 def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
@@ -201,7 +223,7 @@ def _mark_largest(
         return
     arrow = {"arrowstyle": "<->", "color": "black", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", (time[at], lower[at]), (time[at], upper[at]), arrowprops=arrow, zorder=5)
-    sign = {"marker": "|", "markersize": 9, "linestyle": "none", "color": "black"}
+    sign = {"marker": r"$\updownarrow$", "markersize": 9, "linestyle": "none", "color": "black"}
     told = f"largest difference {width:.3g}" + (f" {units}" if units != "1" else "")
     ax.plot([], [], label=told, **sign)
 

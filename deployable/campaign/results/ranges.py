@@ -13,12 +13,13 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
+from deployable.campaign.pictures.colours import BLUE, RED
 from deployable.campaign.results.figures import save
 from deployable.campaign.results.which import fitted_rows, margins_of_samples
 from deployable.campaign.text.numbers import pretty
 
 _LINE, _GRID = 401, 121
-_BLUE, _RED, _GREY = "#0072B2", "#D55E00", "0.75"
+_GREY = "0.75"
 
 
 def draw_ranges(folder: Folder, place: str | Path) -> None:
@@ -101,9 +102,9 @@ def _line(ax: Any, found: Any, q: int, seen: Seen, free: Any) -> None:
     points[:, j] = np.linspace(-1, 1, _LINE)
     curve = seen.surrogate(found, q).evaluate(points)
     x, there = _values(found, j, points[:, j]), np.isfinite(values)
-    ax.plot(x, curve, color=_BLUE, lw=1.2)
+    ax.plot(x, curve, color=BLUE, lw=1.2)
     ax.plot(_values(found, j, unit[there, j]), values[there], "o", color="black", ms=3)
-    for side, colour in (("lower", _BLUE), ("upper", _RED)):
+    for side, colour in (("lower", BLUE), ("upper", RED)):
         if np.isfinite(found[side][q]):
             ax.axhline(found[side][q], color=colour, lw=0.8, ls=(0, (4, 2)))
     missing = ~np.isfinite(curve)
@@ -111,7 +112,7 @@ def _line(ax: Any, found: Any, q: int, seen: Seen, free: Any) -> None:
         ax.fill_between(x, 0, 1, where=missing, transform=ax.get_xaxis_transform(),
                         color="0.9", lw=0, label="does not happen")  # fmt: skip
         without = _values(found, j, unit[~there, j])
-        ax.plot(without, np.full(len(without), 0.03), "x", color=_RED, ms=4,
+        ax.plot(without, np.full(len(without), 0.03), "x", color=RED, ms=4,
                 transform=ax.get_xaxis_transform(), label="runs without")  # fmt: skip
         ax.legend(fontsize=7, frameon=False)
     ax.set_xlabel(_label(found, j), fontsize=8)
@@ -135,7 +136,7 @@ def _map(ax: Any, found: Any, q: int, seen: Seen, free: Any) -> None:
     if (missing := ~np.isfinite(field)).any():
         ax.contourf(x, y, missing, [0.5, 1.5], colors=["0.9"], hatches=["///"])
     there = np.isfinite(values)
-    for kind, mark, colour in ((there, "o", "white"), (~there, "x", _RED)):
+    for kind, mark, colour in ((there, "o", "white"), (~there, "x", RED)):
         places = [_values(found, c, unit[kind, c]) for c in (i, j)]
         ax.plot(*places, mark, color=colour, mec="black" if mark == "o" else colour, ms=3.5,
                 clip_on=False)  # fmt: skip
@@ -153,7 +154,7 @@ def _bars(ax: Any, found: Any, q: int, seen: Seen, free: Any) -> None:
     names = [found["parameter"][j] for j in free]
     alone, share = found["alone"][q][free], found["share"][q][free]
     alone = np.where(np.isfinite(alone), alone, 0.0)
-    ax.barh(names, alone, color=[_BLUE if s > 0 else _GREY for s in share], height=0.6)
+    ax.barh(names, alone, color=[BLUE if s > 0 else _GREY for s in share], height=0.6)
     for row, s in enumerate(share):
         text = f" {100 * s:.0f} %" if s > 0 else " not told apart from the error"
         ax.text(alone[row], row, text, va="center", fontsize=7)

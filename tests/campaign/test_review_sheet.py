@@ -18,7 +18,8 @@ ECSS = "ecss-e-st-33-01c"
 
 def quantity(name, lower, upper, units="1"):
     return {"name": name, "long_name": f"the {name}", "units": units, "lower": lower,
-            "upper": upper, "error": 0.01, "influence": {"k": {"share": 0.7}, "f": {"share": 0.3}},
+            "upper": upper, "error": 0.01, "surrogate_lower": lower, "surrogate_upper": upper,
+            "influence": {"k": {"share": 0.7, "halved": 0.07}, "f": {"share": 0.3, "halved": 0.09}},
             "runs_with": 9, "runs_without": 0}  # fmt: skip
 
 
@@ -100,6 +101,11 @@ def test_what_happens_in_no_run_is_said():
     nothing = quantity("t", None, None) | {"influence": {"k": {"share": 0.0}, "f": {"share": 0.0}}}
     rows = sheet([nothing], [], [number("t", event="latches")])
     assert of(rows, "4.7.5.4.3", "catch over")[0]["value"] == "happens in no run"
+
+
+def test_the_budget_tells_the_tolerance_that_counts():
+    rows = sheet([quantity("late", 0.2, 0.3, "m s-1")], [], [number("late", "velocity")])
+    assert of(rows, "4.8.2.5")[0]["value"] == "late: 0.1 m/s, 0.07 m/s with half of k"
 
 
 def test_the_sheet_as_csv():

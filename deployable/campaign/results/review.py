@@ -186,13 +186,16 @@ class _Sheet:
         }  # fmt: skip
 
     def budget(self) -> dict[str, str] | None:
-        """What is left of each width where one parameter is known better."""
-        wide = [row for row in self.facts["quantities"] if row["lower"] is not None]
-        if len(self.facts["parameters"]) < 2 or not wide:
-            return None
-        return {
-            "analysed": "widths with one tolerance halved, or none: Which tolerance to pay for",
-            "value": f"of {len(wide)} quantities", "verdict": "told", "nearest": "",
+        """How wide intervals of quantities are, and with half of the tolerance that counts most."""
+        found = []
+        for row in self.facts["quantities"]:
+            if name := decisive(row):
+                now, half = row["surrogate_upper"] - row["surrogate_lower"], row["influence"][name]
+                widths = (numbers.quantity(x, row["units"], 2) for x in (now, half["halved"]))
+                found.append("{}: {}, {} with half of {}".format(row["name"], *widths, name))
+        return found and {
+            "analysed": "widths of intervals, and with half of the tolerance that widens each most",
+            "value": "; ".join(found), "verdict": "told", "nearest": "",
         }  # fmt: skip
 
 

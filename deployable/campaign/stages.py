@@ -28,7 +28,6 @@ from deployable.campaign.plan.accuracy import first_plan, next_plan
 from deployable.campaign.plan.estimate import runs_in_job
 from deployable.campaign.plan.plan import make_plan, read_plan, write_plan
 from deployable.campaign.report import from_results, make_motions, write_page
-from deployable.campaign.results.alternatives import draw_alternatives
 from deployable.campaign.results.bounds import analyse
 from deployable.campaign.results.figures import draw_envelopes, draw_nominal, draw_sensitivities
 from deployable.campaign.results.kept_extremes import gather as gather_extremes
@@ -140,17 +139,15 @@ def answers(
     tell(summarise(folder, published, bool(requirements), bool(choose.parameters), review))
 
 
-def figures(folder: Folder, tell: Tell, error: Any, choose: Any) -> None:
-    """Draw each response with its bounds, what each parameter contributes, each quantity over the
-    box, and the choices that were tried."""
+def figures(folder: Folder, tell: Tell, error: Any) -> None:
+    """Draw each response with its bounds, what each parameter contributes, and each quantity over
+    the box."""
     draw_envelopes(folder.bounds, error.shade_above, folder.figures)
-    wanted = drawings(read_plan(folder.plan).experiment, choose)
+    wanted = drawings(read_plan(folder.plan).experiment)
     if "sensitivities" in wanted:
         draw_sensitivities(folder.sensitivities, folder.overviews)
     if "ranges" in wanted:
         draw_ranges(folder, folder.overviews)
-    if "alternatives" in wanted:
-        draw_alternatives(folder, folder.overviews)
 
 
 def page(folder: Folder, tell: Tell, figures: Any, frames: int = 401) -> None:
@@ -259,7 +256,7 @@ STAGES = {
             ("requirements", "choose", "published", "review", "verify", "jobs"),
             (_PLAN, _SAMPLES, _BOX),
         ),
-        Stage(figures, ("error", "choose"), (_PLAN, _BOX, "sensitivities.nc")),
+        Stage(figures, ("error",), (_PLAN, _BOX, "sensitivities.nc")),
         Stage(page, ("figures",), (_SAMPLES, _BOX, "sensitivities.nc", "summary.json")),
     )
 }
@@ -282,8 +279,7 @@ def batch_count(campaign: Campaign, runs: int) -> int:
     return count - count % cores if count > cores else count
 
 
-def drawings(experiment: Experiment, choose: Any) -> list[str]:
+def drawings(experiment: Experiment) -> list[str]:
     """Names of the figures of the whole campaign that `figures` draws."""
     several = len(experiment.intervals) > 1 and experiment.design.order is not None
-    quantities, chosen = bool(experiment.quantities), bool(choose.parameters)
-    return ["sensitivities"] * several + ["ranges"] * quantities + ["alternatives"] * chosen
+    return ["sensitivities"] * several + ["ranges"] * bool(experiment.quantities)

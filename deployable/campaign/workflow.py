@@ -147,7 +147,7 @@ class Workflow:
     def figures(self, stage: str, *kinds: str) -> list[str]:
         """The figures in the folder `stage` but for that of the structure, of some kinds or all."""
         names = [*self.campaign.experiment.responses]
-        drawn = drawings(self.campaign.experiment, self.campaign.choose)
+        drawn = drawings(self.campaign.experiment)
         names += [f"{Folder(stage).overviews.name}/{name}" for name in drawn]
         return Folder(stage).pictures(names, kinds or PICTURES)
 

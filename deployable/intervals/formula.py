@@ -5,16 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
 from .chebyshev import Surrogate
-
-KERNELS = {
-    "cube": lambda d: d**3,
-    "fading": lambda d: np.exp(-d),
-    "matern": lambda d: (1 + d + d**2 / 3) * np.exp(-d),
-}
-"""Functions of the distance from a run."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +14,8 @@ class Formula:
     """A polynomial and, for each of N points, a kernel of the distance from it: sum_m coefficients
     [m] T_(i_m1)(x_1) ... T_(i_mk)(x_k) + sum_n weights[n] kernel(|scales (x - points[n])|).
 
-    indices (M, k), coefficients (M), points (N, k), scales (k), weights (N); kernel: of `KERNELS`.
+    indices (M, k), coefficients (M), points (N, k), scales (k), weights (N); kernel, of a distance
+    d: `cube` d^3, `fading` exp(-d), or `matern` (1 + d + d^2 / 3) exp(-d).
     """
 
     indices: np.ndarray
@@ -31,12 +24,6 @@ class Formula:
     scales: np.ndarray
     weights: np.ndarray
     kernel: str
-
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) at unit coordinates (P, k)."""
-        away = scipy.spatial.distance.cdist(unit * self.scales, self.points * self.scales)
-        smooth = Surrogate(self.coefficients, self.indices).evaluate(unit)
-        return smooth + KERNELS[self.kernel](away) @ self.weights
 
     def below(self, level: float) -> Formula:
         """By how much the function is below a level."""

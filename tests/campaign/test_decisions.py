@@ -15,7 +15,6 @@ from deployable.campaign.answers.choice import doubted
 from deployable.campaign.cli import UNMET, main
 from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.alternatives import alternatives
 from deployable.campaign.text.templates import sentence
 from deployable.intervals.scalars import Choice
 
@@ -190,17 +189,6 @@ def test_a_choice_of_a_parameter_without_an_interval_and_two_goals(tmp_path):
         (mass,), (width, lower) = row["values"], row["goals"]
         assert lower == pytest.approx(exact_time(0.105, mass), rel=1e-3)
         assert width == pytest.approx(exact_time(0.095, mass) - exact_time(0.105, mass), rel=0.02)
-
-
-def test_the_best_where_none_meets_all_has_no_star():
-    goal = {"end": "upper", "quantity": "t", "units": "s", "sense": "minimise", "value": 2.0}
-    k = {"name": "k", "units": "N", "lower": 0.0, "upper": 1.0, "value": 0.5}
-    tried = [{"values": [k], "goals": [2 - k], "kept": False} for k in (0.0, 0.5, 1.0)]
-    for kept, marker, told in ((True, "*", "best choice"), (False, "D", "none meets all; misses")):
-        found = {"parameters": [k], "goals": [goal], "tried": tried, "kept": kept}
-        (ax,) = alternatives(found).axes
-        assert ax.lines[-1].get_marker() == marker
-        assert told in ax.lines[-1].get_label()
 
 
 @pytest.mark.parametrize(

@@ -121,3 +121,11 @@ def test_what_choices_cost_leaves_out_those_that_end_with_the_runs(opened):
     late["choice"]["tried"][0]["goals"] = [late["duration"]]
     assert len(prices(late).marks) == len(panel.marks) - 1
     assert prices({"duration": 1.0}) is None
+
+
+@pytest.mark.parametrize(
+    ("kept", "told"), [(True, "the ring is the best"), (False, "misses them least: none meets all")]
+)
+def test_the_best_choice_where_none_meets_all_is_told_as_such(opened, kept, told):
+    choice = {**opened.facts["choice"], "kept": kept}
+    assert told in render(replace(opened, facts=opened.facts | {"choice": choice}))

@@ -52,18 +52,11 @@ def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
 
 def draw_scale(figure: Any, top: float) -> None:
     """Draw the scale from zero to `top` (Pa) into the upper right corner of a figure."""
+    from matplotlib.ticker import EngFormatter
+
     ax = figure.add_axes((0.58, 0.94, 0.32, 0.018))
     ax.imshow(np.linspace(0, 1, 256)[None], aspect="auto", cmap=SCALE, extent=(0, 1, 0, 1))
     ax.set_yticks([])
-    ax.set_xticks([0, 1], ["0", words(top)])
+    ax.set_xticks([0, 1], ["0", EngFormatter("Pa")(float(f"{top:.3g}"))])
     ax.tick_params(labelsize=7, length=0, pad=2)
     ax.set_title("equivalent stress", fontsize=7, pad=2)
-
-
-def words(stress: float) -> str:
-    """A stress (Pa) as people write it: `6.2 MPa`."""
-    for unit in ("Pa", "kPa", "MPa"):
-        if abs(stress) < 1000:
-            return f"{stress:.3g} {unit}"
-        stress /= 1000
-    return f"{stress:.3g} GPa"

@@ -17,6 +17,7 @@ import numpy as np
 from deployable.campaign.export.glb import glb_of
 from deployable.campaign.report.data import MovingRun, PageData, Response
 from deployable.campaign.results.facts import LARGE
+from deployable.campaign.text.numbers import pretty
 
 MOST_INSTANTS = 4001
 """Instants of a curve from which it is thinned."""
@@ -96,12 +97,16 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
         "large": LARGE,
         "time": arrays.add(data.time[keep], "f8"),
         "parameters": [
-            {key: p[key] for key in ("name", "units", "lower", "nominal", "upper", "description")}
+            {"unit": pretty(p["units"])} | {
+                key: p[key]
+                for key in ("name", "units", "lower", "nominal", "upper", "description")
+            }
             for p in data.parameters
         ],
         "responses": [
             {
                 "name": r.name, "longName": r.long_name, "units": r.units,
+                "unit": pretty(r.units),
                 "widest": float(data.time[r.widest]), "along": r.along,
                 "least": None if r.least is None or np.isnan(r.least) else float(r.least),
                 **{
@@ -175,7 +180,7 @@ def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str,
     value, there = surrogate.formulas()
     ends = {key: end if np.isfinite(end) else None
             for key, end in (("least", surrogate.least), ("latest", surrogate.latest))}  # fmt: skip
-    named = {key: row[key] for key in ("name", "units", "error")}
+    named = {"name": row["name"], "unit": pretty(row["units"]), "error": row["error"]}
     return {**named, "words": row.get("words", row["long_name"]), **ends,
             "value": table(value), "there": table(there)}  # fmt: skip
 

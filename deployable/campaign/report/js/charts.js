@@ -12,7 +12,7 @@ function drawable({ lower, upper, error, widest }) {
 }
 
 function responseChart(response, r, marks) {
-  const { nominal, error } = response, unit = pretty(response.units), { lower, upper } = drawable(response);
+  const { nominal, error } = response, { unit } = response, { lower, upper } = drawable(response);
   const areas = [{ lower, upper, kind: "band" }];
   if (error) areas.unshift({ lower: offset(lower, error, -1).map((value) => (value < response.least ? response.least : value)), upper: offset(upper, error, 1), kind: "doubt" });
   const curves = DATA.lines.map(({ curves }) => ({ values: curves[r], kind: "thin" }));
@@ -37,7 +37,7 @@ function widthCharts(marks) {
   const charts = DATA.responses.filter((response) => response.widths).map((response) => {
     const curves = response.widths.map((values, i) => ({ values, kind: "moving", style: parameterStyle(i) }));
     const readout = (i) => DATA.parameters.map(({ name }, k) => [name, digits(response.widths[k][i], 3) || "–"]);
-    return new Chart({ title: `Width of ${response.name} when one parameter varies alone`, units: pretty(response.units), height: 170, curves, marks, along: response.along, readout });
+    return new Chart({ title: `Width of ${response.name} when one parameter varies alone`, units: response.unit, height: 170, curves, marks, along: response.along, readout });
   });
   if (charts.length) byId("widths").append(make("div", { class: "keys" }, ...DATA.parameters.map(({ name }, i) => key(name, `style="${parameterStyle(i)};stroke-width:2"`))));
   byId("widths").append(...charts.map((chart) => chart.root));

@@ -104,17 +104,6 @@ function measured(value, error) {
   return places >= 0 && places < 10 ? `${value.toFixed(places)} ± ${error.toFixed(places)}`.replaceAll("-", "−") : digits(value, 3);
 }
 
-// `m s-1` as `m/s`.
-function pretty(units) {
-  const above = [], under = [];
-  for (const [, name, power] of units.matchAll(/([A-Za-z%]+)(-?\d+)?/g)) {
-    const size = Math.abs(Number(power ?? 1));
-    const text = name + (size === 1 ? "" : size === 2 ? "²" : `^${size}`);
-    (power?.startsWith("-") ? under : above).push(text);
-  }
-  return (above.join(" ") || "1") + (under.length ? `/${under.join("/")}` : "");
-}
-
 // A round step (1, 2 or 5 times a power of ten) that divides a span into about `parts`.
 function roundStep(span, parts) {
   const raw = span / parts, power = 10 ** Math.floor(Math.log10(raw));

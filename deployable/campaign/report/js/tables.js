@@ -11,15 +11,6 @@ function boundsTable() {
   return rows;
 }
 
-function headlineTable() {
-  const rows = [["response", "units", "largest difference", "time (s)", "lower", "upper", "estimated error"]];
-  for (const { name, units, widest, lower, upper, error } of DATA.responses) {
-    const i = nearest(TIME, widest);
-    rows.push([name, units, upper[i] - lower[i], TIME[i], lower[i], upper[i], error ? error[i] : ""]);
-  }
-  return rows;
-}
-
 function runsTable() {
   const rows = [["run", "role", ...DATA.parameters.map(({ name, units }) => `${name} (${units})`)]];
   for (const { id, role, values } of DATA.runs) rows.push([id, role, ...values]);
@@ -32,7 +23,7 @@ function eventsTable() {
   return rows;
 }
 
-const TABLES = { "Headline numbers": ["headline", headlineTable], Bounds: ["bounds", boundsTable], Runs: ["runs", runsTable], "Contact events": ["events", eventsTable] };
+const TABLES = { Bounds: ["bounds", boundsTable], Runs: ["runs", runsTable], "Contact events": ["events", eventsTable] };
 
 function download(name, text) {
   const address = URL.createObjectURL(new Blob([text], { type: "text/csv" }));

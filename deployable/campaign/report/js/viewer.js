@@ -229,7 +229,7 @@ function runText({ run, label }) {
   return `${label}: run ${DATA.runs[run].id}, ${parametersOf(run)}`;
 }
 
-const parametersOf = (run) => DATA.parameters.map(({ name, units }, k) => `${name} = ${digits(DATA.runs[run].values[k], 4)} ${pretty(units)}`).join(", ");
+const parametersOf = (run) => DATA.parameters.map(({ name, unit }, k) => `${name} = ${digits(DATA.runs[run].values[k], 4)} ${unit}`).join(", ");
 
 // The stress (Pa) where the colours end: all but one in two hundred values of the first run are below.
 function usualTop(stress) {

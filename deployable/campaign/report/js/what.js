@@ -25,14 +25,14 @@ const keeps = ({ kind, level }, value) => (kind === "happens" ? Number.isNaN(val
 class WhatIf {
   constructor({ quantities, limits, indices, constants, slopes }) {
     Object.assign(this, { quantities, limits, indices, constants, slopes, shown: null });
-    this.sliders = DATA.parameters.map(({ name, units, lower, nominal, upper, description }) => {
+    this.sliders = DATA.parameters.map(({ name, unit, lower, nominal, upper, description }) => {
       const input = make("input", { type: "range", min: lower, max: upper, step: "any", "aria-label": description || name });
       const told = make("output");
       input.value = nominal;
       input.disabled = !(upper > lower);
       input.addEventListener("input", () => this.ask());
       byId("sliders").append(make("label", {}, make("span", {}, make("b", {}, name), ` ${description}`), input, told));
-      return { input, told, units };
+      return { input, told, unit };
     });
     byId("usual").addEventListener("click", () => this.set(DATA.parameters.map(({ nominal }) => nominal)));
     for (const mark of document.querySelectorAll("[data-judged]")) mark.addEventListener("click", () => this.run(Number(mark.dataset.judged)));
@@ -72,15 +72,15 @@ class WhatIf {
 
   ask(run = null) {
     const values = this.values(), unit = this.unit(values), q = this.quantities.length;
-    this.sliders.forEach(({ told, units }, j) => { told.textContent = `${digits(values[j], 3)} ${pretty(units)}`; });
+    this.sliders.forEach(({ told, unit: of }, j) => { told.textContent = `${digits(values[j], 3)} ${of}`; });
     if (this.number) this.number.value = run === null ? "" : run + 1;
     const numbers = run === null ? this.quantities.map((one) => answer(one, unit)) : [...DATA.judged.numbers.subarray(q * run, q * (run + 1))];
     const broken = [...new Set(this.limits.filter((limit) => !keeps(limit, numbers[this.quantities.findIndex(({ name }) => name === limit.quantity)])).map(({ of }) => of))];
     const basis = run === null ? "by what was fitted" : "simulated";
     byId("what-verdict").replaceChildren(...(this.limits.length ? [make("b", { class: broken.length ? "bad" : "good" }, broken.length ? `Fails: ${broken.join(", ")}` : "Meets all requirements"), ` (${basis}).`] : []));
-    byId("what-numbers").replaceChildren(...this.quantities.flatMap(({ name, words, units, latest, error }, i) => {
+    byId("what-numbers").replaceChildren(...this.quantities.flatMap(({ name, words, unit: of, latest, error }, i) => {
       const late = run === null && latest !== null && numbers[i] >= latest;
-      const text = Number.isNaN(numbers[i]) ? "does not happen" : late ? `not within ${digits(latest)} s` : `${measured(numbers[i], run === null ? error : 0)} ${pretty(units)}`;
+      const text = Number.isNaN(numbers[i]) ? "does not happen" : late ? `not within ${digits(latest)} s` : `${measured(numbers[i], run === null ? error : 0)} ${of}`;
       return [make("dt", {}, `${words} (${name})`), make("dd", {}, text)];
     }));
     if (this.slopes) DATA.responses.forEach((_, r) => charts[r].ask(this.curve(r, unit)));

@@ -132,9 +132,6 @@ A campaign is one YAML file, checked before any job starts; `python -m deployabl
 does it without running anything. `<name>` stands for a name of your own or of the scene. Numbers
 are in SI units unless a unit is given. This page is made from
 `deployable/campaign/config/models.py` by `python -m deployable keys`.
-
-| key | what it is | allowed | default |
-|---|---|---|---|
 """
 
 
@@ -160,4 +157,13 @@ def _shown(part: Part) -> str:
 
 def table(part: Part) -> str:
     """The page of all keys as Markdown."""
-    return _HEAD + "".join(f"| `{key}` | {' | '.join(row)} |\n" for key, *row in rows(part))
+    found = {f"`{name}`": [] for name in part.children}
+    for key, *row in rows(part):
+        found[f"`{key.partition('.')[0]}`"].append(f"| `{key}` | {' | '.join(row)} |\n")
+    alone = {"The campaign": [row for own in found.values() if len(own) == 1 for row in own]}
+    several = {name: own for name, own in found.items() if len(own) > 1}
+    texts = (f"\n## {name}\n\n{_COLUMNS}{''.join(own)}" for name, own in (alone | several).items())
+    return _HEAD + "".join(texts)
+
+
+_COLUMNS = "| key | what it is | allowed | default |\n|---|---|---|---|\n"

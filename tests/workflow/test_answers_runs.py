@@ -42,7 +42,7 @@ def test_the_workflow_answers_what_a_campaign_in_one_call_does(workplace):
     path = workplace.config("opening", CONFIG)
     done = workplace.snakemake("--configfile", path)
     assert done.returncode == 0, done.stdout
-    assert "All requirements are met in " in done.stdout
+    assert "all requirements are met in " in done.stdout
     results = workplace.folder / "results" / "opening"
     assert (results / "figures" / "campaign" / "ranges.png").exists()
     other = workplace.folder / "other"

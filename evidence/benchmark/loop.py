@@ -35,7 +35,7 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     """
     import numba
 
-    from fpm.kernels import compiled, hooks, lanes, vectors
+    from fpm.kernels import compiled, hooks, lanes, references, vectors
     from fpm.kernels import run as loop
 
     for path in (compiled.PACKAGE / "elements").rglob("*_kernels.py"):
@@ -48,6 +48,7 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
         if isinstance(value, types.FunctionType) and value is not loop.run:
             setattr(loop, name, in_part(_name_of(value), value))
     instead = {id(compiled.loop_for): lambda arguments: loop.run, **_overloaded()}
+    instead[id(references.by_reference)] = lambda value: value
     for name, operation in operations.items():
         instead[id(getattr(vectors if name == "vector" else lanes, name))] = operation
     for module in [m for name, m in sys.modules.items() if name.startswith("fpm.")]:

@@ -9,6 +9,7 @@ from fpm.kernels.failures import find_failures
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import HALF, IJ, IM, KICK, F, M, P, V, X
 from fpm.kernels.record import keep, record_after, record_before, reflect
+from fpm.kernels.references import by_reference
 from fpm.kernels.rotation import frame, half_turn, normalise, put_turned
 from fpm.kernels.vectors import get3, kernel, put3, to_local
 from fpm.kernels.world import Now
@@ -65,6 +66,7 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
     steps the energy balance is checked against `tolerance` times the largest energy so far, every
     `per_instant` steps an instant is recorded. The run ends early when all lanes have failed.
     """
+    parts, world, record = by_reference(parts), by_reference(world), by_reference(record)
     state, free = world.state, world.free
     spare = record.energies.shape[0] - 1
     for n in range(steps + 1):
@@ -106,4 +108,4 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
 @kernel
 def act(parts, world, now):
     """Add the forces of all kinds to those of the particles, and nothing else: no step is done."""
-    hooks.forces(parts, world, now)
+    hooks.forces(by_reference(parts), by_reference(world), now)

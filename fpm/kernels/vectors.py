@@ -5,9 +5,10 @@ lanes are operators, applied component by component.
 """
 
 import operator
+from collections.abc import Callable
 
 from llvmlite import ir
-from numba import njit, types
+from numba import config, types
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import (
     intrinsic,
@@ -17,6 +18,7 @@ from numba.extending import (
     register_model,
 )
 
+from fpm.kernels.inlining import Inlined, InlinedCompiler
 from fpm.kernels.lanes import ALL_LANES, Lane, load, store, where_negative
 
 OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True, "_nrt": False}
@@ -25,13 +27,24 @@ OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True, "_nrt": 
 Without allocation nothing counts references: a look into a tuple of arrays costs nothing.
 """
 
-INLINED = {**OPTIONS, "forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+INLINED = {
+    **OPTIONS,
+    "forceinline": True,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+    "pipeline_class": InlinedCompiler,
+}
 """Options of what is compiled into its callers only, and never called from Python."""
 
-kernel = njit(**INLINED)
-"""Compile a kernel into its callers. A call would spill all vector registers; and a kernel that
-stood alone as well could be rounded otherwise there than in the cached time loop.
-"""
+
+def kernel(function: Callable) -> Callable:
+    """Compile a kernel into its callers. A call would spill all vector registers; and a kernel that
+    stood alone as well could be rounded otherwise there than in the cached time loop.
+    """
+    if config.DISABLE_JIT:
+        return function
+    options = {"nopython": True, **INLINED}
+    return Inlined(function, pipeline_class=options.pop("pipeline_class"), targetoptions=options)
 
 
 class Vector(types.Type):

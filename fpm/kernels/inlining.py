@@ -1,0 +1,47 @@
+"""How kernels are compiled: into their callers only.
+
+numba makes machine code of every function that it compiles, and optimises each together with all
+that it calls. Kernels become part of one loop, which is optimised whole in the end: for them both
+are left out, which halves what compiling takes.
+"""
+
+from numba import types
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.core.registry import CPUDispatcher
+from numba.core.typing.context import BaseContext
+
+
+class _Inlined(JITCodeLibrary):
+    """The code of a kernel, of which no machine code is made."""
+
+    def _optimize_final_module(self):
+        """Callers do."""
+
+    def _finalize_final_module(self):
+        self._finalized = True
+
+    def get_pointer_to_function(self, name):
+        return 0
+
+    @property
+    def codegen(self):
+        """Where numba tells a function in machine code what it needs of Python: nothing."""
+        return self
+
+    def set_env(self, name, env):
+        """Nothing."""
+
+
+class InlinedCompiler(Compiler):
+    """numba's compiler for what is compiled into its callers only, and never called from Python."""
+
+    def __init__(self, typing: BaseContext, target, library, *rest):
+        super().__init__(typing, target, _Inlined(target.codegen(), "inlined"), *rest)
+
+
+class Inlined(CPUDispatcher):
+    """A kernel, compiled once for all constants in its arguments rather than for each of them."""
+
+    def get_call_template(self, args, kws):
+        return super().get_call_template(tuple(map(types.unliteral, args)), kws)

@@ -75,7 +75,7 @@ CAMPAIGNS = {
 
 # Of the studies, those parts that a page runs alone and that take seconds are run here.
 QUICK_PARTS = {
-    "benchmark": {"campaign", "structures"},
+    "benchmark": {"structures"},
     "verification": {"45° bend"},
 }
 
@@ -89,7 +89,8 @@ STUDIES_NOT_RUN = {
     "tests/evidence/test_asked_rows.py",
     "scaling": "1 minute; what it tells: tests/evidence/test_scaling.py",
     "calibration": "3 minutes; a coarse mesh: tests/evidence/test_calibration.py",
-    "benchmark": "`large_scan` 32 minutes, all else 6; small: tests/evidence/test_benchmark.py",
+    "benchmark": "`large_scan` 32 minutes, `campaign` one, all else 5; small: "
+    "tests/evidence/test_benchmark.py",
 }
 
 
@@ -254,11 +255,12 @@ def test_nothing_is_excused_that_no_page_asks_for():
 @pytest.mark.parametrize(
     "command",
     ["benchmark --only scan large_scan", "benchmark --strict --only large_scan", "benchmark",
-     "benchmark --only campaign cost", "verification --strict", "tradeoff --only asked-latch"],
+     "benchmark --only campaign", "benchmark --only structures cost", "verification --strict",
+     "tradeoff --only asked-latch"],
 )  # fmt: skip
 def test_what_takes_long_is_known_by_what_a_command_runs(command):
     assert not _is_quick(shlex.split(command))
-    assert _is_quick(["benchmark", "--strict", "--only", "structures", "campaign"])
+    assert _is_quick(["benchmark", "--strict", "--only", "structures"])
 
 
 # A snippet that defines a class or a function of a kernel is a form; `named` is run.

@@ -38,9 +38,12 @@ def check(rows: list[Row]) -> None:
 
 
 @pytest.mark.slow
-def test_the_report_tells_the_machine_and_draws_what_was_measured(tmp_path):
+def test_every_element_kind_is_timed_and_the_report_tells_the_machine_and_draws_it(tmp_path):
+    rows = kinds.kinds(20, 1, elements=2)
+    check(rows)
+    assert len(rows) == len(kinds.CASES) + 1
     found = {
-        "kinds": kinds.kinds(20, 1, elements=2),
+        "kinds": rows,
         "cost": [at_most("b", 2.0, 1.0), skipped("c", "pip install c", "x"), told("d", 1.0, "s")],
     }
     write(tmp_path, "benchmark", study.report(found))
@@ -64,13 +67,6 @@ def test_kernel_rows():
     rows += kernel.recording(40, 1, instants=21) + kernel.cores(20, 1, samples=2)
     check(rows)
     assert sum("lanes against one sample" in row.name for row in rows) == 2
-
-
-@pytest.mark.slow
-def test_every_element_kind_is_timed():
-    rows = kinds.kinds(20, 1, elements=2)
-    check(rows)
-    assert len(rows) == len(kinds.CASES) + 1
 
 
 def test_overheads():

@@ -26,12 +26,15 @@ def test_on_a_terminal_progress_is_one_line_that_moves():
     terminal, file = Terminal(), io.StringIO()
     tell = Teller(terminal, file)
     tell("plan")
-    for state in ("1 of 3", "2 of 3"):
+    for state in ("1 of 3", "2 of 3", "3 of 3"):
         tell.move(state)
     tell.move("3 of 3", last=True)
     tell("bounds")
     clear = "\r\x1b[2K"
-    assert terminal.getvalue() == f"plan\n{clear}1 of 3{clear}2 of 3{clear}3 of 3\nbounds\n"
+    assert (
+        terminal.getvalue()
+        == f"plan\n{clear}1 of 3{clear}2 of 3{clear}3 of 3{clear}3 of 3\nbounds\n"
+    )
     assert file.getvalue() == "plan\n1 of 3\n2 of 3\n3 of 3\nbounds\n"
 
 

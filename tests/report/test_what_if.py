@@ -71,6 +71,18 @@ def test_a_slider_asks_what_python_asks(window, opened, share):
 
 
 @in_a_browser
+def test_keys_move_a_slider_and_not_the_time(window):
+    read = "[Number(document.querySelector('#sliders input').value), Number(view.dataset.time)]"
+    window.ask("document.getElementById('usual').click()")
+    window.ask("document.querySelector('#sliders input').focus()")
+    before = window.ask(read)
+    window.press("\ue014")
+    window.settle()
+    assert window.ask(read)[0] > before[0] and window.ask(read)[1] == before[1]
+    assert window.ask("document.querySelector('#sliders output').textContent").endswith("N m/rad")
+
+
+@in_a_browser
 def test_a_run_that_is_clicked_is_told_as_it_was_simulated(window, opened):
     run = window.ask("Number(document.querySelector('path[data-judged]').dataset.judged)")
     window.ask("document.querySelector('path[data-judged]').dispatchEvent(new Event('click'))")

@@ -21,12 +21,13 @@ Tell = Callable[[str], None]
 class Teller:
     """Prints messages to files; `move` is one line that changes, on files that are terminals.
 
-    Elsewhere every state of the line is a line of its own.
+    Elsewhere every state of the line is a line of its own, once.
     """
 
     def __init__(self, *files: TextIO):
         self.files = files
         self.is_open = False  # whether the cursor stands behind a line that moves
+        self.moved = ""  # its last state
 
     def __call__(self, text: str) -> None:
         for file in self.files:
@@ -38,8 +39,11 @@ class Teller:
         """Say how things stand; `last`: and go on to the next line."""
         end = "\n" if last else ""
         for file in self.files:
-            self._print(f"\r\x1b[2K{text}{end}" if file.isatty() else f"{text}\n", file)
-        self.is_open = not last
+            if file.isatty():
+                self._print(f"\r\x1b[2K{text}{end}", file)
+            elif text != self.moved:
+                self._print(f"{text}\n", file)
+        self.is_open, self.moved = not last, text
 
     @staticmethod
     def _print(text: str, file: TextIO) -> None:

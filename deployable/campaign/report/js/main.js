@@ -86,7 +86,7 @@ function stepFrames(count) {
 
 document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
-  if (/^(SELECT|BUTTON|SUMMARY|A)$/.test(event.target.tagName) || event.target.type === "checkbox") return;
+  if (/^(SELECT|BUTTON|SUMMARY|A)$/.test(event.target.tagName) || event.target.type === "checkbox" || event.target.closest("#what-if")) return;
   const far = event.shiftKey ? 10 : 1;
   const actions = {
     " ": () => clock.play(), ArrowLeft: () => stepFrames(-far), ArrowRight: () => stepFrames(far),

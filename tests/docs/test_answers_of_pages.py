@@ -60,6 +60,9 @@ TOLD = {
         interval(a.t_out, 2, "s"), f"{-a.blow.upper:.1f} to {-a.blow.lower:.1f} N s",
         f"{a.runs} runs",
     ]},
+    "umbrella": {"docs/library/umbrella.md": lambda a: [
+        interval(a.t_out, 3, "s"), f"{a.runs} runs", f"{a.tightest.upper:.0f} N",
+    ]},
     "tensegrity": {"docs/library/tensegrity.md": lambda a: [
         f"{1e3 * a.height.last_lower:.1f} to {1e3 * a.height.last_upper:.1f} mm",
         f"{a.side.last_lower:.1f} to {a.side.last_upper:.1f} N",

@@ -68,7 +68,7 @@ CAMPAIGNS = {
     "small": _GOLDEN, "three": _GOLDEN, "six": _GOLDEN,
     "array": _TOLD, "boom": _TOLD, "closing": _TOLD, "deploys": _TOLD, "mast": _TOLD,
     "review": _TOLD, "ring_truss": _TOLD, "strength": _TOLD, "telescope": _TOLD,
-    "tensegrity": _TOLD,
+    "tensegrity": _TOLD, "umbrella": _TOLD,
     # With 64 of their 10,000 runs, which take 5 and 16 minutes of a core.
     "scan": _TOLD, "strength_scan": _TOLD,
 }  # fmt: skip

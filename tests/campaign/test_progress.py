@@ -126,7 +126,7 @@ def test_progress_is_told_while_something_compiles(monkeypatch):
     monkeypatch.setattr("deployable.campaign.runs.progress.PAUSE", 0.02)
     told = []
     warm_up(scene := structures.load(CONFIG / "structures/panel.yaml").build(), told.append)
-    some = f"{compile_seconds(scene):.0f} s"
+    some = f"{compile_seconds(scene):.0f}"
     assert told and told[0] == f"compiling for these kinds of element, once: 0 s of some {some}"
 
 

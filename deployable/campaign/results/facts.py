@@ -52,6 +52,13 @@ def facts_of(
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
         found = of_bounds(bounds, samples, published)
         has_quantities = "quantities" in samples.variables
+    if folder.sensitivities.exists():
+        with open_netcdf(folder.sensitivities) as data:
+            shares = data["width_overall"][:] if "width_overall" in data.variables else []
+            for row, own in zip(found["responses"], shares, strict=False):
+                row["shares"] = dict(
+                    zip(data["parameter"][:].tolist(), map(_number, own), strict=True)
+                )
     found |= _structure(experiment, found["parameters"])
     found["quantities"], further = [], 0
     if has_quantities:

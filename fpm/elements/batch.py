@@ -50,6 +50,7 @@ class Scene(Protocol):
     hinges: list
     curves: list[tuple[np.ndarray, np.ndarray]]
     points: dict[str, Any]
+    bearings: dict[int, float]
 
 
 class Places:

@@ -10,6 +10,7 @@ import numpy as np
 
 from fpm.elements import Latch, Load, RigidLatch, Stop, TableSpring, TorsionSpring, kinds_of
 from fpm.elements.joints.hinge import Hinge
+from fpm.elements.openings.friction import Friction
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
 from fpm.structures import report
@@ -30,9 +31,10 @@ USUAL = {
 def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     """Sentences about a scene at its start; duration (s): of a run, which may be too short."""
     found = [*_sizes(scene), *_support(scene)]
+    moving = {friction.hinge for friction in Friction.of(scene) if friction.load is not None}
     found += [
-        f"bearing of {scene.hinges[hinge].name}: it counts in margins, and in no motion"
-        for hinge in scene.bearings
+        f"bearing of {scene.hinges[hinge].name}: without a `load` it counts in margins only"
+        for hinge in sorted(scene.bearings.keys() - moving)
     ]
     for kind in (Latch, RigidLatch):
         for latch in kind.of(scene):

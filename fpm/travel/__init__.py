@@ -112,7 +112,7 @@ def lead(
 def parts_of(scene) -> dict[str, str]:
     """The parts of the virtual work in a scene, with their classes (Kind.resists_as)."""
     found = {part.name: part.resists_as for part in _elements(scene)}
-    found |= {_bearing(scene, hinge): "FR" for hinge in scene.bearings}
+    found = {_bearing(scene, hinge): "FR" for hinge in scene.bearings} | found
     return found | ({STRAIN: "S"} if scene.beams else {})
 
 

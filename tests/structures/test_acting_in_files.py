@@ -114,7 +114,7 @@ def test_classes_and_bearings_of_margins():
         "stop root above": "S", "spring root": "HA", "bearing root": "FR", "strain of bars": "S",
     }  # fmt: skip
     assert scene.bearings == {0: pytest.approx(0.002)}
-    assert "in no motion" in describe(loads(text))
+    assert "counts in margins only" in describe(loads(text))
     refused(text, "class: HA", "class: XX", "allowed: S, I, HM, FR")
     refused(text, ", radius: 20 mm", "", "a length on a hinge, and none on a slide")
 

@@ -187,7 +187,7 @@ class Hinge(Joined):
             return lambda scene: rows_of(scene, [scene.hinges[i] for i in which])
 
         held = [held_axes(hinge.support) for hinge in hinges]
-        counted = Probe.asked(batch.one).impulses
+        counted = Probe.asked(batch.one).impulses or bool(batch.one.bearings)
         return at.Hinges(
             ends=batch.integers(cls.moved(batch.one)),
             bodies=batch.stack(2 * h, at.BODY, each(_bodies)),

@@ -226,7 +226,7 @@ class Joint(Joined):
             excess=batch.rows_of(cls),
             gaps=batch.blank(rows, 2),
         )
-        if Probe.asked(one).impulses:
+        if Probe.asked(one).impulses or one.bearings:
             sums, forces = batch.blank(conditions, 1), batch.blank(rows * len(joints), SUMS)
             coupled = coupled._replace(sums=sums, forces=forces)
         if not (turns := len(Turn.of(one))):

@@ -6,8 +6,9 @@ Below, the foot stays where it is for ever: nothing creeps. The bristle is bent 
 it begins to slip. While it sticks, a damper c on dpsi/dt brings it to rest; both together never
 exceed M.
 
-M may go by a table of the opening: a curve that is another on the way back is the mean of both, of
-a spring by a table, beside friction with half of their difference (hysteresis).
+M may go with the force that the joint bears, as of the step before (`load`), or by a table of the
+opening: a curve that is another on the way back is the mean of both, of a spring by a table, beside
+friction with half of their difference (hysteresis).
 Source: Dupont, Hayward, Armstrong, Altpeter, IEEE Trans. Automatic Control 47 (2002) 787.
 """
 
@@ -16,6 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fpm.elements.fields import damping, number
+from fpm.elements.joints.hinge import Hinge
+from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import Energy
 from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge, opened, softness
 from fpm.elements.openings.table_spring import bends, check_table, table_array
@@ -51,6 +54,7 @@ class Friction(OnHinge):
     )
     angles: tuple[float, ...] = ()  # increasing (rad), with the shares of `moment` there, straight
     shares: tuple[float, ...] = ()  # between; without them all of it everywhere
+    load: float | None = None  # force (N) that the joint bears at `moment`, which goes with it
 
     stores = Energy("friction", "friction_energy", "energy of the bristles of friction")
     takes = JOINT_LOSS
@@ -60,22 +64,33 @@ class Friction(OnHinge):
 
     @classmethod
     def led(cls, scene):
-        """They slip at once, the way that their joints go."""
-        return [replace(friction, bend=AT_ONCE, damping=0.0) for friction in cls.of(scene)]
+        """They slip at once, the way that their joints go; what Scene.bearings has does nothing."""
+        found = [replace(friction, bend=AT_ONCE, damping=0.0) for friction in cls.of(scene)]
+        return [f if f.load is None else replace(f, moment=0.0, load=None) for f in found]
+
+    def add_to(self, scene):
+        """What goes with the joint's force counts where openings are led, too."""
+        super().add_to(scene)
+        if self.load is not None:
+            lever = self.moment / self.load
+            scene.bearings[self.hinge] = scene.bearings.get(self.hinge, 0.0) + lever
 
     def check(self, scene):
-        """The table as well."""
+        """The table as well, and the load."""
         super().check(scene)
+        if self.load is not None and not (self.load > 0 and not self.angles):
+            raise SceneError(f"load of {self.title(scene)}", self.load, "above 0, without a table")
         if self.angles or self.shares:
             check_table(self.angles, self.shares, "shares", self.title(scene))
             if min(self.shares) < 0:
                 raise SceneError(f"shares of {self.title(scene)}", self.shares, "none below 0")
 
     def topology(self):
-        return self.hinge, len(self.angles)
+        return self.hinge, len(self.angles), self.load is None
 
     def title(self, scene):
-        return f"hysteresis {self.label(scene)}" if self.angles else super().title(scene)
+        own = "hysteresis" if self.angles else self.called if self.load is None else "bearing"
+        return f"{own} {self.label(scene)}"
 
     @property
     def stiffness(self) -> float:
@@ -95,9 +110,11 @@ class Friction(OnHinge):
         tables are those of the bend."""
 
         def bristles(scene):
-            return [[f.stiffness, f.bend * (f.shares or (1.0,))[0], f.damping_in(scene)]
-                    for f in cls.of(scene)]  # fmt: skip
+            return [[f.stiffness, f.bend * (f.shares or (float(f.load is None),))[0],
+                     f.damping_in(scene)] for f in cls.of(scene)]  # fmt: skip
 
+        if name == "borne":
+            return _borne(batch, cls)
         if name in ("start", "points"):
             if not any(f.angles for f in cls.of(batch.one)):
                 return None
@@ -107,4 +124,33 @@ class Friction(OnHinge):
         found = super().array(name, batch)
         if name == "state":
             found[:, cls.kernels().FOOT] = opened(batch, cls)
+            found[:, cls.kernels().MOST] = batch.table(
+                cls, 1, lambda f: [0.0 if f.load is None else f.bend]
+            )[:, 0]
         return found
+
+
+def _borne(batch, kind):
+    """The forces of the joints of a kind's elements; None where none goes with them."""
+    from fpm.elements.openings.losses_kernels import Borne
+
+    one, elements = batch.one, kind.of(batch.one)
+    if all(friction.load is None for friction in elements):
+        return None
+    on = [one.hinges[friction.hinge].joint for friction in elements]
+    lone, first, count = np.full((3, len(on)), [[-1], [0], [0]])
+    hinges, rows, impulses = (batch.blank(0, 1) for _ in range(3))
+    if alone := [hinge.joint for hinge in Hinge.of(one)]:
+        hinges = batch.part(Hinge).sums
+        lone[:] = [alone.index(name) if name in alone else -1 for name in on]
+    if joints := [joint.name for joint in Joint.of(one)]:
+        part = batch.part(Joint)
+        rows, impulses = part.rows, part.sums
+        place = {joints[number]: j for j, number in enumerate(part.names)}
+        for i, name in enumerate(on):
+            if name in place:
+                first[i], count[i] = (
+                    x[place[name]] for x in (part.pattern.first, part.pattern.count)
+                )
+    share = batch.table(kind, 1, lambda f: [0.0 if f.load is None else f.bend / f.load])
+    return Borne(share, lone, first, count, hinges, rows, impulses)

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.losses_kernels import LOSING, edge, follow_rate, lose
+from fpm.elements.openings.losses_kernels import LOSING, Borne, edge, follow_rate, force_of, lose
 from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, store, where_negative
@@ -16,7 +16,8 @@ ANGLE, SLOPE = 0, 1  # of a point: where, and by how much the slope of the bend 
 
 FOOT = 0  # opening at which the bristle is straight
 BENT = 1  # by how much it is bent
-STATE = 2
+MOST = 2  # and by how much it could be, where that goes with the joint's force
+STATE = 3
 
 
 class Frictions(NamedTuple):
@@ -31,6 +32,7 @@ class Frictions(NamedTuple):
     rows: np.ndarray
     start: np.ndarray | None = None  # (f + 1,) where the points of each begin,
     points: np.ndarray | None = None  # (p, 2, lanes), where the bend goes by a table
+    borne: Borne | None = None
 
 
 @kernel
@@ -43,6 +45,29 @@ def bend_at(points, start, i, most, psi):
     return most
 
 
+@kernel
+def bend_by_force(borne, state, i, now):
+    """By how much more it bends by the joint's force, now and a step ago; at first as stated."""
+    before = load(state, i, MOST)
+    most = before
+    if now.time > 0.0:
+        most = load(borne.share, i, 0) * force_of(borne, i, now)
+    store(state, i, MOST, most)
+    return most, before
+
+
+@kernel
+def bends_now(borne, part, i, psi, earlier, now):
+    """By how much bristle i bends before it slips, now and a step ago."""
+    first = load(part.numbers, i, BEND)
+    most = bend_at(part.points, part.start, i, first, psi)
+    before = bend_at(part.points, part.start, i, first, earlier)
+    if borne is not None:
+        by_force = bend_by_force(borne, part.state, i, now)
+        most, before = most + by_force[0], before + by_force[1]
+    return most, before
+
+
 @hook(Frictions)
 def forces(part, world, now):
     """Moments of the bristles; those that would bear too much slip.
@@ -52,11 +77,9 @@ def forces(part, world, now):
     """
     for i in range(part.on.shape[0]):
         h, last = part.on[i], load(part.state, i, BENT)
-        stiffness, first = load(part.numbers, i, STIFFNESS), load(part.numbers, i, BEND)
-        psi, foot = load(part.openings.angles, h, NOW), load(part.state, i, FOOT)
-        most = bend_at(part.points, part.start, i, first, psi)
-        before = load(part.openings.angles, h, BEFORE)
-        before = bend_at(part.points, part.start, i, first, before)
+        stiffness, foot = load(part.numbers, i, STIFFNESS), load(part.state, i, FOOT)
+        psi, earlier = load(part.openings.angles, h, NOW), load(part.openings.angles, h, BEFORE)
+        most, before = bends_now(part.borne, part, i, psi, earlier, now)
         rate = follow_rate(part.openings, part.past, i, h, now)
         trial = psi - foot
         sign = where_negative(trial, -1.0, 0.0 * trial + 1.0)

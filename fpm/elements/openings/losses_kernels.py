@@ -1,13 +1,32 @@
 """What elements that lose energy on openings share: rates, losses, and edges that are crossed."""
 
+from typing import NamedTuple
+
+import numpy as np
+
+from fpm.elements.joints.hinge_arrays import ON_TWO
+from fpm.elements.joints.joint_arrays import ALONG
 from fpm.elements.openings.opening_kernels import BEFORE, NOW
-from fpm.kernels.lanes import absolute, load, store, where_negative
-from fpm.kernels.vectors import kernel
+from fpm.kernels.lanes import absolute, load, sqrt, store, where_negative
+from fpm.kernels.vectors import dot, get3, kernel, vector
 
 # Kept for each element from one step to the next.
 RATE = 0  # of the opening, in the middle of the last step (rad/s); at first that at the start
 LOSING = 1  # the moment that loses energy at the last positions (N m)
 PAST = 2
+
+
+class Borne(NamedTuple):
+    """The forces of the joints: hinge of each element among the lone ones, or -1, and its first row
+    and how many among those of joints; the impulses of either, of the last step."""
+
+    share: np.ndarray  # (f, 1, lanes) what counts of each N; 0: not this one
+    lone: np.ndarray  # (f,)
+    first: np.ndarray  # (f,)
+    count: np.ndarray  # (f,)
+    hinges: np.ndarray  # (h, SUMS, lanes)
+    rows: np.ndarray  # (r, ROW, lanes)
+    impulses: np.ndarray  # (r, 1, lanes)
 
 
 @kernel
@@ -44,6 +63,19 @@ def lose(world, account, openings, past, i, h, moment):
     lost = -0.5 * (moment + load(past, i, LOSING)) * turned
     store(past, i, LOSING, moment)
     store(world.accounts, 0, account, load(world.accounts, 0, account) + lost)
+
+
+@kernel
+def force_of(borne, i, now):
+    """Force (N) of the joint of element i in the last step."""
+    none = 0.0 * load(borne.share, i, 0)
+    impulse = vector(none, none, none)
+    if borne.lone[i] >= 0:
+        impulse = get3(borne.hinges, borne.lone[i], ON_TWO)
+    for r in range(borne.first[i], borne.first[i] + borne.count[i]):
+        impulse = impulse + load(borne.impulses, r, 0) * get3(borne.rows, r, ALONG)
+    kick = now.step if now.time > 1.5 * now.step else 0.5 * now.step  # the first is half a step
+    return (1.0 / kick) * sqrt(dot(impulse, impulse))
 
 
 @kernel

@@ -115,13 +115,22 @@ def _bend(scene, hinge: int) -> float:
     joint=JOINT,
     mu=Number(about="coefficient of friction", least=0),
     radius=Number(None, "at which it rubs; of hinges only", unit="m", above=0),
-)
+    load=Number(
+        None, "force that the joint bears as a rule, at which it gives by `bend` before it slips; "
+        "left out: it counts in margins only, and a motion has none of it", unit="N", above=0,
+    ),
+    bend=key_of(Friction, "bend", default=None, about="left out: as that of friction"),
+)  # fmt: skip
 def bearing(build, it):
-    """Friction by the force that a joint itself bears: counts in margins only, in no motion."""
-    if build.scene.hinges[it.joint].slides == (it.radius is not None):
+    """Friction by the force that a joint itself bears."""
+    scene, lever = build.scene, it.mu * (1.0 if it.radius is None else it.radius)
+    if scene.hinges[it.joint].slides == (it.radius is not None):
         build.refuse("radius", it.radius, "a length on a hinge, and none on a slide")
-    found = build.scene.bearings
-    found[it.joint] = found.get(it.joint, 0.0) + it.mu * (1.0 if it.radius is None else it.radius)
+    if it.load is None:
+        scene.bearings[it.joint] = scene.bearings.get(it.joint, 0.0) + lever
+        return
+    bend = it.bend or _bend(scene, it.joint)
+    scene.add(Friction(it.joint, lever * it.load, bend, load=it.load))
 
 
 @acting(

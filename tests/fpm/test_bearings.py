@@ -1,0 +1,104 @@
+"""Friction by the force that a joint itself bears, moving, against closed forms."""
+
+import numpy as np
+import pytest
+from hinged import hinged
+
+import fpm
+from fpm.elements import Friction
+from fpm.structures import loads
+from fpm.structures.plausible import warnings
+from fpm.travel import lead, parts_of
+
+SPUN = """
+name: spun
+parameters:
+  rate: {value: 3, unit: rad/s, range: [-9, 9]}
+  mu: {value: 0.2, range: [0, 1]}
+points: {a: [0, 0, 0], b: [1, 0, 0]}
+bodies:
+  sheet: {mass: 1 kg, centre: b, inertia: [0.1, 0.1, 0.1], points: [a]}
+joints:
+  h: {type: revolute, parts: [ground, sheet], at: a, axis: z}
+actions:
+  rub: {type: bearing, joint: h, mu: mu, radius: 50 mm, load: 9 N}
+motions:
+  go: {part: sheet, about: a, spin: [0, 0, rate]}
+record:
+  a: {part: sheet, at: a}
+"""
+BOTH = SPUN.replace(
+    "joints:", "  lump: {mass: 2 kg, centre: b, inertia: [0.1, 0.1, 0.1]}\njoints:\n"
+    "  weld: {type: fixed, parts: [sheet, lump], at: b}"
+).replace("record:", "  too: {part: lump, about: a, spin: [0, 0, rate]}\nrecord:")  # fmt: skip
+RAIL = """
+name: rail
+gravity: [0, 0, -9.81 m/s2]
+parameters:
+  mu: {value: 0.3, range: [0, 1]}
+points: {a: [0, 0, 0]}
+bodies:
+  cart: {mass: 2 kg, centre: a, inertia: [1, 1, 1]}
+joints:
+  h: {type: prismatic, parts: [ground, cart], at: a, axis: x}
+actions:
+  rub: {type: bearing, joint: h, mu: mu, load: 30 N}
+motions:
+  go: {part: cart, about: a, velocity: [2 m/s, 0, 0]}
+record:
+  a: {part: cart, at: a}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("text", "mass", "inertia"), [(SPUN, 1.0, 1.1), (BOTH, 3.0, 3.2)])
+def test_a_sheet_that_spins_is_braked_by_its_own_pull(text, mass, inertia):
+    """Its hinge, alone or among others, bears m r w², so that w falls as 1/(1 + c w t), c being mu
+    times the radius times m r/J. From rest of the bristle it slips after 1 mrad, its bend."""
+    made = loads(text)
+    several = [made.build(), made.build(rate=-3.0), made.build(mu=0.0)]
+    falls = 0.2 * 0.05 * mass / inertia
+    balance = []
+    for step in (2e-3, 1e-3):
+        runs = fpm.simulate(several, duration=20.0, instants=201, step=step)
+        exact = np.log(1 + falls * 3.0 * runs[0].time) / falls
+        for run, way in zip(runs[:2], (1, -1), strict=True):
+            assert run.failure is None
+            opening = run.recorded["opening"].values[:, 0]
+            assert opening == pytest.approx(way * exact, abs=2e-3)
+        balance.append(np.abs(runs[0].energies["balance"]).max())
+        assert runs[2].recorded["opening"].values[-1, 0] == pytest.approx(60.0, abs=2e-3)
+    assert balance[1] < 2e-5 * mass * 9
+    assert balance[1] < 0.6 * balance[0]  # the force is that of the step before
+
+
+@pytest.mark.slow
+def test_a_cart_is_braked_by_its_weight_on_the_rail():
+    """v²/(2 mu g), where it stands; in the first half step the 30 N that are stated brake it."""
+    step, weight = 1e-3, 2.0 * 9.81
+    (run,) = fpm.simulate(loads(RAIL).build(), duration=1.5, instants=151, step=step)
+    assert run.failure is None
+    opening = run.recorded["slide_opening"].values[:, 0]
+    stops = 2.0**2 / (2 * 0.3 * 9.81) - 2.0 * (30.0 / weight - 1) * step / 2
+    assert opening.max() == pytest.approx(stops, abs=1e-5)
+    assert np.ptp(opening[-20:]) < 1e-6
+    loss = run.energies["joint_loss"][-1]
+    assert loss == pytest.approx(4.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("text", [SPUN, RAIL])
+def test_in_margins_it_is_one_part_with_a_load_or_without(text):
+    with_load = loads(text).build()
+    without = loads(text.replace(", load: 9 N", "").replace(", load: 30 N", "")).build()
+    assert parts_of(with_load)["bearing h"] == parts_of(without)["bearing h"] == "FR"
+    first, second = (lead(s, "h", 0.0, 0.5, positions=5).work for s in (with_load, without))
+    assert first.keys() == second.keys()
+    assert first["bearing h"] == pytest.approx(second["bearing h"], rel=1e-9, abs=1e-9)
+    assert not any("bearing" in told for told in warnings(with_load))
+    assert any("counts in margins only" in told for told in warnings(without))
+
+
+@pytest.mark.parametrize("more", [{"load": 0.0}, {"load": 1.0, "angles": (0, 1), "shares": (1, 1)}])
+def test_a_load_that_cannot_be_is_refused(more):
+    with pytest.raises(fpm.SceneError, match="above 0, without a table"):
+        hinged(0.0).add(Friction(0, 0.1, **more))

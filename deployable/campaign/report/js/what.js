@@ -34,6 +34,7 @@ class WhatIf {
       byId("sliders").append(make("label", {}, make("span", {}, make("b", {}, name), ` ${description}`), input, told));
       return { input, told, unit };
     });
+    this.tell(this.values());
     byId("usual").addEventListener("click", () => this.set(DATA.parameters.map(({ nominal }) => nominal)));
     for (const mark of document.querySelectorAll("[data-judged]")) mark.addEventListener("click", () => this.run(Number(mark.dataset.judged)));
     if (!DATA.judged) return;
@@ -41,6 +42,11 @@ class WhatIf {
     number.addEventListener("input", () => { if (number.checkValidity() && number.value) this.run(number.value - 1); });
     byId("usual").after(make("label", { class: "choice" }, "run ", number, ` of ${DATA.judged.met.length}`));
     this.number = number;
+  }
+
+  // Say what the sliders ask for.
+  tell(values) {
+    this.sliders.forEach(({ told, unit }, j) => { told.textContent = `${digits(values[j], 3)} ${unit}`; });
   }
 
   values() {
@@ -72,7 +78,7 @@ class WhatIf {
 
   ask(run = null) {
     const values = this.values(), unit = this.unit(values), q = this.quantities.length;
-    this.sliders.forEach(({ told, unit: of }, j) => { told.textContent = `${digits(values[j], 3)} ${of}`; });
+    this.tell(values);
     if (this.number) this.number.value = run === null ? "" : run + 1;
     const numbers = run === null ? this.quantities.map((one) => answer(one, unit)) : [...DATA.judged.numbers.subarray(q * run, q * (run + 1))];
     const broken = [...new Set(this.limits.filter((limit) => !keeps(limit, numbers[this.quantities.findIndex(({ name }) => name === limit.quantity)])).map(({ of }) => of))];

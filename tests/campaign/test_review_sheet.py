@@ -11,7 +11,14 @@ import pytest
 import xarray
 
 from deployable import campaign
-from deployable.campaign.results.review import CLAUSES, COLUMNS, NOT_ANALYSED, as_csv, rows_of
+from deployable.campaign.results.review import (
+    CLAUSES,
+    COLUMNS,
+    NOT_ANALYSED,
+    as_csv,
+    head_of,
+    rows_of,
+)
 
 ECSS = "ecss-e-st-33-01c"
 
@@ -105,7 +112,31 @@ def test_what_happens_in_no_run_is_said():
 
 def test_the_budget_tells_the_tolerance_that_counts():
     rows = sheet([quantity("late", 0.2, 0.3, "m s-1")], [], [number("late", "velocity")])
-    assert of(rows, "4.8.2.5")[0]["value"] == "late: 0.1 m/s, 0.07 m/s with half of k"
+    assert of(rows, "4.8.2.5")[0]["value"] == "late: 0.1 m/s, 0.07 m/s with half the tolerance of k"
+
+
+def test_how_it_ends_and_over_which_box_stands_first():
+    numbers = [number("m_least", "margin", ("h", ECSS, "theory"))]
+    requirements = [limited("m", "some", "m_least"), limited("t", "open", "m_least")]
+    facts = {"requirements": requirements, "parameters": [
+        {"name": "k", "description": "stiffness", "lower": 0.36, "upper": 0.44, "units": "N m"},
+    ]}  # fmt: skip
+    rows = sheet([quantity("m_least", -0.2, 1.2)], requirements, numbers)
+    ends, box, how = head_of(facts, rows)
+    assert ends.startswith("Not met: m; no failure found, which proves nothing of the rest of the")
+    assert "box: t; not analysed, in whole or in part: 4.7.5.2, 4.7.5.3, 4.7.5.4.3" in ends
+    assert "met in all" not in ends and "4.7.5.4.8" in ends
+    assert "stiffness (k) from 0.36 to 0.44 N m" in box and "probability" in how
+
+
+def test_the_factors_of_a_failure_case_are_told_apart():
+    nasa = "nasa-std-5017b"
+    numbers = [number("n", "margin", ("h", nasa, "analysis")),
+               number("out", "margin", ("h", nasa, "spring out", "torsion spring h"))]  # fmt: skip
+    limits = [limited("n", "some", "n"), limited("o", "some", "out")]
+    rows = sheet([quantity("n", -0.2, 0.2), quantity("out", 0.2, 0.4)], limits, numbers)
+    assert "not to be compared" in of(rows, "4.8.2.6", "failure")[0]["analysed"]
+    assert "not to be compared" not in of(rows, "NASA-STD-5017B")[0]["analysed"]
 
 
 def test_the_sheet_as_csv():

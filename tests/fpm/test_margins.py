@@ -150,7 +150,7 @@ def agree(seed):
     assert np.abs(near - at).min() <= 1e-3 * end, seed
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_random_designs(seed):
     agree(seed)
 

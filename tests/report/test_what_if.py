@@ -141,3 +141,17 @@ def test_what_choices_cost_leaves_out_those_that_end_with_the_runs(opened):
 def test_the_best_choice_where_none_meets_all_is_told_as_such(opened, kept, told):
     choice = {**opened.facts["choice"], "kept": kept}
     assert told in render(replace(opened, facts=opened.facts | {"choice": choice}))
+
+
+@in_a_browser
+def test_the_error_of_what_is_below_nothing_lies_about_the_bounds(opened, tmp_path):
+    """A response that has no least value may be negative: its error does not end at 0."""
+    (found,) = opened.responses
+    below = replace(found, lower=found.lower - 100, upper=found.upper - 100)
+    write_page(replace(opened, responses=(below,)), tmp_path / "report.html")
+    with Browser() as browser:
+        browser.open(tmp_path / "report.html")
+        browser.settle()
+        height = "document.querySelector('path.{}').getBBox().height"
+        band, doubt = (browser.ask(height.format(kind)) for kind in ("band", "doubt"))
+    assert 0 < band <= doubt < 2 * band

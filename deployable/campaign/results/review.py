@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from deployable.campaign.results.facts import decisive
@@ -56,6 +56,13 @@ CLAUSES = {
 }  # fmt: skip
 """By standard, as in `fpm.reading.standards` (edition of 6 March 2009)."""
 
+ENDS = {
+    "not met": ("some", "none"),
+    "no failure found, which proves nothing of the rest of the box": ("open",),
+    "met in all of the box": ("all",),
+}
+"""How requirements end, in words, by what is said of them (`answers.requirements`)."""
+
 TOPICS = {
     "stress": "stress", "section_force": "stress", "section_moment": "stress", "tension": "stress",
     "clearance": "clearance", "acceleration": "shock", "latch_impulse": "shock",
@@ -69,6 +76,29 @@ def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[di
     """The rows of a standard's sheet from the facts of a campaign (`facts.facts_of`)."""
     sheet = _Sheet(facts, experiment, STANDARDS[standard].title)
     return [row for clause in CLAUSES[standard] for row in sheet.rows(clause)] + sheet.others()
+
+
+def head_of(facts: Mapping[str, Any], rows: Sequence[Mapping[str, str]]) -> list[str]:
+    """What stands above the rows: how it ends, over which box, and how to read the numbers."""
+    ends = []
+    for words, met in ENDS.items():
+        if names := [row["name"] for row in facts.get("requirements", ()) if row["met"] in met]:
+            ends.append(f"{words}: {', '.join(names)}")
+    left = list(dict.fromkeys(row["clause"] for row in rows if row["verdict"] == NOT_ANALYSED))
+    ends += [f"{NOT_ANALYSED}, in whole or in part: {', '.join(left)}"] if left else []
+    box = (
+        f"{p['description'] or p['name']} ({p['name']}) from {numbers.number(p['lower'], 4)} to "
+        f"{numbers.quantity(p['upper'], p['units'], 4)}"
+        for p in facts["parameters"]
+    )
+    first, rest = (text := "; ".join(ends))[:1], text[1:]
+    return [
+        f"{first.upper()}{rest}.",
+        f"The box: {'; '.join(box)}. All else is as the structure's file states it.",
+        "By analysis of a model, for what the campaign states; no claim of compliance. A margin is "
+        "what drives over what is required, less 1; ± is the error at either end of an interval; "
+        "a share of the box is no probability.",
+    ]
 
 
 def as_csv(rows: Iterable[Mapping[str, str]]) -> str:
@@ -149,11 +179,13 @@ class _Sheet:
                     "verdict": "told; no limit was stated", "nearest": ""}  # fmt: skip
         level = {"at_least": "at least", "at_most": "at most"}.get(limit["kind"], "")
         asked = f"{level} {numbers.quantity(limit['level'], row['units'])}" if level else "happens"
-        near = numbers.place(limit["at"], parameters)
-        if limit["simulated"] is not None:
+        of, near = self._numbers[name].response, numbers.place(limit["at"], parameters)
+        if not level and requirement["met"] in ("all", "open"):
+            near = ""  # what always happens is as far from failing everywhere
+        elif limit["simulated"] is not None:
             near += f": {numbers.quantity(limit['simulated'], row['units'], 4)}, simulated"
         return {
-            "analysed": f"{name}: {row['long_name']}; {asked}", "value": value,
+            "analysed": f"{name}: {row['long_name']}; {asked}{_own_factors(of)}", "value": value,
             "verdict": _verdict(requirement), "nearest": near,
         }  # fmt: skip
 
@@ -162,10 +194,13 @@ class _Sheet:
         if "together" not in self.facts:
             return None
         names = ", ".join(p["name"] for p in self.facts["parameters"])
+        rows = self.facts["requirements"]
+        failing = ", ".join(row["name"] for row in rows if row["met"] in ENDS["not met"])
         return {
             "analysed": f"all requirements together, over the box of {names}; "
             f"{self.facts['runs']['all']} runs, worst places simulated",
-            "value": "", "verdict": _verdict(self.facts["together"]), "nearest": "",
+            "value": f"not met: {failing}" if failing else "",
+            "verdict": _verdict(self.facts["together"]), "nearest": "",
         }  # fmt: skip
 
     def balance(self) -> dict[str, str]:
@@ -192,7 +227,8 @@ class _Sheet:
             if name := decisive(row):
                 now, half = row["surrogate_upper"] - row["surrogate_lower"], row["influence"][name]
                 widths = (numbers.quantity(x, row["units"], 2) for x in (now, half["halved"]))
-                found.append("{}: {}, {} with half of {}".format(row["name"], *widths, name))
+                found.append("{}: {}, {} with half the tolerance of {}".format(
+                    row["name"], *widths, name))  # fmt: skip
         return found and {
             "analysed": "widths of intervals, and with half of the tolerance that widens each most",
             "value": "; ".join(found), "verdict": "told", "nearest": "",
@@ -212,6 +248,13 @@ def _standard(margin: Any) -> str:
 def _left_out(margin: Any) -> bool:
     """Whether a margin is one with parts that are out."""
     return margin.about.index(_standard(margin)) + 2 < len(margin.about)
+
+
+def _own_factors(response: Any) -> str:
+    """That a margin is by factors of its own, where it could be taken for one of the others."""
+    if response is None or response.kind != "margin" or "spring out" not in response.about:
+        return ""
+    return "; by the factors for that case, so not to be compared with the intact mechanism's"
 
 
 def _verdict(row: Mapping[str, Any]) -> str:

@@ -9,7 +9,7 @@ from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.facts import facts_of
-from deployable.campaign.results.review import HEADS, as_csv, rows_of
+from deployable.campaign.results.review import HEADS, as_csv, head_of, rows_of
 from deployable.campaign.text.templates import summary_text
 from fpm.reading.standards import STANDARDS
 
@@ -26,7 +26,12 @@ def summarise(
     facts = facts_of(folder, published, requirements, choice)
     if review:
         rows = rows_of(facts, read_plan(folder.plan).experiment, review)
-        facts["review"] = {"title": STANDARDS[review].title, "heads": HEADS, "rows": rows}
+        facts["review"] = {
+            "title": STANDARDS[review].title,
+            "head": head_of(facts, rows),
+            "heads": HEADS,
+            "rows": rows,
+        }
         write_result(folder / "review.csv", as_csv(rows))
         write_result(folder / "review.md", summary_text(facts, "review.md.jinja"))
     text = summary_text(facts)

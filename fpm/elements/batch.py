@@ -5,6 +5,7 @@ the lanes that are left over; their results are dropped.
 """
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, Protocol
 
@@ -50,7 +51,7 @@ class Scene(Protocol):
     hinges: list
     curves: list[tuple[np.ndarray, np.ndarray]]
     points: dict[str, Any]
-    bearings: dict[int, float]
+    bearings: Counter[int]
 
 
 class Places:

@@ -265,6 +265,11 @@ class Kind:
         return 0.0
 
     @classmethod
+    def reads_impulses(cls, scene: Scene) -> bool:
+        """Whether its elements need the impulses of joints summed over each step."""
+        return False
+
+    @classmethod
     def weight(cls, scene: Scene, particle: int, time: np.ndarray) -> np.ndarray:
         """Force (3,) or (t, 3) N on a particle at times (t,) s that is there because of its mass.
 

@@ -6,9 +6,8 @@ it is called. By reference they are two. Everything is compiled into one loop in
 reference is left.
 """
 
-from llvmlite import ir
 from numba import types
-from numba.core import cgutils
+from numba.core.cgutils import alloca_once_value, gep_inbounds, unpack_tuple
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
 from numba.extending import intrinsic, lower_getattr_generic, models, register_model
 
@@ -45,25 +44,23 @@ class _Fields(AttributeTemplate):
 
 @lower_getattr_generic(Reference)
 def _field(context, builder, reference, value, name):
-    at = cgutils.gep_inbounds(builder, value, 0, reference.of.fields.index(name))
+    at = gep_inbounds(builder, value, 0, reference.of.fields.index(name))
     return at if isinstance(reference.field(name), Reference) else builder.load(at)
-
-
-def _put(builder, value) -> ir.Value:
-    return cgutils.alloca_once_value(builder, value)
 
 
 @intrinsic
 def by_reference(typingctx, value):
     """A named tuple by reference; of a tuple of named tuples, a tuple of references."""
     if isinstance(value, types.BaseNamedTuple):
-        return Reference(value)(value), lambda context, builder, sig, args: _put(builder, args[0])
+        return Reference(value)(value), lambda _, builder, __, args: alloca_once_value(
+            builder, *args
+        )
     if not isinstance(value, types.BaseTuple):
         return None
     found = types.BaseTuple.from_types([Reference(each) for each in value])
 
     def codegen(context, builder, sig, args):
-        parts = cgutils.unpack_tuple(builder, args[0], len(value))
-        return context.make_tuple(builder, found, [_put(builder, part) for part in parts])
+        parts = unpack_tuple(builder, args[0], len(value))
+        return context.make_tuple(builder, found, [alloca_once_value(builder, p) for p in parts])
 
     return found(value), codegen

@@ -5,6 +5,7 @@ Everything is in SI units; positions, directions and loads are given in global a
 """
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -102,7 +103,7 @@ class Scene:
         self.points: dict[str, VirtualBeam] = {}
         self.bodies: dict[str, int] = {}  # rigid ones that have a name, with their particles
         self.supports: dict[str, VirtualBeam] = {}  # named points that are held or driven
-        self.bearings: dict[int, float] = {}  # by hinge: mu r (m), of slides mu; in travels only
+        self.bearings: Counter[int] = Counter()  # by hinge: mu r (m), of slides mu, where it is led
         self.classes: dict[tuple[type[Kind], int], str] = {}  # other than Kind.resists_as
         self.gravity, self.damping = gravity, damping
 

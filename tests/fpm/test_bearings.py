@@ -5,7 +5,8 @@ import pytest
 from hinged import hinged
 
 import fpm
-from fpm.elements import Friction
+from fpm.elements import Friction, Hinge, Joint
+from fpm.solver.pack import pack
 from fpm.structures import loads
 from fpm.structures.plausible import warnings
 from fpm.travel import lead, parts_of
@@ -96,6 +97,14 @@ def test_in_margins_it_is_one_part_with_a_load_or_without(text):
     assert first["bearing h"] == pytest.approx(second["bearing h"], rel=1e-9, abs=1e-9)
     assert not any("bearing" in told for told in warnings(with_load))
     assert any("counts in margins only" in told for told in warnings(without))
+
+
+@pytest.mark.parametrize(("text", "joined"), [(SPUN, Hinge), (BOTH, Joint)])
+def test_only_a_motion_with_a_load_pays_for_it(text, joined):
+    """Impulses are summed over each step where something reads them."""
+    for given, counted in ((text, True), (text.replace(", load: 9 N", ""), False)):
+        batch = pack([loads(given).build()], 8, np.dtype(float), 2)
+        assert (batch.part(joined).sums is not None) == counted
 
 
 @pytest.mark.parametrize("more", [{"load": 0.0}, {"load": 1.0, "angles": (0, 1), "shares": (1, 1)}])

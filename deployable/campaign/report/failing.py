@@ -43,9 +43,14 @@ def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) 
     return met
 
 
+def _tells_apart(data: PageData) -> bool:
+    """Whether some runs fail and some meet all requirements."""
+    return data.judged is not None and 0 < data.judged.met.sum() < len(data.judged.met)
+
+
 def panels(data: PageData) -> list[Panel]:
     """The panels of a page; none where there is nothing that fails, or nothing that meets all."""
-    if data.judged is None or data.judged.met.all() or not data.judged.met.any():
+    if not _tells_apart(data):
         return []
     unit = [_unit(p, data.judged.values[:, k]) for k, p in enumerate(data.parameters)]
     free = [k for k, p in enumerate(data.parameters) if p["upper"] > p["lower"]]
@@ -85,7 +90,7 @@ def _panel(data: PageData, unit: list, runs: np.ndarray, i: int, j: int | None) 
 def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
     """Of more parameters than panels show each run, whether it meets all requirements, and its
     place along each parameter, from 0 to 1; what fails lies above."""
-    if len(data.parameters) <= MOST_PARAMETERS or not panels(data):
+    if len(data.parameters) <= MOST_PARAMETERS or not _tells_apart(data):
         return []
     unit = np.array([_unit(p, data.judged.values[:, k]) for k, p in enumerate(data.parameters)])
     return [

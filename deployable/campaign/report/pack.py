@@ -18,6 +18,7 @@ from deployable.campaign.export.glb import glb_of
 from deployable.campaign.report.data import MovingRun, PageData, Response
 from deployable.campaign.results.facts import LARGE
 from deployable.campaign.text.numbers import pretty
+from deployable.intervals.formula import Formula
 
 MOST_INSTANTS = 4001
 """Instants of a curve from which it is thinned."""
@@ -170,7 +171,7 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
 
 def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str, Any]:
     def table(formula: Any) -> Any:
-        if formula is None or formula is True or formula is False:
+        if not isinstance(formula, Formula):
             return formula
         numbers = ("coefficients", "points", "scales", "weights")
         return {"indices": formula.indices.tolist(), "kernel": formula.kernel} | {

@@ -152,12 +152,13 @@ def _of_contacts(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
     def stiffness(**values: float) -> np.ndarray:
         return np.array([one.stiffness for one in Contact.of(experiment.build(values))])
 
-    nominal, doubled = dict(zip(experiment.intervals, experiment.nominal, strict=True)), {}
+    nominal, more = dict(zip(experiment.intervals, experiment.nominal, strict=True)), {}
+    in_proportion = 1.01 * stiffness(**nominal)
     for one in fixed:
         if type(one["value"]) is float and one["value"] > 0:
             with suppress(SceneError):  # a value that it may not have
-                doubled[one["name"]] = stiffness(**nominal, **{one["name"]: 1.01 * one["value"]})
-    return [n for n, found in doubled.items() if np.allclose(found, 1.01 * stiffness(**nominal))]
+                more[one["name"]] = stiffness(**nominal, **{one["name"]: 1.01 * one["value"]})
+    return [name for name, found in more.items() if np.allclose(found, in_proportion)]
 
 
 def read_json(path: Path) -> dict:

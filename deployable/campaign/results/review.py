@@ -91,9 +91,8 @@ def head_of(facts: Mapping[str, Any], rows: Sequence[Mapping[str, str]]) -> list
         f"{numbers.quantity(p['upper'], p['units'], 4)}"
         for p in facts["parameters"]
     )
-    first, rest = (text := "; ".join(ends))[:1], text[1:]
     return [
-        f"{first.upper()}{rest}.",
+        f"{numbers.capitalised('; '.join(ends))}.",
         f"The box: {'; '.join(box)}. All else is as the structure's file states it.",
         "By analysis of a model, for what the campaign states; no claim of compliance. A margin is "
         "what drives over what is required, less 1; ± is the error at either end of an interval; "

@@ -50,7 +50,7 @@ def measured(value: float, error: float | None, units: str) -> str:
 
 def earliest(row: Mapping[str, Any]) -> str:
     """The lower end of an interval, with the digits that `interval` leaves it."""
-    return with_unit(interval(row).split(" to ")[0], row["units"])
+    return with_unit(_ends(row)[0], row["units"])
 
 
 def with_unit(text: str, units: str) -> str:
@@ -90,22 +90,31 @@ OPEN = 0.05
 def interval(row: Mapping[str, Any]) -> str:
     """`0.31 to 0.34 s`: both ends to the same place, that of the first digit of their error, or
     two places below that of their difference where the error is less, or not known."""
-    lower, upper = row["lower"], row["upper"]
-    if lower is None:
+    if row["lower"] is None:
         return ""
+    ends = _ends(row)
+    if row.get("beyond"):
+        most = quantity(row["beyond"], row["units"])
+        return f"{ends[0]} to more than {most} (the end of the runs)"
+    return with_unit(f"{ends[0]} to {ends[1]}", row["units"])
+
+
+def _ends(row: Mapping[str, Any]) -> list[str]:
+    """The ends of an interval as `interval` writes them, without their unit."""
+    lower, upper = row["lower"], row["upper"]
     error, width = row.get("error") or 0.0, upper - lower
     size = max(abs(lower), abs(upper))
     places = -_power(width or 1e-3 * size or 1.0) + 2
     if error > 0 < width:
         places = min(places, -_power(min(error, width / 10)))
     if not 0 <= places <= 9:
-        ends = [number(end, max(1, min(9, places + 1 + _power(size)))) for end in (lower, upper)]
-    else:
-        ends = [f"{end:.{places}f}".replace("-", "−") if end else "0" for end in (lower, upper)]
-    if row.get("beyond"):
-        most = quantity(row["beyond"], row["units"])
-        return f"{ends[0]} to more than {most} (the end of the runs)"
-    return with_unit(f"{ends[0]} to {ends[1]}", row["units"])
+        return [number(end, max(1, min(9, places + 1 + _power(size)))) for end in (lower, upper)]
+    return [f"{end:.{places}f}".replace("-", "−") if end else "0" for end in (lower, upper)]
+
+
+def capitalised(text: str) -> str:
+    """A sentence that begins with a capital letter, all else as it is."""
+    return text[:1].upper() + text[1:]
 
 
 def _power(value: float) -> int:

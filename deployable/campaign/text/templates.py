@@ -27,13 +27,12 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         finalize=(lambda v: numbers.unbroken(v, units) if type(v) is str else v) if html else None,
     )  # fmt: skip
     of_numbers = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
-                  "position", "measured", "earliest")  # fmt: skip
+                  "position", "measured", "earliest", "capitalised")  # fmt: skip
     found.filters |= {name: getattr(numbers, name) for name in of_numbers}
     found.filters |= {
         "met_text": met_text, "decisive": decisive, "moments": moments,
         "happens_only": happens_only, "doubts": doubts,
         "first_lower": lambda text: text[:1].lower() + text[1:],
-        "capitalize_first": lambda text: text[:1].upper() + text[1:],
         "escaped": (lambda text: text) if html else numbers.escaped,
         "coded": partial(numbers.coded, units=units),
     }  # fmt: skip

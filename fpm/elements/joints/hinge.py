@@ -31,7 +31,6 @@ from fpm.elements.joints.hinge_arrays import MOST_GAP, MOST_TILT
 from fpm.elements.joints.turn import Turn
 from fpm.elements.kind import AXES, Kind, Recorded, Watch
 from fpm.elements.openings.opening import opening_angle
-from fpm.elements.particles.probe import Probe
 from fpm.errors import SceneError
 
 ANGLES = "_axis", "_other"
@@ -67,6 +66,11 @@ class Joined(Kind):
     def joint(self) -> str:
         """Its name as a joint."""
         return self.name
+
+    @staticmethod
+    def are_impulses_read(scene) -> bool:
+        """Whether some kind needs the sums of impulses."""
+        return any(kind.reads_impulses(scene) for kind in scene.kinds)
 
     def check(self, scene):
         """One name, one hinge or joint."""
@@ -187,7 +191,7 @@ class Hinge(Joined):
             return lambda scene: rows_of(scene, [scene.hinges[i] for i in which])
 
         held = [held_axes(hinge.support) for hinge in hinges]
-        counted = Probe.asked(batch.one).impulses or bool(batch.one.bearings)
+        counted = cls.are_impulses_read(batch.one)
         return at.Hinges(
             ends=batch.integers(cls.moved(batch.one)),
             bodies=batch.stack(2 * h, at.BODY, each(_bodies)),

@@ -35,7 +35,6 @@ from fpm.elements.kind import AXES
 from fpm.elements.openings.opening import opening_at
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.gravity import LOAD_WORK
-from fpm.elements.particles.probe import Probe
 from fpm.elements.particles.turning import turns_of
 from fpm.errors import SceneError
 
@@ -226,7 +225,7 @@ class Joint(Joined):
             excess=batch.rows_of(cls),
             gaps=batch.blank(rows, 2),
         )
-        if Probe.asked(one).impulses or one.bearings:
+        if cls.are_impulses_read(one):
             sums, forces = batch.blank(conditions, 1), batch.blank(rows * len(joints), SUMS)
             coupled = coupled._replace(sums=sums, forces=forces)
         if not (turns := len(Turn.of(one))):

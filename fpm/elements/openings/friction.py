@@ -72,8 +72,11 @@ class Friction(OnHinge):
         """What goes with the joint's force counts where openings are led, too."""
         super().add_to(scene)
         if self.load is not None:
-            lever = self.moment / self.load
-            scene.bearings[self.hinge] = scene.bearings.get(self.hinge, 0.0) + lever
+            scene.bearings[self.hinge] += self.moment / self.load
+
+    @classmethod
+    def reads_impulses(cls, scene):
+        return any(friction.load is not None for friction in cls.of(scene))
 
     def check(self, scene):
         """The table as well, and the load."""
@@ -135,7 +138,7 @@ def _borne(batch, kind):
     from fpm.elements.openings.losses_kernels import Borne
 
     one, elements = batch.one, kind.of(batch.one)
-    if all(friction.load is None for friction in elements):
+    if not kind.reads_impulses(one):
         return None
     on = [one.hinges[friction.hinge].joint for friction in elements]
     lone, first, count = np.full((3, len(on)), [[-1], [0], [0]])

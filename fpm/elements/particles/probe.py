@@ -26,6 +26,10 @@ class Probe(Kind):
         """The probe of a scene; one that keeps nothing where there is none."""
         return next(iter(Probe.of(scene)), Probe())
 
+    @classmethod
+    def reads_impulses(cls, scene):
+        return cls.asked(scene).impulses
+
     def topology(self):
         """All of it."""
         return self.frames, self.forces, self.moments, self.impulses

@@ -127,7 +127,7 @@ def bearing(build, it):
     if scene.hinges[it.joint].slides == (it.radius is not None):
         build.refuse("radius", it.radius, "a length on a hinge, and none on a slide")
     if it.load is None:
-        scene.bearings[it.joint] = scene.bearings.get(it.joint, 0.0) + lever
+        scene.bearings[it.joint] += lever
         return
     bend = it.bend or _bend(scene, it.joint)
     scene.add(Friction(it.joint, lever * it.load, bend, load=it.load))

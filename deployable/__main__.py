@@ -5,10 +5,9 @@ import os
 import sys
 
 from deployable import other_fpm
+from deployable.one_thread import set_environment
 
-# As jobs of Snakemake have it: more threads of linear algebra would round otherwise. Their library
-# reads the number when it is loaded, which this package has not done yet.
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+set_environment()  # before numpy is loaded
 # After each 700 new objects Python looks for circles that nobody uses: a tenth of a short stage.
 gc.set_threshold(10_000)
 

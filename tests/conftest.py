@@ -3,16 +3,17 @@ the slow ones from taking minutes."""
 
 from __future__ import annotations
 
-import os
 import resource
 import sys
 from collections.abc import Iterator
 
 import pytest
 
+from deployable.one_thread import set_environment
+
 # As the program has it. Two threads of linear algebra in each of two processes on two cores wait
 # for each other: eigenvalues of 72 degrees of freedom take 0.1 s then, and 0.3 ms with one.
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+set_environment()
 
 # By the named tuples of their kinds (`fpm.kernels.compiled`).
 SHARED = {

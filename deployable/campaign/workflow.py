@@ -19,6 +19,7 @@ from deployable.campaign.plan.estimate import job_megabytes, job_minutes
 from deployable.campaign.plan.plan import read_plan, read_step
 from deployable.campaign.runs.progress import Tell, Teller
 from deployable.campaign.stages import STAGES, batch_count, drawings, program_digest
+from deployable.one_thread import one_thread
 from fpm.files.sealed import DamagedError, check
 
 
@@ -193,11 +194,14 @@ def run(
     `config` is the name of a YAML file, or what one holds. Runs that are there already are not
     simulated again; everything else is made anew, and what was damaged is named. `tell` gets
     messages of progress, which are printed if nothing is said. Bounds are the workflow's to the
-    last bit with `OMP_NUM_THREADS=1`; threads of linear algebra round otherwise.
+    last bit: linear algebra has one thread meanwhile.
     Raises `ConfigError` before anything is written, `CampaignError` when runs fail.
     """
-    tell = tell or Teller(sys.stderr)
-    campaign = _campaign(config)
+    with one_thread():
+        return _run(_campaign(config), results, figures, tell or Teller(sys.stderr))
+
+
+def _run(campaign: Campaign, results: str | Path, figures: bool, tell: Tell) -> Any:
     folder = Folder(Path(results, campaign.name))
     for error in _damaged_in(campaign, results, figures):
         tell(f"{error}; it is made again")

@@ -14,7 +14,8 @@ from .models import MODELS, Model
 from .ranges import Range, surrogate_range
 from .rounds import Places, deciding_places, seek_points
 from .sensitivity import parameter_sensitivity, sensitivity_dataset, surrogate_dataset
-from .splines import MAX_RUNS, Spline, check_spline_runs, fit_spline, spline_range
+from .spline_extremes import spline_range
+from .splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 
 __all__ = [
     "MAX_RUNS",

@@ -20,7 +20,8 @@ from .estimates import (
 )
 from .ranges import Range, attained, surrogate_range
 from .samples import Running, Samples
-from .splines import check_spline_runs, fit_spline, spline_range
+from .spline_extremes import spline_range
+from .splines import check_spline_runs, fit_spline
 
 
 class Model:

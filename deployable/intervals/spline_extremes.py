@@ -1,0 +1,202 @@
+"""Extreme values of cubic splines over the box: exact on a line, by Newton's method elsewhere.
+
+A search that stops before it has converged, or begins at one point of several that are nearly as
+good, ends where rounding decides: its bounds differ between processors by a thousand times the
+rounding. Each search here goes on until the next step can gain nothing above rounding.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .designs import spread_points
+from .ranges import Range, attained
+from .splines import CHUNK, Spline
+
+CANDIDATES = 4096
+"""Points, beside the runs, among which searches start."""
+
+_STARTS = 8000  # runs times searches of a column: a spline through fewer runs has cheaper searches
+_FIRST_STEPS = 3  # of all searches, before those are left out that are near a better one
+_NEAR = 0.01  # unit coordinates
+_STEPS = 60
+_GAIN = 1e-13  # of the spread of the runs' values: a smaller gain is rounding
+
+
+def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
+    """Range that the spline attains over [-1, 1]^k, at every instant.
+
+    On a line it is exact. Elsewhere Newton's method, kept inside the box, climbs from the best of
+    all the runs and of `candidates` points spread over the box, its faces, edges and corners: from
+    4 to 32 of them at each instant, fewer the more runs there are. No enclosure: `lower` and
+    `upper` are the attained values themselves, and contain every run, those that count as repeats
+    too.
+    """
+    shape = spline.weights.shape[1:]
+    flat = spline.weights.reshape(len(spline.weights), -1)
+    k = len(spline.scales)
+    sides = []
+    for sign, runs, at in (
+        (-1.0, spline.lowest, spline.argmin),
+        (1.0, spline.highest, spline.argmax),
+    ):
+        if spline.on_line:
+            value, x = _line_maximum(spline, sign * flat)
+        elif (spline.scales > 0).any():
+            value, x = _maximum(spline, sign * flat, candidates)
+        else:  # one run
+            value, x = sign * flat[0], np.repeat(spline.points, flat.shape[1], axis=0)
+        run = sign * runs.ravel() >= value
+        value, x = np.where(run, sign * runs.ravel(), value), x.copy()
+        x[run] = at.reshape(-1, k)[run]
+        sides += [(sign * value).reshape(shape), x.reshape(*shape, k)]
+    low, x_low, high, x_high = sides
+    return attained(low, high, x_low, x_high)
+
+
+def _line_maximum(spline: Spline, flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Largest values (T) of a spline on a line and their points (T, k).
+
+    Between two knots the slope is a quadratic function, whose roots are known; beyond the outer
+    ones the spline is straight.
+    """
+    j = int(np.argmax(spline.scales > 0))
+    order = np.argsort(spline.points[:, j])
+    knots, count = spline.points[order, j], len(spline.points)
+    value, second = flat[:count][order], flat[count:][order]
+    h = np.diff(knots)[:, None]
+    rise, bend = np.diff(value, axis=0), h**2 / 6
+    # slope of an interval, by h, at its share t: a t^2 + 2 b t + c
+    a = 3 * bend * np.diff(second, axis=0)
+    b, c = 3 * bend * second[:-1], rise - bend * (2 * second[:-1] + second[1:])
+    root = np.sqrt(np.maximum(b**2 - a * c, 0.0))
+    far = -(b + np.copysign(root, b))
+    points, columns = [np.full(flat.shape[1], x) for x in (-1.0, *knots, 1.0)], flat.shape[1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for t in (far / a, c / far):
+            inside = (t > 0) & (t < 1)
+            points.extend(np.where(inside, knots[:-1, None] + t * h, knots[:-1, None]))
+    unit = np.stack(points)  # (P, T)
+    best, x = np.full(columns, -np.inf), np.repeat(spline.points[:1], columns, axis=0)
+    for row in unit:
+        trial = x.copy()
+        trial[:, j] = row
+        index, factor = spline.line_rows(trial)
+        height = (factor * flat[index, np.arange(columns)[:, None]]).sum(axis=1)
+        better = height > best
+        best[better], x[better] = height[better], trial[better]
+    return best, x
+
+
+def _maximum(spline: Spline, flat: np.ndarray, candidates: int) -> tuple[np.ndarray, np.ndarray]:
+    """Largest values (T) that searches attain, and their points (T, k); weights (N + 1 + f, T)."""
+    free = spline.scales > 0
+    trial = spread_points(free, candidates)
+    trial[:, ~free] = spline.points[0, ~free]
+    trial = np.concatenate([spline.points, trial])
+    spread = np.ptp(spline.values.reshape(len(spline.points), -1), axis=0)
+    count = int(np.clip(_STARTS // len(spline.points), 4, 32))
+    value, x = _best_of(spline, flat, trial, count)
+    for i in range(count):
+        value[i], x[i] = _climb(spline, flat, spread, x[i], _FIRST_STEPS)
+    order = np.argsort(-value, axis=0, kind="stable")
+    x = np.take_along_axis(x, order[..., None], axis=0)
+    best, at = np.full(flat.shape[1], -np.inf), x[0].copy()
+    for i in range(count):
+        # one search for each peak: those that come near a higher one end there
+        near = (np.abs(x[:i] - x[i]).max(axis=-1) < _NEAR).any(axis=0)
+        columns = np.flatnonzero(~near)
+        height, top = _climb(spline, flat[:, columns], spread[columns], x[i, columns], _STEPS)
+        better = height > best[columns]
+        best[columns[better]], at[columns[better]] = height[better], top[better]
+    return best, at
+
+
+def _best_of(spline, flat, trial, count) -> tuple[np.ndarray, np.ndarray]:
+    """The `count` largest values (count, T) at trial points, and these (count, T, k)."""
+    value, where = np.zeros((0, flat.shape[1])), np.zeros((0, flat.shape[1]), dtype=int)
+    step = max(CHUNK // max(flat.shape), 1)
+    for start in range(0, len(trial), step):
+        rows = spline.basis(trial[start : start + step]) @ flat
+        value = np.concatenate([value, rows])
+        index = np.arange(start, start + len(rows))
+        where = np.concatenate([where, np.repeat(index[:, None], flat.shape[1], axis=1)])
+        order = np.argsort(-value, axis=0, kind="stable")[:count]
+        value, where = (np.take_along_axis(x, order, axis=0) for x in (value, where))
+    return value, trial[where]
+
+
+def _climb(spline, flat, spread, start, steps) -> tuple[np.ndarray, np.ndarray]:
+    """Maxima (T) by at most so many steps of Newton's method from points (T, k), and where.
+
+    A step is one of the quadratic model of value, slopes and curvatures, downward curvatures taken
+    as upward ones, in the directions in which the box leaves the point free; it is no longer than a
+    radius in unit coordinates, which halves twice where a step gains nothing and doubles else. They
+    end where the next one gains no more than rounding, by the `spread` (T) of the runs' values.
+    """
+    free = np.flatnonzero(spline.scales > 0)
+    half = spline.scales[free]
+    x, going = start.copy(), np.arange(len(start))
+    radius = np.full(len(start), 0.5)
+    value, slope, curvature = _derivatives(spline, flat, x)
+    for _ in range(steps):
+        y = x[going][:, free] * half
+        g, h = slope[going].copy(), curvature[going].copy()
+        stuck = ((y >= half) & (g > 0)) | ((y <= -half) & (g < 0))
+        g[stuck] = 0.0
+        h[stuck[:, :, None] | stuck[:, None, :]] = 0.0
+        bends, axes = np.linalg.eigh(h)
+        bends = np.abs(bends)
+        largest = bends.max(axis=1, keepdims=True) + 1e-300
+        bends = np.maximum(bends, 1e-12 * largest)
+        newton = (axes @ ((axes.transpose(0, 2, 1) @ g[..., None]) / bends[..., None]))[..., 0]
+        # the box can turn a step of Newton's downhill, that along the slope never
+        moved, gain = _within(y, newton, g, half, radius[going])
+        along, least = _within(y, g / largest, g, half, radius[going])
+        short = gain < least
+        moved[short], gain[short] = along[short], least[short]
+        go = (gain > _GAIN * spread[going]) & (radius[going] > 1e-9)
+        going, moved = going[go], moved[go]
+        if not len(going):
+            break
+        trial = x[going].copy()
+        trial[:, free] = moved / half
+        height, *rest = _derivatives(spline, flat[:, going], trial)
+        better = height > value[going]
+        radius[going] *= np.where(better, 2.0, 0.25)
+        gained = going[better]
+        x[gained], value[gained] = trial[better], height[better]
+        slope[gained], curvature[gained] = (r[better] for r in rest)
+    return value, x
+
+
+def _within(y, step, slope, half, radius) -> tuple[np.ndarray, np.ndarray]:
+    """Points (T, f) that a step from y leads to inside the box and a radius, and by how much the
+    slope lets the value grow there (T)."""
+    size = np.abs(step / half).max(axis=1)
+    moved = y + step * np.minimum(1.0, radius / np.maximum(size, 1e-300))[:, None]
+    moved = np.clip(moved, -half, half)
+    return moved, ((moved - y) * slope).sum(axis=1)
+
+
+def _derivatives(spline, flat, x) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Values (T), slopes (T, f) and curvatures (T, f, f) of column t at the point x[t] (T, k), by
+    the scaled coordinates of the f directions that are not without effect."""
+    free = np.flatnonzero(spline.scales > 0)
+    points, y = (spline.points * spline.scales)[:, free], (x * spline.scales)[:, free]
+    n, f = points.shape
+    value, slope, curvature = np.empty(len(y)), np.empty(y.shape), np.empty((*y.shape, f))
+    step = max(CHUNK // (n * f), 1)
+    for start in range(0, len(y), step):
+        part = slice(start, start + step)
+        apart = y[part, None, :] - points
+        distance = np.sqrt((apart**2).sum(axis=-1))
+        weight, linear = flat[:n, part].T, flat[n + 1 :, part].T
+        value[part] = (weight * distance**3).sum(axis=1) + flat[n, part]
+        value[part] += (linear * y[part]).sum(axis=1)
+        by_distance = weight * distance
+        slope[part] = 3 * np.einsum("tn,tnf->tf", by_distance, apart) + linear
+        over = np.divide(weight, distance, out=np.zeros_like(distance), where=distance > 0)
+        curvature[part] = 3 * (apart * over[..., None]).transpose(0, 2, 1) @ apart
+        curvature[part] += 3 * by_distance.sum(axis=1)[:, None, None] * np.eye(f)
+    return value, slope, curvature

@@ -1,0 +1,39 @@
+"""Linear algebra on one thread: its sums round otherwise on two, and so would results."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+_VARIABLES = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "BLIS_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+)
+
+
+def set_environment() -> None:
+    """Keep the linear algebra that is loaded after this call, and in processes started, on one
+    thread. Snakemake sets these variables to the threads of a rule."""
+    os.environ.update(dict.fromkeys(_VARIABLES, "1"))
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """A block in which linear algebra that is loaded has one thread, and so have the processes
+    that it starts; afterwards all is as before."""
+    import scipy.linalg  # noqa: F401  # its library counts, too, and can only be limited when loaded
+    from threadpoolctl import threadpool_limits
+
+    before = {name: os.environ.get(name) for name in _VARIABLES}
+    try:
+        set_environment()
+        with threadpool_limits(limits=1, user_api="blas"):
+            yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value

@@ -6,6 +6,9 @@ the largest value, measured on the paper's and the small campaign; 1e-8 of it is
 """
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +25,10 @@ CONFIGS = HERE.parents[1] / "config"
 
 
 LARGE = ("three", "six")
+OTHER_PROCESSORS = {
+    "other linear algebra": {"OPENBLAS_CORETYPE": "Nehalem"},
+    "no fused multiply-add": {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
+}
 
 
 @pytest.mark.parametrize(
@@ -35,14 +42,34 @@ def test_bounds_are_those_of_before(name, tmp_path):
     else:  # as the README says
         path, results = str(CONFIGS / f"{name}.yaml"), str(tmp_path)
         assert main(["run", path, "--results", results, "--no-figures"]) == 0
-        with xarray.open_dataset(tmp_path / name / "bounds.nc") as file:
-            bounds = file.load()
-    golden = GOLDEN[name]
+        bounds = bounds_of(tmp_path / name)
+    compare(bounds, GOLDEN[name])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("processor", OTHER_PROCESSORS)
+def test_another_processor_has_the_same_bounds(processor, tmp_path):
+    environment = {**os.environ, **OTHER_PROCESSORS[processor]}
+    if "NUMBA_CPU_NAME" in environment:
+        environment["NUMBA_CACHE_DIR"] = str(tmp_path)
+    for name in ("small", "paper", "six"):
+        command = [sys.executable, "-m", "deployable", "run", str(CONFIGS / f"{name}.yaml")]
+        command += ["--results", str(tmp_path), "--no-figures"]
+        subprocess.run(command, env=environment, check=True, timeout=400, cwd=CONFIGS.parent)
+        compare(bounds_of(tmp_path / name), GOLDEN[name])
+
+
+def bounds_of(folder: Path) -> xarray.Dataset:
+    with xarray.open_dataset(folder / "bounds.nc") as file:
+        return file.load()
+
+
+def compare(bounds: xarray.Dataset, golden: dict) -> None:
     assert set(bounds["response"].values.tolist()) == set(golden["responses"])
     for response, sides in golden["responses"].items():
         for side, expected in sides.items():
-            found = bounds[side].sel(response=response).values
-            scale = np.abs(found).max()
+            values = bounds[side].sel(response=response).values
+            scale = np.abs(values).max()
             np.testing.assert_allclose(
-                found[golden["instants"]], expected, rtol=0, atol=1e-8 * scale
+                values[golden["instants"]], expected, rtol=0, atol=1e-8 * scale
             )

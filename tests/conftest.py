@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 import pytest
@@ -36,3 +37,27 @@ def pytest_runtest_teardown(item: pytest.Item) -> None:
     _seen.update(needed)
     if (more := needed - SHARED) and not item.get_closest_marker("slow"):
         pytest.fail(f"needs a time loop of its own, {', '.join(sorted(more))}: mark it slow")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item):
+    return _installed((yield))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector: pytest.Collector):
+    return _installed((yield))
+
+
+ABSENT = "not installed", "in the extra", "could not import"
+LEFT_OUT = "slurm", "ParaView"
+"""What CI does not install: a cluster, whose tests wait for minutes, and a library of 140 MB."""
+
+
+def _installed(report):
+    """With MAY_SKIP=no, as CI has it, a test that is skipped for what could be installed fails."""
+    if report.skipped and isinstance(report.longrepr, tuple) and os.environ.get("MAY_SKIP") == "no":
+        reason = report.longrepr[2]
+        if any(a in reason for a in ABSENT) and not any(name in reason for name in LEFT_OUT):
+            report.outcome, report.longrepr = "failed", f"{reason}: CI has to install it"
+    return report

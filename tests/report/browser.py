@@ -11,8 +11,12 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
-PROGRAMS = ("chromium", "chromedriver")
-MISSING = [name for name in PROGRAMS if shutil.which(name) is None]
+BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
+MISSING = [
+    name
+    for name, path in {"chromium": BROWSER, "chromedriver": shutil.which("chromedriver")}.items()
+    if path is None
+]
 
 _FLAGS = (
     "--headless", "--no-sandbox", "--disable-quic", "--no-first-run",
@@ -43,7 +47,7 @@ class Browser:
         arguments += ["--force-dark-mode"] * dark
         software = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
         arguments += software if webgl else ("--disable-gpu", "--disable-software-rasterizer")
-        options = {"binary": shutil.which("chromium"), "args": arguments}
+        options = {"binary": BROWSER, "args": arguments}
         wanted = {"goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL"}}
         self.path = ""
         self._wait_until_ready()

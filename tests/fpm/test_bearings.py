@@ -1,5 +1,7 @@
 """Friction by the force that a joint itself bears, moving, against closed forms."""
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 from hinged import hinged
@@ -7,7 +9,7 @@ from hinged import hinged
 import fpm
 from fpm.elements import Friction, Hinge, Joint
 from fpm.solver.pack import pack
-from fpm.structures import loads
+from fpm.structures import StructureError, loads
 from fpm.structures.plausible import warnings
 from fpm.travel import lead, parts_of
 
@@ -111,3 +113,57 @@ def test_only_a_motion_with_a_load_pays_for_it(text, joined):
 def test_a_load_that_cannot_be_is_refused(more):
     with pytest.raises(fpm.SceneError, match="above 0, without a table"):
         hinged(0.0).add(Friction(0, 0.1, **more))
+
+
+PIN = """
+name: pin
+points: {O: [0, 0, 0], t: [1, 0, 0], u: [0, 1, 0]}
+bodies:
+  a: {mass: 1, centre: t, points: [O], inertia: [0.01, 0.01, 0.01]}
+  b: {mass: 3, centre: u, points: [O], inertia: [0.01, 0.01, 0.01]}
+joints:
+JOINTS
+actions:
+  rub: {type: bearing, joint: pin, mu: 0.1, radius: 100 mm}
+loads:
+  l: {part: b, at: u, force: [0, -20 N, 0]}
+  m: {part: a, at: t, force: [3 N, 2 N, 0]}
+record:
+  t: {part: a, at: t}
+"""
+
+
+def pinned(**joints: list[str]) -> str:
+    """The two bodies on joints at one point, by the parts of each."""
+    lines = [
+        f"  {name}: {{type: revolute, parts: [{', '.join(parts)}], at: O, axis: z}}"
+        for name, parts in joints.items()
+    ]
+    return PIN.replace("JOINTS", "\n".join(lines))
+
+
+@pytest.mark.parametrize("parts", list(permutations(["ground", "a", "b"])))
+@pytest.mark.parametrize("load", ["", ", load: 20 N"])
+def test_on_a_pin_of_three_parts_it_is_refused(parts, load):
+    """Its force would be that between the first two parts that are stated."""
+    text = pinned(pin=list(parts)).replace("100 mm", f"100 mm{load}")
+    with pytest.raises(StructureError, match=r"of 3 parts.*a joint of two parts: state the pin as"):
+        loads(text)
+
+
+@pytest.mark.parametrize(
+    ("pin", "other", "force"),
+    [
+        (["ground", "a"], ["ground", "b"], [3, 2]),
+        (["ground", "a"], ["a", "b"], [3, -18]),
+        (["a", "b"], ["ground", "b"], [3, 2]),
+        (["a", "b"], ["ground", "a"], [0, -20]),
+    ],
+)
+def test_on_joints_of_two_parts_no_order_changes_it(pin, other, force):
+    """It is mu r times the force between its two parts, which statics gives."""
+    for one, two in ((pin, other), (pin[::-1], other), (pin, other[::-1])):
+        for joints in ({"pin": one, "other": two}, {"other": two, "pin": one}):
+            scene = loads(pinned(**joints)).build()
+            work = lead(scene, "pin", 0.0, 1e-3, stand=["other"], positions=3).work["bearing pin"]
+            assert work[0] == pytest.approx(-0.01 * np.hypot(*force), rel=1e-9)

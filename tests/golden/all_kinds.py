@@ -20,8 +20,8 @@ from fpm.reading.variables import VARIABLES
 
 CASES = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
 
-GAPS = {"gap", "tilt", "joint_gap", "joint_tilt"}
-"""What is left of them is rounding."""
+GAPS = {"gap", "tilt", "joint_gap", "joint_tilt", "lock"}
+"""What is left of them is rounding; of bearings there are none."""
 
 
 def why(case, fails: dict) -> list:

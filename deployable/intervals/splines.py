@@ -23,6 +23,7 @@ MAX_RUNS = 4000  # the spline's matrix is full
 _TRIED = 400  # runs that choose the scales
 CHUNK = 1 << 20  # numbers at a time: memory that is used again is faster than fresh memory
 _MISFIT = 1e-6  # of the width of the runs' values at an instant: above it no spline is given
+_SMALLEST = np.finfo(float).tiny / np.finfo(float).eps  # below it numbers have fewer digits
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,7 @@ def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None
     others = np.setdiff1d(np.arange(len(runs)), kept)
     misfit = np.abs(_rest(spline, points, flat)).max(axis=0)
     # at an instant at which all runs agree, rounding of their values is all there is
-    allowed = _MISFIT * np.ptp(flat, axis=0) + 1e-12 * np.abs(flat).max(axis=0)
+    allowed = _MISFIT * np.ptp(flat, axis=0) + 1e-12 * np.abs(flat).max(axis=0) + _SMALLEST
     if (misfit > allowed).any():
         told = "runs that are farther apart: rounding keeps the spline from going through these"
         raise IntervalError("runs", len(runs), told)

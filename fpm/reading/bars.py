@@ -1,10 +1,10 @@
 """Bars of a scene: their elements in a row, and the forces in their sections.
 
-Forces and moments in a section are those of the part beyond on the part before, along the bar's own
-axes there: x from start to end, y across the section's width, z along its height. They follow from
-the positions and frames of particles (theory: elements/bars/beam.py): with c = dU/ds of either end,
-the axial force is EA (l - l0)/l0, the shear (c_a + c_b)/l in both planes, the torsion GJ t/l0, and
-bending goes straight from c_a to -c_b along an element (M_z; M_y has the opposite sign).
+Forces and moments in a section are those of the part beyond on the part before, along the axes of
+the section: x along the bar, y across the section's width, z along its height. At the ends of an
+element they are its end force F_a and moments M_a, -M_b, which are the gradient of its energy
+(theory: elements/bars/beam.py), along the axes that the particles there carry; in between the
+components go straight.
 """
 
 from typing import NamedTuple
@@ -37,7 +37,7 @@ class Bar(NamedTuple):
 
 
 class Sections(NamedTuple):
-    """Forces (t, m, 3) N and moments at both ends (t, m, 2, 3) N m of a bar's elements."""
+    """Forces N and moments N m at both ends (t, m, 2, 3) of a bar's elements."""
 
     force: np.ndarray
     moment: np.ndarray
@@ -69,10 +69,12 @@ def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, n
 
 
 class Bends(NamedTuple):
-    """How a group's elements are strained: lengths (t, m) m; at both ends the sines between chord
-    and axes y and z (t, m, 2), the angles that count for them, and these axes (t, m, 3, 2)."""
+    """How a group's elements are strained: lengths (t, m) m and directions (t, m, 3) of chords; at
+    both ends the sines between chord and axes y and z (t, m, 2), the angles that count for them,
+    and these axes (t, m, 3, 2)."""
 
     length: np.ndarray
+    chord: np.ndarray
     sines: list[np.ndarray]
     angles: list[np.ndarray]
     axes: list[np.ndarray]
@@ -85,27 +87,32 @@ def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
     length = np.linalg.norm(chord, axis=2)
     chord = chord / length[:, :, None]
     sines = [np.einsum("tmi,tmik->tmk", chord, each) for each in own]
-    return Bends(length, sines, [s * (1.0 + s**2 / 6.0) for s in sines], own)
+    return Bends(length, chord, sines, [s * (1.0 + s**2 / 6.0) for s in sines], own)
 
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
     """Of the elements of a group; place and axes as for `ends_of`."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
-    length, sines, angles, own = bends_of(scene, beams, place, axes)
+    length, chord, sines, angles, own = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)
-    ends = [
+    by_sine = [
         stiffness * (2.0 * angles[k] + angles[1 - k]) * (1.0 + 0.5 * sines[k] ** 2) for k in (0, 1)
     ]
-    turn = np.einsum("tmi,tmi->tm", own[1][..., 0], own[0][..., 1])
-    turn = 0.5 * (turn - np.einsum("tmi,tmi->tm", own[1][..., 1], own[0][..., 0]))
-    shear = (ends[0] + ends[1]) / length[:, :, None]
-    force = np.stack([axial * (length - beams.length), shear[..., 0], shear[..., 1]], axis=2)
-    torsion = twist * turn
-    moments = [
-        np.stack([torsion, -sign * ends[k][..., 1], sign * ends[k][..., 0]], axis=2)
-        for k, sign in ((0, 1.0), (1, -1.0))
-    ]
-    return Sections(force, np.stack(moments, axis=2))
+    pulls = [np.einsum("tmk,tmik->tmi", c, e) for c, e in zip(by_sine, own, strict=True)]
+    across = (pulls[0] + pulls[1]) / length[:, :, None]
+    along = axial * (length - beams.length) - np.einsum("tmi,tmi->tm", across, chord)
+    force = across + along[:, :, None] * chord
+    (a2, a3), (b2, b3) = (np.moveaxis(each, 3, 0) for each in own)
+    turn = 0.5 * np.einsum("tmi,tmi->tm", b2 - a2, a3 + b3)  # the axes of either end are normal
+    torsion = (0.5 * twist * turn)[:, :, None] * (np.cross(a3, b2) - np.cross(a2, b3))
+    moments = [np.cross(chord, pulls[0]) - torsion, -np.cross(chord, pulls[1]) - torsion]
+    start = scene.frame if scene.unstrained is None else scene.unstrained
+    found = []
+    for nodes, moment in zip(beams.nodes.T, moments, strict=True):
+        frames = np.stack([axes(int(p)) for p in nodes], axis=1)
+        section = frames @ (start[nodes].transpose(0, 2, 1) @ beams.triad)
+        found.append([np.einsum("tmi,tmik->tmk", v, section) for v in (force, moment)])
+    return Sections(*(np.stack(ends, axis=2) for ends in zip(*found, strict=True)))
 
 
 def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
@@ -124,12 +131,10 @@ def at_share(bar: Bar, found: Sections, share: float) -> tuple[np.ndarray, np.nd
     along = share * ends[-1]
     near = 1e-9 * ends[-1]
     touched = np.flatnonzero((along <= ends + near) & (along >= ends - lengths - near))
-    force, moment = [], []
-    for e in touched:
-        part = np.clip((along - ends[e] + lengths[e]) / lengths[e], 0.0, 1.0)
-        force.append(found.force[:, e])
-        moment.append((1.0 - part) * found.moment[:, e, 0] + part * found.moment[:, e, 1])
-    return np.mean(force, axis=0), np.mean(moment, axis=0)
+    parts = np.clip((along - ends[touched] + lengths[touched]) / lengths[touched], 0.0, 1.0)
+    weights = np.stack([1.0 - parts, parts], axis=1) / len(touched)
+    force, moment = (np.einsum("teki,ek->ti", each[:, touched], weights) for each in found)
+    return force, moment
 
 
 def half_sizes(section: Section) -> tuple[float, float]:

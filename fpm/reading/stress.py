@@ -3,7 +3,7 @@
 Normal stress of axial force and bending, N/A + M_y z/Iy - M_z y/Iz, and the shear stress of torsion
 make the equivalent stress sqrt(s² + 3 t²) (von Mises; Timoshenko, Strength of Materials II, § 83),
 of which the largest over points of the contour counts, at both ends of every element: along an
-element forces are constant and bending is linear.
+element forces and moments go straight.
 
 round        any point: |N|/A + r sqrt((M_y/Iy)² + (M_z/Iz)²), with t = |T| r/J; exact
 rectangle    corners, where torsion has no stress, and the middles of the sides, with t = |T| w: the
@@ -67,5 +67,5 @@ def element_stress(scene: Scene, groups: Iterable[Beams], place, axes) -> np.nda
     found = []
     for beams in groups:
         force, moment = sections(scene, beams, place, axes)
-        found.append(equivalent(beams.section, force[:, :, None], moment).max(axis=2))
+        found.append(equivalent(beams.section, force, moment).max(axis=2))
     return np.concatenate(found, axis=1)

@@ -1,5 +1,7 @@
 """Friction by the force that a joint itself bears, moving, against closed forms."""
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 from hinged import hinged
@@ -7,7 +9,7 @@ from hinged import hinged
 import fpm
 from fpm.elements import Friction, Hinge, Joint
 from fpm.solver.pack import pack
-from fpm.structures import loads
+from fpm.structures import StructureError, loads
 from fpm.structures.plausible import warnings
 from fpm.travel import lead, parts_of
 
@@ -111,3 +113,122 @@ def test_only_a_motion_with_a_load_pays_for_it(text, joined):
 def test_a_load_that_cannot_be_is_refused(more):
     with pytest.raises(fpm.SceneError, match="above 0, without a table"):
         hinged(0.0).add(Friction(0, 0.1, **more))
+
+
+PIN = """
+name: pin
+points: {O: [0, 0, 0], t: [1, 0, 0], u: [0, 1, 0]}
+bodies:
+  a: {mass: 1, centre: t, points: [O], inertia: [0.01, 0.01, 0.01]}
+  b: {mass: 3, centre: u, points: [O], inertia: [0.01, 0.01, 0.01]}
+joints:
+JOINTS
+actions:
+  rub: {type: bearing, joint: pin, mu: 0.1, radius: 100 mm}
+loads:
+  l: {part: b, at: u, force: [0, -20 N, 0]}
+  m: {part: a, at: t, force: [3 N, 2 N, 0]}
+record:
+  t: {part: a, at: t}
+"""
+
+
+def pinned(**joints: list[str]) -> str:
+    """The two bodies on joints at one point, by the parts of each."""
+    lines = [
+        f"  {name}: {{type: revolute, parts: [{', '.join(parts)}], at: O, axis: z}}"
+        for name, parts in joints.items()
+    ]
+    return PIN.replace("JOINTS", "\n".join(lines))
+
+
+@pytest.mark.parametrize("parts", list(permutations(["ground", "a", "b"])))
+@pytest.mark.parametrize("load", ["", ", load: 20 N"])
+def test_on_a_pin_of_three_parts_it_is_refused(parts, load):
+    """Its force would be that between the first two parts that are stated."""
+    text = pinned(pin=list(parts)).replace("100 mm", f"100 mm{load}")
+    with pytest.raises(StructureError, match=r"of 3 parts.*a joint of two parts: state the pin as"):
+        loads(text)
+
+
+@pytest.mark.parametrize(
+    ("pin", "other", "force"),
+    [
+        (["ground", "a"], ["ground", "b"], [3, 2]),
+        (["ground", "a"], ["a", "b"], [3, -18]),
+        (["a", "b"], ["ground", "b"], [3, 2]),
+        (["a", "b"], ["ground", "a"], [0, -20]),
+    ],
+)
+def test_on_joints_of_two_parts_no_order_changes_it(pin, other, force):
+    """It is mu r times the force between its two parts, which statics gives."""
+    for one, two in ((pin, other), (pin[::-1], other), (pin, other[::-1])):
+        for joints in ({"pin": one, "other": two}, {"other": two, "pin": one}):
+            scene = loads(pinned(**joints)).build()
+            work = lead(scene, "pin", 0.0, 1e-3, stand=["other"], positions=3).work["bearing pin"]
+            assert work[0] == pytest.approx(-0.01 * np.hypot(*force), rel=1e-9)
+
+
+CRANK = """
+name: crank
+parameters:
+  start: {value: 30, unit: deg, range: [1, 89]}
+  mu: {value: 0.5, range: [0, 5]}
+  rise: {value: 0.44, unit: m, range: [-2, 2]}
+points:
+  a: [0, 0, sin(start)*(1 m)]
+  b: [cos(start)*(1 m), 0, 0]
+  m: [cos(start)*(0.5 m), 0, sin(start)*(0.5 m)]
+bodies:
+  A: {mass: 1, centre: a, points: [a], inertia: [0.1, 0.1, 0.1]}
+  B: {mass: 0.1, centre: b, points: [b], inertia: [0.1, 0.1, 0.1]}
+  rod: {mass: 0.01, centre: m, points: [a, b], inertia: [0.001, 0.001, 0.001]}
+joints:
+  lift: {type: prismatic, parts: [ground, A], at: a, axis: z}
+  slide: {type: prismatic, parts: [ground, B], at: b, axis: x}
+  top: {type: universal, parts: [A, rod], at: a, axis: y, other: {from: a, to: b}}
+  foot: {type: spherical, parts: [rod, B], at: b}
+curves:
+  up: {times: [0, 2], values: [0, 1]}
+actions:
+  lead: {type: motor, joint: lift, travel: rise, curve: up}
+  rub: {type: bearing, joint: slide, mu: mu, load: 20 N}
+loads:
+  p: {part: B, at: b, force: [20 N, 0, 0]}
+record:
+  b: {part: B, at: b}
+"""
+
+
+@pytest.mark.slow
+def test_what_is_led_into_self_locking_fails_there():
+    """A rod at the angle t pulls a slide by F, against P and mu F sin t: F = P/(cos t - mu sin t),
+    and locks from tan t = 1/mu on, 63.43 deg. It is led up to 70.05 deg, where tan t is 2.754."""
+    made = loads(CRANK)
+    cases = [
+        {},
+        {"mu": 0.36},
+        {"mu": 0.1},
+        {"start": 70, "rise": 0.04},
+        {"start": 70, "rise": -0.4},
+    ]
+    asked = [("joint_force", "slide friction")]
+    runs = fpm.simulate(
+        [made.build(**case) for case in cases], duration=2.0, instants=201, step=5e-4, record=asked
+    )
+    locked, nearly, free, at_once, out = runs
+    for run, start, rise in ((locked, 30, 0.44), (at_once, 70, 0.04)):
+        assert run.failure.cause == "lock"
+        assert "at t = " in str(run.failure) and "bearing slide" in str(run.failure)
+        assert "less `mu`" in str(run.failure)
+        angle = np.arcsin(np.sin(np.radians(start)) + rise * run.failure.time / 2)
+        assert np.degrees(angle) == pytest.approx(max(start, 63.43), abs=0.5)
+    for run, mu in ((nearly, 0.36), (free, 0.1)):
+        assert run.failure is None
+        # Nearer to the lock the step, by which the force is late, counts more: 1/(1 - mu tan t).
+        angle = np.arcsin(0.5 + 0.44 * run.time / 2)
+        chosen = (mu * np.tan(angle) < 0.7) & (run.time > 0.2) & (run.time < 1.95)
+        angle = angle[chosen]
+        expected = mu * 20 * np.sin(angle) / (np.cos(angle) - mu * np.sin(angle))
+        assert run.columns[asked[0]][chosen] == pytest.approx(expected, rel=0.01)
+    assert out.failure is None  # pushed out of it, nothing is

@@ -24,8 +24,8 @@ CASES = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8
 BORNE = {"joint_moment", "joint_force", "joint_work", "constraint_moment", "constraint_force"}
 """What joints bear."""
 
-GAPS = {"gap", "tilt", "joint_gap", "joint_tilt"}
-"""What is left of them is rounding."""
+GAPS = {"gap", "tilt", "joint_gap", "joint_tilt", "lock"}
+"""What is left of them is rounding; of bearings there are none."""
 
 
 def why(case, fails: dict) -> list:

@@ -120,6 +120,21 @@ def test_runs_too_close_for_their_values_are_refused_kindly():
     assert fit_spline(points, noise, np.ones(2)).misfit.max() < 1e-6
 
 
+@pytest.mark.parametrize("size", [0.0, 1e-323, 1e-316, 1e-308, 1e-300, 1e-20, 1e300])
+@pytest.mark.parametrize(("k", "moving"), [(1, 1), (2, 2), (4, 3), (4, 1)])
+def test_values_of_any_size_have_a_spline(k, moving, size):
+    """Some parameters move nothing, others next to nothing: what stands still but for rounding has
+    values below 1e-308, which have fewer digits than others."""
+    points = points_in(k, 40, 5)
+    far = points[:, :moving].sum(axis=1, keepdims=True)
+    values = np.concatenate([size * np.sin(far), np.sin(far), 0 * far], axis=1)
+    spline = fit_spline(np.concatenate([points, points[:3]]), np.concatenate([values, values[:3]]))
+    assert len(spline.points) == 40
+    found = spline_range(spline)
+    assert np.all(found.lower <= values.min(axis=0)) and np.all(found.upper >= values.max(axis=0))
+    assert np.all(found.upper - found.lower <= 1.5 * np.ptp(values, axis=0) + 1e-300)
+
+
 def test_the_range_of_many_runs_contains_them_all():
     random = np.random.default_rng(8)
     for k in (1, 2):

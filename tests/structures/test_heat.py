@@ -115,3 +115,20 @@ def test_heat_without_assembly_is_refused():
     with pytest.raises(ValueError, match=r"strain: 0\.00046.*allowed: 0, or `assemble: true`"):
         loads(text).build(T=40.0)
     refused(BAR, "alpha*(T - 20)", "alpha*(T - 20)*(1 m)", "allowed: a number > -0.5")
+
+
+@pytest.mark.parametrize("curvature", ["alpha*across/(10 mm)", "0*across/(1 m)"])
+@pytest.mark.parametrize(
+    "section", ["type: square, side: 20 mm", "type: tube, diameter: 20 mm, thickness: 1 mm"]
+)
+def test_a_curvature_needs_the_side_that_is_longer(section, curvature):
+    """Where the section is alike along all axes no other key asks for `up`."""
+    alike = changed(FREE, ("type: rectangle, width: 20 mm, height: 10 mm", section),
+                    ("curvature: alpha*across/(10 mm)", f"curvature: {curvature}"))  # fmt: skip
+    loads(alike).build()
+    refused(alike, "    up: z\n", "", "bar.up: '(left out)' is not allowed; allowed: the direction")
+    straight = (
+        ("    up: z\n", ""),
+        (f"    curvature: {curvature}\n", "    inertia_scale: 1 + 0*across\n"),
+    )
+    loads(changed(alike, *straight)).build()

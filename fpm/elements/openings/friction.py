@@ -19,7 +19,7 @@ import numpy as np
 from fpm.elements.fields import damping, number
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
-from fpm.elements.kind import Energy
+from fpm.elements.kind import Energy, Watch
 from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge, opened, softness
 from fpm.elements.openings.table_spring import bends, check_table, table_array
 from fpm.errors import SceneError
@@ -33,10 +33,24 @@ SLIDE_BEND = 1e-4
 AT_ONCE = 1e-9
 """The same (rad, m) where openings are led slowly: nothing of it is left to see."""
 
+LOCKS = 20.0
+"""By how many times its `bend` a bearing's bristle may be bent on while the moment at which it
+slips grows as much or more: then it never slips, and all the motion is that of the bristle.
+"""
+
 DAMPED = 0.3
 """Damping ratio of the bristle with the inertias of the hinge's own two particles, likewise. The
 step of a scene that it limits is 0.57 of the one without.
 """
+
+
+def _locked(values: dict[str, float]) -> tuple[str, str]:
+    return (
+        "a bearing locks itself: its friction presses its joint harder than it is pushed, and was "
+        f"bent by {values['lock']:.3g} times its `bend` without slipping",
+        "what leads it further breaks it: lead it from an angle below that of friction, or end the "
+        "way before; less `mu`; a `load` near the force of the joint, where that is far larger",
+    )
 
 
 @dataclass(frozen=True)
@@ -61,6 +75,7 @@ class Friction(OnHinge):
     acts_as = "friction"
     called = "friction"
     resists_as = "FR"
+    watches = (Watch("lock", LOCKS, True, _locked),)
 
     @classmethod
     def led(cls, scene):
@@ -114,7 +129,8 @@ class Friction(OnHinge):
 
         def bristles(scene):
             return [[f.stiffness, f.bend * (f.shares or (float(f.load is None),))[0],
-                     f.damping_in(scene)] for f in cls.of(scene)]  # fmt: skip
+                     f.damping_in(scene), 0.0 if f.load is None else 1.0 / f.bend]
+                    for f in cls.of(scene)]  # fmt: skip
 
         if name == "borne":
             return _borne(batch, cls)
@@ -123,7 +139,7 @@ class Friction(OnHinge):
                 return None
             return table_array(name, batch, cls, lambda f: f.bend * bends(f.angles, f.shares))
         if name == "numbers":
-            return batch.stack(len(cls.of(batch.one)), 3, bristles)
+            return batch.stack(len(cls.of(batch.one)), 4, bristles)
         found = super().array(name, batch)
         if name == "state":
             found[:, cls.kernels().FOOT] = opened(batch, cls)

@@ -8,16 +8,19 @@ from fpm.elements.openings.losses_kernels import LOSING, Borne, edge, follow_rat
 from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, store, where_negative
-from fpm.kernels.vectors import kernel
+from fpm.kernels.vectors import kernel, larger
 
-STIFFNESS, BEND, DAMPING = range(3)
+STIFFNESS, BEND, DAMPING, LOCKING = range(4)  # the last: 1/bend where it goes with the force
 
 ANGLE, SLOPE = 0, 1  # of a point: where, and by how much the slope of the bend changes there
 
 FOOT = 0  # opening at which the bristle is straight
 BENT = 1  # by how much it is bent
 MOST = 2  # and by how much it could be, where that goes with the joint's force
-STATE = 3
+LEAST = 3  # the least that it was bent since it slipped,
+AT_LEAST = 4  # and by how much it could be then
+LOCKED = 5  # by how many times its bend it was bent on while that grew as much, at most
+STATE = 6
 
 
 class Frictions(NamedTuple):
@@ -30,6 +33,7 @@ class Frictions(NamedTuple):
     state: np.ndarray
     account: int
     rows: np.ndarray
+    watched: np.ndarray  # (1, 1, lanes)
     start: np.ndarray | None = None  # (f + 1,) where the points of each begin,
     points: np.ndarray | None = None  # (p, 2, lanes), where the bend goes by a table
     borne: Borne | None = None
@@ -68,6 +72,25 @@ def bends_now(borne, part, i, psi, earlier, now):
     return most, before
 
 
+@kernel
+def watch_lock(part, i, bent, most, slips):
+    """Watch whether bristle i is bent on, without slipping, while what it bears grows as fast.
+
+    That counts from where it was bent least, and what it bore within one bend from there.
+    """
+    state, per_bend = part.state, load(part.numbers, i, LOCKING)
+    size, least = absolute(bent), load(state, i, LEAST)
+    least = where_negative(slips, size, where_negative(size - least, size, least))
+    grown = size - least
+    begins = where_negative(slips, -1.0, per_bend * grown - 1.0)
+    then = where_negative(begins, most, load(state, i, AT_LEAST))
+    locked = per_bend * where_negative(most - then - grown, 0.0, grown)
+    store(state, i, LEAST, least)
+    store(state, i, AT_LEAST, then)
+    store(state, i, LOCKED, larger(load(state, i, LOCKED), locked))
+    store(part.watched, 0, 0, larger(load(part.watched, 0, 0), locked))
+
+
 @hook(Frictions)
 def forces(part, world, now):
     """Moments of the bristles; those that would bear too much slip.
@@ -103,6 +126,8 @@ def forces(part, world, now):
         lose(world, part.account, part.openings, part.past, i, h, damper)
         lost = 0.5 * stiffness * (most + before) * absolute(moved - foot)
         store(world.accounts, 0, part.account, load(world.accounts, 0, part.account) + lost)
+        if part.borne is not None:
+            watch_lock(part, i, bent, most, slips)
         store(part.state, i, FOOT, moved)
         store(part.state, i, BENT, bent)
 
@@ -112,3 +137,10 @@ def energy_of(part, world, i):
     """Energy of bristle i (J)."""
     bent = load(part.state, i, BENT)
     return 0.5 * load(part.numbers, i, STIFFNESS) * bent * bent
+
+
+@hook(Frictions)
+def list_excess(part, world):
+    """How far each has locked itself."""
+    for i in range(part.on.shape[0]):
+        store(part.rows, i, 0, load(part.state, i, LOCKED))

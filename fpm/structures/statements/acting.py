@@ -126,6 +126,13 @@ def bearing(build, it):
     scene, lever = build.scene, it.mu * (1.0 if it.radius is None else it.radius)
     if scene.hinges[it.joint].slides == (it.radius is not None):
         build.refuse("radius", it.radius, "a length on a hinge, and none on a slide")
+    joint = scene.hinges[it.joint].joint
+    parts = sum(names.count(joint) for names in build.joined.values())
+    if parts > 2:  # which of them press on each other is the pin's design, and not known
+        build.refuse(
+            "joint", f"{joint} (of {parts} parts)", "a joint of two parts: state the pin as joints "
+            "of those two that rub on each other, each with its bearing"
+        )  # fmt: skip
     if it.load is None:
         scene.bearings[it.joint] += lever
         return

@@ -79,7 +79,9 @@ for _type, _about, _sizes, _build in SECTIONS:
     section=Reference(group="sections", about="its cross-section"),
     material=Reference(group="materials", about="its material"),
     elements=Whole(about="beam elements of each stretch between two points"),
-    up=Direction(None, "where the section's height points; needed where it matters"),
+    up=Direction(
+        None, "where the section's height points; needed where it matters, and for `curvature`"
+    ),
     carries=Each(
         None, "points off its axis, each rigidly held at one of its points",
         group="points", kind=POINT,
@@ -137,6 +139,10 @@ def _up(build, it, directions) -> np.ndarray:
         return it.up
     if it.section.Iy != it.section.Iz:
         build.refuse("up", None, "the direction in which the section's height points")
+    if it.curvature is not None:
+        build.refuse(
+            "up", "(left out)", "the direction of the side that is the longer by `curvature`"
+        )
     across = [max(abs(direction[k]) for direction in directions) for k in (2, 0, 1)]
     return np.eye(3)[(2, 0, 1)[int(np.argmin(across))]]
 

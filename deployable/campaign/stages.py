@@ -20,9 +20,16 @@ from deployable.campaign.answers import choice as best
 from deployable.campaign.answers import quantities as intervals
 from deployable.campaign.answers import requirements as limits
 from deployable.campaign.answers.finer import check_bounds, finer_parts
-from deployable.campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
+from deployable.campaign.config.sections import (
+    Campaign,
+    Experiment,
+    as_json,
+    digest,
+    from_data,
+    trust,
+)
 from deployable.campaign.errors import CampaignError, of_files
-from deployable.campaign.files import results_of
+from deployable.campaign.files import refuse_links, results_of
 from deployable.campaign.folder import ROUND_FILES, Folder
 from deployable.campaign.plan.accuracy import first_plan, next_plan
 from deployable.campaign.plan.estimate import runs_in_job
@@ -187,6 +194,7 @@ class Stage:
         """
         sections = {name: arguments[name] for name in self.sections}
         try:
+            refuse_links(folder.path)
             for place in folder.written:
                 sweep(place)
             facts = {"basis": self.basis(sections), **_plan_of(folder, self.takes)}
@@ -204,7 +212,9 @@ class Stage:
         return digest([program_digest(), json.loads(as_json(**sections)), mechanics])
 
     def typed(self, data: dict) -> dict[str, Any]:
-        """The stage's sections from plain data."""
+        """The stage's sections from plain data of a user's config, and the `structure` that it
+        names."""
+        trust(data.get("structure") or "")
         kinds = get_type_hints(Campaign)
         return {name: from_data(kinds[name], data[name]) for name in self.sections}
 

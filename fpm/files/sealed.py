@@ -12,6 +12,7 @@ import json
 import os
 import re
 import socket
+import stat
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import lru_cache
@@ -63,6 +64,8 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
     Raises DamagedError if it is not, FileNotFoundError if it is not there.
     """
     path = Path(path)
+    if not stat.S_ISREG(path.stat().st_mode):  # a pipe would be waited for
+        raise DamagedError(path, "it is no plain file")
     if path.suffix == ".json":
         return check_content(path, path.read_bytes(), name)
     size = path.stat().st_size
@@ -100,7 +103,7 @@ def _split(path: str | os.PathLike, content: bytes) -> tuple[dict[str, str], byt
 
 def _facts(path: str | os.PathLike, text: bytes | None) -> dict[str, str]:
     if text is not None:
-        with suppress(ValueError):
+        with suppress(ValueError, RecursionError):
             facts = json.loads(text)["seal"]
             if isinstance(facts, dict) and {"name", "digest"} <= facts.keys():
                 return facts

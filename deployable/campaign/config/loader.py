@@ -13,24 +13,23 @@ import yaml
 
 from deployable.campaign.errors import ConfigError
 from fpm.errors import did_you_mean
-from fpm.structures.reading import joined, why_not_yaml
+from fpm.structures.reading import (
+    DEEPEST,
+    LARGEST,
+    MOST,
+    ExcessError,
+    StructureError,
+    joined,
+    read_text,
+    why_not_yaml,
+)
 
 # YAML 1.1 takes 1e9 (no dot, no sign) for a string; YAML 1.2 and everybody else for a number.
 _FLOAT = re.compile(r"^[-+]?(\d[\d_]*)(\.[\d_]*)?([eE][-+]?\d+)$|^[-+]?\.\d[\d_]*([eE][-+]?\d+)?$")
 
 
-LARGEST = 1 << 20
-"""Characters of a config."""
-
 EXECUTED = "__use_yte__"
 """Key of a file whose Python Snakemake would run."""
-
-DEEPEST, MOST = 20, 20_000
-"""Mappings and lists may be nested so deep, and hold so many values, aliases written out."""
-
-
-class _ExcessError(Exception):
-    """What a file has too much of."""
 
 
 class _Loader(yaml.SafeLoader):
@@ -46,7 +45,7 @@ class _Loader(yaml.SafeLoader):
         self.sizes: dict[int, tuple[int, int]] = {}  # of nodes: values, and how deep they go
 
     def compose_node(self, parent, index):
-        """The next node; `_ExcessError` where it lies too deep or after too many: it is refused
+        """The next node; `ExcessError` where it lies too deep or after too many: it is refused
         anyway, and to read on would take long."""
         is_alias = self.check_event(yaml.AliasEvent)
         self.depth += 1
@@ -65,9 +64,9 @@ class _Loader(yaml.SafeLoader):
     def _limit(self):
         if self.deepest > DEEPEST:
             told = f"nested too deep; allowed: {DEEPEST} mappings and lists in each other"
-            raise _ExcessError(told)
+            raise ExcessError(told)
         if self.count > MOST:
-            raise _ExcessError(f"the file holds more than {MOST} values; allowed: fewer")
+            raise ExcessError(f"the file holds more than {MOST} values; allowed: fewer")
 
     def construct_mapping(self, node, deep=False):
         first: dict[object, int] = {}
@@ -120,7 +119,7 @@ def read(text: str, source: str) -> Text:
         loader = _Loader(text)
         root = loader.get_single_node()
         data = loader.construct_document(root) if root else None
-    except (_ExcessError, yaml.YAMLError, ValueError, OverflowError, TypeError) as error:
+    except (ExcessError, yaml.YAMLError, ValueError, OverflowError, TypeError) as error:
         raise ConfigError(source, [_told(error, text)]) from None
     if loader.problems:
         raise ConfigError(source, loader.problems)
@@ -143,7 +142,7 @@ def parse(text: str, source: str) -> dict:
 
 def _told(error: Exception, text: str) -> str:
     """What is wrong with a text, from what was raised when it was read."""
-    if isinstance(error, _ExcessError):
+    if isinstance(error, ExcessError):
         return str(error)
     if isinstance(error, yaml.reader.ReaderError):
         line = text.count("\n", 0, error.position) + 1
@@ -176,11 +175,9 @@ def load(path: str | Path) -> dict:
 def read_file(path: str | Path) -> Text:
     """What the file at `path` holds; raises `ConfigError` like `read`, and without a file."""
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ConfigError(str(path), [f"the file cannot be read: {reason}"]) from None
-    return read(text, str(path))
+        return read(read_text(path), str(path))
+    except StructureError as error:
+        raise ConfigError(error.source, [problem.text for problem in error.problems]) from None
 
 
 def look(arguments: Sequence[str] | None = None) -> None:

@@ -103,8 +103,9 @@ def choose(
 
 
 def _of_results(folder: Folder, run: str) -> Chosen:
-    from deployable.campaign.files import open_netcdf
+    from deployable.campaign.files import open_netcdf, refuse_links
 
+    refuse_links(folder.path)
     if not folder.samples.exists():
         raise CampaignError(f"{folder.path} has no samples.nc: it holds no finished campaign")
     with open_netcdf(folder.samples) as samples:

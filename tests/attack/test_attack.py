@@ -77,6 +77,6 @@ def test_a_full_disk_is_one_sentence(victims, tmp_path):
     process = start(command(victims[0], tmp_path), limit=3000)
     told, _ = process.communicate()
     assert process.returncode == 1
-    assert f"no room to write in {tmp_path / 'victim'}" in told
-    assert "all runs that were finished are kept: make room and give the same command" in told
+    assert f"a file in {tmp_path / 'victim'} would be larger than files may be (3 kB" in told
+    assert "all runs that were finished are kept: raise the limit and give the same comm" in told
     assert "Traceback" not in told

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -182,7 +183,8 @@ def read_file(path: str | Path) -> Text:
 
 def look(arguments: Sequence[str] | None = None) -> None:
     """End with status 1 and our own words if a file that Snakemake's arguments name (those of this
-    process) cannot be read, is not YAML, or asks for Python in it to be run.
+    process) cannot be read, is not YAML, or asks for Python in it to be run, or if the working
+    folder cannot be written to.
 
     Snakemake reads them before any rule of ours, tells neither the line of an error nor which file
     is missing, and would run what a key `__use_yte__` holds; workflow/profiles/default, which it
@@ -190,8 +192,16 @@ def look(arguments: Sequence[str] | None = None) -> None:
     """
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--configfile", "--configfiles", nargs="*", default=[], dest="files")
+    parser.add_argument("--directory", "-d", default=".")
+    known, _ = parser.parse_known_args(arguments)
     try:
-        for path in parser.parse_known_args(arguments)[0].files:
+        if Path(known.directory).is_dir() and not os.access(known.directory, os.W_OK):
+            raise ConfigError(str(Path(known.directory).absolute()), [
+                "the folder cannot be written to, where Snakemake keeps its notes and results are; "
+                "allowed: another one (`--directory`), or `python -m deployable run FILE --results "
+                "FOLDER`"
+            ])  # fmt: skip
+        for path in known.files:
             if EXECUTED in load(path):
                 raise ConfigError(path, [f"{EXECUTED}: not allowed; nothing in a config is run"])
     except ConfigError as error:

@@ -107,7 +107,10 @@ def _of_results(folder: Folder, run: str) -> Chosen:
 
     refuse_links(folder.path)
     if not folder.samples.exists():
-        raise CampaignError(f"{folder.path} has no samples.nc: it holds no finished campaign")
+        raise CampaignError(
+            f"{folder.path} has no samples.nc: it holds no finished campaign; `snakemake` or "
+            "`python -m deployable run` with the campaign makes one"
+        )
     with open_netcdf(folder.samples) as samples:
         nominal, values = nominal_row(samples), samples["value"][:]
         known, names = ids(samples, slice(None)), list(samples["parameter"][:])
@@ -180,6 +183,11 @@ def _of_structure(what: str, settings: Mapping[str, str], duration: float) -> Ch
     import fpm
     from deployable.campaign.config.sections import scene_type
 
+    if not Path(what).suffix and Path(what).name != what:
+        raise CampaignError(
+            f"{what}: there is no such folder of results; `snakemake` or `python -m deployable "
+            "run` with the campaign makes them"
+        )
     found = scene_type(what, what if Path(what).suffix else "")
     scene = found.build(**parsed(settings))
     wanted = fpm.SAFETY * fpm.stable_step(scene).step

@@ -31,7 +31,7 @@ import fpm
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.keys import table
 from deployable.campaign.config.read import whole
-from deployable.campaign.config.sections import scene_type, trust
+from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError, ConfigError, of_files
 from deployable.campaign.export import COLOURS, KINDS, choose, export
 from deployable.campaign.files import refuse_links
@@ -280,9 +280,7 @@ def _export(options: argparse.Namespace) -> int:
     settings = dict(pair.partition("=")[::2] for pair in options.set)
     place = options.output or Path("exports")
     try:
-        for file in options.trust:
-            trust(file)
-        chosen = choose(options.what, options.run, settings, options.duration)
+        chosen = choose(options.what, options.run, settings, options.duration, options.trust)
         if chosen.folder and not options.output:
             place = chosen.folder / "exports"
         paths = export(chosen, options.to, place, options.frames, options.colour)

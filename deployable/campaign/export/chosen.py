@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from deployable.campaign.config.sections import Experiment
+from deployable.campaign.config.sections import Experiment, trust
 from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.which import ids, nominal_row
@@ -77,15 +77,19 @@ def choose(
     run: str = "nominal",
     settings: Mapping[str, str] | None = None,
     duration: float | None = None,
+    trusted: Sequence[str] = (),
 ) -> Chosen:
     """The run that `what` and `run` mean.
 
     what: a campaign's folder of results (run: `nominal`, or a run's id or its beginning), a
     campaign's config (its nominal run, which need not have been made), or a structure's file or
     name (at its defaults). settings: parameters that differ, by name, as text, and duration (s),
-    for the last two. Raises `CampaignError`, `fpm.SceneError`.
+    for the last two; trusted: files of structures in Python that results may name and that are run
+    then. Raises `CampaignError`, `fpm.SceneError`.
     """
     path = Path(what)
+    for file in trusted:
+        trust(file)
     if path.is_dir():
         if settings or duration:
             raise CampaignError(

@@ -30,7 +30,12 @@ _REMEDIES = {
 
 
 class CampaignError(Exception):
-    """Something that the user can mend; `str()` is the whole message."""
+    """Something that the user can mend; `str()` is the whole message, in which nothing, as the name
+    of a file, controls the terminal."""
+
+    def __init__(self, text: str = ""):
+        super().__init__("".join(s if s.isprintable() or s == "\n" else "\N{REPLACEMENT CHARACTER}"
+                                 for s in text))  # fmt: skip
 
 
 def of_files(error: Exception, folder: Path) -> CampaignError | None:

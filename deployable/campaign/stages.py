@@ -44,6 +44,7 @@ from deployable.campaign.results.summary import summarise
 from deployable.campaign.runs.batch import run_batch
 from deployable.campaign.runs.progress import Tell
 from deployable.campaign.runs.store import pack, unpack
+from fpm.errors import SceneError
 from fpm.files.sealed import DamagedError, check, sweep
 from fpm.kernels.sources import syntax_digest
 
@@ -200,6 +201,8 @@ class Stage:
             facts = {"basis": self.basis(sections), **_plan_of(folder, self.takes)}
             with results_of(facts):
                 self.work(folder, tell, **arguments)
+        except SceneError as error:  # of the structure that the results name
+            raise CampaignError(f"{folder.path}: {error}") from error
         except (OSError, RuntimeError) as error:
             told = of_files(error, folder.path)
             if told is None:

@@ -64,10 +64,9 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
     Raises DamagedError if it is not, FileNotFoundError if it is not there.
     """
     path = Path(path)
-    if not stat.S_ISREG(path.stat().st_mode):  # a pipe would be waited for
-        raise DamagedError(path, "it is no plain file")
     if path.suffix == ".json":
-        return check_content(path, path.read_bytes(), name)
+        return check_content(path, read_bytes(path), name)
+    _refuse_devices(path)
     size = path.stat().st_size
     with open(path, "rb") as file:
         file.seek(max(0, size - _LONGEST))
@@ -77,9 +76,20 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
     return facts
 
 
+def read_bytes(path: str | os.PathLike) -> bytes:
+    """The content of a file; DamagedError if it is none."""
+    _refuse_devices(path)
+    return Path(path).read_bytes()
+
+
+def _refuse_devices(path: str | os.PathLike) -> None:
+    if not stat.S_ISREG(os.stat(path).st_mode):  # a pipe would be waited for
+        raise DamagedError(path, "it is no plain file")
+
+
 def unsealed(path: str | os.PathLike) -> bytes:
     """The content of a sealed file as it was before; DamagedError if it is not whole."""
-    content = Path(path).read_bytes()
+    content = read_bytes(path)
     check_content(path, content)
     return _split(path, content)[1]
 

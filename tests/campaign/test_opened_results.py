@@ -13,13 +13,17 @@ import numpy as np
 import pytest
 
 from deployable.campaign.cli import main
+from deployable.campaign.config import sections
 from deployable.campaign.config.models import FigureChoice
 from deployable.campaign.config.sections import as_json
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import open_dataset, open_netcdf, refuse_links
+from deployable.campaign.files import csv_text, open_dataset, open_netcdf, refuse_links
 from deployable.campaign.folder import Folder
 from deployable.campaign.outside import _library
 from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.results.figures import save
+from deployable.campaign.stages import STAGES
+from deployable.campaign.workflow import Workflow
 from fpm.files.sealed import DamagedError, check, seal, unsealed
 
 PAGE = ["--config", as_json(figures=FigureChoice())]
@@ -76,6 +80,45 @@ def test_a_program_that_only_results_name_is_not_run(theirs, tmp_path, capsys, c
         assert f"--trust {program}" in told
         main([command, str(theirs.path), *arguments, "--trust", str(program)])
         assert program.with_suffix(".run").exists()
+
+
+def test_jobs_of_a_workflow_are_told_the_program_that_its_config_names(
+    raw, theirs, tmp_path, monkeypatch
+):
+    program = tmp_path / "own.py"
+    program.write_text(
+        "from fpm import structures\nfrom deployable.campaign import shipped\n"
+        "OF = structures.load(shipped.structures()['bennett'])\n"
+        "PARAMETERS, MESH = OF.parameters, OF.mesh\n"
+        "def build(**parameters):\n    return OF.build(**parameters)\n",
+        encoding="utf-8",
+    )
+    raw["scene"] = {"file": str(program)} | {"parameters": raw["scene"]["parameters"]}
+    path = tmp_path / "own.yaml"
+    path.write_text(json.dumps(raw), encoding="utf-8")
+    jobs = Workflow.from_files([path]).sections("page")
+    changed(theirs.plan, names_program(program))
+    monkeypatch.setattr(sections, "_TRUSTED", set())  # as in the job's process
+    with pytest.raises(CampaignError, match="was not run"):
+        read_plan(theirs.plan).experiment.scene_type  # noqa: B018
+    STAGES["page"].typed(json.loads(jobs))
+    assert read_plan(theirs.plan).experiment.scene_type.name == "own"
+
+
+def test_texts_are_no_formulas_of_spreadsheets_and_no_commands_of_terminals():
+    assert csv_text([["=1", "+x", "-y", "@z", -1.5, "a"]]) == "'=1,'+x,'-y,'@z,-1.5,a\n"
+    assert "\x1b" not in str(CampaignError("of \x1b[31m\nred")) and "\nred" in str(
+        CampaignError("of \x1b[31m\nred")
+    )
+
+
+def test_dollars_in_names_are_no_formulas_of_figures(tmp_path):
+    from matplotlib.figure import Figure
+
+    figure = Figure()
+    figure.subplots().set_title(r"$\frac{$")
+    save(figure, tmp_path / "a")
+    assert (tmp_path / "a.svg").exists()
 
 
 def set_name(variable: str, name: str):
@@ -155,6 +198,10 @@ def test_nobody_waits_for_a_pipe(theirs, capsys):
         check(theirs.samples)
     assert main(["page", str(theirs.path), *PAGE]) == 1
     assert "is a pipe or a device" in capsys.readouterr().err
+    theirs.plan.unlink()
+    os.mkfifo(theirs.plan)
+    with pytest.raises(DamagedError, match="no plain file"):
+        read_plan(theirs.plan)
 
 
 def test_numbers_in_other_files_are_not_read(theirs, tmp_path):

@@ -146,7 +146,7 @@ class Experiment:
         """The experiment that a file of results is of, from its attribute `config`."""
         try:
             return cls.of_results(json.loads(text))
-        except (ValueError, RecursionError) as error:
+        except (TypeError, ValueError, RecursionError) as error:
             raise CampaignError(f"the results hold a config that cannot be read: {error}") from None
 
     @classmethod

@@ -40,7 +40,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
 from deployable.campaign.plan.runs import ROLES, RUN_ID, Run, Runs, namer, values_of
 from deployable.intervals import held_out_points
-from fpm.files.sealed import DamagedError, check_content
+from fpm.files.sealed import DamagedError, check_content, read_bytes
 
 MOST_LISTED = 10_000
 """Runs that have a line each in `plan.json`; of more, programs are the only readers."""
@@ -224,7 +224,7 @@ def read_step(path: str | Path) -> TimeStep:
 
 
 def _content(path: str | Path) -> dict:
-    content = Path(path).read_bytes()
+    content = read_bytes(path)
     check_content(path, content, "plan.json")
     return json.loads(content)
 

@@ -299,7 +299,7 @@ def _run_stage(options: argparse.Namespace) -> int:
     log = None
     with suppress(OSError, CampaignError):  # a full disk, say, which the stage tells better
         if options.log:
-            refuse_links(options.folder)
+            refuse_links(Folder(options.folder).whole)
             options.log.parent.mkdir(parents=True, exist_ok=True)
             log = options.log.open("w", encoding="utf-8")
 

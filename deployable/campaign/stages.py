@@ -195,7 +195,7 @@ class Stage:
         """
         sections = {name: arguments[name] for name in self.sections}
         try:
-            refuse_links(folder.path)
+            refuse_links(folder.whole)
             for place in folder.written:
                 sweep(place)
             facts = {"basis": self.basis(sections), **_plan_of(folder, self.takes)}

@@ -185,6 +185,13 @@ def test_links_that_lead_outside_are_not_followed(theirs, tmp_path, capsys, name
     assert sorted(tmp_path.rglob("*")) == before
 
 
+def test_links_beside_a_round_are_not_followed_either(theirs, tmp_path, capsys):
+    (theirs.path / "responses").symlink_to(tmp_path)
+    (theirs.path / "rounds" / "0").mkdir(parents=True)
+    assert main(["page", str(theirs.path / "rounds" / "0"), *PAGE]) == 1
+    assert "responses is a link to" in capsys.readouterr().err
+
+
 def test_a_whole_folder_may_be_a_link_and_links_may_lead_inside(theirs, tmp_path):
     (tmp_path / "link").symlink_to(theirs.path)
     (theirs.path / "again.nc").symlink_to("samples.nc")

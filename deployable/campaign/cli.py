@@ -34,6 +34,7 @@ from deployable.campaign.config.read import whole
 from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError, ConfigError, of_files
 from deployable.campaign.export import COLOURS, KINDS, choose, export
+from deployable.campaign.files import refuse_links
 from deployable.campaign.folder import CAMPAIGN, Folder
 from deployable.campaign.new import make_folder, starts
 from deployable.campaign.pictures.still import SUFFIXES, write_structure
@@ -160,6 +161,10 @@ def _add_export(export: argparse.ArgumentParser) -> None:
     export.add_argument(
         "--colour", default="bars", choices=COLOURS, help="of moving pictures (%(default)s)"
     )
+    export.add_argument(
+        "--trust", action="append", default=[], metavar="FILE",
+        help="structure in Python that the results may name, which is run then; may be repeated",
+    )  # fmt: skip
     export.add_argument("--output", type=Path, help="folder (exports, beside a campaign's results)")
 
 
@@ -275,7 +280,7 @@ def _export(options: argparse.Namespace) -> int:
     settings = dict(pair.partition("=")[::2] for pair in options.set)
     place = options.output or Path("exports")
     try:
-        chosen = choose(options.what, options.run, settings, options.duration)
+        chosen = choose(options.what, options.run, settings, options.duration, options.trust)
         if chosen.folder and not options.output:
             place = chosen.folder / "exports"
         paths = export(chosen, options.to, place, options.frames, options.colour)
@@ -292,8 +297,9 @@ def _export(options: argparse.Namespace) -> int:
 def _run_stage(options: argparse.Namespace) -> int:
     """Run one stage; messages go to the log file too, and errors come without a traceback."""
     log = None
-    with suppress(OSError):  # a full disk, say, which the stage tells better
+    with suppress(OSError, CampaignError):  # a full disk, say, which the stage tells better
         if options.log:
+            refuse_links(Folder(options.folder).whole)
             options.log.parent.mkdir(parents=True, exist_ok=True)
             log = options.log.open("w", encoding="utf-8")
 

@@ -8,17 +8,41 @@ from pathlib import Path
 
 from fpm.files.sealed import DamagedError
 
-_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+_NO_ROOM = {errno.ENOSPC, errno.EDQUOT}
+_LITTLE = 64 << 20
+"""Bytes of room below which that is why netCDF's library, which tells no reason, failed."""
+
+_KEPT = "nothing there is half written, and all runs that were finished are kept"
+_REMEDIES = {
+    errno.ENOENT: "it was removed, or never made: `snakemake` or `python -m deployable run` with "
+    "the campaign makes results",
+    **dict.fromkeys(
+        (errno.EEXIST, errno.ENOTDIR, errno.ELOOP),
+        "a file, or a link that leads nowhere, is in the place of a folder: remove or rename it",
+    ),
+    errno.EISDIR: "a folder is in the place of a file: remove or rename it",
+    **dict.fromkeys(
+        (errno.EACCES, errno.EPERM, errno.EROFS),
+        "allowed: files and folders that may be read, and written to, such as `run --results` of "
+        "another folder",
+    ),
+}
 
 
 class CampaignError(Exception):
-    """Something that the user can mend; `str()` is the whole message."""
+    """Something that the user can mend; `str()` is the whole message, in which nothing, as the name
+    of a file, controls the terminal."""
+
+    def __init__(self, text: str = ""):
+        super().__init__("".join(s if s.isprintable() or s == "\n" else "\N{REPLACEMENT CHARACTER}"
+                                 for s in text))  # fmt: skip
 
 
 def of_files(error: Exception, folder: Path) -> CampaignError | None:
     """What is to be told of trouble with the files of a campaign; None for an error of the program.
 
-    `folder`: of its results. netCDF's library tells no reason, so that a full disk is guessed.
+    `folder`: of its results. netCDF's library tells no reason: a limit of sizes, or a full disk, is
+    guessed where there is one.
     """
     if isinstance(error, DamagedError):
         again = "call snakemake or `python -m deployable run` to have it made again"
@@ -26,16 +50,36 @@ def of_files(error: Exception, folder: Path) -> CampaignError | None:
     library = isinstance(error, RuntimeError) and "NetCDF" in str(error)
     if not library and not isinstance(error, OSError):
         return None
-    if not library and error.errno not in _NO_ROOM:
-        return CampaignError(f"{error.filename or folder}: {error.strerror or error}")
+    number = None if library else error.errno
+    most = _largest_file()
+    if number == errno.EFBIG or (library and most is not None):
+        limit = "the file system's" if most is None else f"{most / 1024:.0f} kB, `ulimit -f`"
+        return CampaignError(
+            f"a file in {folder} would be larger than files may be ({limit}); {_KEPT}: raise the "
+            "limit and give the same command again"
+        )
     free = shutil.disk_usage(
         next(p for p in (folder, *folder.absolute().parents) if p.exists())
     ).free
-    return CampaignError(
-        f"no room to write in {folder} ({free / 2**20:.0f} MiB free); nothing there is half "
-        "written, and all runs that were finished are kept: make room and give the same command "
-        "again"
-    )
+    if number in _NO_ROOM or (library and free < _LITTLE):
+        quota = ", but for a quota" if number == errno.EDQUOT else ""
+        return CampaignError(
+            f"no room to write in {folder} ({free / 2**20:.0f} MiB free{quota}); {_KEPT}: make "
+            "room and give the same command again"
+        )
+    told = f"{getattr(error, 'filename', None) or folder}: {getattr(error, 'strerror', 0) or error}"
+    remedy = _REMEDIES.get(number)
+    return CampaignError(f"{told}; {remedy}" if remedy else told)
+
+
+def _largest_file() -> int | None:
+    """Bytes that a file of this process may have; None where nothing limits them."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    most, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
+    return None if most == resource.RLIM_INFINITY else most
 
 
 class ConfigError(CampaignError):

@@ -65,8 +65,12 @@ class Folder:
 
     def runs(self, keep: str) -> Path:
         """Where runs are kept; all designs and rounds of a campaign share it."""
-        whole = self.path.parents[1] if self.path.parent.name == "rounds" else self.path
-        return whole / keep
+        return self.whole / keep
+
+    @property
+    def whole(self) -> Path:
+        """The folder of the campaign, of which this may be a round's."""
+        return self.path.parents[1] if self.path.parent.name == "rounds" else self.path
 
     def round(self, number: int) -> Folder:
         """The folder of one round of this campaign."""

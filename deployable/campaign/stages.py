@@ -20,9 +20,16 @@ from deployable.campaign.answers import choice as best
 from deployable.campaign.answers import quantities as intervals
 from deployable.campaign.answers import requirements as limits
 from deployable.campaign.answers.finer import check_bounds, finer_parts
-from deployable.campaign.config.sections import Campaign, Experiment, as_json, digest, from_data
+from deployable.campaign.config.sections import (
+    Campaign,
+    Experiment,
+    as_json,
+    digest,
+    from_data,
+    trust,
+)
 from deployable.campaign.errors import CampaignError, of_files
-from deployable.campaign.files import results_of
+from deployable.campaign.files import refuse_links, results_of
 from deployable.campaign.folder import ROUND_FILES, Folder
 from deployable.campaign.plan.accuracy import first_plan, next_plan
 from deployable.campaign.plan.estimate import runs_in_job
@@ -37,6 +44,7 @@ from deployable.campaign.results.summary import summarise
 from deployable.campaign.runs.batch import run_batch
 from deployable.campaign.runs.progress import Tell
 from deployable.campaign.runs.store import pack, unpack
+from fpm.errors import SceneError
 from fpm.files.sealed import DamagedError, check, sweep
 from fpm.kernels.sources import syntax_digest
 
@@ -187,11 +195,14 @@ class Stage:
         """
         sections = {name: arguments[name] for name in self.sections}
         try:
+            refuse_links(folder.whole)
             for place in folder.written:
                 sweep(place)
             facts = {"basis": self.basis(sections), **_plan_of(folder, self.takes)}
             with results_of(facts):
                 self.work(folder, tell, **arguments)
+        except SceneError as error:  # of the structure that the results name
+            raise CampaignError(f"{folder.path}: {error}") from error
         except (OSError, RuntimeError) as error:
             told = of_files(error, folder.path)
             if told is None:
@@ -204,7 +215,9 @@ class Stage:
         return digest([program_digest(), json.loads(as_json(**sections)), mechanics])
 
     def typed(self, data: dict) -> dict[str, Any]:
-        """The stage's sections from plain data."""
+        """The stage's sections from plain data of a user's config, and the `structure` that it
+        names."""
+        trust(data.get("structure") or "")
         kinds = get_type_hints(Campaign)
         return {name: from_data(kinds[name], data[name]) for name in self.sections}
 

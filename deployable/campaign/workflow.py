@@ -52,8 +52,11 @@ class Workflow:
         return cls(load_config([], retyped(config), "the config of the module"))
 
     def sections(self, stage: str) -> str:
-        """The sections of the config that a stage depends on, as JSON."""
-        return as_json(**STAGES[stage].sections_of(self.campaign))
+        """The sections of the config that a stage depends on, as JSON, and the `structure` if that
+        is a program: stages run none that only results name."""
+        file = self.campaign.experiment.scene.file
+        program = {"structure": file} if file.endswith(".py") else {}
+        return as_json(**STAGES[stage].sections_of(self.campaign), **program)
 
     @property
     def code(self) -> str:

@@ -84,6 +84,7 @@ def main(arguments: list[str]) -> int:
         "counts": [[*key, count] for key, count in ledger.counts.items()],
         "bad": ledger.bad,
         "mutants": hunt.found,
+        "left_out": hunt.left_out,
     }
     write_text(options.output / "attack.json", json.dumps(found, indent=1) + "\n")
     print(table(ledger, hunt))

@@ -12,6 +12,7 @@ import json
 import os
 import re
 import socket
+import stat
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import lru_cache
@@ -64,7 +65,8 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
     """
     path = Path(path)
     if path.suffix == ".json":
-        return check_content(path, path.read_bytes(), name)
+        return check_content(path, read_bytes(path), name)
+    _refuse_devices(path)
     size = path.stat().st_size
     with open(path, "rb") as file:
         file.seek(max(0, size - _LONGEST))
@@ -74,9 +76,20 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
     return facts
 
 
+def read_bytes(path: str | os.PathLike) -> bytes:
+    """The content of a file; DamagedError if it is none."""
+    _refuse_devices(path)
+    return Path(path).read_bytes()
+
+
+def _refuse_devices(path: str | os.PathLike) -> None:
+    if not stat.S_ISREG(os.stat(path).st_mode):  # a pipe would be waited for
+        raise DamagedError(path, "it is no plain file")
+
+
 def unsealed(path: str | os.PathLike) -> bytes:
     """The content of a sealed file as it was before; DamagedError if it is not whole."""
-    content = Path(path).read_bytes()
+    content = read_bytes(path)
     check_content(path, content)
     return _split(path, content)[1]
 
@@ -100,7 +113,7 @@ def _split(path: str | os.PathLike, content: bytes) -> tuple[dict[str, str], byt
 
 def _facts(path: str | os.PathLike, text: bytes | None) -> dict[str, str]:
     if text is not None:
-        with suppress(ValueError):
+        with suppress(ValueError, RecursionError):
             facts = json.loads(text)["seal"]
             if isinstance(facts, dict) and {"name", "digest"} <= facts.keys():
                 return facts

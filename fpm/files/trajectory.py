@@ -9,7 +9,6 @@ that the kinds give them; all others are fixed.
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -278,7 +277,7 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
     Raises OSError if the file is not there, `sealed.DamagedError` (which is one) if it is not as
     `write` left it, or of another run.
     """
-    content = Path(path).read_bytes()
+    content = sealed.read_bytes(path)
     sealed.check_content(path, content, run and _name(run))
     attributes, variables = classic.read(path, content)
 

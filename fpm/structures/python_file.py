@@ -11,7 +11,7 @@ from fpm.errors import SceneError
 from fpm.kernels.sources import own_sources, syntax_digest
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
-from fpm.structures.reading import Problem, StructureError
+from fpm.structures.reading import Problem, StructureError, read_text
 
 
 def load_python(path: Path) -> SceneType:
@@ -22,6 +22,7 @@ def load_python(path: Path) -> SceneType:
     Its digest is of the file, of those below its folder that it imports, and of data files there
     that Python opens while it is loaded and built at its defaults.
     """
+    read_text(path)  # which tells what is no file, before Python waits for it
     _hook()
     _READING.append((read := set(), path.resolve().parent))
     try:
@@ -93,8 +94,6 @@ def _run(path: Path):
     sys.modules[spec.name] = module  # where dataclasses look up annotations
     try:
         spec.loader.exec_module(module)
-    except OSError as error:
-        _refuse(path, f"the file cannot be read: {error.strerror}")
     except Exception as error:
         _refuse(path, f"it cannot be run: {type(error).__name__}: {error}")
     return module

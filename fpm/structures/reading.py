@@ -4,17 +4,23 @@ Nothing is converted: whether `1e9` is a number, or `on` a name, is up to the ke
 A key may be given once; anchors and tags are refused, because names and `let` do their work.
 """
 
+import os
 import re
+import stat
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import NamedTuple
 
 import yaml
 
 from fpm.errors import SceneError, did_you_mean, likely
 
-DEEPEST = 20
-"""Tables and lists may be nested so deep."""
+DEEPEST, MOST = 20, 20_000
+"""Tables and lists of a file may be nested so deep, and hold so many values."""
+
+LARGEST = 1 << 20
+"""Bytes of a text file."""
 
 
 class Problem(NamedTuple):
@@ -41,6 +47,32 @@ class StructureError(SceneError):
 
     def __reduce__(self):
         return type(self), (self.source, self.problems)
+
+
+def read_text(path: str | Path) -> str:
+    """The text of a plain file of limited size; StructureError where it is none.
+
+    A device, or a pipe, is not waited for.
+    """
+    try:
+        with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _AT_ONCE)) as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise ValueError("it is a device or a pipe; allowed: a plain file")
+            content = file.read(LARGEST + 1)
+        if len(content) > LARGEST:
+            raise ValueError(f"it is too long; allowed: at most {LARGEST} bytes")
+        return content.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        problem = Problem(0, f"the file cannot be read: {reason}")
+        raise StructureError(repr(path) if "\0" in str(path) else str(path), [problem]) from None
+
+
+_AT_ONCE = getattr(os, "O_NONBLOCK", 0)
+
+
+class ExcessError(Exception):
+    """A file has too much of something."""
 
 
 class SkippedError(Exception):
@@ -139,6 +171,8 @@ def read(text: str, problems: Problems) -> Node:
     except yaml.MarkedYAMLError as error:
         mark, what = why_not_yaml(error)
         problems.say(mark.line + 1 if mark else 0, f"this is not YAML: {what}")
+    except ExcessError as error:
+        problems.say(0, str(error))
     except (yaml.YAMLError, RecursionError, ValueError) as error:
         problems.say(0, f"this is not YAML: {str(error).splitlines()[0]}")
     else:
@@ -171,10 +205,16 @@ def why_not_yaml(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
 
 
 class _Loader(yaml.BaseLoader):
-    """Text stays text; anchors, aliases and tags are refused where they stand."""
+    """Text stays text; anchors, aliases and tags are refused where they stand, and more values than
+    anybody reads as well."""
+
+    count = 0
 
     def compose_node(self, parent, index):
         event = self.peek_event()
+        self.count += 1
+        if self.count > MOST:
+            raise ExcessError(f"the file holds more than {MOST} values; allowed: fewer")
         marks = [getattr(event, name, None) for name in ("anchor", "tag")]
         if any(marks):
             raise yaml.MarkedYAMLError(

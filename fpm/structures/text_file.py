@@ -21,13 +21,12 @@ from fpm.structures.expressions import ExpressionError, parse
 from fpm.structures.model import KEYS, TEXTS, Model
 from fpm.structures.reading import (
     Node,
-    Problem,
     Problems,
-    StructureError,
     among,
     as_meant,
     check_keys,
     read,
+    read_text,
 )
 from fpm.structures.sample import build_sample
 from fpm.structures.units import Unit, UnitError, unit
@@ -92,13 +91,7 @@ class _File:
 
 def load_text(path: Path) -> SceneType:
     """The structure of a YAML file; StructureError says all that is wrong with it."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not text in UTF-8"
-        problem = Problem(0, f"the file cannot be read: {reason}")
-        raise StructureError(str(path), [problem]) from None
-    return loads(text, str(path))
+    return loads(read_text(path), str(path))
 
 
 def loads(text: str, source: str = "structure") -> SceneType:

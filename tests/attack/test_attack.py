@@ -13,8 +13,9 @@ import signal
 
 import pytest
 
+from evidence.attack import mutants
 from evidence.attack.ledger import Ledger
-from evidence.attack.mutants import change_at, sites
+from evidence.attack.mutants import Hunt, change_at, sites
 from evidence.attack.processes import attack_by_full_disk, attack_by_kill, command, start
 from evidence.attack.victim import RAW, Victim
 
@@ -43,6 +44,31 @@ def test_a_mutant_is_changed_in_one_place():
     assert len(found) >= 7
     assert len({text for _, text in found} | {ast.unparse(tree)}) == len(found) + 1
     assert ("`a < b` to `a <= b`", ast.unparse(tree).replace("a < b", "a <= b")) in found
+
+
+@pytest.mark.parametrize("text", ["x = 2\n", "x = 3\n", "y = 1\n"])
+def test_a_file_of_tests_that_fails_anyway_notices_nothing(tmp_path, text):
+    code = tmp_path / "mine.py"
+    code.write_text("x = 2\n", encoding="utf-8")
+    (tmp_path / "test_a.py").write_text("def test_a():\n    assert False\n", encoding="utf-8")
+    (tmp_path / "test_b.py").write_text("import gone\n", encoding="utf-8")
+    test = "import mine\ndef test_c():\n    assert mine.x == 2\n"
+    (tmp_path / "test_c.py").write_text(test, encoding="utf-8")
+    hunt, tests = Hunt(1), ["test_a.py", "test_b.py", "test_c.py"]
+    noticed = hunt.noticed_by(tmp_path, code, text, tests)
+    assert noticed == (None if text == "x = 2\n" else "FAILED test_c.py::test_c")
+    assert hunt.left_out == ["test_a.py", "test_b.py"]
+    assert "Not counted, as they fail without a change: test_a.py, test_b.py." in hunt.table()
+    assert code.read_text(encoding="utf-8") == "x = 2\n"
+
+
+def test_tests_that_take_too_long_without_a_change_notice_nothing(tmp_path, monkeypatch):
+    code = tmp_path / "mine.py"
+    code.touch()
+    monkeypatch.setattr(mutants, "failed_of", lambda *_, **__: [mutants.TIME])
+    hunt = Hunt(1)
+    assert hunt.noticed_by(tmp_path, code, "x", ["test_a.py"]) is None
+    assert hunt.left_out == ["test_a.py"]
 
 
 def test_what_goes_wrong_is_counted():
@@ -77,6 +103,6 @@ def test_a_full_disk_is_one_sentence(victims, tmp_path):
     process = start(command(victims[0], tmp_path), limit=3000)
     told, _ = process.communicate()
     assert process.returncode == 1
-    assert f"no room to write in {tmp_path / 'victim'}" in told
-    assert "all runs that were finished are kept: make room and give the same command" in told
+    assert f"a file in {tmp_path / 'victim'} would be larger than files may be (3 kB" in told
+    assert "all runs that were finished are kept: raise the limit and give the same comm" in told
     assert "Traceback" not in told

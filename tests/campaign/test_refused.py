@@ -46,7 +46,7 @@ CASES = {
     "nesting just too deep": (changed("mine", 30 * "[" + 30 * "]"), ["nested too deep"]),
     "recursive nesting": (changed("mine", "&a [*a]"), ["nested too deep"]),
     "an alias bomb": (BOMB + GOOD, ["20000 values", "fewer"]),
-    "a list of 10 MB": (changed("mine", f"[{5_000_000 * 'x,'}]"), ["characters", "at most"]),
+    "a list of 10 MB": (changed("mine", f"[{5_000_000 * 'x,'}]"), ["bytes", "at most"]),
     "a long list": (changed("mine", f"[{30_000 * 'x,'}]"), ["20000 values"]),
     "a list of 1 MB": (changed("mine", f"[{500_000 * 'x,'}]"), ["20000 values"]),
     "many keys": (GOOD + "".join(f"k{i}: 1\n" for i in range(80_000)), ["20000 values"]),

@@ -14,7 +14,7 @@ from deployable.campaign.report import from_results, make_motions
 from deployable.campaign.report.data import FURTHER, Judged
 from deployable.campaign.report.failing import meets, panels
 from deployable.campaign.report.page import render
-from deployable.campaign.text.templates import sentence
+from deployable.campaign.text.templates import sentence, summary_text
 
 
 @pytest.fixture(scope="module")
@@ -161,3 +161,44 @@ def test_a_page_without_requirements_has_the_intervals_only(opened, tmp_path):
     page = render(data)
     assert 'id="quantities"' in page
     assert 'id="requirements"' not in page
+
+
+EVIL = " <script>x</script> <img src=x onerror=y> [a](javascript:z) `|*\n\n# b \x1b[31m &lt;"
+OF_THE_PROGRAM = {"kind", "met", "grade", "end", "sense", "foretold_ends", "bounds", "units"}
+"""Keys of facts that no user names, and templates look at."""
+
+
+def poisoned(facts, taken=(), key=""):
+    """Facts whose texts, and names among their keys, end in what a reader must not meet raw."""
+    if isinstance(facts, dict):
+        return {
+            name + EVIL * (name in taken): poisoned(value, taken, name)
+            for name, value in facts.items()
+        }
+    if isinstance(facts, list):
+        return [poisoned(one, taken, key) for one in facts]
+    return facts + EVIL if isinstance(facts, str) and key not in OF_THE_PROGRAM else facts
+
+
+def test_texts_from_outside_are_nothing_else_in_summary_and_page(opened):
+    facts = copy.deepcopy(opened.facts)
+    facts["quantities"][0]["doubt"] = facts["responses"][0]["doubt"] = "state `stiffness`"
+    facts["review"] = {"title": "a", "head": ["b"], "heads": {"c": "d"}, "rows": [{"c": "e"}]}
+    named = {row["name"] for key in ("parameters", "fixed", "quantities") for row in facts[key]}
+    text = summary_text(poisoned(facts, named)) + summary_text(poisoned(facts), "review.md.jinja")
+    assert text.count("script") > 100
+    assert not re.findall(r"(?<!\\)(?:<|>|\[|\]|&)|\x1b|^# b", text, re.M)
+    free = {"description", "long_name", "words", "event", "about", "scene", "doubt", "contact"}
+
+    def worded(facts, key=""):
+        if isinstance(facts, dict):
+            return {name: worded(value, name) for name, value in facts.items()}
+        if isinstance(facts, list):
+            return [worded(one, key) for one in facts]
+        return facts + EVIL if key in free else facts
+
+    del facts["review"]
+    page = render(replace(opened, facts=worded(facts)))
+    page = page.replace("\N{NO-BREAK SPACE}", " ")
+    assert page.count("&lt;script&gt;x") >= 10
+    assert "<script>x" not in page and "<img src=x" not in page and "=javascript" not in page

@@ -10,6 +10,7 @@ Everything wrong with it is collected into one `ConfigError`: what the models of
 from __future__ import annotations
 
 import copy
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -114,7 +115,9 @@ def anchored(raw: Mapping, folder: str | Path) -> Mapping:
     scene = raw.get("scene")
     if not isinstance(scene, Mapping) or not isinstance(scene.get("file"), str):
         return raw
-    path = Path(folder, scene["file"]).resolve()
+    if "\0" in scene["file"]:  # no path, which the models refuse
+        return raw
+    path = Path(os.path.realpath(Path(folder, scene["file"])))  # a loop of links is left as it is
     here = Path.cwd().resolve()
     path = path.relative_to(here) if path.is_relative_to(here) else path
     return {**raw, "scene": {**scene, "file": str(path)}}

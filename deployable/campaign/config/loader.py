@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,24 +14,23 @@ import yaml
 
 from deployable.campaign.errors import ConfigError
 from fpm.errors import did_you_mean
-from fpm.structures.reading import joined, why_not_yaml
+from fpm.structures.reading import (
+    DEEPEST,
+    LARGEST,
+    MOST,
+    ExcessError,
+    StructureError,
+    joined,
+    read_text,
+    why_not_yaml,
+)
 
 # YAML 1.1 takes 1e9 (no dot, no sign) for a string; YAML 1.2 and everybody else for a number.
 _FLOAT = re.compile(r"^[-+]?(\d[\d_]*)(\.[\d_]*)?([eE][-+]?\d+)$|^[-+]?\.\d[\d_]*([eE][-+]?\d+)?$")
 
 
-LARGEST = 1 << 20
-"""Characters of a config."""
-
 EXECUTED = "__use_yte__"
 """Key of a file whose Python Snakemake would run."""
-
-DEEPEST, MOST = 20, 20_000
-"""Mappings and lists may be nested so deep, and hold so many values, aliases written out."""
-
-
-class _ExcessError(Exception):
-    """What a file has too much of."""
 
 
 class _Loader(yaml.SafeLoader):
@@ -46,7 +46,7 @@ class _Loader(yaml.SafeLoader):
         self.sizes: dict[int, tuple[int, int]] = {}  # of nodes: values, and how deep they go
 
     def compose_node(self, parent, index):
-        """The next node; `_ExcessError` where it lies too deep or after too many: it is refused
+        """The next node; `ExcessError` where it lies too deep or after too many: it is refused
         anyway, and to read on would take long."""
         is_alias = self.check_event(yaml.AliasEvent)
         self.depth += 1
@@ -65,9 +65,9 @@ class _Loader(yaml.SafeLoader):
     def _limit(self):
         if self.deepest > DEEPEST:
             told = f"nested too deep; allowed: {DEEPEST} mappings and lists in each other"
-            raise _ExcessError(told)
+            raise ExcessError(told)
         if self.count > MOST:
-            raise _ExcessError(f"the file holds more than {MOST} values; allowed: fewer")
+            raise ExcessError(f"the file holds more than {MOST} values; allowed: fewer")
 
     def construct_mapping(self, node, deep=False):
         first: dict[object, int] = {}
@@ -120,7 +120,7 @@ def read(text: str, source: str) -> Text:
         loader = _Loader(text)
         root = loader.get_single_node()
         data = loader.construct_document(root) if root else None
-    except (_ExcessError, yaml.YAMLError, ValueError, OverflowError, TypeError) as error:
+    except (ExcessError, yaml.YAMLError, ValueError, OverflowError, TypeError) as error:
         raise ConfigError(source, [_told(error, text)]) from None
     if loader.problems:
         raise ConfigError(source, loader.problems)
@@ -143,7 +143,7 @@ def parse(text: str, source: str) -> dict:
 
 def _told(error: Exception, text: str) -> str:
     """What is wrong with a text, from what was raised when it was read."""
-    if isinstance(error, _ExcessError):
+    if isinstance(error, ExcessError):
         return str(error)
     if isinstance(error, yaml.reader.ReaderError):
         line = text.count("\n", 0, error.position) + 1
@@ -176,16 +176,15 @@ def load(path: str | Path) -> dict:
 def read_file(path: str | Path) -> Text:
     """What the file at `path` holds; raises `ConfigError` like `read`, and without a file."""
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ConfigError(str(path), [f"the file cannot be read: {reason}"]) from None
-    return read(text, str(path))
+        return read(read_text(path), str(path))
+    except StructureError as error:
+        raise ConfigError(error.source, [problem.text for problem in error.problems]) from None
 
 
 def look(arguments: Sequence[str] | None = None) -> None:
     """End with status 1 and our own words if a file that Snakemake's arguments name (those of this
-    process) cannot be read, is not YAML, or asks for Python in it to be run.
+    process) cannot be read, is not YAML, or asks for Python in it to be run, or if the working
+    folder cannot be written to.
 
     Snakemake reads them before any rule of ours, tells neither the line of an error nor which file
     is missing, and would run what a key `__use_yte__` holds; workflow/profiles/default, which it
@@ -193,8 +192,16 @@ def look(arguments: Sequence[str] | None = None) -> None:
     """
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--configfile", "--configfiles", nargs="*", default=[], dest="files")
+    parser.add_argument("--directory", "-d", default=".")
+    known, _ = parser.parse_known_args(arguments)
     try:
-        for path in parser.parse_known_args(arguments)[0].files:
+        if Path(known.directory).is_dir() and not os.access(known.directory, os.W_OK):
+            raise ConfigError(str(Path(known.directory).absolute()), [
+                "the folder cannot be written to, where Snakemake keeps its notes and results are; "
+                "allowed: another one (`--directory`), or `python -m deployable run FILE --results "
+                "FOLDER`"
+            ])  # fmt: skip
+        for path in known.files:
             if EXECUTED in load(path):
                 raise ConfigError(path, [f"{EXECUTED}: not allowed; nothing in a config is run"])
     except ConfigError as error:

@@ -19,6 +19,15 @@ Name = Annotated[
         pattern="[A-Za-z][A-Za-z0-9_]{0,63}",
     ),
 ]
+CampaignName = Annotated[
+    str,
+    Key(
+        "up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the "
+        "name of a study",
+        pattern="(?!(accuracy|benchmark|calibration|extremes|scaling|tradeoff|verification)$)"
+        "[A-Za-z0-9][A-Za-z0-9_-]{0,63}",
+    ),
+]
 Share = Annotated[float, Key(ge=1e-4, le=1)]
 OrAuto = Literal["auto"]
 ABSENT: Any = None
@@ -59,7 +68,9 @@ class Scene(Section):
 
     name: Annotated[str, Key("the name of a structure, e.g. `bennett`")] = ABSENT
     """Name of a structure that is shipped (docs/library)."""
-    file: Annotated[str, Key("the path of a `.yaml` or `.py` file")] = ABSENT
+    file: Annotated[
+        str, Key("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
+    ] = ABSENT  # fmt: skip
     """A structure's file (docs/structures.md), sought from the folder of the config. YAML is data;
     a Python file is run when it is read, so name only one that you trust."""
     parameters: Annotated[
@@ -305,13 +316,7 @@ def _definition(what: str, example: str) -> Any:
 class Config(Section):
     """A config, as a user gives it."""
 
-    campaign: Annotated[
-        str,
-        Key("up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the "
-            "name of a study",
-            pattern="(?!(accuracy|benchmark|calibration|extremes|scaling|tradeoff|verification)$)"
-            "[A-Za-z0-9][A-Za-z0-9_-]{0,63}"),
-    ]  # fmt: skip
+    campaign: CampaignName
     """Name of the campaign; its results go to `results/<campaign>/`."""
     accuracy: Annotated[
         Share | Aim, Key("a number from 0.0001 to 1, or a mapping")

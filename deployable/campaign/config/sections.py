@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import re
+import shlex
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field, is_dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
@@ -24,35 +25,54 @@ from deployable import intervals
 from deployable.campaign import shipped
 from deployable.campaign.config.models import (
     BoundsChoice,
+    CampaignName,
     Choosing,
     Design,
     ErrorDisplay,
     FigureChoice,
     Jobs,
+    Name,
     Solver,
     Verify,
 )
+from deployable.campaign.errors import CampaignError
 from fpm import SceneError, structures
 from fpm.files.outcome import eventful
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.shocks import doubt
+from fpm.structures.reading import read_text
 
 ADAPTIVE = "sought"
 """The method of a design whose runs are found round by round; no config can ask for it alone."""
+
+NAME, CAMPAIGN_NAME = (re.compile(get_args(kind)[1].pattern) for kind in (Name, CampaignName))
+"""Patterns of the names of responses, quantities and requirements, and of campaigns."""
 
 _GOAL = re.compile(r"(\w+)\((\w+)\)")
 
 
 def scene_type(name: str, file: str = "") -> Any:
-    """The `fpm` structure of a file, or else the shipped one of a name; raises `fpm.SceneError`."""
+    """The `fpm` structure of a file that a user names, or else the shipped one of a name; raises
+    `fpm.SceneError`."""
     if not file:
         if name not in (known := shipped.structures()):
             raise SceneError("scene.name", name, f"one of {', '.join(known)}")
         file = str(known[name])
+    else:
+        trust(file)
     if Path(file).suffix != ".py":  # which is run whenever it is read
-        with suppress(OSError, UnicodeDecodeError):
-            return _of_text(Path(file).read_text(encoding="utf-8"), file)
+        return _of_text(read_text(file), file)
     return structures.load(file)
+
+
+_TRUSTED: set[str] = set()
+"""Files of structures that the user of this process has named."""
+
+
+def trust(file: str) -> None:
+    """Let results name this file of a structure, though it is a program."""
+    if "\0" not in file:
+        _TRUSTED.add(os.path.realpath(file))
 
 
 @lru_cache(maxsize=8)
@@ -124,7 +144,26 @@ class Experiment:
     @classmethod
     def read(cls, text: str) -> Experiment:
         """The experiment that a file of results is of, from its attribute `config`."""
-        return from_data(cls, json.loads(text))
+        try:
+            return cls.of_results(json.loads(text))
+        except (TypeError, ValueError, RecursionError) as error:
+            raise CampaignError(f"the results hold a config that cannot be read: {error}") from None
+
+    @classmethod
+    def of_results(cls, data: Mapping) -> Experiment:
+        """The experiment that results state, which may be anybody's: what files are called after is
+        checked. Raises `CampaignError`."""
+        try:
+            found = from_data(cls, data)
+            names = [*found.responses, *found.quantities]
+            is_named = all(map(NAME.fullmatch, names)) and CAMPAIGN_NAME.fullmatch(found.name)
+            is_named = is_named and all(map(str.isidentifier, found.intervals))
+            if not is_named or "\0" in found.scene.name + found.scene.file:
+                raise ValueError("a name is none of a campaign, response, quantity or parameter")
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            text = f"the results hold a config that cannot be used: {error}"
+            raise CampaignError(text) from None
+        return found
 
     @property
     def is_sought(self) -> bool:
@@ -133,8 +172,16 @@ class Experiment:
 
     @cached_property
     def scene_type(self) -> Any:
-        """The `fpm` structure; raises `fpm.SceneError`."""
-        return scene_type(self.scene.name, self.scene.file)
+        """The `fpm` structure; raises `fpm.SceneError`, and `CampaignError` for a program that only
+        results name."""
+        file = self.scene.file
+        if Path(file).suffix == ".py" and os.path.realpath(file) not in _TRUSTED:
+            raise CampaignError(
+                f"the results are of the structure {file}, which is a program and was not run, "
+                "since only they name it; allowed: a config that names it, or, of an export, "
+                f"--trust {shlex.quote(file)}"
+            )
+        return scene_type(self.scene.name, file)
 
     @cached_property
     def curves(self) -> list[Any]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from deployable.campaign.config.sections import Experiment
+from deployable.campaign.config.sections import Experiment, trust
 from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.which import ids, nominal_row
@@ -77,15 +77,19 @@ def choose(
     run: str = "nominal",
     settings: Mapping[str, str] | None = None,
     duration: float | None = None,
+    trusted: Sequence[str] = (),
 ) -> Chosen:
     """The run that `what` and `run` mean.
 
     what: a campaign's folder of results (run: `nominal`, or a run's id or its beginning), a
     campaign's config (its nominal run, which need not have been made), or a structure's file or
     name (at its defaults). settings: parameters that differ, by name, as text, and duration (s),
-    for the last two. Raises `CampaignError`, `fpm.SceneError`.
+    for the last two; trusted: files of structures in Python that results may name and that are run
+    then. Raises `CampaignError`, `fpm.SceneError`.
     """
     path = Path(what)
+    for file in trusted:
+        trust(file)
     if path.is_dir():
         if settings or duration:
             raise CampaignError(
@@ -103,10 +107,14 @@ def choose(
 
 
 def _of_results(folder: Folder, run: str) -> Chosen:
-    from deployable.campaign.files import open_netcdf
+    from deployable.campaign.files import open_netcdf, refuse_links
 
+    refuse_links(folder.path)
     if not folder.samples.exists():
-        raise CampaignError(f"{folder.path} has no samples.nc: it holds no finished campaign")
+        raise CampaignError(
+            f"{folder.path} has no samples.nc: it holds no finished campaign; `snakemake` or "
+            "`python -m deployable run` with the campaign makes one"
+        )
     with open_netcdf(folder.samples) as samples:
         nominal, values = nominal_row(samples), samples["value"][:]
         known, names = ids(samples, slice(None)), list(samples["parameter"][:])
@@ -179,6 +187,11 @@ def _of_structure(what: str, settings: Mapping[str, str], duration: float) -> Ch
     import fpm
     from deployable.campaign.config.sections import scene_type
 
+    if not Path(what).suffix and Path(what).name != what:
+        raise CampaignError(
+            f"{what}: there is no such folder of results; `snakemake` or `python -m deployable "
+            "run` with the campaign makes them"
+        )
     found = scene_type(what, what if Path(what).suffix else "")
     scene = found.build(**parsed(settings))
     wanted = fpm.SAFETY * fpm.stable_step(scene).step

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from deployable.campaign.files import open_netcdf, whole_file
-from deployable.campaign.results.figures import DATELESS, SAME, envelope, shares
+from deployable.campaign.results.figures import DATELESS, SAME, envelope, shares, without_formulas
 
 if TYPE_CHECKING:
     from deployable.campaign.export.chosen import Chosen
@@ -35,6 +35,7 @@ def write_figures(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
     paths = []
     with matplotlib.rc_context(_STYLE):
         for name, figure in _figures(chosen, frames):
+            without_formulas(figure)
             for kind, metadata in DATELESS.items():
                 path = folder / f"{name}.{kind}"
                 with whole_file(path) as temporary:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from deployable.campaign.files import open_netcdf, write_text
+from deployable.campaign.files import csv_text, open_netcdf, write_text
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.which import ids, roles
 
@@ -30,7 +28,7 @@ def write_tables(chosen: Chosen, folder: Path) -> list[Path]:
         if chosen.folder.quantities.exists():
             tables["quantities.csv"] = quantities(chosen.folder)
     for name, rows in tables.items():
-        write_text(folder / name, _text(rows))
+        write_text(folder / name, csv_text(rows))
     return [folder / name for name in tables]
 
 
@@ -106,10 +104,3 @@ def _cells(numbers: Iterable[float]) -> list:
 def _columns(found: Mapping[str, np.ndarray]) -> list[list]:
     columns = [np.asarray(values).tolist() for values in found.values()]
     return [list(found), *map(list, zip(*columns, strict=True))]
-
-
-def _text(rows: Iterable[Sequence]) -> str:
-    """Rows as CSV; every number has all its digits."""
-    out = io.StringIO()
-    csv.writer(out, lineterminator="\n").writerows(rows)
-    return out.getvalue()

@@ -38,9 +38,9 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
-from deployable.campaign.plan.runs import ROLES, Run, Runs, namer, values_of
+from deployable.campaign.plan.runs import ROLES, RUN_ID, Run, Runs, namer, values_of
 from deployable.intervals import held_out_points
-from fpm.files.sealed import check_content
+from fpm.files.sealed import DamagedError, check_content, read_bytes
 
 MOST_LISTED = 10_000
 """Runs that have a line each in `plan.json`; of more, programs are the only readers."""
@@ -201,13 +201,16 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 def read_plan(path: str | Path) -> Plan:
     """The plan in `plan.json`; `fpm.files.sealed.DamagedError` unless it is as it was written."""
     data = _content(path)
-    experiment, mechanics = from_data(Experiment, data["config"]), data["mechanics"]
+    experiment, mechanics = Experiment.of_results(data["config"]), data["mechanics"]
     time = _time(data)
     if "packed" in data:
         role, unit = _unpacked(data["packed"])
         name = namer(experiment, time.step, mechanics)
         runs = Runs(role, unit, values_of(experiment, role, unit), name)
     else:
+        for run in data["runs"]:
+            if not RUN_ID.fullmatch(run["id"]):
+                raise DamagedError(path, f"{run['id']!r} is no name of a run")
         runs = Runs.of([
             Run(r["id"], r["role"], tuple(r["unit"]), tuple(r["values"])) for r in data["runs"]
         ])  # fmt: skip
@@ -221,7 +224,7 @@ def read_step(path: str | Path) -> TimeStep:
 
 
 def _content(path: str | Path) -> dict:
-    content = Path(path).read_bytes()
+    content = read_bytes(path)
     check_content(path, content, "plan.json")
     return json.loads(content)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,6 +14,8 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, digest
 
 ROLES = ("nominal", "node", "held_out", "further")
+RUN_ID = re.compile("[0-9a-f]{16}")
+"""Pattern of the names of runs, after which files are called."""
 _REMEMBERED = 1 << 17  # names
 
 

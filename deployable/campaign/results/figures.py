@@ -228,6 +228,14 @@ def _mark_largest(
     ax.plot([], [], label=told, **sign)
 
 
+def without_formulas(figure: Any) -> None:
+    """Have a figure show names as they are, those with dollars in them too."""
+    from matplotlib.text import Text
+
+    for text in figure.findobj(Text):
+        text.set_parse_math(False)
+
+
 def save(figure: Any, path: Path, **options: Any) -> None:
     """Save as PNG, PDF and SVG, without dates, so that the same data give the same files.
 
@@ -235,6 +243,7 @@ def save(figure: Any, path: Path, **options: Any) -> None:
     """
     from matplotlib import rc_context
 
+    without_formulas(figure)
     for kind in PICTURES:
         with result_file(path.with_name(f"{path.name}.{kind}")) as temporary, rc_context(SAME):
             fast = {"pil_kwargs": {"compress_level": 3}} if kind == "png" else {}

@@ -5,11 +5,10 @@ Nothing in it claims compliance: it says what an analysis of a model showed, of 
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from deployable.campaign.files import csv_text
 from deployable.campaign.results.facts import decisive
 from deployable.campaign.text import numbers
 from fpm.reading.standards import STANDARDS
@@ -102,11 +101,7 @@ def head_of(facts: Mapping[str, Any], rows: Sequence[Mapping[str, str]]) -> list
 
 def as_csv(rows: Iterable[Mapping[str, str]]) -> str:
     """The sheet as CSV, with heads."""
-    out = io.StringIO()
-    writer = csv.DictWriter(out, COLUMNS, lineterminator="\n")
-    writer.writerow(HEADS)
-    writer.writerows(rows)
-    return out.getvalue()
+    return csv_text([row[name] for name in COLUMNS] for row in (HEADS, *rows))
 
 
 class _Sheet:

@@ -14,6 +14,7 @@ import numpy as np
 import fpm.reading
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
+from deployable.campaign.outside import refuse_outside
 from deployable.campaign.plan.runs import Run, Runs
 from fpm.files.sealed import DamagedError, check
 from fpm.files.trajectory import Column
@@ -106,6 +107,7 @@ class Store:
         """Whether a file of a group is there as it was written; else damage is noted."""
         try:
             check(path, title(path))
+            refuse_outside(path)
         except DamagedError as error:
             self.damaged[path] = error
         except FileNotFoundError:

@@ -140,9 +140,11 @@ def spread(parameter: Mapping[str, Any]) -> str:
     return f"{number(parameter['lower'], 4)} to {quantity(parameter['upper'], units, 4)}"
 
 
-def escaped(text: str) -> str:
-    """A name from outside as one line of Markdown that says just that."""
-    return re.sub(r"([|<>`*\[\]\\])", r"\\\1", " ".join(text.split()))
+def escaped(text: str, code: str = "") -> str:
+    """A text from outside as one line of Markdown, and of a terminal, that says just that; code:
+    characters that are left as they are."""
+    line = "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
+    return line.translate({ord(sign): f"\\{sign}" for sign in "|<>`*[]\\&" if sign not in code})
 
 
 def unbroken(text: str, units: Iterable[str]) -> str:

@@ -33,7 +33,6 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         "met_text": met_text, "decisive": decisive, "moments": moments,
         "happens_only": happens_only, "doubts": doubts,
         "first_lower": lambda text: text[:1].lower() + text[1:],
-        "escaped": (lambda text: text) if html else numbers.escaped,
         "coded": partial(numbers.coded, units=units),
     }  # fmt: skip
     found.tests |= {
@@ -44,9 +43,22 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
 
 
 def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -> str:
-    """The summary as Markdown, or what another template makes of the facts."""
-    text = environment().get_template(template).render(facts=facts)
+    """The summary as Markdown, or what another template makes of the facts, which may say anything:
+    nothing in them is Markdown but the keys between backticks in a `doubt`."""
+    text = environment().get_template(template).render(facts=_escaped(facts))
     return text.rstrip() + "\n"
+
+
+def _escaped(facts: Any, code: str = "") -> Any:
+    """Facts, names among them, as Markdown that says just that; code: what is not escaped."""
+    if isinstance(facts, Mapping):
+        return {
+            _escaped(key): _escaped(value, "`" if key == "doubt" else "")
+            for key, value in facts.items()
+        }
+    if isinstance(facts, list | tuple):
+        return [_escaped(one) for one in facts]
+    return numbers.escaped(facts, code) if isinstance(facts, str) else facts
 
 
 def met_text(row: Mapping[str, Any]) -> str:
@@ -74,4 +86,5 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
 
 def sentence(name: str, *facts: Any) -> str:
     """One of the sentences of `sentences.jinja`, as in the summary."""
-    return getattr(environment().get_template("sentences.jinja").module, name)(*facts)
+    module = environment().get_template("sentences.jinja").module
+    return getattr(module, name)(*map(_escaped, facts))

@@ -1,6 +1,8 @@
 // Tables as CSV files, made from the page's own data when they are asked for.
 
-const quoted = (cell) => (/[",\n]/.test(String(cell)) ? `"${String(cell).replaceAll('"', '""')}"` : String(cell));
+// A text that would be a formula in a spreadsheet begins with an apostrophe.
+const plain = (cell) => (typeof cell === "string" && /^[=+\-@\t\r]/.test(cell) ? `'${cell}` : String(cell));
+const quoted = (cell) => (/[",\n]/.test(plain(cell)) ? `"${plain(cell).replaceAll('"', '""')}"` : plain(cell));
 const csv = (rows) => `${rows.map((row) => row.map(quoted).join(",")).join("\n")}\n`;
 
 function boundsTable() {

@@ -13,6 +13,7 @@ from .errors import IntervalError, check_choice, check_options
 from .estimates import ErrorEstimate, widen
 from .models import MODELS, Model
 from .ranges import Range, raised
+from .ratios import ratio, ratios_of, shares_of
 from .samples import Samples, read_samples
 
 if TYPE_CHECKING:
@@ -72,16 +73,19 @@ def bounds_dataset(
         kind = MODELS["scan"]
     check_options(f"option of model {model}", kind, options)
     data = read_samples(samples, responses)
-    fitted = kind(data, design, **options)
+    by_shares = data.ratios.any() and kind is not MODELS["scan"]
+    fitted = kind(shares_of(data) if by_shares else data, design, **options)
     found = fitted.range()
     error = fitted.error(found, window)
+    if by_shares:
+        found, error = ratios_of(data, found, error)
     least = _least(data)
     below = np.maximum(least[:, None] - found.inner_lower, 0.0)
     found = raised(found, least[:, None])
     attributes = {**samples.attrs, "held_out_runs": len(fitted.tested), "bounds_kind": fitted.kind}
     if design is not None:
         attributes |= {"design_method": design.method, "design_order": list(design.order)}
-    variables = _curves(data, fitted, found, error)
+    variables = _curves(data, fitted, found, error, by_shares)
     for name, values in _numbers(data, found, error.total, below, fitted.tested).items():
         long_name, unit = _NUMBERS[name]
         about = {"long_name": long_name} | ({"units": unit} if unit else {})
@@ -93,9 +97,13 @@ def bounds_dataset(
     )
 
 
-def _curves(samples: Samples, model: Model, found: Range, error: ErrorEstimate) -> dict:
+def _curves(
+    samples: Samples, model: Model, found: Range, error: ErrorEstimate, by_shares: bool
+) -> dict:
     """The variables over response and time, and where in the box the bounds are taken."""
     centre, label = model.centre(), "model at the centre of the box"
+    if by_shares and centre is not None:
+        centre = np.where(samples.ratios[:, None], ratio(centre), centre)
     if (nominal := samples.nominal_curve()) is not None:
         centre, label = nominal, "nominal run"
     curves = [

@@ -22,6 +22,7 @@ _COORDINATES = (
     "response_units",
     "response_long_name",
     "response_least",
+    "response_ratio",
     "response_along",
     "parameter",
     "box_units",
@@ -116,6 +117,13 @@ class Samples:
         if bad:
             raise IntervalError("samples", ", ".join(bad), "finite responses in every run")
         return values
+
+    @cached_property
+    def ratios(self) -> np.ndarray:
+        """Which responses (n,) are ratios less one (`ratios.py`)."""
+        if "response_ratio" not in self.source:
+            return np.zeros(len(self.names), bool)
+        return self.source["response_ratio"].values[self.rows] > 0
 
     def read(self, runs: slice) -> np.ndarray:
         """Responses (r, n, T) of some runs as they are stored, and no others in memory."""

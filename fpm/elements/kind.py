@@ -47,13 +47,15 @@ class Watch(NamedTuple):
 
 
 class Recorded(NamedTuple):
-    """Something recorded: values (t,), or (t, k) along a dimension with k labels, in a unit."""
+    """Something recorded: values (t,), or (t, k) along a dimension with k labels, in a unit; over:
+    the dimension of t."""
 
     values: np.ndarray
     unit: str
     long_name: str
     dimension: str | None = None
     labels: tuple[str, ...] = ()
+    over: str = "time"
 
     def beside(self, other: "Recorded") -> "Recorded":
         """The same of the elements of another kind, and of these."""

@@ -25,6 +25,9 @@ CONVENTIONS = "CF-1.8"
 
 _PARAMETER = "parameter_"
 
+LED_OVER = "travel_position"
+"""The dimension of what is recorded of travels: positions of an opening that is led slowly."""
+
 Column = tuple[str, str]
 """Of what is recorded beside points and energies: a variable, and a label along its dimension."""
 
@@ -175,8 +178,8 @@ def _energies(outcome) -> dict[str, classic.Variable]:
 def _recorded(outcome) -> dict[str, classic.Variable]:
     """What the kinds in the scene have recorded, and the coordinates of it."""
     variables = {}
-    for name, (values, unit, long_name, dimension, labels) in outcome.recorded.items():
-        dims = ("time",) if dimension is None else ("time", dimension)
+    for name, (values, unit, long_name, dimension, labels, over) in outcome.recorded.items():
+        dims = (over,) if dimension is None else (over, dimension)
         variables[name] = _variable(dims, values, unit, long_name)
         if dimension is not None:
             variables |= _names(dimension, labels, dimension)
@@ -306,7 +309,7 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
             columns={
                 (name, label): v.values[:, i]
                 for name, v in variables.items()
-                if len(v.dims) == 2 and v.dims[0] == "time"
+                if len(v.dims) == 2 and v.dims[0] in ("time", LED_OVER)
                 for i, label in enumerate(names(v.dims[1]))
             },
             events=np.stack(events, axis=1) if events else np.zeros((0, len(columns))),

@@ -1,18 +1,22 @@
 """Torque and force margins over a travel: their definitions, and their values.
 
-Runs record the virtual work of every part (`fpm.travel`), at the instants as if the travel took the
-run's time, evenly; factors are applied when it is read, so that another standard takes no run.
+Runs record the virtual work of every part (`fpm.travel`) at positions of their own; factors are
+applied when it is read, so that another standard takes no run. The curve of a margin lies evenly
+over the way, the least is sought between all positions.
 """
 
+from collections.abc import Iterable
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
-from fpm.travel import Travel, lead, parts_of
+from fpm.travel import Travel, lead, parts_of, reeled
+from fpm.travel.positions import between
 
-WORK, INERTIA = "travel_work", "travel_inertia"
+WORK, INERTIA, OPENING = "travel_work", "travel_inertia", "travel_opening"
 """Variables of what is recorded (fpm.reading.variables)."""
 
 MOST = 99.0
@@ -20,6 +24,13 @@ MOST = 99.0
 
 TINY = 1e-300
 """N m, so that where nothing acts nothing is divided by zero: the margin is -1 there."""
+
+FINER, ZOOMS = 8, 7
+"""Into how many each distance of positions is divided where the least is sought, and how often the
+distance about it is, again."""
+
+STOW = "stow"
+"""The opening at the start of a run, whichever that is."""
 
 OPTIONAL = ("from", "evidence", "with", "stand", "without", "classes", "factors", "drives",
             "accelerate", "deliver")  # fmt: skip
@@ -36,17 +47,19 @@ class Along(NamedTuple):
 
 
 class Led(NamedTuple):
-    """What is led: openings by name, from one value to another, and those that stand."""
+    """What is led: openings by name, from one value to another (None: each run's own at its start),
+    and those that stand."""
 
     openings: tuple[str, ...]
-    first: float
-    last: float
+    first: float | None
+    last: float | None
     stand: tuple[str, ...] = ()
 
     def label(self, part: str = "") -> str:
         """A column's label; `part`: of the work."""
         rest = "".join(f" beside {name}" for name in self.stand) + (part and f" by {part}")
-        way = f" led from {self.first!r} to {self.last!r}"
+        first, last = (STOW if end is None else repr(end) for end in (self.first, self.last))
+        way = f" led from {first} to {last}"
         return self.openings[0] + way + "".join(f" with {n}" for n in self.openings[1:]) + rest
 
 
@@ -56,21 +69,34 @@ def read_label(label: str) -> tuple[Led, str]:
     rest, *stand = rest.split(" beside ")
     rest, *more = rest.split(" with ")
     name, _, way = rest.partition(" led from ")
-    first, _, last = way.partition(" to ")
-    return Led((name, *more), float(first), float(last), tuple(stand)), part
+    ends = (None if end == STOW else float(end) for end in way.split(" to "))
+    return Led((name, *more), *ends, tuple(stand)), part
 
 
-def travel_of(scene, led: Led) -> Travel:
+def travel_of(scene, led: Led, positions: int | None = None) -> Travel:
     """The travel of a scene; SceneError of `fpm.travel.lead`."""
-    return lead(scene, led.openings, led.first, led.last, led.stand)
+    (start,) = (hinge.opening for hinge in scene.hinges if hinge.name == led.openings[0])
+    first, last = (float(start) if end is None else end for end in (led.first, led.last))
+    if first == last:
+        what = f"opening {led.openings[0]}"
+        raise SceneError(what, f"{first:.6g} at the start", "another one than that it is led to")
+    return lead(scene, led.openings, first, last, led.stand, positions)
 
 
-def over_time(values: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Values at positions of a travel as values (t,) at instants, at which it is evenly led."""
-    from scipy.interpolate import Akima1DInterpolator
+def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
+    """What is recorded of a travel (p,)."""
+    return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
-    share = (time - time[0]) / (time[-1] - time[0])
-    return Akima1DInterpolator(np.linspace(0.0, 1.0, len(values)), values)(share)
+
+def led_curves(scene, responses: Iterable[Any]) -> Any:
+    """What a run of a scene has for margins, without the run."""
+    columns, travels = {}, {}
+    for variable, label in dict.fromkeys(c for response in responses for c in response.columns):
+        led, part = read_label(label)
+        if led not in travels:
+            travels[led] = travel_of(scene, led)
+        columns[variable, label] = column_of(travels[led], variable, part)
+    return SimpleNamespace(time=np.linspace(0.0, 1.0, 201), columns=columns)
 
 
 def read(it: Any) -> Any:
@@ -79,13 +105,19 @@ def read(it: Any) -> Any:
     hinges = {hinge.name: hinge for hinge in it.scene.hinges}
     for name in openings:
         it.one_of(hinges, value=name)
+    if len(set(openings)) < len(openings):
+        raise _refused(it, "with", [*openings], "each opening once")
     stand = tuple(it.one_of(hinges, "stand", name) for name in _names(it, "stand"))
+    for name in stand:
+        if name in openings:
+            raise _refused(it, "stand", name, "openings that are not led")
     hinge = hinges[openings[0]]
     unit = "m" if hinge.slides else "rad"
-    first, last = (_opening(it, key, hinge, unit) for key in ("from", "to"))
+    ends = [_opening(it, key, hinge, unit) for key in ("from", "to")]
+    first, last = (float(hinge.opening) if end is None else end for end in ends)
     if first == last:
         raise _refused(it, "to", it.data["to"], "another opening than `from`")
-    led = Led(openings, first, last, stand)
+    led = Led(openings, *ends, stand)
     standard = STANDARDS[it.one_of(STANDARDS, "standard")]
     evidence = it.data.get("evidence", next(iter(standard.resists)))
     resists = standard.resists[it.one_of(standard.resists, "evidence", evidence)]
@@ -98,28 +130,121 @@ def read(it: Any) -> Any:
         for part, name in _mapping(it, "classes").items()
     }
     parts = [part for part in parts if part not in left]
-    columns = [(WORK, led.label(part)) for part in parts]
-    factors = [(drives[classes[part]], resists[classes[part]]) for part in parts]
+    for part in reeled(it.scene):
+        if part in parts:
+            allowed = f"{part} among them: a curve of time reels it, and a travel has no time"
+            raise _refused(it, "without", left, allowed)
+    columns = [(OPENING, led.label()), *((WORK, led.label(part)) for part in parts)]
+    factors = [(drives[classes[part]], resists[classes[part]], classes[part]) for part in parts]
     rate = _number(it, "accelerate", it.data.get("accelerate", 0.0))
     if rate:
         columns.append((INERTIA, led.label()))
-        factors.append((0.0, resists["TD"] * rate))
-    load = resists["TL"] * _number(it, "deliver", it.data.get("deliver", 0.0))
+        factors.append((0.0, resists["TD"] * rate, "TD"))
+    deliver = _number(it, "deliver", it.data.get("deliver", 0.0))
+    if not (factors or deliver):
+        allowed = "an opening on whose way something acts that a margin counts; here nothing does"
+        raise _refused(it, it.kind, openings[0], allowed)
     text = f"margin of {openings[0]}, {standard.title}, {evidence}"
-    along = Along(f"opening of {openings[0]}", unit, first, last)
+    own = ", from each run's start" if ends[0] is None else ""
+    along = Along(f"opening of {openings[0]}{own}", unit, first, last)
     about = (*openings, it.data["standard"], evidence, *left)
+    load = (deliver, resists["TL"])
     return it.response(about, "", "1", text, tuple(columns), along, (load, *factors))
 
 
+class Share(NamedTuple):
+    """What a part has of a torque budget: its class; moment (N m, on slides N): its virtual work,
+    below 0 where it resists; factor, and moment times factor."""
+
+    part: str
+    class_: str
+    factor: float
+    moment: float
+    weighted: float
+
+
+class Budget(NamedTuple):
+    """The torque budget at an opening: margin = drives / required - 1, the sums of the weighted
+    moments of the rows above 0, and of those below 0 as a positive number."""
+
+    opening: float
+    margin: float
+    drives: float
+    required: float
+    rows: list[Share]
+
+
+class _Way:
+    """A travel as a run recorded it, as a response weighs it; places are shares of the way."""
+
+    def __init__(self, response: Any, run: Any):
+        self.response = response
+        opening, *work = (run.columns[column] for column in response.columns)
+        count = np.flatnonzero(np.diff(opening))[-1] + 2  # what follows fills files
+        self.opening = opening[:count]
+        self.places = (self.opening - opening[0]) / (opening[count - 1] - opening[0])
+        turned = [name == INERTIA for name, _ in response.columns[1:]]
+        self.moments = np.array(
+            [-x[:count] if by else x[:count] for x, by in zip(work, turned, strict=True)]
+        ).T
+
+    def weighed(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Moments (m, k) at places (m,), and what drives and what is required (m,), by factors."""
+        moments = between(self.places, self.moments, at)
+        (deliver, factor), *factors = self.response.factors
+        drives, resists = (np.array([f[k] for f in factors]) for k in (0, 1))
+        required = np.maximum(-moments, 0.0) @ resists + deliver * factor
+        return moments, np.maximum(moments, 0.0) @ drives, required
+
+    def margin(self, at: np.ndarray) -> np.ndarray:
+        """The margin (m,) at places."""
+        _, drives, required = self.weighed(at)
+        return drives / np.maximum(required, np.maximum(drives / (1.0 + MOST), TINY)) - 1.0
+
+    def least(self) -> tuple[float, float]:
+        """The place of the least margin, the first of several, and the margin there."""
+        steps = np.linspace(0.0, 1.0, FINER, endpoint=False)
+        at = np.unique(
+            np.append(self.places[:-1, None] + np.diff(self.places)[:, None] * steps, 1.0)
+        )
+        for _ in range(ZOOMS):
+            margin = self.margin(at)
+            i = int(np.argmax(margin <= margin.min() + 1e-12 * (1.0 + abs(margin.min()))))
+            place, least = float(at[i]), float(margin[i])
+            ends = at[max(i - 1, 0)], at[min(i + 1, len(at) - 1)]
+            at = np.unique(np.append(np.linspace(*ends, 2 * FINER + 1), place))
+        return place, least
+
+
 def values(response: Any, run: Any) -> np.ndarray:
-    """The margin (t,)."""
-    load, *factors = response.factors
-    work = np.array([run.columns[column] for column in response.columns])
-    drives, resists = np.array(factors).T[:, :, None]
-    turned = np.array([[name == INERTIA] for name, _ in response.columns])
-    resisting = load + np.sum(resists * np.where(turned, work, np.maximum(-work, 0.0)), axis=0)
-    driving = np.sum(drives * np.where(turned, 0.0, np.maximum(work, 0.0)), axis=0)
-    return driving / np.maximum(resisting, np.maximum(driving / (1.0 + MOST), TINY)) - 1.0
+    """The margin (t,), evenly over the way of the run."""
+    time = run.time
+    return _Way(response, run).margin((time - time[0]) / (time[-1] - time[0]))
+
+
+def least(response: Any, run: Any) -> tuple[float, float]:
+    """The least margin on the way of a run, and the opening there."""
+    way = _Way(response, run)
+    place, margin = way.least()
+    return margin, float(between(way.places, way.opening, np.array([place]))[0])
+
+
+def torque_budget(response: Any, run: Any) -> Budget:
+    """What drives and resists where the margin of a run is least, part by part."""
+    way = _Way(response, run)
+    place, margin = way.least()
+    at = np.array([place])
+    (moments,), (drives,), (required,) = way.weighed(at)
+    (deliver, factor), *factors = response.factors
+    names = [read_label(label)[1] or "inertia" for _, label in response.columns[1:]]
+    rows = []
+    for name, moment, (drive, resist, of) in zip(names, moments, factors, strict=True):
+        by = drive if moment > 0 else resist
+        rows.append(Share(name, of, by, float(moment), float(by * moment)))
+    if deliver:
+        rows.append(Share("delivered", "TL", factor, -deliver, -factor * deliver))
+    opening = float(between(way.places, way.opening, at)[0])
+    return Budget(opening, margin, float(drives), float(required), rows)
 
 
 # -- values of keys -------------------------------------------------------------------------------
@@ -158,11 +283,11 @@ def _number(it, key: str, value: object) -> float:
     return float(value)
 
 
-def _opening(it, key: str, hinge, unit: str) -> float:
-    """An opening (rad, m): a number, one with its unit, or that at the start."""
-    value = it.data.get(key, "stow")
-    if value == "stow":
-        return float(hinge.opening)
+def _opening(it, key: str, hinge, unit: str) -> float | None:
+    """An opening (rad, m): a number, or one with its unit; None for that at the start."""
+    value = it.data.get(key, STOW)
+    if value == STOW:
+        return None
     number, _, given = str(value).strip().partition(" ")
     own = ("m", "mm") if unit == "m" else ("rad", "deg")
     try:

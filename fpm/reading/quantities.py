@@ -10,6 +10,7 @@ from typing import NamedTuple, Union
 import numpy as np
 
 from fpm.files.trajectory import Curves
+from fpm.reading import margins
 from fpm.reading.events import cubic_through, value_at
 from fpm.reading.responses import Response
 
@@ -166,16 +167,24 @@ def _of_values(number: Callable[[Quantity, np.ndarray, np.ndarray], float]):
     )
 
 
-def _place_of_smallest(response: Response, time: np.ndarray, values: np.ndarray) -> float:
-    """Where values (t,) are smallest: a time (s), or what the response lies along."""
+def _smallest(quantity: Quantity, curves: Curves) -> float:
+    """The smallest value: of what lies along a way, of all of it, and not of its curve alone."""
+    if quantity.response.along:
+        return margins.least(quantity.response, curves)[0]
+    return -peak(-quantity.response.evaluate(curves))
+
+
+def _place_of_smallest(quantity: Quantity, curves: Curves) -> float:
+    """Where values are smallest: a time (s), or what the response lies along."""
+    if quantity.response.along:
+        return margins.least(quantity.response, curves)[1]
+    time, values = curves.time, quantity.response.evaluate(curves)
     i, shift = int(values.argmin()), 0.0
     if 0 < i < len(values) - 1:
         before, after = values[i - 1] - values[i], values[i + 1] - values[i]
         shift = 0.5 * (before - after) / (before + after) if before + after > 0 else 0.0
     share = (i + shift) / (len(values) - 1)
-    along = response.along
-    first, last = (along.first, along.last) if along else (time[0], time[-1])
-    return float(first + share * (last - first))
+    return float(time[0] + share * (time[-1] - time[0]))
 
 
 def _mean(time: np.ndarray, values: np.ndarray) -> float:
@@ -233,11 +242,8 @@ class Kind(NamedTuple):
 
 KINDS = {
     "largest": Kind(_of_values(lambda q, time, y: peak(y)), "largest {about}", peak=True),
-    "smallest": Kind(_of_values(lambda q, time, y: -peak(-y)), "smallest {about}", peak=True),
-    "smallest_at": Kind(
-        lambda q, curves: _place_of_smallest(q.response, curves.time, q.response.evaluate(curves)),
-        "{place} of the smallest {about}",
-    ),
+    "smallest": Kind(_smallest, "smallest {about}", peak=True),
+    "smallest_at": Kind(_place_of_smallest, "{place} of the smallest {about}"),
     "final": Kind(_of_values(lambda q, time, y: float(y[-1])), "final {about}"),
     "mean": Kind(_of_values(lambda q, time, y: _mean(time, y)), "mean {about}"),
     "rms": Kind(

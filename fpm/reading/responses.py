@@ -56,6 +56,8 @@ class Response:
     @property
     def least(self) -> float | None:
         """The least value that it can have; None where there is none."""
+        if self.kind == "margin":
+            return -1.0
         positive = KINDS[self.kind].positive
         some = isinstance(positive, tuple) and self.about[0] in positive
         return 0.0 if self.component == "norm" or positive is True or some else None

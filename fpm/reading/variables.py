@@ -20,7 +20,7 @@ from fpm.elements.kind import AXES, Recorded
 from fpm.elements.openings.opening import PARTS
 from fpm.elements.particles.probe import Probe
 from fpm.errors import SceneError, did_you_mean
-from fpm.files.trajectory import Column
+from fpm.files.trajectory import LED_OVER, Column
 from fpm.reading import bars, margins
 from fpm.reading.clearance import clearance
 from fpm.reading.constraint_forces import couple_on_two, joints_of, reaction, reactions_of
@@ -42,7 +42,7 @@ class Variable(NamedTuple):
     column (`fpm.reading.responses.FORMS`), "" if there is no response of that name. shock: whether
     a shock makes it jump, or as large as it is short (`fpm.reading.shocks`); positive: whether it
     is never below 0; along: with what the name of the dimension ends; cut: with what begins, in a
-    label, what is no more of the name.
+    label, what is no more of the name; over: the dimension of its values.
     """
 
     unit: str
@@ -56,6 +56,7 @@ class Variable(NamedTuple):
     positive: bool = False
     along: str = "of"
     cut: str = ""
+    over: str = "time"
 
     def labels(self, scene: Scene) -> list[str]:
         """Its labels in a scene; of places on bars one in the middle, for all others, of travels
@@ -172,14 +173,10 @@ def _clearance(recording: Recording, name: str) -> np.ndarray:
     return clearance(recording.scene, *pair, recording.place, recording.axes)
 
 
-def _travel(recording: Recording, name: str, part: Callable) -> np.ndarray:
-    led, of = margins.read_label(name)
+def _travel(recording: Recording, name: str, variable: str) -> np.ndarray:
+    led, part = margins.read_label(name)
     travel = recording.once(led, lambda: margins.travel_of(recording.scene, led))
-    return margins.over_time(part(travel, of), recording.time)
-
-
-def _travel_work(recording: Recording, name: str) -> np.ndarray:
-    return _travel(recording, name, lambda travel, part: travel.work[part])
+    return margins.column_of(travel, variable, part)
 
 
 _vector = partial(Variable, parts=AXES, form="vector")
@@ -205,6 +202,7 @@ _led = partial(
     probe=lambda scene, name: Probe(),
     along="along",
     cut=LED,
+    over=LED_OVER,
 )
 
 VARIABLES = {
@@ -276,13 +274,17 @@ VARIABLES = {
         lambda scene, name: _keep_bars(scene, name.split(" to ")),
         _clearance, form="bars",
     ),
+    margins.OPENING: _led(
+        "rad", "opening (on slides in m) that is led slowly, at its positions; the last one again "
+        "where others have more", values=partial(_travel, variable=margins.OPENING),
+    ),
     margins.WORK: _led(
         "N m", "virtual work of a part for each rad (on slides in N, for each m) of an opening "
-        "that is led slowly, evenly over the run's time", values=_travel_work,
+        "that is led slowly", values=partial(_travel, variable=margins.WORK),
     ),
     margins.INERTIA: _led(
         "kg m2", "inertia (on slides mass, in kg) that such an opening moves",
-        values=lambda recording, name: _travel(recording, name, lambda travel, _: travel.inertia),
+        values=partial(_travel, variable=margins.INERTIA),
     ),
 }  # fmt: skip
 
@@ -334,9 +336,12 @@ def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Recor
     found = {}
     for name, labels in _by_variable(columns).items():
         variable = VARIABLES[name]
-        values = np.stack([variable.column(recording, label) for label in labels], axis=1)
-        dimension = f"{name}_{variable.along}"
-        found[name] = Recorded(values, variable.unit, variable.long_name, dimension, labels)
+        own = [variable.column(recording, label) for label in labels]
+        rows = max(map(len, own))  # travels have positions of their own
+        own = [np.pad(column, (0, rows - len(column)), mode="edge") for column in own]
+        dimension, over = f"{name}_{variable.along}", variable.over
+        values = np.stack(own, axis=1)
+        found[name] = Recorded(values, variable.unit, variable.long_name, dimension, labels, over)
     return found
 
 

@@ -15,23 +15,52 @@ motors that prescribe the opening, releases, and latches.
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
+from dataclasses import replace
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
 from fpm.assembly import FARTHEST, MisfitError, linearised, masses
-from fpm.assembly.conditions import NORMAL, Conditions, Places, conditions_of
+from fpm.assembly.conditions import NORMAL, Conditions, conditions_of
+from fpm.assembly.conditions import Places as At
 from fpm.assembly.elastic import elastic_of
-from fpm.elements import Beams, Kind, kinds_of
-from fpm.elements.openings.opening import rate_at
+from fpm.elements import (
+    Beams,
+    Cable,
+    Contact,
+    Friction,
+    Kind,
+    Latch,
+    Load,
+    RigidLatch,
+    Stop,
+    TableSpring,
+    TorqueMotor,
+    kinds_of,
+)
+from fpm.elements.openings.opening import opening_at, rate_at
 from fpm.errors import SceneError
 from fpm.travel.acting import Acting, acts
+from fpm.travel.positions import MOST, Places, slopes
 
-POSITIONS = 61
-"""Positions at which the opening is held, both ends among them."""
+POSITIONS = 31
+"""Positions at which the opening is held at first, both ends among them."""
+
+CLOSE = 1e-6
+"""By how much what is interpolated may miss at a tested position, as a share of all that acts."""
+
+LEAST = 1e-6
+"""Share of the most that acts anywhere, below which nothing is told apart."""
+
+ON_PLACE = 1e-9
+"""How exactly positions at which something bends are hit, as a share of the way."""
+
+RESOLVED = 5e-3
+"""Distance of positions, as a share of the way, from which the strain's slope is tested."""
 
 NEAR = 1e-8
 """Last motion of the rounds at a position, as a share of the size, or turn (rad). The way on is
@@ -46,6 +75,9 @@ ROUNDS = 40
 SOFT, STIFF = 1e-8, 1e-13
 """What decides motions that nothing stiffens, as shares of the stiffness of springs and their like,
 and at least of that of bars."""
+
+TINY = 1e-300
+"""N m, so that nothing is divided by zero where nothing acts."""
 
 DRIFTS = 1e-9
 """Share of the largest rate of a condition, in a motion of the whole, below which it has none."""
@@ -76,37 +108,105 @@ def lead(
     first: float,
     last: float,
     stand: Sequence[str] = (),
-    positions: int = POSITIONS,
+    positions: int | None = None,
 ) -> Travel:
     """Lead an opening of a scene from one value to another (rad, m).
 
     openings: by name; of several, the others go as far from their start as the first does. stand:
-    others that keep their opening at the start. SceneError where the opening does not decide the
-    motion of all, MisfitError where it cannot be led there.
+    others that keep their opening at the start. positions: as many, evenly, and no others; else
+    as many as it takes, those at which something bends among them (fpm.travel.positions).
+    SceneError where the opening does not decide the motion of all, MisfitError where it cannot be
+    led there.
     """
     path = _Path(scene, [openings] if isinstance(openings, str) else openings, stand)
-    spacing = (last - first) / (positions - 1)
+    count = positions or POSITIONS
+    spacing = (last - first) / (count - 1)
     ahead = np.linspace(path.opening, first, 1 + math.ceil(abs((first - path.opening) / spacing)))
     for value in ahead:
         path.to(float(value))
     path.check()
-    parts = {part.name: Acting(scene, [part.element]) for part in _elements(scene)}
-    for acting in parts.values():  # as if it had come this way
-        acting.forces(path.places.moved(-spacing * path.tangent))
-    way, rows = np.linspace(first, last, positions), []
-    for value in way:
-        path.to(float(value))
+    parts = [(part.name, _Work(scene, part)) for part in _elements(scene)]
+    for _, part in parts:  # as if it had come this way
+        part.forces(path.places.moved(-spacing * path.tangent))
+    acting = [*path.balance.acting, *(each for _, part in parts for each in part.acting)]
+    names = [name for name, _ in parts] + list(path.in_bearings())
+    works = len(names)
+
+    def measure(place: float, before):
+        """Virtual works, strain, inertia, and all openings, where a share of the way is gone."""
+        if before is not None:
+            path.restore(before[0])
+            for each, kept in zip(acting, before[1], strict=True):
+                each.restore(kept)
+        path.to(float(first + place * (last - first)))
         tangent = np.sign(spacing) * path.tangent
-        row = {name: acting.forces(path.places) @ tangent for name, acting in parts.items()}
-        row |= path.in_bearings()
-        row[STRAIN] = path.balance.strain(path.places)
-        row[INERTIA] = tangent @ (masses(scene, path.places) @ tangent)
-        rows.append(row)
-    work = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    energy, inertia = work.pop(STRAIN), work.pop(INERTIA)
+        row = [part.along(path.places, tangent) for _, part in parts]
+        row += path.in_bearings().values()
+        row.append(path.balance.strain(path.places))
+        row.append(tangent @ (masses(scene, path.places) @ tangent))
+        return np.array(row + path.opened()), (path.state(), [each.kept() for each in acting])
+
+    def missed(expected: np.ndarray, values: np.ndarray, distance: float) -> float:
+        """By how much values are not as expected, in shares of what may be."""
+        off, acts = np.abs(values - expected), np.abs(values[:works]).sum()
+        most = CLOSE * max(acts, LEAST * largest)
+        heavy = off[works + 1] / (10 * CLOSE * values[works + 1])
+        strained = off[works] / (distance * abs(last - first) * most)
+        return max(off[:works].max(initial=0.0) / most, heavy, strained * (distance > RESOLVED))
+
+    found = Places(measure)
+    for place in np.linspace(0.0, 1.0, count):
+        found.add(float(place))
+    if positions is None:
+        _add_bends(scene, found, works + 2)
+        largest = max(np.abs(values[:works]).sum() for values in found.values) + TINY
+        if not found.refine(missed):
+            raise SceneError(
+                f"opening {path.name}", f"from {first:.6g} to {last:.6g}", "a way on which what "
+                "acts bends or jumps at some places only: it needs more than "
+                f"{MOST} positions"
+            )  # fmt: skip
+    way, values = found.arrays()
+    work = dict(zip(names, values[:, :works].T, strict=True))
+    energy, inertia = values[:, works : works + 2].T
     if scene.beams:  # at the balance it is least, so that it is more exact than its forces
-        work[STRAIN] = -np.gradient(energy, abs(spacing), edge_order=2)
-    return Travel(way, work, inertia)
+        work[STRAIN] = -slopes(way, energy) / abs(last - first)
+    return Travel(first + way * (last - first), work, inertia)
+
+
+def _add_bends(scene, found: Places, openings: int) -> None:
+    """Add the places at which elements bend; values from that column on are the openings."""
+    for hinge, angle in sorted(set(_bends(scene))):
+        column = openings + hinge
+        for ends in list(pairwise(found.at)):
+            off = [found.add(place)[column] - angle for place in ends]
+            if off[0] * off[1] <= 0 and off[0] != off[1]:
+                place = _root(lambda at, k=column, a=angle: found.look(at)[0][k] - a, ends, off)
+                near = min(ends, key=lambda end: abs(end - place))
+                found.bend(near if abs(near - place) < ON_PLACE else place)
+
+
+def _root(function: Callable[[float], float], ends, values) -> float:
+    """Where a function vanishes between two ends with values of either sign (Illinois)."""
+    (kept, last), (there, here) = ends, values
+    if 0.0 in values:
+        return kept if there == 0.0 else last
+    size = abs(here - there)
+    for _ in range(ROUNDS):
+        place = (kept * here - last * there) / (here - there)
+        off = function(place)
+        if abs(off) <= ON_PLACE * size or abs(last - kept) < ON_PLACE:
+            break
+        kept, there = (last, here) if off * here < 0 else (kept, 0.5 * there)
+        last, here = place, off
+    return place
+
+
+def _bends(scene) -> list[tuple[int, float]]:
+    """Hinges by index, with openings at which what acts there bends, or catches."""
+    found = [(e.hinge, a) for k in (TableSpring, Friction) for e in k.of(scene) for a in e.angles]
+    found += [(e.hinge, e.angle) for k in (Stop, Latch, RigidLatch) for e in k.of(scene)]
+    return found + [(contact.hinge, 0.0) for contact in Contact.of(scene)]
 
 
 def parts_of(scene) -> dict[str, str]:
@@ -116,13 +216,48 @@ def parts_of(scene) -> dict[str, str]:
     return found | ({STRAIN: "S"} if scene.beams else {})
 
 
+def reeled(scene) -> list[str]:
+    """Parts that follow a curve of time in a way that a travel cannot: cables that are reeled."""
+    names = [name for c in scene.cables if c.curve >= 0 and c.reel for name in _of_cable(scene, c)]
+    return [name for name in parts_of(scene) if name in names]
+
+
+def _of_cable(scene, cable: Cable) -> tuple[str, ...]:
+    return cable.title(scene), f"friction {cable.title(scene)}"
+
+
 class _Part(NamedTuple):
-    """An element that acts; drags: whether it only resists."""
+    """What acts: an element, or the worst of several that stand for it, less another one; drags:
+    whether it only resists."""
 
     name: str
-    element: Kind
+    elements: tuple[Kind, ...]
     resists_as: str
     drags: bool
+    less: Kind | None = None
+
+    @property
+    def balanced(self) -> Kind:
+        """What stands for it in the balance."""
+        return self.elements[-1]
+
+
+class _Work:
+    """The forces of a part, and its virtual work."""
+
+    def __init__(self, scene, part: _Part):
+        self.less = part.less is not None
+        elements = [*part.elements, *([part.less] if self.less else [])]
+        self.acting = [Acting(scene, [element]) for element in elements]
+
+    def forces(self, places: At) -> np.ndarray:
+        """Forces and moments (e, 6n) of its elements."""
+        return np.array([each.forces(places) for each in self.acting])
+
+    def along(self, places: At, tangent: np.ndarray) -> float:
+        """Virtual work: the least of its elements', or the difference to the other one."""
+        found = self.forces(places) @ tangent
+        return float(found[0] - found[1] if self.less else found.min())
 
 
 def _elements(scene) -> list[_Part]:
@@ -135,8 +270,27 @@ def _elements(scene) -> list[_Part]:
         for i, (name, element) in enumerate(zip(kind.names(scene), kind.led(scene), strict=True)):
             count[name] += 1
             name = f"{name} #{count[name]}" if count[name] > 1 else name
-            found.append(_Part(name, element, scene.classes.get((kind, i), own), own in DRAGS))
+            is_class = scene.classes.get((kind, i), own)
+            found.append(_Part(name, _at_any_time(scene, element), is_class, own in DRAGS))
+    for cable, smooth in zip(scene.cables, Cable.led(scene), strict=True):
+        if cable.rubs:
+            found.append(_Part(_of_cable(scene, cable)[1], (cable,), "FR", True, smooth))
     return found
+
+
+def _at_any_time(scene, element: Kind) -> tuple[Kind, ...]:
+    """An element; of one that a curve of time scales those with its least and largest value from
+    the start on, the stronger one last."""
+    if not isinstance(element, Load | TorqueMotor) or element.curve < 0:
+        return (element,)
+    times, values = scene.curves[element.curve]
+    later = [np.interp(0.0, times, values), *np.array(values)[np.array(times) > 0]]
+    factors = sorted({float(min(later)), float(max(later))}, key=abs)
+    names = ("force", "moment") if isinstance(element, Load) else ("torque",)
+    return tuple(
+        replace(element, curve=-1, **{name: f * getattr(element, name) for name in names})
+        for f in factors
+    )
 
 
 def _bearing(scene, hinge: int) -> str:
@@ -151,31 +305,31 @@ class _Balance:
         by_kind: dict[type, list] = {}
         for part in _elements(scene):
             if not part.drags:
-                by_kind.setdefault(type(part.element), []).append(part.element)
-        self._others = [Acting(scene, elements) for elements in by_kind.values()]
+                by_kind.setdefault(type(part.balanced), []).append(part.balanced)
+        self.acting = [Acting(scene, elements) for elements in by_kind.values()]
 
-    def strain(self, places: Places) -> float:
+    def strain(self, places: At) -> float:
         """Energy (J) of the bars."""
         return self._bars.energy(places) if len(self._bars.nodes) else 0.0
 
-    def derivatives(self, places: Places):
+    def derivatives(self, places: At):
         """Gradient (6n,) and its derivatives, sparse (6n, 6n)."""
         gradient, stiffness = self._of_bars(places)
-        for acting in self._others:
+        for acting in self.acting:
             forces, slopes = acting.tried(places)
             gradient, stiffness = gradient - forces, stiffness + slopes
         return gradient, stiffness
 
-    def ease(self, places: Places, scales: np.ndarray) -> float:
+    def ease(self, places: At, scales: np.ndarray) -> float:
         """What decides motions that nothing stiffens (N m)."""
         from scipy.sparse import diags
 
         own = diags(scales)
-        soft = [acting.tried(places)[1] for acting in self._others]
+        soft = [acting.tried(places)[1] for acting in self.acting]
         bars, *others = (abs(own @ k @ own).max() for k in (self._of_bars(places)[1], *soft))
         return max(STIFF * bars, SOFT * max(others, default=0.0)) or 1.0
 
-    def _of_bars(self, places: Places):
+    def _of_bars(self, places: At):
         from scipy.sparse import csc_array
 
         if len(self._bars.nodes):
@@ -183,13 +337,13 @@ class _Balance:
         count = 2 * places.position.size
         return np.zeros(count), csc_array((count, count))
 
-    def follow(self, places: Places) -> None:
+    def follow(self, places: At) -> None:
         """Everything has come here."""
-        for acting in self._others:
+        for acting in self.acting:
             acting.forces(places)
 
 
-def _rows(conditions: Conditions, places: Places):
+def _rows(conditions: Conditions, places: At):
     """Derivatives, sparse (c, 6n), of conditions."""
     return conditions.derivatives(places, np.zeros(len(conditions.joint)))[0]
 
@@ -203,7 +357,7 @@ class _Path:
         by_name = {hinge.name: hinge for hinge in scene.hinges}
         self._hinges, self.balance = [by_name[name] for name in openings], _Balance(scene)
         self.opening = self._start = float(self._hinges[0].opening)
-        self.places = Places(scene.position.copy(), scene.frame.copy())
+        self.places = At(scene.position.copy(), scene.frame.copy())
         self._conditions = conditions_of(scene, [*stand, *openings])
         self._leading = len(stand) + len(openings)
         self._zeros = self._conditions.gaps(self.places)[-len(openings) :]
@@ -214,6 +368,7 @@ class _Path:
         self._free = self._moving(self.places)
         self.tangent = np.zeros(len(self._scales))
         self._tangents: list[np.ndarray] = []
+        self._opened = [float(hinge.opening) for hinge in scene.hinges]
         self._ease = self.balance.ease(self.places, self._scales)
 
     def to(self, value: float) -> None:
@@ -222,6 +377,7 @@ class _Path:
         weights = AHEAD[len(self._tangents) - 1] if self._tangents else []
         ahead = sum(w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True))
         places = self.places.moved(step * ahead) if self._tangents else self.places
+        settled = False
         for _ in range(ROUNDS):
             solve, gradient = self._equations(places, conditions, self._ease)
             lacks = -self._weight * conditions.gaps(places)
@@ -232,7 +388,8 @@ class _Path:
             share = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
             places = places.moved(share * self._scales * motion)
             self._impulses = self._impulses + share * change
-            if largest <= NEAR and np.abs(lacks).max(initial=0.0) <= NEAR:
+            before, settled = settled, largest <= NEAR and np.abs(lacks).max(initial=0.0) <= NEAR
+            if before and settled:
                 self.places, self.opening, self.tangent = places, value, self._motion(solve)
                 self._tangents = [self.tangent, *(self._tangents[:3] if step else [])]
                 self.balance.follow(places)
@@ -241,6 +398,27 @@ class _Path:
             f"opening {self.name}", f"{value:.6g}", "openings to which it can be led, the joints "
             "closed and all else in balance; other openings that nothing decides may `stand`"
         )  # fmt: skip
+
+    def state(self) -> tuple:
+        """Where it is, to which `restore` brings it back."""
+        return self.places, self.opening, self.tangent, self._impulses, self._opened
+
+    def restore(self, state: tuple) -> None:
+        """Go back to a state: the way on is then along its tangent."""
+        self._tangents = self._tangents if state[1] == self.opening else [state[2]]
+        self.places, self.opening, self.tangent, self._impulses, self._opened = state
+
+    def opened(self) -> list[float]:
+        """The openings of all hinges, on the turn that is nearest to where they were last."""
+        at, found = SimpleNamespace(**self.places._asdict()), []
+        for hinge, last in zip(self.scene.hinges, self._opened, strict=True):
+            value = opening_at(at, hinge)
+            turns = 0.0 if hinge.slides else round((last - value) / (2 * np.pi))
+            found.append(value + 2 * np.pi * turns)
+        for hinge in self._hinges:  # exactly
+            found[self.scene.hinges.index(hinge)] = hinge.opening + self.opening - self._start
+        self._opened = found
+        return found
 
     def in_bearings(self) -> dict[str, float]:
         """Virtual work of the friction by the forces of joints: all of a hinge's, those across a
@@ -271,7 +449,7 @@ class _Path:
                 "motion of all others, by joints, springs or loops; let others `stand`"
             )  # fmt: skip
 
-    def _moving(self, places: Places) -> np.ndarray:
+    def _moving(self, places: At) -> np.ndarray:
         """Degrees of freedom that are not held. Where the whole may drift as it is, some of the
         heaviest particle are: what acts between parts does the same work whichever of them moves.
         """

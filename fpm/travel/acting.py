@@ -36,7 +36,6 @@ class Acting:
         kinds = [*kind.reads, kind]
         batch = Batch([alone], kinds, energies_of(kinds), at_once(), np.float64, 1, 1)
         self.parts, self.world = batch.parts(), batch.world()
-        self._before = [np.zeros_like(array) for array in _numbers(self.parts)]
         found = kind.deformations(alone)
         self._stiff = np.zeros(0, int) if found is None else np.unique(found.dofs)
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
@@ -48,14 +47,21 @@ class Acting:
         self._act()
         return self._act()[:, 0]  # once more: nothing is passed on the way
 
+    def kept(self) -> list[np.ndarray]:
+        """What the elements keep."""
+        return [array.copy() for array in _numbers(self.parts)]
+
+    def restore(self, kept: list[np.ndarray]) -> None:
+        """Let them keep it again."""
+        for before, array in zip(kept, _numbers(self.parts), strict=True):
+            array[:] = before
+
     def tried(self, places: Places) -> tuple[np.ndarray, Any]:
         """The same, and minus its derivatives, sparse (6n, 6n), by the motions of all; the elements
         stay where they were."""
         from scipy.sparse import csc_array
 
-        arrays = _numbers(self.parts)
-        for kept, array in zip(self._before, arrays, strict=True):
-            kept[:] = array
+        before = self.kept()
         self._put(places)
         self._act()
         found, slopes = self._act()[:, 0].copy(), []
@@ -69,8 +75,7 @@ class Acting:
                 self._act()
                 pair.append(self._act()[:, : len(dofs)] / (2.0 * np.array(steps)))
             slopes.append(pair[1] - pair[0])
-        for kept, array in zip(self._before, arrays, strict=True):
-            array[:] = kept
+        self.restore(before)
         count = len(found)
         if not slopes:
             return found, csc_array((count, count))

@@ -1,7 +1,6 @@
 """Margins over a travel, as standards have them, against closed forms."""
 
 import os
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -26,22 +25,10 @@ def panel(k=0.1, psi=np.pi, f=0.01, h=0.005):
     return scene
 
 
-def curves(scene, response, instants=2001):
-    """What a run of a scene has for a margin."""
-    time = np.linspace(0.0, 1.0, instants)
-    columns = {}
-    for variable, label in response.columns:
-        led, part = margins.read_label(label)
-        travel = margins.travel_of(scene, led)
-        values = travel.work[part] if variable == margins.WORK else travel.inertia
-        columns[variable, label] = margins.over_time(values, time)
-    return SimpleNamespace(time=time, columns=columns)
-
-
 def found(scene, definition):
     """The margin (t,), its least, and the opening there."""
     response = responses.parse("m", definition, scene)
-    run = curves(scene, response)
+    run = margins.led_curves(scene, [response])
     numbers, problems = parse(
         {"least": {"smallest": "m"}, "at": {"smallest_at": "m"}}, [response], []
     )

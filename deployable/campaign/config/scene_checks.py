@@ -36,11 +36,10 @@ from deployable.intervals import IntervalError, check_spline_runs, held_out_poin
 from deployable.intervals.scalars.requirements import ENDS
 from fpm.errors import meant
 from fpm.files.outcome import eventful
-from fpm.reading.margins import read_label
+from fpm.reading.margins import read_label, travel_of
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.variables import numbers
 from fpm.solver.pack import topology
-from fpm.travel import lead
 
 CHOSEN = ("design", "bounds", "held_out")
 """Keys that a config with `accuracy` must not have: it chooses what they say."""
@@ -177,7 +176,7 @@ def _travel_problems(experiment: Experiment) -> list[str]:
         if curve.kind == "margin":
             led, _ = read_label(curve.columns[0][1])
             try:
-                lead(experiment.nominal_scene, led.openings, *led[1:], positions=9)
+                travel_of(experiment.nominal_scene, led, positions=9)
             except fpm.SceneError as error:
                 problems.append(_sentence(f"margins.{curve.name}.along", error))
     return problems

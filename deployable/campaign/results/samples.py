@@ -185,6 +185,11 @@ def write_names(file: Any, what: str, named: Sequence[Any]) -> None:
             along = [json.dumps(one.along and one.along._asdict()) for one in named]
             text = "over what the response lies instead of time, evenly, as JSON; null: over time"
             _text(file, "response_along", what, along, text)
+            text = (
+                "1 where the response is a ratio less one, as margins are, that is fitted as such"
+            )
+            ratio = [float(one.kind == "margin") for one in named]
+            _numbers(file, "response_ratio", ("response",), ratio, text)
         least = [np.nan if one.least is None else one.least for one in named]
         text = "least value that the response can have, in its units; missing where there is none"
         _numbers(file, "response_least", ("response",), least, text)

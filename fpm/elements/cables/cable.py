@@ -17,7 +17,7 @@ T' (1 + e'/2) - T (1 + e/2) to friction. Cables from point to point have none.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -145,6 +145,11 @@ class Cable(Kind):
     @classmethod
     def names(cls, scene):
         return [cable.title(scene) for cable in cls.of(scene)]
+
+    @classmethod
+    def led(cls, scene):
+        """As if they did not rub: friction is a part of its own (fpm.travel)."""
+        return [replace(cable, friction=None) for cable in cls.of(scene)]
 
     @classmethod
     def deformations(cls, scene):

@@ -26,7 +26,7 @@ class TableSpring(OnHinge):
     stores = Energy("table_spring", "table_spring_energy", "energy of the springs by tables")
     acts_as = "spring"
     called = "spring"
-    resists_as = "S"
+    resists_as = "HA"  # unless its `class` says that it is a spring
 
     def check(self, scene):
         """The hinge and the table."""

@@ -7,12 +7,12 @@ its stage made it from (`basis`, the digest of code and config), and what comput
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
-from deployable.campaign.provenance import dated
+from deployable.campaign.provenance import check_code, dated
 from fpm.files.sealed import check, whole_file
 
 __all__ = ["open_dataset", "open_netcdf", "result_file", "whole_file", "write_result", "write_text"]
@@ -30,9 +30,13 @@ def results_of(facts: Mapping[str, str]) -> Iterator[None]:
         _FACTS.reset(token)
 
 
-def result_file(path: str | Path, **facts: str) -> AbstractContextManager[Path]:
-    """A temporary path of a result: sealed and renamed when the block ends without an error."""
-    return whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts})
+@contextmanager
+def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
+    """A temporary path of a result: sealed and renamed when the block ends without an error, if the
+    program is still the one that was imported."""
+    with whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts}) as made:
+        yield made
+        check_code()
 
 
 def open_netcdf(path: str | Path) -> Any:

@@ -47,13 +47,15 @@ class Watch(NamedTuple):
 
 
 class Recorded(NamedTuple):
-    """Something recorded: values (t,), or (t, k) along a dimension with k labels, in a unit."""
+    """Something recorded: values (t,), or (t, k) along a dimension with k labels, in a unit; code:
+    digest of what read it off the run, where that does not count in the run's name."""
 
     values: np.ndarray
     unit: str
     long_name: str
     dimension: str | None = None
     labels: tuple[str, ...] = ()
+    code: str = ""
 
     def beside(self, other: "Recorded") -> "Recorded":
         """The same of the elements of another kind, and of these."""

@@ -21,6 +21,7 @@ from fpm.elements.openings.opening import PARTS
 from fpm.elements.particles.probe import Probe
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import Column
+from fpm.kernels import sources
 from fpm.reading import bars, margins
 from fpm.reading.clearance import clearance
 from fpm.reading.constraint_forces import couple_on_two, joints_of, reaction, reactions_of
@@ -336,7 +337,7 @@ def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Recor
         variable = VARIABLES[name]
         values = np.stack([variable.column(recording, label) for label in labels], axis=1)
         dimension = f"{name}_{variable.along}"
-        found[name] = Recorded(values, variable.unit, variable.long_name, dimension, labels)
+        found[name] = Recorded(values, *variable[:2], dimension, labels, sources.reading())
     return found
 
 

@@ -32,6 +32,7 @@ from deployable.campaign.config.models import (
     Solver,
     Verify,
 )
+from deployable.campaign.provenance import made_by
 from fpm import SceneError, structures
 from fpm.files.outcome import eventful
 from fpm.reading.quantity_definitions import parse
@@ -135,6 +136,11 @@ class Experiment:
     def scene_type(self) -> Any:
         """The `fpm` structure; raises `fpm.SceneError`."""
         return scene_type(self.scene.name, self.scene.file)
+
+    @property
+    def mechanics(self) -> str:
+        """Digest of the structure and of all code that makes runs: another one makes others."""
+        return made_by(self.scene_type.digest)
 
     @cached_property
     def curves(self) -> list[Any]:

@@ -195,7 +195,7 @@ def by_unit(found: dict[str, Recorded], hinges, labels) -> dict[str, Recorded]:
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for which, before in ((~slides, ""), (slides, "slide_")):
         names = tuple(label for label, own in zip(labels, which, strict=True) if own)
-        for name, (values, unit, text, dimension, _) in found.items() if names else ():
+        for name, (values, unit, text, dimension, *_) in found.items() if names else ():
             if before:
                 unit = SLIDING[unit]
                 dimension = "slide" if dimension == "hinge" else before + dimension

@@ -8,6 +8,10 @@
 Importing is cheap: numba and xarray are loaded when first needed.
 """
 
+# Before all others: it notes what they are imported from.
+import fpm.kernels.sources  # noqa: F401
+
+# isort: split
 from fpm.elements.bars.beam import Material, Section
 from fpm.errors import InstabilityError, SceneError
 from fpm.files import trajectory

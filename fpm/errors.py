@@ -20,6 +20,20 @@ class SceneError(ValueError):
         return type(self), (self.key, self.value, self.allowed)
 
 
+class ChangedError(SceneError):
+    """A file that is not as it was when this process read it, so that it names no numbers; `key` is
+    the file."""
+
+    def __init__(self, file: str):
+        self.key, self.value = file, "changed since it was imported"
+        self.allowed = "the file as it was imported"
+        text = "start again, so that numbers and names are of one version"
+        ValueError.__init__(self, f"{file} changed since it was imported: {text}")
+
+    def __reduce__(self):
+        return type(self), (self.key,)
+
+
 class InstabilityError(RuntimeError):
     """A run whose numbers can not be trusted: its energy balance broke, or beams are no beams.
 

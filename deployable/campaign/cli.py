@@ -230,7 +230,7 @@ def _run(options: argparse.Namespace) -> int:
         run(campaign, options.results, not options.no_figures)
         if options.require and not _are_met(Path(options.results, campaign.name)):
             return UNMET
-    except CampaignError as error:
+    except (CampaignError, fpm.SceneError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     return 0
@@ -309,7 +309,7 @@ def _run_stage(options: argparse.Namespace) -> int:
     try:
         sections = _sections(options)
         options.stage.run(Folder(options.folder), tell, **sections, **more)
-    except CampaignError as error:
+    except (CampaignError, fpm.SceneError) as error:
         tell(f"error: {error}")
     except Exception:  # a fault of the program, which the log should have
         tell(traceback.format_exc())

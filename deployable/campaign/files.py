@@ -21,7 +21,7 @@ from deployable.campaign.config.sections import NAME
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.outside import refuse_outside
 from deployable.campaign.plan.runs import RUN_ID
-from deployable.campaign.provenance import dated
+from deployable.campaign.provenance import check_code, dated
 from fpm.files.sealed import DamagedError, check, whole_file
 
 __all__ = ["csv_text", "open_dataset", "open_netcdf", "refuse_links", "result_file", "whole_file",
@@ -40,9 +40,13 @@ def results_of(facts: Mapping[str, str]) -> Iterator[None]:
         _FACTS.reset(token)
 
 
-def result_file(path: str | Path, **facts: str) -> AbstractContextManager[Path]:
-    """A temporary path of a result: sealed and renamed when the block ends without an error."""
-    return whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts})
+@contextmanager
+def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
+    """A temporary path of a result: sealed and renamed when the block ends without an error, if the
+    program is still the one that was imported."""
+    with whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts}) as made:
+        yield made
+        check_code()
 
 
 def open_netcdf(path: str | Path) -> Any:

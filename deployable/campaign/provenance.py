@@ -1,4 +1,4 @@
-"""What computed a result: the program, its state, the machine and the packages.
+"""What computed a result: the program, its code as it was imported, the machine and the packages.
 
 netCDF files have it as the attribute `provenance`; seals of all results have it with the moment, so
 that the same results are the same but for their seals.
@@ -6,6 +6,7 @@ that the same results are the same but for their seals.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import platform
 import subprocess
@@ -14,8 +15,37 @@ from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
+from fpm.kernels import sources
+
+PROGRAM = sources.Imported(Path(__file__).parents[1])
+"""Of the program without the mechanics, before anything else of a campaign is imported."""
+
+MADE = ("campaign/runs",)
+"""Rooms that decide what is kept of a run, beside the mechanics."""
+
+TOLD = ("campaign/runs/progress.py",)
+"""What of them only says how far it is."""
+
 PACKAGES = ("numpy", "scipy", "numba", "xarray", "netCDF4")
 _ROOT = Path(__file__).parents[2]
+
+
+def program_digest() -> str:
+    """Digest of the program, which comments and formatting do not change: all results are of it."""
+    return f"{PROGRAM.digest()}{sources.MECHANICS.digest()}"
+
+
+def made_by(structure: str) -> str:
+    """Digest of all code that decides what is kept of runs of a structure, itself of this digest:
+    their names depend on it."""
+    both = f"{structure} {PROGRAM.digest(only=MADE, but=TOLD)}"
+    return hashlib.sha256(both.encode()).hexdigest()[:16]
+
+
+def check_code() -> None:
+    """fpm.errors.ChangedError where the program's files are not those that were imported."""
+    PROGRAM.check()
+    sources.MECHANICS.check()
 
 
 @cache

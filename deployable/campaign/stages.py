@@ -11,9 +11,7 @@ import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from inspect import signature
-from pathlib import Path
 from typing import Any, get_type_hints
 
 from deployable.campaign.answers import choice as best
@@ -34,6 +32,7 @@ from deployable.campaign.folder import ROUND_FILES, Folder
 from deployable.campaign.plan.accuracy import first_plan, next_plan
 from deployable.campaign.plan.estimate import runs_in_job
 from deployable.campaign.plan.plan import make_plan, read_plan, write_plan
+from deployable.campaign.provenance import program_digest
 from deployable.campaign.report import from_results, make_motions, write_page
 from deployable.campaign.results.bounds import analyse
 from deployable.campaign.results.figures import draw_envelopes, draw_nominal, draw_sensitivities
@@ -46,7 +45,6 @@ from deployable.campaign.runs.progress import Tell
 from deployable.campaign.runs.store import pack, unpack
 from fpm.errors import SceneError
 from fpm.files.sealed import DamagedError, check, sweep
-from fpm.kernels.sources import syntax_digest
 
 
 def plan(folder: Folder, tell: Tell, experiment: Any) -> None:
@@ -211,7 +209,7 @@ class Stage:
 
     def basis(self, sections: Mapping[str, Any]) -> str:
         """Digest of what the stage's results depend on beside the files that it takes."""
-        mechanics = [s.scene_type.digest for s in sections.values() if isinstance(s, Experiment)]
+        mechanics = [s.mechanics for s in sections.values() if isinstance(s, Experiment)]
         return digest([program_digest(), json.loads(as_json(**sections)), mechanics])
 
     def typed(self, data: dict) -> dict[str, Any]:
@@ -225,23 +223,6 @@ class Stage:
         """The stage's sections of a campaign."""
         return {name: getattr(campaign, name) for name in self.sections}
 
-
-@cache
-def program_digest() -> str:
-    """Digest of the program, which comments and formatting do not change: all results are of it.
-
-    Runs are of the mechanics alone, by their names.
-    """
-    here = Path(__file__).parents[1]
-    files = (path for room in (here, here.parent / "fpm") for path in room.rglob("*"))
-    return syntax_digest(p for p in files if p.suffix in CODE and not UNCOUNTED & {*p.parts})
-
-
-CODE = (".py", ".html", ".jinja", ".css", ".js", ".yaml", ".json")
-"""Files of the program that decide about results, by how they end."""
-
-UNCOUNTED = {"shipped", "__pycache__"}
-"""Folders of what does not: workflow and campaigns that are shipped with it, compiled code."""
 
 _PLAN, _SAMPLES, _BOX = "plan.json", "samples.nc", "bounds.nc"
 

@@ -17,8 +17,9 @@ from deployable.campaign.files import open_dataset
 from deployable.campaign.folder import PICTURES, Folder
 from deployable.campaign.plan.estimate import job_megabytes, job_minutes
 from deployable.campaign.plan.plan import read_plan, read_step
+from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import Tell, Teller
-from deployable.campaign.stages import STAGES, batch_count, drawings, program_digest
+from deployable.campaign.stages import STAGES, batch_count, drawings
 from deployable.one_thread import one_thread
 from fpm.files.sealed import DamagedError, check
 
@@ -66,7 +67,7 @@ class Workflow:
     @property
     def mechanics(self) -> str:
         """Digest of the mechanics and of the structure; another one makes other runs."""
-        return self.campaign.experiment.scene_type.digest
+        return self.campaign.experiment.mechanics
 
     @cache  # noqa: B019 - there is one campaign in a process
     def batch_count(self) -> int:

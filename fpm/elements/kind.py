@@ -48,7 +48,8 @@ class Watch(NamedTuple):
 
 class Recorded(NamedTuple):
     """Something recorded: values (t,), or (t, k) along a dimension with k labels, in a unit; over:
-    the dimension of t."""
+    the dimension of t; code: digest of what read it off the run, where that does not count in the
+    run's name."""
 
     values: np.ndarray
     unit: str
@@ -56,6 +57,7 @@ class Recorded(NamedTuple):
     dimension: str | None = None
     labels: tuple[str, ...] = ()
     over: str = "time"
+    code: str = ""
 
     def beside(self, other: "Recorded") -> "Recorded":
         """The same of the elements of another kind, and of these."""

@@ -8,7 +8,8 @@ that the kinds give them; all others are fixed.
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -27,6 +28,8 @@ _PARAMETER = "parameter_"
 
 LED_OVER = "travel_position"
 """The dimension of what is recorded of travels: positions of an opening that is led slowly."""
+CODE = "code"
+"""Attribute of a variable that was recorded on request: digest of the code that read it."""
 
 Column = tuple[str, str]
 """Of what is recorded beside points and energies: a variable, and a label along its dimension."""
@@ -55,7 +58,8 @@ class Curves:
     """What responses and quantities are read off: time (t,) s; points: name -> (position (t, 3) m,
     velocity (t, 3) m/s); energies: name -> (t,) J; columns: values (t,) of what else is recorded;
     events (e, 3): time (s), index into `eventful`, number of the event; events_dropped: how many
-    more there were; step: of the time loop (s).
+    more there were; step: of the time loop (s); codes: by variable, of what was recorded on request
+    and read from a file, the digest of the code that read it off the run.
     """
 
     time: np.ndarray
@@ -66,6 +70,7 @@ class Curves:
     eventful: tuple[Eventful, ...]
     events_dropped: int
     step: float
+    codes: Mapping[str, str] = field(default_factory=dict, kw_only=True)
 
     @property
     def openings(self) -> dict[str, np.ndarray]:
@@ -178,9 +183,10 @@ def _energies(outcome) -> dict[str, classic.Variable]:
 def _recorded(outcome) -> dict[str, classic.Variable]:
     """What the kinds in the scene have recorded, and the coordinates of it."""
     variables = {}
-    for name, (values, unit, long_name, dimension, labels, over) in outcome.recorded.items():
+    for name, (values, unit, long_name, dimension, labels, over, code) in outcome.recorded.items():
         dims = (over,) if dimension is None else (over, dimension)
-        variables[name] = _variable(dims, values, unit, long_name)
+        more = {CODE: code} if code else {}
+        variables[name] = _variable(dims, values, unit, long_name, **more)
         if dimension is not None:
             variables |= _names(dimension, labels, dimension)
     return variables
@@ -319,6 +325,7 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
             ),
             events_dropped=int(attributes.get("events_dropped", 0)),
             step=float(attributes["time_step"]),
+            codes={n: v.attributes[CODE] for n, v in variables.items() if CODE in v.attributes},
         )
     except KeyError as missing:
         raise OSError(f"{os.fspath(path)} has no variable {missing}") from None

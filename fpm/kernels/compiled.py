@@ -1,8 +1,9 @@
 """The compiled time loop: one for every set of kinds, cached on disk.
 
 Numba's cache looks at the file of the cached function only; the loop is made of many files. So the
-cache folder is named after a digest of all kernel sources, and of the files of kinds from
-elsewhere with what they import from beside them: an edited kernel never meets old code. Every set
+cache folder is named after a digest of all kernel sources as they were imported, and of the files
+of kinds from elsewhere with what they import from beside them: an edited kernel never meets old
+code, and what was imported before an edit is not kept under the name of what came after. Every set
 has a folder of its own, so that no kind is needed to load a loop without it, and so has every kind
 of processor, so that machines can share a cache.
 """
@@ -22,36 +23,35 @@ from pathlib import Path
 import numba
 from numba.core.dispatcher import Dispatcher
 
+from fpm.errors import ChangedError
 from fpm.kernels import run as loop
 from fpm.kernels import sources
-from fpm.kernels.hooks import KERNELS
+from fpm.kernels.hooks import IMPORTED, KERNELS
 from fpm.kernels.vectors import OPTIONS
 
-PACKAGE = Path(__file__).resolve().parents[1]
 
+def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
+    """The files outside of the mechanics on which the code of kinds with these tuples depends, with
+    their digests: those of the tuples and their kernels, and those beside them that they import.
 
-def kernel_sources() -> list[Path]:
-    """All files of the mechanics that hold kernels."""
-    return sorted([*(PACKAGE / "kernels").glob("*.py"), *(PACKAGE / "elements").rglob("*.py")])
-
-
-def own_sources(parts: tuple[type, ...]) -> set[Path]:
-    """The files outside of the mechanics on which the code of kinds with these tuples depends.
-
-    Those of the tuples and their kernels, and those beside them that they import.
+    ChangedError if one changed since its kernels were imported.
     """
-    kernels = [kernel.py_func for (arrays, _), kernel in KERNELS.items() if arrays in parts]
-    files = {sources.file_of(thing) for thing in (*parts, *kernels)}
-    return sources.own_sources(*(path for path in files if PACKAGE not in path.parents))
+    kernels = [(part, k.py_func) for (part, _), k in KERNELS.items() if part in parts]
+    found = {}
+    for part, thing in [*((part, part) for part in parts), *kernels]:
+        found |= sources.beside(sources.file_of(thing))
+        for path, digest in IMPORTED.get(part, {}).items():
+            if found.get(path, digest) != digest:
+                raise ChangedError(str(path))
+    return found
 
 
 @functools.cache
 def source_digest(parts: tuple[type, ...] = ()) -> str:
     """Hexadecimal digest of numba's version, the kernel sources, and those of kinds elsewhere."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for path in [*kernel_sources(), *sorted(own_sources(parts))]:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+    own = [digest for _, digest in sorted(own_sources(parts).items())]
+    text = repr([numba.__version__, sources.kernels(), own])
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 @functools.cache

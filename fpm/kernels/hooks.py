@@ -10,15 +10,23 @@ nothing behind.
 import functools
 import inspect
 from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 
 from numba.extending import overload
 
+from fpm.errors import SceneError
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import ACCOUNTS, X
+from fpm.kernels.sources import beside, file_of
 from fpm.kernels.vectors import INLINED, kernel
 
 KERNELS: dict[tuple[type, str], Callable] = {}
 """The kernel for a named tuple and the name of a hook."""
+
+IMPORTED: dict[type, dict[Path, str]] = {}
+"""Of a named tuple the files outside of the mechanics that its kernels come from, with their
+digests when these were imported."""
 
 NAMES: list[str] = []
 """Names of all hooks."""
@@ -39,6 +47,8 @@ def hook(arrays: type, name: str | None = None) -> Callable:
             if (arrays, each) in KERNELS:
                 raise ValueError(f"{arrays.__name__} has a kernel for {each} already")
             KERNELS[arrays, each] = made
+        with suppress(SceneError):  # typed in: refused when it is to be compiled
+            IMPORTED.setdefault(arrays, beside(file_of(compiled.py_func)))
         return compiled
 
     return register

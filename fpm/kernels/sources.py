@@ -1,4 +1,8 @@
-"""A digest of source code that changes with what the code does, not with how it is written."""
+"""A digest of source code that changes with what the code does, not with how it is written.
+
+Numbers come from code in memory, names from files: so the files of a package are noted before they
+are imported (`Imported`), and one that has changed since is refused where something is named.
+"""
 
 import ast
 import hashlib
@@ -10,23 +14,144 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-from fpm.errors import SceneError
+from fpm.errors import ChangedError, SceneError
 
 HERE = Path(__file__).parents[1]
 
-UNCOUNTED = ("files", "motions", "reading", "structures")
-"""Rooms of the mechanics that change no run's numbers: how runs are kept and what is read off them.
-Of the language of structures a structure's own digest says what counts (structures).
-"""
+READ = ("reading", "travel")
+"""Rooms of the mechanics that read numbers off a run. What is recorded on request, and what is kept
+of runs in the place of their curves, has their digest beside the run's; curves that are kept do
+not depend on them."""
+
+TOLD = (
+    "errors.py", "motions", "scenes/effort.py",
+    "structures/describe.py", "structures/plausible.py", "structures/report.py",
+)  # fmt: skip
+"""Files and rooms that decide no number that is kept of a run: words, prices, and motions that are
+made again with every page. Everything else of the mechanics counts in the names of runs."""
+
+CODE = (".py", ".html", ".jinja", ".css", ".js", ".yaml", ".json")
+"""Files of a package that decide about results, by how they end."""
+
+SHIPPED = "shipped/"
+"""In folders below that one lies what does not: workflow and campaigns that are shipped along."""
 
 VERSION = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
 """Of this file, so that digests kept on disk by another one are not met."""
 
+State = tuple[int, ...]
+"""By which a file that was changed is known without reading it."""
 
-def mechanics_sources() -> list[Path]:
-    """The files of the mechanics that can change a run's numbers, but for the structures'."""
-    paths = [path.relative_to(HERE) for path in HERE.rglob("*.py")]
-    return [HERE / path for path in paths if path.parts[0] not in UNCOUNTED]
+
+def state_of(found: os.stat_result) -> State:
+    """The state of a file."""
+    return found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
+
+
+class Imported:
+    """The files of a package as they are when this is made, which has to be before they are
+    imported: then a digest of these files is one of the code in memory.
+
+    Names of files are those below the package's folder.
+    """
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self._states = dict(_states(folder))
+        self._digests: dict[str, str] = {}
+        self._of: dict[tuple, str] = {}
+        # Whatever is not imported is read whenever it is used.
+        self._data = [name for name in self._states if not name.endswith(".py")]
+        self._kept: set[str] = set()
+
+    def digest(self, only: tuple[str, ...] = (), but: tuple[str, ...] = ()) -> str:
+        """First 16 hex digits of the SHA-256 of files and rooms, or of all, but for some.
+
+        Comments, formatting and docstrings of Python files do not count. ChangedError as of
+        `check`.
+        """
+        self.check()
+        if (only, but) not in self._of:
+            names = (n for n in self._states if (not only or _within(n, only)))
+            found = [(n, self._digest(n)) for n in sorted(names) if not _within(n, but)]
+            self._of[only, but] = _short(found)
+        return self._of[only, but]
+
+    def check(self) -> None:
+        """ChangedError if what is in memory may not be what the files were at first.
+
+        A file that was imported and had not changed until now may change from now on.
+        """
+        start, package = f"{self.folder}{os.sep}", self.folder.name
+        for module, found in list(sys.modules.items()):
+            if module.partition(".")[0] == package and module not in self._kept:
+                file = getattr(found, "__file__", None) or ""
+                if file.startswith(start):
+                    self._check(file.removeprefix(start).replace(os.sep, "/"))
+                self._kept.add(module)
+        for name in self._data:
+            self._check(name)
+
+    def _check(self, name: str) -> None:
+        path = self.folder / name
+        try:
+            if state_of(path.stat()) == self._states.get(name):
+                return
+            if tree_digest(path) == self._digests[name]:  # touched, or changed and changed back
+                return
+        except (OSError, KeyError, SyntaxError):
+            pass
+        raise ChangedError(f"{self.folder.name}/{name}")
+
+    def _digest(self, name: str) -> str:
+        if name not in self._digests:
+            path = self.folder / name
+            try:
+                found = tree_digest(path)
+                same = state_of(path.stat()) == self._states[name]
+            except (OSError, SyntaxError):
+                same = False
+            if not same:
+                raise ChangedError(f"{self.folder.name}/{name}")
+            self._digests[name] = found
+        return self._digests[name]
+
+
+def _states(folder: str | Path, before: str = "") -> Iterator[tuple[str, State]]:
+    for entry in os.scandir(folder):
+        if entry.is_dir(follow_symlinks=False):
+            if entry.name != "__pycache__" and not before.endswith(SHIPPED):
+                yield from _states(entry.path, f"{before}{entry.name}/")
+        elif entry.name.endswith(CODE):
+            yield before + entry.name, state_of(entry.stat())
+
+
+def _within(name: str, places: tuple[str, ...]) -> bool:
+    """Whether a file is one of some, or in one of some rooms."""
+    return any(name == place or name.startswith(f"{place}/") for place in places)
+
+
+def _short(data: object) -> str:
+    return hashlib.sha256(repr(data).encode()).hexdigest()[:16]
+
+
+MECHANICS = Imported(HERE)
+"""Of this package, which imports this module before all others."""
+
+
+def mechanics() -> str:
+    """Digest of all of the mechanics that can change what a run records by itself."""
+    return MECHANICS.digest(but=READ + TOLD)
+
+
+def reading() -> str:
+    """Digest of what reads further numbers off a run."""
+    return MECHANICS.digest(only=READ)
+
+
+def kernels() -> str:
+    """Digest of all that is compiled."""
+    return MECHANICS.digest(only=("elements", "kernels"))
 
 
 def own_sources(*starts: Path) -> set[Path]:
@@ -49,6 +174,14 @@ def own_sources(*starts: Path) -> set[Path]:
             others = (other.resolve() for other in near if other.is_file())
             left += [other for other in others if HERE not in other.parents]
     return found
+
+
+def beside(path: Path) -> dict[Path, str]:
+    """A file outside of the mechanics with its `own_sources`, and their digests now; none for one
+    of the mechanics, whose code is known."""
+    if HERE in path.parents:
+        return {}
+    return {other: tree_digest(other) for other in own_sources(path)}
 
 
 def file_of(thing: Callable) -> Path:
@@ -76,6 +209,12 @@ def _imported(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
                 if count > 1 or (place / "__init__.py").is_file():
                     yield place.with_suffix(".py")
                     yield place / "__init__.py"
+
+
+def packages_imported(path: Path) -> set[str]:
+    """The first parts of all names that a Python file imports, but from packages of its own."""
+    names = _names_imported(path.read_bytes(), str(path))
+    return {name.partition(".")[0] for name, level in names if not level}
 
 
 @cache
@@ -112,8 +251,7 @@ def syntax_digest(paths: Iterable[Path]) -> str:
     are given; their names and everything that runs does, and every byte of other files. SyntaxError
     for a `.py` that is no Python.
     """
-    digest = hashlib.sha256(repr(sorted((path.name, tree_digest(path)) for path in paths)).encode())
-    return digest.hexdigest()[:16]
+    return _short(sorted((path.name, tree_digest(path)) for path in paths))
 
 
 def tree_digest(path: Path) -> str:
@@ -122,7 +260,11 @@ def tree_digest(path: Path) -> str:
     To parse takes a hundred times longer than to read, so the digest for a file's bytes is kept on
     disk. A cache that can not be written is done without.
     """
-    content = path.read_bytes()
+    return content_digest(path.read_bytes(), path)
+
+
+def content_digest(content: bytes, path: Path) -> str:
+    """The same of a file whose content is known."""
     if path.suffix != ".py":
         return hashlib.sha256(content).hexdigest()
     return _tree_digest(content, str(path))

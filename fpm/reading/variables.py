@@ -21,6 +21,7 @@ from fpm.elements.openings.opening import PARTS
 from fpm.elements.particles.probe import Probe
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import LED_OVER, Column
+from fpm.kernels import sources
 from fpm.reading import bars, margins
 from fpm.reading.clearance import clearance
 from fpm.reading.constraint_forces import couple_on_two, joints_of, reaction, reactions_of
@@ -341,7 +342,9 @@ def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Recor
         own = [np.pad(column, (0, rows - len(column)), mode="edge") for column in own]
         dimension, over = f"{name}_{variable.along}", variable.over
         values = np.stack(own, axis=1)
-        found[name] = Recorded(values, variable.unit, variable.long_name, dimension, labels, over)
+        found[name] = Recorded(
+            values, variable.unit, variable.long_name, dimension, labels, over, sources.reading()
+        )
     return found
 
 

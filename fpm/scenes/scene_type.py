@@ -96,9 +96,10 @@ class SceneType:
         """16 hex digits that change with the code that computes this scene's runs.
 
         It covers all of the mechanics that can change their numbers, and the structure's content.
+        ChangedError where the mechanics are no longer those that were imported.
         """
-        mechanics = sources.syntax_digest(sources.mechanics_sources())
-        return hashlib.sha256(f"{mechanics} {self.content}".encode()).hexdigest()[:16]
+        both = f"{sources.mechanics()} {self.content}"
+        return hashlib.sha256(both.encode()).hexdigest()[:16]
 
     def build(self, **parameters) -> Scene:
         """The scene; defaults fill in what is not given. SceneError names what is wrong."""

@@ -1,59 +1,65 @@
 """Structures in Python, for whoever needs loops and conditions. Loading such a file runs it."""
 
 import importlib.util
-import os
 import sys
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
+from types import ModuleType
 
 from fpm.errors import SceneError
-from fpm.kernels.sources import own_sources, syntax_digest
+from fpm.kernels.sources import own_sources
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
+from fpm.structures.opened import STATED, Build, Loader, Opened, watching
 from fpm.structures.reading import Problem, StructureError, read_text
 
 
 def load_python(path: Path) -> SceneType:
-    """The structure of a Python file with `PARAMETERS` and `build`, and, if it has one, `MESH`.
+    """The structure of a Python file with `PARAMETERS` and `build`, and, if it has them, `MESH` and
+    `DATA`.
 
     PARAMETERS: dict of fpm.scene_type.Parameter; build(**parameters) -> fpm.Scene; MESH: the name
-    of the parameter that sets the mesh. The docstring is its description. StructureError otherwise.
-    Its digest is of the file, of those below its folder that it imports, and of data files there
-    that Python opens while it is loaded and built at its defaults.
+    of the parameter that sets the mesh; DATA: patterns of files, from its folder, that it reads at
+    other values only or unseen (`fpm.structures.opened`). The docstring is its description.
+    StructureError otherwise. Its digest is of all files that are opened while it is loaded and
+    built at its defaults, of those below its folder that its code imports, and of DATA. It is
+    loaded once, and again when one of these has changed.
     """
     read_text(path)  # which tells what is no file, before Python waits for it
-    _hook()
-    _READING.append((read := set(), path.resolve().parent))
-    try:
-        found = _loaded(path)
-    finally:
-        _READING.pop()
-    content = syntax_digest([*own_sources(path), *sorted(read)])
-    return replace(found, content=content)
+    place = path.absolute()
+    if place not in _KNOWN or not _KNOWN[place][1].is_same():
+        opened = Opened(path.resolve())
+        _KNOWN[place] = _loaded(path, opened), opened
+    found, opened = _KNOWN[place]
+    if outer := watching():
+        outer.adopt(opened)
+    return found
 
 
-_READING: list[tuple[set[Path], Path]] = []
-"""Where files that are read are noted, and below which folder."""
+_KNOWN: dict[Path, tuple[SceneType, Opened]] = {}
+"""Structures that were loaded, and what they are made of."""
 
 
-@cache
-def _hook() -> None:
-    """Note data files that are opened to be read, for good: hooks stay."""
+def _loaded(path: Path, opened: Opened) -> SceneType:
+    with opened.watched():
+        module = _run(path, opened)
+        found = _built(path, module)
+    data = getattr(module, "DATA", None)
+    patterns = [] if data is None else data
+    if not isinstance(patterns, list | tuple) or not all(isinstance(p, str) for p in patterns):
+        _refuse(path, f"DATA: {data!r} is not allowed; allowed: a list of patterns of files")
+    content = opened.seal(data)
+    _check_imports(path, opened)
+    if hidden := opened.hidden():
+        _refuse(path, f"{', '.join(hidden)}: {HIDDEN}; allowed: {STATED}")
+    return replace(found, function=Build(found.function, opened), content=content)
 
-    def note(event: str, arguments: tuple) -> None:
-        if _READING and event == "open" and isinstance(arguments[0], str | bytes):
-            read, folder = _READING[-1]
-            path = Path(os.fsdecode(arguments[0])).resolve()
-            if path.suffix not in (".py", ".pyc") and folder in path.parents and path.is_file():
-                read.add(path)
 
-    sys.addaudithook(note)
+HIDDEN = "what this reads is not seen, and results are named after all that a structure reads"
 
 
-def _loaded(path: Path) -> SceneType:
-    """The structure, with the digest of no code yet."""
-    module = _run(path)
+def _built(path: Path, module: ModuleType) -> SceneType:
+    """The structure, built at its defaults, with the digest of no code yet."""
     parameters, build = getattr(module, "PARAMETERS", None), getattr(module, "build", None)
     mesh = getattr(module, "MESH", None)
     known = parameters.values() if isinstance(parameters, dict) else [None]
@@ -72,7 +78,6 @@ def _loaded(path: Path) -> SceneType:
         _refuse(path, f"build at the default values: {type(error).__name__}: {error}")
     if not isinstance(scene, Scene):
         _refuse(path, f"build: gives {type(scene).__name__}; allowed: an fpm.Scene")
-    _check_imports(path)
     return SceneType(
         name=path.stem,
         description=(module.__doc__ or "").strip().split("\n")[0],
@@ -85,11 +90,13 @@ def _loaded(path: Path) -> SceneType:
     )
 
 
-def _run(path: Path):
+def _run(path: Path, opened: Opened) -> ModuleType:
     """The module of a file, which may import others from beside it, now or when it builds."""
     if (beside := str(path.resolve().parent)) not in sys.path:
         sys.path.append(beside)  # last: none of them stands for a module that is installed
-    spec = importlib.util.spec_from_file_location(f"structure_{path.stem}", path)
+    name = f"structure_{path.stem}"
+    loader = Loader(name, str(path.resolve()), opened)
+    spec = importlib.util.spec_from_file_location(name, path, loader=loader)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # where dataclasses look up annotations
     try:
@@ -99,7 +106,7 @@ def _run(path: Path):
     return module
 
 
-def _check_imports(path: Path) -> None:
+def _check_imports(path: Path, opened: Opened) -> None:
     """Refuse a file that has another module for one beside it, of which its digest is made."""
     folder = path.resolve().parent
     for beside in own_sources(path) - {path.resolve()}:
@@ -107,7 +114,7 @@ def _check_imports(path: Path) -> None:
             continue
         parts = beside.relative_to(folder).with_suffix("").parts
         name = ".".join(parts).removesuffix(".__init__")
-        file = getattr(sys.modules.get(name), "__file__", None)
+        file = getattr(opened.modules.get(name, sys.modules.get(name)), "__file__", None)
         if file and Path(file).resolve() != beside:
             _refuse(
                 path, f"import {name}: is {file} already, not {beside.name} from beside it; "

@@ -3,7 +3,6 @@
 Parameters have value, unit, range and description side by side.
 """
 
-import functools
 import hashlib
 import json
 import math
@@ -13,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fpm.errors import SceneError, did_you_mean
-from fpm.kernels.sources import syntax_digest
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures.builder import Builder
@@ -121,7 +119,7 @@ def loads(text: str, source: str = "structure") -> SceneType:
     file = _File(table, given, source)
     scene = file.builder({n: one.parameter.default for n, one in given.items()}, problems).scene
     problems.stop()
-    content = f"{_language()} {json.dumps(table.plain)}".encode()
+    content = json.dumps(table.plain).encode()
     return SceneType(
         name=name or Path(source).stem,
         description=description,
@@ -133,12 +131,6 @@ def loads(text: str, source: str = "structure") -> SceneType:
         mesh=mesh or None,
         content=hashlib.sha256(content).hexdigest()[:16],
     )
-
-
-@functools.cache
-def _language() -> str:
-    """Digest of the code that makes scenes of texts."""
-    return syntax_digest(Path(__file__).parent.rglob("*.py"))
 
 
 def _text(table: Node, key: str, problems: Problems) -> str:

@@ -9,34 +9,34 @@ from pathlib import Path
 import pytest
 
 from deployable import campaign
-from deployable.campaign import stages
+from deployable.campaign import provenance
 from deployable.campaign.config.sections import as_json
 from deployable.campaign.stages import STAGES
+from fpm.kernels.sources import Imported
 
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.mark.parametrize(
-    "file",
-    [
-        "deployable/campaign/report/page.html",
-        "deployable/intervals/box.py",
-        "fpm/reading/stress.py",
-    ],
-)
-def test_any_change_of_the_program_counts_and_a_remark_does_not(tmp_path, monkeypatch, file):
-    for room in ("deployable", "fpm"):
-        nothing = shutil.ignore_patterns("__pycache__", "shipped")
-        shutil.copytree(ROOT / room, tmp_path / room, ignore=nothing)
-    monkeypatch.setattr(stages, "__file__", str(tmp_path / "deployable/campaign/stages.py"))
-    digest = stages.program_digest.__wrapped__
-    before, path = digest(), tmp_path / file
-    with path.open("a") as end:
-        end.write("" if path.suffix == ".html" else "\n# A remark.\n")
-    assert digest() == before
-    with path.open("a") as end:
-        end.write("\nMORE = 1\n")
-    assert digest() != before
+def test_any_change_of_the_program_counts_and_a_remark_does_not(tmp_path):
+    nothing = shutil.ignore_patterns("__pycache__", "shipped")
+    copied = shutil.copytree(ROOT / "deployable", tmp_path / "deployable_copied", ignore=nothing)
+    for file in ("campaign/report/page.html", "intervals/box.py", "campaign/runs/progress.py"):
+        before, path = Imported(copied).digest(), copied / file
+        with path.open("a") as end:
+            end.write("" if path.suffix == ".html" else "\n# A remark.\n")
+        assert Imported(copied).digest() == before
+        with path.open("a") as end:
+            end.write("\nMORE = 1\n")
+        assert Imported(copied).digest() != before
+
+
+def test_results_are_of_all_of_the_program(monkeypatch):
+    before = provenance.program_digest()
+    for name in ("PROGRAM", "sources.MECHANICS"):
+        with monkeypatch.context() as patch:
+            holder, _, last = f"deployable.campaign.provenance.{name}".rpartition(".")
+            patch.setattr(f"{holder}.{last}.digest", lambda *only, **but: "another")
+            assert provenance.program_digest() != before
 
 
 @pytest.mark.parametrize("name", STAGES)

@@ -1,7 +1,6 @@
 """Structures from text do what closed forms, and the same structures in Python, do."""
 
 import pickle
-import shutil
 import sys
 from itertools import product
 
@@ -15,9 +14,8 @@ from structures_for_tests import FOLDER, SMALL, changed, structure
 import fpm
 from evidence.verification.deployables import crossing, scissor
 from fpm.elements.particles.drive import Drive
-from fpm.kernels import sources
 from fpm.scenes.effort import machine, run_seconds
-from fpm.structures import StructureError, load, loads, report, text_file
+from fpm.structures import StructureError, load, loads, report
 
 PYTHON = FOLDER.parents[1].joinpath("docs", "structures.md").read_text(encoding="utf-8")
 PYTHON = PYTHON.split("```python\n")[-1].split("```")[0]
@@ -268,40 +266,6 @@ def test_the_digest_follows_what_a_file_says():
     assert loads(changed(SMALL, ("3 N m/rad", "4 N m/rad"))).digest != base
 
 
-@pytest.fixture
-def copied(tmp_path, monkeypatch):
-    """A copy of the mechanics and the language, whose files are digested; returns its folder."""
-    folder = tmp_path / "fpm"
-    shutil.copytree(sources.HERE, folder, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(sources, "HERE", folder)
-    monkeypatch.setattr(text_file, "__file__", str(folder / "structures" / "text_file.py"))
-    text_file._language.cache_clear()
-    yield folder
-    text_file._language.cache_clear()
-
-
-@pytest.mark.parametrize(
-    ("name", "of_text", "of_python"),
-    [
-        ("kernels/run", True, True),
-        ("structures/builder", True, False),
-        ("structures/statements/parts", True, False),
-        ("structures/report", True, False),
-        ("reading/responses", False, False),
-    ],
-)
-def test_the_digest_follows_the_code_that_makes_runs(copied, mast, name, of_text, of_python):
-    def digests():
-        text_file._language.cache_clear()
-        return loads(SMALL).digest, load(mast()).digest
-
-    before = digests()
-    with open(copied / f"{name}.py", "a") as file:
-        file.write("\nMORE = 1\n")
-    text, python = (x != y for x, y in zip(before, digests(), strict=True))
-    assert (text, python) == (of_text, of_python)
-
-
 # -- structures in Python --------------------------------------------------------------------------
 
 
@@ -345,6 +309,93 @@ def test_what_a_python_file_imports_or_reads_below_its_folder_counts(mast, name,
     assert load(file).digest == before
     path.write_text("LENGTH = 2")
     assert load(file).digest != before
+
+
+def test_it_is_loaded_once_until_something_of_it_changes(mast):
+    table, helper = mast(name="table.csv", source="1"), mast(name="helper_of_it.py", source="A = 1")
+    path = mast(f"import helper_of_it\nTEXT = open({str(table)!r}).read()")
+    first = load(path)
+    assert load(path) is first
+    more = path.read_text() + "\nB = 2"
+    for file, text in ((table, "2"), (helper, "A = 2"), (helper, "A = 3"), (path, more)):
+        file.write_text(text)  # within a second, of the same size: compiled code looks the same
+        before, first = first, load(path)
+        assert first.digest != before.digest
+        assert int(helper.read_text()[4]) == first.function.opened.modules["helper_of_it"].A
+        assert "helper_of_it" not in sys.modules
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "import helper_of_data",  # which reads while it is imported
+        "TEXT = open({path!r}).read()",
+        "import os\nos.read(os.open({path!r}, os.O_RDONLY), 9)",
+        "import numpy\nnumpy.loadtxt({path!r})",
+        "import sqlite3\nsqlite3.connect({path!r})",
+        "from fpm import structures\nstructures.load({mast!r})",  # that reads it in its turn
+    ],
+)
+def test_what_it_reads_counts_however_and_wherever_it_lies(mast, tmp_path_factory, more):
+    data = tmp_path_factory.mktemp("elsewhere") / "data.csv"
+    data.write_text("1")
+    path, reads = str(data), f"TEXT = open({str(data)!r}).read()"
+    mast(name="helper_of_data.py", source=reads)
+    file = mast(more.format(path=path, mast=str(mast(reads, "reads.py"))), "what_reads.py")
+    before = load(file).digest
+    for text in ("2", "3"):  # the second time in a process in which all is imported
+        data.write_text(text)
+        before, earlier = load(file).digest, before
+        assert before != earlier
+
+
+AT_OTHERS = """
+build_plain = build
+def build(**values):
+    if values["L"] > 1.5:
+        open({path!r}).read()
+    return build_plain(**values)
+"""
+
+
+def test_what_it_reads_at_other_values_only_is_stated_or_refused(mast):
+    table = mast(name="table.csv", source="1")
+    others = AT_OTHERS.format(path=str(table))
+    found = load(mast(others))
+    assert found.build(L=1.2).points
+    with pytest.raises(fpm.SceneError, match=r"opens .*table\.csv.* or names in DATA"):
+        found.build(L=2.0)
+    stated = load(mast(others + 'DATA = ["*.csv"]'))
+    assert stated.build(L=2.0).points
+    table.write_text("2")
+    with pytest.raises(fpm.SceneError, match=r"table\.csv changed since"):
+        stated.build(L=2.0)
+    assert load(mast(others + 'DATA = ["*.csv"]')).digest != stated.digest
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "import netCDF4",  # a library that opens files by itself
+        "def later():\n    from xarray import open_dataset",
+        "import os\nos.system('true')",
+        "import subprocess",
+        "from deployable import campaign",
+    ],
+)
+def test_what_reads_files_unseen_is_stated_or_refused(mast, more):
+    with pytest.raises(StructureError, match=r"is not seen, .*allowed: with DATA ="):
+        load(mast(more))
+    assert load(mast(f"{more}\nDATA = []")).points
+    with pytest.raises(StructureError, match="DATA: 'x' is not allowed"):
+        load(mast(f"{more}\nDATA = 'x'"))
+
+
+def test_a_file_that_it_makes_itself_does_not_count(mast, tmp_path):
+    write = f"open({str(tmp_path / 'made.csv')!r}, 'w').write('1')\n"
+    path = mast(write + f"TEXT = open({str(tmp_path / 'made.csv')!r}).read()")
+    assert load(path).build(L=1.2).points
+    assert load(path) is load(path)
 
 
 def test_a_helper_whose_name_another_module_has_is_refused(mast):

@@ -36,6 +36,7 @@ from deployable.campaign.config.models import (
     Verify,
 )
 from deployable.campaign.errors import CampaignError
+from deployable.campaign.provenance import made_by
 from fpm import SceneError, structures
 from fpm.files.outcome import eventful
 from fpm.reading.quantity_definitions import parse
@@ -182,6 +183,11 @@ class Experiment:
                 f"--trust {shlex.quote(file)}"
             )
         return scene_type(self.scene.name, file)
+
+    @property
+    def mechanics(self) -> str:
+        """Digest of the structure and of all code that makes runs: another one makes others."""
+        return made_by(self.scene_type.digest)
 
     @cached_property
     def curves(self) -> list[Any]:

@@ -120,7 +120,7 @@ def _of_results(folder: Folder, run: str) -> Chosen:
         known, names = ids(samples, slice(None)), list(samples["parameter"][:])
         experiment, mechanics = Experiment.read(samples.config), samples.mechanics
         step = float(samples.time_step)
-    if experiment.scene_type.digest != mechanics:
+    if experiment.mechanics != mechanics:
         raise CampaignError(
             f"the structure or the mechanics have changed since {folder.path} was made, so that "
             "its runs cannot be made again; run the campaign first"

@@ -145,7 +145,7 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
         points = held_out_points(box.free, experiment.held_out, design.points)
         parts.append(("held_out", points))
 
-    time, mechanics = time or choose_step(experiment), experiment.scene_type.digest
+    time, mechanics = time or choose_step(experiment), experiment.mechanics
     unit = np.concatenate([points for _, points in parts])
     role = np.repeat([ROLES.index(role) for role, _ in parts], [len(p) for _, p in parts])
     name = namer(experiment, time.step, mechanics)

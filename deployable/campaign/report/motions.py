@@ -205,7 +205,7 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
     folder = Path(folder)
     with open_dataset(folder / "samples.nc") as samples:
         experiment = Experiment.read(samples.attrs["config"])
-        if experiment.scene_type.digest != samples.attrs["mechanics"]:
+        if experiment.mechanics != samples.attrs["mechanics"]:
             return []
         shown = shown_runs(folder)
         values = dict(zip(samples["parameter"].values.tolist(), shown[0].values, strict=True))

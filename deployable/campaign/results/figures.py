@@ -169,7 +169,7 @@ def draw_nominal(folder: Folder, count: int) -> None:
         experiment = Experiment.read(samples.config)
         row, mechanics = nominal_row(samples) or 0, samples.mechanics
         (name,) = ids(samples, [row])
-    if experiment.scene_type.digest != mechanics:
+    if experiment.mechanics != mechanics:
         raise CampaignError(
             f"the structure or the mechanics have changed since {folder.path} was made, so that "
             "it cannot be drawn; run the campaign first"

@@ -30,7 +30,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
 from deployable.campaign.plan.plan import Plan, share
 from deployable.campaign.plan.runs import Run, Runs
-from deployable.campaign.provenance import as_attribute
+from deployable.campaign.provenance import as_attribute, check_code
 from deployable.campaign.runs.progress import Progress, Tell, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
@@ -155,7 +155,7 @@ def check_structure(plan: Plan) -> None:
 
     The runs would be others under the names of the planned ones.
     """
-    if plan.experiment.scene_type.digest != plan.mechanics:
+    if plan.experiment.mechanics != plan.mechanics:
         what = plan.experiment.scene.file or f"the structure {plan.experiment.scene.name}"
         raise CampaignError(f"{what} has changed since the runs were planned; start again")
 
@@ -277,6 +277,7 @@ def simulate(
         record=sorted({*experiment.record, *also}),
     )
     seconds = clocks(time.thread_time) - before
+    check_code()  # what only this needed may have been imported just now
     common = {
         "campaign": experiment.name,
         "config_hash": plan.config_hash,

@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 
-import fpm.reading
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.outside import refuse_outside
 from deployable.campaign.plan.runs import Run, Runs
 from fpm.files.sealed import DamagedError, check
 from fpm.files.trajectory import Column
-from fpm.kernels.sources import syntax_digest
+from fpm.kernels import sources
 
 # Contact events as the interval side gets them, in the order of the columns of `Record.events`.
 EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
@@ -94,9 +93,8 @@ class Store:
     def _contents(self) -> list:
         """What files depend on that hold responses and quantities and not what they are made of:
         their definitions, and the code that reads them off a run."""
-        code = syntax_digest(Path(fpm.reading.__file__).parent.glob("*.py"))
         wanted = (asdict(one) for one in (*self.responses, *self.quantities))
-        return [type(self).__name__, code, *wanted]
+        return [type(self).__name__, sources.reading(), *wanted]
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
         """A function that tells how many runs of groups are there, by the names of files alone."""

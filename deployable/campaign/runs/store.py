@@ -1,9 +1,9 @@
 """The stores of runs, one for each `jobs.keep`, and runs as one file between jobs.
 
 `Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded: found again by any
-                later design. What is recorded on request (`fpm.reading.variables`) may be lacking:
-                then the run is noted in `lacking` and counts as absent, and what it had is recorded
-                again as well;
+                later design. What is recorded on request (`fpm.reading.variables`) may be lacking,
+                or be of another version of the code that reads it: then the run is noted in
+                `lacking` and counts as absent, and what it had is recorded again as well;
 `Responses`     one netCDF file per group, `<digest of the group's runs>.nc`, with the
                 responses, contact events and quantities only. Other groups have other files:
                 another design, size of group or response simulates its runs again;
@@ -31,6 +31,7 @@ from deployable.campaign.runs.results import EVENT_VARIABLES, Record, Result, St
 from fpm.files import trajectory
 from fpm.files.sealed import DamagedError
 from fpm.files.trajectory import Column
+from fpm.kernels import sources
 from fpm.reading.variables import VARIABLES
 
 
@@ -41,6 +42,7 @@ class Trajectories(Store):
         super().__init__(folder, experiment)
         self._had: dict[str, set[Column]] = {}
         self._needs = {need for response in self.responses for need in response.needs}
+        self._code = sources.reading()
 
     def path(self, run: Run) -> Path:
         """The file of a run."""
@@ -87,7 +89,8 @@ class Trajectories(Store):
             return None
         except FileNotFoundError:
             return None
-        if not (lacks := self._needs - set(curves.columns)):
+        there = {column for column in curves.columns if curves.codes.get(column[0]) == self._code}
+        if not (lacks := self._needs - there):
             return curves
         self.lacking[run.id] = lacks
         self._had[run.id] = {column for column in curves.columns if column[0] in VARIABLES}

@@ -40,6 +40,7 @@ from fpm.elements import (
     Stop,
     TableSpring,
     TorqueMotor,
+    TorsionSpring,
     kinds_of,
 )
 from fpm.elements.openings.opening import opening_at, rate_at
@@ -214,6 +215,21 @@ def parts_of(scene) -> dict[str, str]:
     found = {part.name: part.resists_as for part in _elements(scene)}
     found = {_bearing(scene, hinge): "FR" for hinge in scene.bearings} | found
     return found | ({STRAIN: "S"} if scene.beams else {})
+
+
+def springs_of(scene) -> list[str]:
+    """The parts that are springs on joints, by tables too."""
+    return [
+        part.name for part in _elements(scene)
+        if isinstance(part.balanced, TorsionSpring | TableSpring) and part.resists_as == "S"
+    ]  # fmt: skip
+
+
+def drags_of(scene) -> dict[str, str]:
+    """The parts that only resist, with the classes of their kinds, whatever a file says."""
+    kinds = {part.name: type(part.balanced).resists_as for part in _elements(scene) if part.drags}
+    own = {name: kind if kind in DRAGS else "FR" for name, kind in kinds.items()}
+    return own | {_bearing(scene, hinge): "FR" for hinge in scene.bearings}
 
 
 def reeled(scene) -> list[str]:

@@ -21,6 +21,7 @@ from deployable.campaign.results.review import (
     STATES,
     as_csv,
     budgets_of,
+    rows_of,
 )
 
 LATCH, OTHER = ("latch a",), ("latch a", "latch b")
@@ -321,6 +322,118 @@ def test_parts_at_the_worst_place_add_up_to_the_margin():
     assert f"T = {drives:g} N m" in budget["sum"] and f"Tmin = {required_:g} N m" in budget["sum"]
     assert budget["sum"].endswith(f"= {drives / required_ - 1:g}.")
     assert "k = 0.09 N m/rad" in budget["title"] and "6 March 2009" in budget["title"]
+
+
+NUMBER = r"(−?[\d.]+(?: × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?)"
+
+
+def numeral(text):
+    """A number as it is printed, and a unit of its last place."""
+    mantissa, _, power = text.replace("−", "-").partition(" × 10")
+    power = int(power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 0)
+    return float(mantissa) * 10.0**power, 10.0 ** (power - len(mantissa.partition(".")[2]))
+
+
+def printed(text, pattern):
+    """The numbers of a pattern in which `N` stands for one, each with its last place."""
+    match = re.search(pattern.replace("N", NUMBER), text)
+    return match and [numeral(one) for one in match.groups()]
+
+
+def is_shown(row, rows):
+    """Whether the numbers that a row prints show that it is met."""
+    if "integrity" in row["asks"]:
+        (changed, _), (largest, _) = printed(row["value"], "up to N J, the largest is N J")
+        return changed >= 0.1 * largest > 0
+    if "worst combinations" in row["asks"]:
+        margins = [
+            one for one in rows if "positions" in one["analysed"] and one["asks"][:3] != "own"
+        ]
+        return all(one["verdict"].startswith("met") for one in margins)
+    if "redundant" in row["asks"]:
+        out = re.search("one of (.*) out", row["verdict"])[1].split(", ")
+        cases = [one["analysed"] for one in rows if one["verdict"].startswith("met")]
+        return len(out) > 1 and all(
+            any(f"without {spring};" in f"{case};" for case in cases) for spring in out
+        )
+    if "first miss" in row["asks"]:
+        by = re.search(r"[(]by (.*)[)]", row["verdict"])[1]
+        return any(one["of"] == by and one["state"] == MET for one in of(rows, "4.7.5.4.3", CATCH))
+    if "happen" in row["analysed"]:
+        return (row["value"] == "happens in no run") == ("does not happen" in row["analysed"])
+    (low, a), (high, b), (error, c) = printed(row["value"], "^N to N.* ± N")
+    limit = printed(row["analysed"], "at (?:least|most) N")
+    if "positions" in row["analysed"]:
+        stretch = printed(row["analysed"], "positions N to N rad of N to N rad")
+        if row["asks"][:3] != "own" and (
+            stretch is None or stretch[0][0] > stretch[2][0] or stretch[1][0] < stretch[3][0]
+            or "own factors" in row["analysed"]
+        ):  # fmt: skip
+            return False
+        limit = limit or [(0.0, 0.0)]
+    if "three times its tolerance" in row["verdict"]:
+        limit = printed(row["verdict"], "tolerance is N")
+        if limit[0][0] < 3 * (high - low + 2 * error) - 9 * (a + b + c) or not high > low:
+            return False
+    if "at most" in row["analysed"]:
+        return high + error <= limit[0][0] + a + b + c
+    return low - error >= limit[0][0] - a - b - c
+
+
+def drawn(rng):
+    """A campaign by chance: margins, other quantities and limits of both, some of which say what
+    their numbers do not."""
+    margins, quantities, numbers_, limits = {}, [], [], []
+
+    def some(*values):
+        return values[int(rng.integers(len(values)))]
+
+    for i in range(int(rng.integers(1, 4))):
+        name = f"m{i}_least"
+        margins[name] = margin(
+            f"m{i}", standard=some(ECSS, ECSS, NASA), first=some(0.0, 0.0, 0.2),
+            last=some(1.5, 1.5, 0.4), travel=some([0.0, 1.5], [0.0, 1.5], None),
+            own=some([], [], ["FR 0.1 for 6"]), weaker=some([], [], ["friction h as TL for FR"]),
+            without=some([], [], ["s1"], ["s2"], ["friction h"]), drives=["s1", "s2"],
+            springs=some(["s1"], ["s1", "s2"]), stand=some([], [], ["g"]),
+        )  # fmt: skip
+        numbers_.append(of_margin(name))
+    for i in range(int(rng.integers(0, 5))):
+        of_it = some(STRESS, MOMENT, LATCHED, GAP, TIME, MISS, {"of": "velocity"})
+        kind = some("largest", "smallest", "final", of_it.get("kind", "largest"))
+        numbers_.append(number(f"q{i}", **{"kind": kind} | of_it))
+    for each in numbers_:
+        low, width = rng.uniform(-0.5, 1.0), some(0.0, rng.uniform(0, 1), rng.uniform(0, 0.1))
+        there = not each.event or rng.random() < 0.7
+        row = quantity(each.name, *((low, low + width) if there else (None, None)),
+                       error=some(0.0, 0.01, 0.3, None))  # fmt: skip
+        quantities.append(row | ({"doubt": "the step decides"} if rng.random() < 0.1 else {}))
+        for j in range(int(rng.integers(0, 3))):
+            kind, level = some("at_least", "at_most"), float(some(0.0, -0.9, 0.3))
+            met = "some" if not there else None
+            if each.event and rng.random() < 0.8:
+                kind, level = "happens", some(True, False)
+                met = "all" if level == there else "none"
+            elif there:
+                slack = low - level if kind == "at_least" else level - low - width
+                met = "all" if slack >= 0 and rng.random() < 0.9 else some("open", "some")
+            limits.append(required(f"r{each.name}{j}", limit(each.name, kind, level, met)))
+    motion = {"exchanged": float(some(1.0, 0.01)), "largest": 2.0, "off": 1e-4}
+    return quantities, limits, numbers_, margins, motion
+
+
+def test_what_is_met_is_shown_by_the_numbers_that_are_printed():
+    """Of forty campaigns by chance."""
+    seen = set()
+    for seed in range(40):
+        quantities, limits, numbers_, margins, motion = drawn(np.random.default_rng(seed))
+        facts = sheets.facts_of(quantities, limits, margins, motion=motion)
+        rows = rows_of(facts, sheets.experiment(numbers_), ECSS)
+        for row in rows:
+            if row["state"] == MET:
+                seen.add(row["asks"][:30])
+                assert is_shown(row, rows), (seed, row)
+    assert len(seen) >= 8, seen
 
 
 PANEL = """

@@ -248,7 +248,7 @@ def test_latches_and_motors_that_have_no_part_are_said():
     (row,) = of(sheet(*stated), "4.7.5.3", EVERY)
     for words in (
         "the latch lock, which catches on the way, has no part", "the motor of g, elastic",
-        "with deliver 0.1", "f standing", "positions 0 to 1.5 rad of 0 to 1.5 rad",
+        "with deliver 0.1", "f standing", "positions 0 to 1.5 rad of 0 to 1.5 rad analysed",
     ):  # fmt: skip
         assert words in row["analysed"]
 

@@ -428,11 +428,11 @@ class _Sheet:
 
     def _margin_words(self, margin: Mapping[str, Any]) -> str:
         """By what a margin is, and over which positions."""
-        whole = "a travel whose end no latch or stop states"
+        words = [f"positions {_stretch(margin['first'], margin['last'], margin['unit'])}"]
         if margin["travel"] is not None:
-            whole = _stretch(*margin["travel"], margin["unit"])
-        analysed = _stretch(margin["first"], margin["last"], margin["unit"])
-        words = [f"positions {analysed} of {whole}"]
+            words[0] += f" of {_stretch(*margin['travel'], margin['unit'])} analysed"
+        else:
+            words[0] += " analysed, of a travel whose end no latch or stop states"
         words += [f"without {', '.join(margin['without'])}"] if margin["without"] else []
         words += [f"own factors: {', '.join(margin['own'])}"] if margin["own"] else []
         words += [f"with {', '.join(margin['added'])}"] if margin["added"] else []

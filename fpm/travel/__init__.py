@@ -225,11 +225,15 @@ def springs_of(scene) -> list[str]:
     ]  # fmt: skip
 
 
-def drags_of(scene) -> dict[str, str]:
-    """The parts that only resist, with the classes of their kinds, whatever a file says."""
-    kinds = {part.name: type(part.balanced).resists_as for part in _elements(scene) if part.drags}
-    own = {name: kind if kind in DRAGS else "FR" for name, kind in kinds.items()}
-    return own | {_bearing(scene, hinge): "FR" for hinge in scene.bearings}
+def classes_of_kinds(scene) -> dict[str, str]:
+    """The classes that parts have by what they are, whatever a file says; but a table is a spring
+    where it says so."""
+    own = {_bearing(scene, hinge): "FR" for hinge in scene.bearings}
+    for part in _elements(scene):
+        own[part.name] = "FR" if part.less else type(part.balanced).resists_as
+        if isinstance(part.balanced, TableSpring) and part.resists_as == "S":
+            own[part.name] = "S"
+    return own
 
 
 def reeled(scene) -> list[str]:

@@ -102,10 +102,11 @@ def test_settings_of_ones_own_are_told_with_those_of_the_standard():
     assert mechanism.own_settings(scene, definition, response) == [
         "FR 0.1 for 6", "driving S 1 for 0.8", "friction hinge as TL for FR",
     ]  # fmt: skip
+    kinds = {kind.__name__: kind for kind in scene.kinds}
     assert mechanism.weaker_classes(scene, response) == []
-    friction = next(kind for kind in scene.kinds if kind.__name__ == "Friction")
-    scene.classes[friction, 0] = "TL"
-    assert mechanism.weaker_classes(scene, response) == ["friction hinge as TL for FR"]
+    scene.classes |= {(kinds["Friction"], 0): "TL", (kinds["TorsionSpring"], 1): "HM"}
+    found = mechanism.weaker_classes(scene, response)
+    assert found == ["torsion spring hinge #2 as HM for S", "friction hinge as TL for FR"]
 
 
 def rows_of(text):

@@ -19,7 +19,7 @@ from fpm.files.trajectory import read_curves
 from fpm.reading import margins
 from fpm.reading.responses import parse
 from fpm.reading.standards import STANDARDS
-from fpm.travel import drags_of, parts_of, springs_of
+from fpm.travel import classes_of_kinds, parts_of, springs_of
 
 SAME = 1e-6
 """Difference of openings (share of the travel) that is none."""
@@ -189,11 +189,11 @@ def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> li
 
 
 def weaker_classes(scene: Any, response: Any) -> list[str]:
-    """Parts that only resist and that the structure's file counts as of a class with a lower
-    factor than theirs, in words."""
-    parts = parts_of(scene)
-    resists = STANDARDS[standard_of(response)].resists[evidence_of(response)]
+    """Parts that the structure's file counts as of a class with weaker factors than that of what
+    they are, in words."""
+    standard, parts = STANDARDS[standard_of(response)], parts_of(scene)
+    drives, resists = standard.drives, standard.resists[evidence_of(response)]
     return [
-        f"{part} as {parts[part]} for {own}" for part, own in drags_of(scene).items()
-        if resists[parts[part]] < resists[own]
+        f"{part} as {parts[part]} for {own}" for part, own in classes_of_kinds(scene).items()
+        if resists[parts[part]] < resists[own] or drives[parts[part]] > drives[own]
     ]  # fmt: skip

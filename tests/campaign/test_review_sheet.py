@@ -18,6 +18,7 @@ from deployable.campaign.results.review import (
     COLUMNS,
     MET,
     NOT_ANALYSED,
+    PARTLY,
     STATES,
     as_csv,
     budgets_of,
@@ -179,6 +180,8 @@ def test_a_row_says_what_was_shown(name):
 
 def test_a_clause_that_nothing_was_stated_for_is_not_analysed():
     rows = sheet(motion=None)
+    (balance,) = of(rows, "4.8.2.6", "integrity")
+    assert balance["verdict"].startswith("partly analysed") and balance["state"] == PARTLY
     assert len(rows) == len(CLAUSES[ECSS])
     analysed = {row["asks"]: row["verdict"] for row in rows if row["state"] != NOT_ANALYSED}
     assert list(analysed) == [

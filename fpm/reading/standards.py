@@ -20,10 +20,11 @@ CLASSES = {
 
 
 class Standard(NamedTuple):
-    """title; drives: factor of what drives by class, 0 where it must not count; resists: by
-    evidence, the factor of what resists by class."""
+    """title; edition: of which the factors are; drives: factor of what drives by class, 0 where it
+    must not count; resists: by evidence, the factor of what resists by class."""
 
     title: str
+    edition: str
     drives: dict[str, float]
     resists: dict[str, dict[str, float]]
 
@@ -42,15 +43,18 @@ _DRIVES = _each("          1   1   1   0  0  0  0  0    1")
 STANDARDS = {
     # 2 (1.1 I + 1.2 S + 1.5 HM + 3 FR + 3 HY + 3 HA + 3 HD) + 1.25 TD + TL
     "ecss-e-st-33-01c": Standard(
-        "ECSS-E-ST-33-01C", _each("0.8 0.9 1   0  0  0  0  0    1"), {
+        "ECSS-E-ST-33-01C", "6 March 2009; Rev.2 of 2019 may differ",
+        _each("0.8 0.9 1   0  0  0  0  0    1"), {
             "theory": _each("      2.4 2.2 3   6  6  6  6  1.25 1"),
             "measurement": _each(" 2.4 2.2 2.4 3  3  3  6  1.25 1"),
         }),
-    "nasa-std-5017b": Standard("NASA-STD-5017B", _DRIVES, {
+    "nasa-std-5017b": Standard("NASA-STD-5017B", "2022, at second hand", _DRIVES, {
         "analysis": _nasa(3.00, 1.50, 1.25),
         "development test": _nasa(2.50, 1.35, 1.15),
         "acceptance test": _nasa(2.00, 1.25, 1.10),
         "spring out": _nasa(1.00, 1.00, 1.00),
     }),
-    "aiaa-s-114": Standard("AIAA S-114", _DRIVES, {"analysis": _nasa(2.0, 2.0, 1.25)}),
+    "aiaa-s-114": Standard(
+        "AIAA S-114", "2005, at second hand", _DRIVES, {"analysis": _nasa(2.0, 2.0, 1.25)}
+    ),
 }  # fmt: skip

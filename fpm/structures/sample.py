@@ -98,7 +98,8 @@ def _build(build: Builder, entry: Entry) -> None:
     if word := vars(values).get("class"):
         now = build.scene.kinds.items()
         new = [(kind, i) for kind, own in now for i in range(count[kind], len(own))]
-        build.scene.classes |= dict.fromkeys(new, word)
+        kept = build.scene.classes if word == "S" else {}  # hysteresis of a spring is hysteresis
+        build.scene.classes |= {one: kept.get(one, word) for one in new}
     if isinstance(made, Part):
         made.particles = np.arange(before, len(build.scene.position))
         build.keep("parts", entry.name, made)

@@ -40,6 +40,7 @@ from fpm.elements import (
     Stop,
     TableSpring,
     TorqueMotor,
+    TorsionSpring,
     kinds_of,
 )
 from fpm.elements.openings.opening import opening_at, rate_at
@@ -214,6 +215,25 @@ def parts_of(scene) -> dict[str, str]:
     found = {part.name: part.resists_as for part in _elements(scene)}
     found = {_bearing(scene, hinge): "FR" for hinge in scene.bearings} | found
     return found | ({STRAIN: "S"} if scene.beams else {})
+
+
+def springs_of(scene) -> list[str]:
+    """The parts that are springs on joints, by tables too."""
+    return [
+        part.name for part in _elements(scene)
+        if isinstance(part.balanced, TorsionSpring | TableSpring) and part.resists_as == "S"
+    ]  # fmt: skip
+
+
+def classes_of_kinds(scene) -> dict[str, str]:
+    """The classes that parts have by what they are, whatever a file says; but a table is a spring
+    where it says so."""
+    own = {_bearing(scene, hinge): "FR" for hinge in scene.bearings}
+    for part in _elements(scene):
+        own[part.name] = "FR" if part.less else type(part.balanced).resists_as
+        if isinstance(part.balanced, TableSpring) and part.resists_as == "S":
+            own[part.name] = "S"
+    return own
 
 
 def reeled(scene) -> list[str]:

@@ -86,7 +86,8 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
 
 
 def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
-    """Whatever the surrogates say: they keep all here, and a run half way to a side does not."""
+    """Whatever the surrogates say: they keep all here, and a run half way to a side does not, nor
+    one that is farther out: the nearest decides."""
     from types import SimpleNamespace
 
     from deployable.campaign.answers import limits
@@ -98,8 +99,8 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
 
     monkeypatch.setattr(scalars, "Limit", Kept)
     bench = SimpleNamespace(
-        unit=np.array([[0.0, 0.0], [0.25, -0.5], [-1.0, 1.0]]),
-        numbers=np.array([[1.0], [np.nan], [2.0]]),
+        unit=np.array([[0.0, 0.0], [0.9, 0.1], [0.25, -0.5], [0.8, 0.8], [-1.0, 1.0]]),
+        numbers=np.array([[1.0], [np.nan], [np.nan], [np.nan], [2.0]]),
         nominal=np.array([0.0, 0.0]),
         experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True, True]))),
     )

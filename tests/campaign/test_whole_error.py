@@ -110,6 +110,26 @@ def test_an_error_is_that_of_an_order_from_one_on(monkeypatch, finest, sizes, or
     assert ratio == pytest.approx(2.0**order, rel=1e-6)
 
 
+def test_a_quantity_that_no_run_has_has_no_error_and_takes_no_run(monkeypatch):
+    """Not zero; and the others keep theirs, whichever stands first."""
+    at, none = np.array([0.5, -0.5]), np.full(2, np.nan)
+    there = SimpleNamespace(argmin=at, argmax=at, lower=1.0, upper=2.0)
+    absent = SimpleNamespace(argmin=none, argmax=none, lower=np.nan, upper=np.nan)
+    half = SimpleNamespace(argmin=at, argmax=np.array([np.nan, 1.0]), lower=1.0, upper=np.nan)
+
+    def told(plan, points):
+        assert np.isfinite(points).all()
+        return np.tile([1.1, 3.0, 1.2], (len(points), 1)), None
+
+    level = finer.Level(0.5, 0.25, True)
+    monkeypatch.setattr(finer, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
+    monkeypatch.setattr(finer, "_third", lambda *arguments: None)
+    bench = SimpleNamespace(plan=1.0, told=told)
+    found = finer.finer_errors(bench, [there, absent, half], ("step",))["step"]
+    assert np.isfinite(found[0]).all() and np.isnan(found[1]).all()
+    assert np.isfinite(found[2]).tolist() == [True, False]
+
+
 def test_planned_runs_stand_for_places_beside_them_and_no_others(monkeypatch):
     """Bounds attained at 0.93 and -0.2: there is a run at 0.9, and one at -0.9, but none near."""
     known = np.array([[-0.9], [0.0], [0.9]])

@@ -62,6 +62,8 @@ def test_a_harness_with_a_set_resists_as_one():
                               "back: [0.05 N m + 2*half, -0.05 N m + 2*half]")  # fmt: skip
     scene = loads(harness).build()
     assert parts_of(scene) == {"spring h": "HA", "hysteresis h": "HA"}
+    spring = loads(harness.replace("class: HA", "class: S")).build()
+    assert parts_of(spring) == {"spring h": "S", "hysteresis h": "HY"}
     found = lead(scene, "h", 0.0, 1.0)
     both = found.work["spring h"] + found.work["hysteresis h"]
     assert both == pytest.approx(0.05 * (0.3 - found.opening), abs=1e-8)

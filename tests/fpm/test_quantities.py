@@ -9,7 +9,7 @@ from fpm import SceneError
 from fpm.elements.kind import Eventful
 from fpm.files.trajectory import Curves
 from fpm.reading.events import value_at
-from fpm.reading.quantities import KINDS, Kind, crossing, crossing_margin
+from fpm.reading.quantities import KINDS, Kind, crossing, crossing_margin, peak
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.responses import Response
 
@@ -303,3 +303,13 @@ def test_what_only_follows_from_a_wrong_quantity_is_not_told():
     }
     _, problems = parse(wrong, [RESPONSE], ELEMENTS)
     assert [problem.key for problem in problems] == ["quantities.t.event", "quantities.w.at"]
+
+
+@pytest.mark.parametrize(
+    ("values", "top"),
+    [([3.0, 2.0, 0.0, 2.5], 3.0), ([0.0, 2.0, 3.0], 3.0), ([2.5, 0.0, 2.0, 3.0], 3.0),
+     ([0.0, 3.0, 1.0], 3.0 + 1.0 / 40), ([1.0, 1.0, 1.0], 1.0)],
+)  # fmt: skip
+def test_a_peak_at_either_end_is_the_value_there(values, top):
+    """The parabola is only where there are neighbours on both sides."""
+    assert peak(np.array(values)) == pytest.approx(top, abs=1e-15)

@@ -363,3 +363,14 @@ def test_a_border_that_no_function_tells_is_open_as_far_as_it_is_rough():
     happens = np.where(np.abs(x[:, 0]) < 0.5, rng.random(200) < 0.5, x[:, 0] > 0)
     found = Occurrence(x, happens)
     assert 0.3 < found.open < 0.55
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 0, 2), (1, 2, 0)])
+def test_the_limit_that_breaks_first_bounds_the_largest_box_whichever_is_stated_first(order):
+    """Of x + y at most 9, 1.6 and 1.2, in the box [-1, 1]²: the last is broken at 0.6 of it."""
+    surrogate = fitted(lambda x: x[:, 0] + x[:, 1], 2)
+    limits = [Limit(surrogate, "at_most", level) for level in (9.0, 1.6, 1.2)]
+    share, first, at = largest_share([limits[i] for i in order], np.zeros(2))
+    assert share == pytest.approx(0.6, abs=1e-6) and order[first] == 2
+    np.testing.assert_allclose(at, [0.6, 0.6], atol=1e-6)
+    assert largest_share([limits[0], limits[0]], np.zeros(2)) == (1.0, None, None)

@@ -427,3 +427,15 @@ def test_the_highest_of_many_peaks_is_climbed():
     width = np.ptp(values, axis=0)
     assert ((dense.max(axis=0) - bounds.upper) / width).max() < 1e-3
     assert ((bounds.lower - dense.min(axis=0)) / width).max() < 1e-3
+
+
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
+def test_whether_there_is_a_spline_does_not_depend_on_the_unit_of_values(size):
+    """Nor on a column in which all runs agree, of which rounding is all there is."""
+    points = points_in(2, 30, 7)
+    values = size * np.stack([np.sin(points[:, 0]), np.full(30, 3e5)], axis=1)
+    spline = fit_spline(points, values, np.ones(2))
+    assert np.abs(spline.evaluate(points) - values).max() < 1e-6 * size
+    points[1:3] = points[0] + [[2e-4, 0], [4e-4, 0]]
+    with pytest.raises(IntervalError, match="farther apart"):
+        fit_spline(points, size * np.random.default_rng(7).standard_normal((30, 50)), np.ones(2))

@@ -4,8 +4,9 @@
                    "open" where nothing fails, in so many runs or by what was fitted, and errors or
                    what only happens or does not leave open whether all does; open: by how much the
                    share may be more or less, by all runs and estimated errors
-    limits         [{quantity, units, kind, level, margin, error, at, simulated}]: margin at the
-                   worst place, and the estimated error, of mesh and step too if known
+    limits         [{quantity, units, kind, level, margin, error, at, simulated, met, share, open,
+                   runs}]: margin at the worst place, and the estimated error, of mesh and step too
+                   if known; met, share, open of this limit alone
     together       {met, share, open, runs, largest_share, fails, whole}: of all; `fails` is the
                    nearest place at which one fails: {requirement, quantity, kind, level, units, at,
                    simulated}; whole: whether errors have those of step and mesh
@@ -75,8 +76,10 @@ def _met(bench: Bench, found: Judged, chosen: list[int]) -> dict:
 
 def _requirement(bench: Bench, found: Judged, name: str) -> dict:
     chosen = [i for i, one in enumerate(found.asked) if one.requirement == name]
-    limits = [_limit(bench, found, i) for i in chosen]
-    return {"name": name, **_met(bench, found, chosen), "limits": limits}
+    met = _met(bench, found, chosen)
+    alone = [met if len(chosen) == 1 else _met(bench, found, [i]) for i in chosen]
+    limits = [_limit(bench, found, i) | own for i, own in zip(chosen, alone, strict=True)]
+    return {"name": name, **met, "limits": limits}
 
 
 def _limit(bench: Bench, found: Judged, i: int) -> dict:

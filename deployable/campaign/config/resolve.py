@@ -29,6 +29,12 @@ from deployable.campaign.config.sections import (
 from fpm import SceneError
 from fpm.errors import did_you_mean
 
+OWN_FACTORS = ("factors", "drives", "classes")
+"""Keys of a margin by which it is no longer that of its standard."""
+
+BY_STANDARD = "_by_standard"
+"""What ends the name of the margin that is the same but for these keys."""
+
 
 def campaign_of(config: Config, given: Mapping, found: Any, intervals: Mapping) -> Campaign:
     """The campaign of a config with a structure and the intervals of its parameters."""
@@ -67,7 +73,13 @@ def with_margins(config: Config) -> tuple[Config, list[str]]:
     them, one sentence each."""
     responses, quantities = dict(config.responses), dict(config.quantities)
     requirements, problems = dict(config.requirements), []
-    for name, definition in config.margins.items():
+    wanted = dict(config.margins)
+    if config.review:  # beside a margin by factors of its own, that by the standard's
+        for name, definition in config.margins.items():
+            if own := set(OWN_FACTORS) & set(definition):
+                rest = {key: value for key, value in definition.items() if key not in own}
+                wanted.setdefault(name + BY_STANDARD, rest)
+    for name, definition in wanted.items():
         least, key = f"{name}_least", f"margins.{name}"
         taken = [f"responses.{name}"] * (name in responses)
         taken += [f"quantities.{least}"] * (least in quantities)
@@ -84,9 +96,18 @@ def with_margins(config: Config) -> tuple[Config, list[str]]:
             rest = {key: value for key, value in definition.items() if key != "along"}
             responses[name] = {"margin": first, **({"with": more} if more else {}), **rest}
             quantities[least] = {"smallest": name}
+            if name not in config.margins:
+                continue
             if not any(least in limits for limits in requirements.values()):
-                limited = name if name not in requirements else f"{name}_margin"
-                requirements[limited] = {least: Limits(at_least=0.0)}
+                free = [one for one in (name, f"{name}_margin") if one not in requirements]
+                if free:
+                    requirements[free[0]] = {least: Limits(at_least=0.0)}
+                else:
+                    problems.append(
+                        f"{key}: there are requirements.{name} and requirements.{name}_margin, and "
+                        f"that of {least} needs one of these names; allowed: another name, or a "
+                        f"requirement of {least}"
+                    )
     found = replace(config, responses=responses, quantities=quantities, requirements=requirements)
     return found, problems
 

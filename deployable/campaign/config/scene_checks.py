@@ -16,6 +16,7 @@ import fpm
 from deployable.campaign.config.models import Aim, Config
 from deployable.campaign.config.read import show
 from deployable.campaign.config.resolve import (
+    BY_STANDARD,
     allows,
     campaign_of,
     intervals_of,
@@ -40,6 +41,7 @@ from fpm.reading.margins import read_label, travel_of
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.variables import numbers
 from fpm.solver.pack import topology
+from fpm.travel import springs_of
 
 CHOSEN = ("design", "bounds", "held_out")
 """Keys that a config with `accuracy` must not have: it chooses what they say."""
@@ -157,6 +159,8 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
     problems = []
     known = campaign.experiment.responses
     for name, definition in known.items():
+        if name not in margins and name.removesuffix(BY_STANDARD) in margins:
+            continue  # what is wrong with it is told of the margin that it stands beside
         try:
             fpm.responses.parse(name, definition, scene)
         except fpm.SceneError as error:
@@ -176,10 +180,27 @@ def _travel_problems(experiment: Experiment) -> list[str]:
         if curve.kind == "margin":
             led, _ = read_label(curve.columns[0][1])
             try:
-                travel_of(experiment.nominal_scene, led, positions=9)
+                travel = travel_of(experiment.nominal_scene, led, positions=9)
             except fpm.SceneError as error:
                 problems.append(_sentence(f"margins.{curve.name}.along", error))
+                continue
+            problems += _spring_out_problems(experiment, curve, travel.work)
     return problems
+
+
+def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> list[str]:
+    """Whether a margin by the factors of a spring that is out is without one, of several."""
+    if "spring out" not in curve.about:
+        return []
+    springs = [name for name in springs_of(experiment.nominal_scene) if work[name].max() > 0]
+    out = list(experiment.responses[curve.name].get("without", ()))
+    if len(springs) > 1 and len(out) == 1 and out[0] in springs:
+        return []
+    allowed = f"`without` one of {', '.join(springs)}" if len(springs) > 1 else "other evidence"
+    return [
+        f"margins.{curve.name}.evidence: 'spring out' is of one of several springs that drive, "
+        f"and {' and '.join(out) or 'nothing'} is out; allowed: {allowed}"
+    ]
 
 
 def _quantity_problems(experiment: Experiment) -> list[str]:

@@ -1,25 +1,40 @@
 """The review sheet: each clause of a standard with what a campaign showed of it, as rows of text.
 
-Nothing in it claims compliance: it says what an analysis of a model showed, of what was stated.
+Nothing in it claims compliance: it says what an analysis of a model showed, of what was stated. A
+row is met only where the numbers that it prints show it, with their errors.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from deployable.campaign.config.resolve import BY_STANDARD
 from deployable.campaign.files import csv_text
 from deployable.campaign.results.facts import decisive
 from deployable.campaign.text import numbers
-from fpm.reading.standards import STANDARDS
+from fpm.reading.standards import CLASSES, STANDARDS
 
-COLUMNS = ("clause", "asks", "analysed", "value", "verdict", "nearest")
 HEADS = {
     "clause": "clause", "asks": "what it asks", "analysed": "how it was analysed",
     "value": "value, with its interval", "verdict": "verdict", "nearest": "nearest to failing",
 }  # fmt: skip
+COLUMNS = ("standard", *HEADS, "state")
+"""Of the sheet as CSV: the edition, what people read, and the verdict as one of the states."""
 
-NOT_ANALYSED = "not analysed"
+MET, FAILED, OPEN = "met", "not met", "undecided"
+PARTLY, NOT_ANALYSED, REPORTED = "partly analysed", "not analysed", "reported"
+STATES = (FAILED, OPEN, PARTLY, NOT_ANALYSED, MET, REPORTED)
+
+
+class Verdict(NamedTuple):
+    """state: one of STATES; text: the verdict in words."""
+
+    state: str
+    text: str
+
+
+NOTHING = Verdict(NOT_ANALYSED, NOT_ANALYSED)
 
 
 class Clause(NamedTuple):
@@ -35,184 +50,552 @@ CLAUSES = {
     "ecss-e-st-33-01c": (
         Clause("4.7.5.2", "stresses and tensions within allowables, with factors of safety: metals "
                "1.25 (yield), 1.5 (ultimate), 4 (fatigue); cables 3; stops 2 on yield", "stress"),
-        Clause("4.7.5.3", "at every position of the travel at least the actuation Tmin, without "
-               "kinetic energy", "margin"),
+        Clause("4.7.5.3", "over the full range of travel at least the actuation Tmin, without "
+               "kinetic energy: a margin of at least 0", "margin"),
         Clause("4.7.5.3", "springs are redundant, or single ones justified", "redundant"),
         Clause("4.7.5.4.3", "latches catch over all temperatures, gradients and tolerances",
                "latches"),
         Clause("4.7.5.4.3", "a first miss does not prevent a latch from catching later", "misses"),
+        Clause("4.7.5.4.3", "shock loads of latches, by analysis or test", "latch shock"),
         Clause("4.7.5.4.4", "stops bear the largest shock, with margins", "stop"),
+        Clause("4.7.5.4.4", "a stop does not end in a state that cannot be left", ""),
         Clause("4.7.5.4.8", "clearance of at least three times its tolerance, with thermoelastic "
                "effects", "clearance"),
         Clause("4.8.2.1", "effects on ground told apart from those in orbit", ""),
         Clause("4.8.2.5", "budgets of preload and tolerance", "budget"),
+        Clause("4.8.2.6", "a parametric study of all mechanical variables", "parametric"),
         Clause("4.8.2.6", "conformance at the worst combinations of parameters", "together"),
         Clause("4.8.2.6", "failure cases", "failure"),
         Clause("4.8.2.6", "integrity of the model, by a balance of energy or momentum", "balance"),
         Clause("4.8.2.6", "sensitivity to the uncertainty of parameters", "influence"),
+        Clause("4.8.2.6", "inputs updated by tests; where these differ, the reason", ""),
         Clause("4.8.2.11", "shock that the mechanism makes", "shock"),
     ),
 }  # fmt: skip
-"""By standard, as in `fpm.reading.standards` (edition of 6 March 2009)."""
-
-ENDS = {
-    "not met": ("some", "none"),
-    "no failure found, which proves nothing of the rest of the box": ("open",),
-    "met in all of the box": ("all",),
-}
-"""How requirements end, in words, by what is said of them (`answers.requirements`)."""
+"""By standard, as in `fpm.reading.standards`."""
 
 TOPICS = {
-    "stress": "stress", "section_force": "stress", "section_moment": "stress", "tension": "stress",
-    "clearance": "clearance", "acceleration": "shock", "latch_impulse": "shock",
-    "latch_impact": "shock", "latch_moment": "shock", "constraint_force": "shock",
-    "reaction_force": "shock", "latches": "latches", "misses": "misses",
+    "stress": {"stress"}, "section_force": {"stress"}, "section_moment": {"stress"},
+    "tension": {"stress"}, "clearance": {"clearance"}, "acceleration": {"shock"},
+    "latch_impulse": {"latch shock", "shock"}, "latch_impact": {"latch shock", "shock"},
+    "latch_moment": {"latch shock", "shock"}, "constraint_force": {"shock"},
+    "reaction_force": {"shock"}, "latches": {"latches"}, "misses": {"misses"},
 }  # fmt: skip
 """Topics by kinds of response and by events of which quantities are."""
 
+ALLOWABLES = ("stress", "stop", "latch shock")
+"""Topics that only an allowable, which the campaign states, decides."""
+
+EXCHANGED = 20.0
+"""How many times what the balance of energy may be off by the energies of a run must change, so
+that the balance shows something: its error is at most 5 % of them then."""
+
 
 def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[dict[str, str]]:
-    """The rows of a standard's sheet from the facts of a campaign (`facts.facts_of`)."""
-    sheet = _Sheet(facts, experiment, STANDARDS[standard].title)
+    """The rows of a standard's sheet from the facts of a campaign (`facts.facts_of`), with its
+    `mechanism` (`mechanism.mechanism_of`)."""
+    sheet = _Sheet(facts, experiment, standard)
     return [row for clause in CLAUSES[standard] for row in sheet.rows(clause)] + sheet.others()
 
 
-def head_of(facts: Mapping[str, Any], rows: Sequence[Mapping[str, str]]) -> list[str]:
-    """What stands above the rows: how it ends, over which box, and how to read the numbers."""
+def head_of(
+    facts: Mapping[str, Any], rows: Sequence[Mapping[str, str]], standard: str
+) -> list[str]:
+    """What stands above the rows: how many end how, over which box, and how to read the numbers."""
     ends = []
-    for words, met in ENDS.items():
-        if names := [row["name"] for row in facts.get("requirements", ()) if row["met"] in met]:
-            ends.append(f"{words}: {', '.join(names)}")
-    left = list(dict.fromkeys(row["clause"] for row in rows if row["verdict"] == NOT_ANALYSED))
-    ends += [f"{NOT_ANALYSED}, in whole or in part: {', '.join(left)}"] if left else []
+    for state in STATES:
+        own = [row for row in rows if row["state"] == state]
+        named = dict.fromkeys(f"{row['clause']} {row['of']}".strip() for row in own)
+        ends += [f"{state}: {len(own)} ({', '.join(named)})"] if own else [f"{state}: 0"]
     box = (
         f"{p['description'] or p['name']} ({p['name']}) from {numbers.number(p['lower'], 4)} to "
         f"{numbers.quantity(p['upper'], p['units'], 4)}"
         for p in facts["parameters"]
     )
     return [
-        f"{numbers.capitalised('; '.join(ends))}.",
-        f"The box: {'; '.join(box)}. All else is as the structure's file states it.",
-        "By analysis of a model, for what the campaign states; no claim of compliance. A margin is "
-        "what drives over what is required, less 1; ± is the error at either end of an interval; "
-        "a share of the box is no probability.",
+        f"Of {len(rows)} rows {'; '.join(ends)}.",
+        f"The box: {'; '.join(box) or 'no parameter is an interval'}. All else is as the "
+        "structure's file states it.",
+        f"Clauses and factors are those of {edition_of(standard)}. By analysis of a model, for "
+        "what the campaign states; no claim of compliance. A margin is what drives over what is "
+        "required, less 1; ± is the error at either end of an interval; a share of the box is no "
+        "probability.",
     ]
 
 
-def as_csv(rows: Iterable[Mapping[str, str]]) -> str:
+def edition_of(standard: str) -> str:
+    """A standard with the edition of which its numbers are."""
+    return f"{STANDARDS[standard].title} ({STANDARDS[standard].edition})"
+
+
+def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
     """The sheet as CSV, with heads."""
-    return csv_text([row[name] for name in COLUMNS] for row in (HEADS, *rows))
+    heads = {**HEADS, "standard": "standard", "state": "state"}
+    titled = ({**row, "standard": edition_of(standard)} for row in rows)
+    return csv_text([row[name] for name in COLUMNS] for row in (heads, *titled))
+
+
+BUDGET_HEADS = ("part", "class", "acts", "moment", "factor", "weighted")
+
+
+def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Of each margin the parts at its worst place, which add up to it: heads, rows and the sum."""
+    found = []
+    for name, margin in facts["mechanism"]["margins"].items():
+        budget = margin["budget"]
+        unit = "N m" if margin["unit"] == "rad" else "N"
+        rows = [
+            (row["part"], f"{row['class_']}, {CLASSES[row['class_']]}",
+             "drives" if row["moment"] > 0 else "resists" if row["moment"] < 0 else "none",
+             *(numbers.number(row[key], 6) for key in ("moment", "factor", "weighted")))
+            for row in budget["rows"]
+        ]  # fmt: skip
+        at = numbers.place(margin["at"], facts["parameters"])
+        drives, required = (numbers.quantity(budget[key], unit, 6) for key in
+                            ("drives", "required"))  # fmt: skip
+        found.append({
+            "title": f"{name}: {edition_of(margin['standard'])}, {margin['evidence']}, at "
+                     f"{numbers.quantity(budget['opening'], margin['unit'], 4)}"
+                     f"{', ' if at else ''}{at}",
+            "heads": [head + f" ({unit})" * (head in ("moment", "weighted"))
+                      for head in BUDGET_HEADS],
+            "rows": rows,
+            "sum": f"T = {drives} (all that is weighted above 0), Tmin = {required} (below 0): "
+                   f"T/Tmin − 1 = {numbers.number(budget['margin'], 4)}.",
+        })  # fmt: skip
+    return found
+
+
+def _error(row: Mapping[str, Any]) -> float | None:
+    """The error of a quantity's interval, of mesh and step too where it is known."""
+    return row["errors"]["whole"] if row.get("errors") else row["error"]
+
+
+def _keeps(row: Mapping[str, Any], kind: str, level: float) -> bool:
+    """Whether the interval of a quantity, as it is printed, keeps a limit with its error."""
+    if row["lower"] is None or row["runs_without"]:
+        return False
+    error = _error(row)
+    slack = row["lower"] - level if kind == "at_least" else level - row["upper"]
+    return error is not None and slack >= error
 
 
 class _Sheet:
-    def __init__(self, facts: Mapping[str, Any], experiment: Any, title: str):
-        self.facts, self.title = facts, title
+    def __init__(self, facts: Mapping[str, Any], experiment: Any, standard: str):
+        self.facts, self.standard = facts, standard
         self._numbers = {number.name: number for number in experiment.numbers}
         self._tolerance = experiment.solver.energy_tolerance
-        self._limits: dict[str, tuple] = {}  # the requirement and the limit of each quantity
+        self._mechanism = facts["mechanism"]
+        self._margins = self._mechanism["margins"]
+        self._quantities = {row["name"]: row for row in facts["quantities"]}
+        self._limits: dict[str, list] = {}  # of each quantity: requirements and their limits
         for row in facts.get("requirements", ()):
             for limit in row["limits"]:
-                self._limits.setdefault(limit["quantity"], (row, limit))
+                self._limits.setdefault(limit["quantity"], []).append((row["name"], limit))
         self._used: set[str] = set()
 
     def rows(self, clause: Clause) -> list[dict[str, str]]:
-        """A row for each quantity that says something of a clause; one that says that none does."""
+        """The rows of a clause; one that says that nothing was analysed where there is none."""
         if clause.by in OTHERS:
-            found = [found] if (found := OTHERS[clause.by](self)) else []
+            rows = [OTHERS[clause.by](self)]
         else:
-            found = [self._row(row) for row in self._about(clause.by)] if clause.by else []
-        none = {"analysed": "", "value": "", "verdict": NOT_ANALYSED, "nearest": ""}
-        return [{"clause": clause.number, "asks": clause.asks, **row} for row in found or [none]]
+            about = [row for row in self.facts["quantities"]
+                     if clause.by in self._topics(row["name"])]  # fmt: skip
+            rows = [one for row in about for one in self._of_quantity(row, clause.by)]
+            rows += self._lacking(clause.by, about)
+        rows = [row for row in rows if row] or [_row("", NOTHING)]
+        return [{"clause": clause.number, "asks": clause.asks} | row for row in rows]
 
     def others(self) -> list[dict[str, str]]:
         """Margins by other standards, and requirements of quantities that no clause is about."""
         found = []
-        for row in self.facts["quantities"]:
-            name, number = row["name"], self._numbers[row["name"]]
-            if name in self._used or name not in self._limits:
+        for name, row in self._quantities.items():
+            if name in self._used:
                 continue
-            of = number.response
-            margin = of is not None and of.kind == "margin"
-            clause = STANDARDS[_standard(of)].title if margin else "own"
-            asks = (
-                "margin of at least 0 at every position"
-                if margin
-                else self._limits[name][0]["name"]
-            )
-            found.append({"clause": clause, "asks": asks, **self._row(row)})
+            if (margin := self._margins.get(name)) is not None:
+                named = {
+                    "clause": STANDARDS[margin["standard"]].title,
+                    "asks": "a margin of at least 0 over the full range of travel",
+                }
+                found += [named | one for one in self._of_quantity(row, "margin")]
+            else:
+                found += self._own(row, self._limits.get(name, []))
         return found
 
-    def _about(self, topic: str) -> list[Mapping[str, Any]]:
-        """Quantities of a topic; margins, and those with parts out, are those by this standard,
-        failure cases those by any."""
-        return [row for row in self.facts["quantities"] if topic in self._topics(row["name"])]
-
     def _topics(self, name: str) -> set[str]:
-        number = self._numbers[name]
+        number, margin = self._numbers[name], self._margins.get(name)
         of = number.response
+        if margin is not None:
+            if margin["without"]:
+                return set() if margin["own"] else {"failure"}
+            return {"margin"} if margin["standard"] == self.standard else set()
         if of is None:
-            return {TOPICS.get(number.event, "")}
-        if of.kind == "margin":
-            left, own = _left_out(of), STANDARDS[_standard(of)].title == self.title
-            topics = {"failure": left, "redundant": left and own, "margin": own and not left}
-            return {topic for topic, of_it in topics.items() if of_it}
-        if of.kind == "joint_moment" and of.about[1] == "stop":
-            return {"stop"}
-        return {TOPICS.get(of.kind, "")}
+            return TOPICS.get(number.event, set())
+        if of.kind == "joint_moment":
+            return {"stop": {"stop"}, "latch": {"latch shock", "shock"}}.get(of.about[1], set())
+        return TOPICS.get(of.kind, set())
 
-    def _row(self, row: Mapping[str, Any]) -> dict[str, str]:
-        """What a quantity says: its interval, and whether its limit is kept."""
+    # -- rows of quantities ------------------------------------------------------------------------
+
+    def _of_quantity(self, row: Mapping[str, Any], topic: str) -> list[dict[str, str]]:
+        """What a quantity says of a topic, and of each own requirement of it."""
+        name = row["name"]
+        self._used.add(name)
+        limits = self._limits.get(name, [])
+        if topic in JUDGES:
+            verdict, limit = JUDGES[topic](self, row), None
+            if topic == "latches":
+                limit = next((each for _, each in limits if _is_there(each)), None)
+            elif topic in ("margin", "failure"):
+                limit = self._limit_at_zero(name)
+            main = self._row(row, verdict, limit)
+            if topic == "margin" and self._margins[name]["own"]:
+                main |= {"clause": "own", "asks": "a margin by factors of one's own"}
+            rest = [(required, each) for required, each in limits if each is not limit]
+            return [main, *self._own(row, rest)]
+        if not limits:
+            verdict = Verdict(REPORTED, "reported; no limit was stated")
+            if topic in ALLOWABLES:
+                verdict = Verdict(NOT_ANALYSED, "not analysed: no allowable was stated (at_most)")
+            return [self._row(row, verdict)]
+        return [self._row(row, self._allowed(row, each, topic), each) for _, each in limits]
+
+    def _own(self, row: Mapping[str, Any], limits: Sequence) -> list[dict[str, str]]:
+        """A row for each requirement of a quantity that is the campaign's own."""
         self._used.add(row["name"])
-        parameters, name = self.facts["parameters"], row["name"]
-        value = f"{numbers.interval(row)} ± {numbers.quantity(row['error'], row['units'], 2)}"
+        rows = []
+        for required, limit in limits:
+            verdict = self._judged(row, limit)
+            weaker = limit["kind"] != "at_least" or limit["level"] < 0
+            if row["name"] in self._margins and weaker:
+                kept = "kept in all of the box" if verdict.state == MET else verdict.text
+                text = f"reported: {kept}, which shows nothing of the limit 0 of the standard"
+                verdict = Verdict(REPORTED, text)
+            named = {"clause": "own", "asks": f"own requirement {required}"}
+            rows.append(named | self._row(row, verdict, limit))
+        return rows
+
+    def _row(
+        self, row: Mapping[str, Any], verdict: Verdict, limit: Mapping[str, Any] | None = None
+    ) -> dict[str, str]:
+        """A quantity with its interval and a verdict; limit: by which it is judged."""
+        name, units, parameters = row["name"], row["units"], self.facts["parameters"]
+        value = f"{numbers.interval(row)} ± {numbers.quantity(_error(row), units, 2)}"
         if row["lower"] is None:
             value = "happens in no run"
-        requirement, limit = self._limits.get(name, (None, None))
-        if requirement is None:
-            return {"analysed": f"{name}: {row['long_name']}", "value": value,
-                    "verdict": "told; no limit was stated", "nearest": ""}  # fmt: skip
-        level = {"at_least": "at least", "at_most": "at most"}.get(limit["kind"], "")
-        asked = f"{level} {numbers.quantity(limit['level'], row['units'])}" if level else "happens"
-        of, near = self._numbers[name].response, numbers.place(limit["at"], parameters)
-        if not level and requirement["met"] in ("all", "open"):
-            near = ""  # what always happens is as far from failing everywhere
-        elif limit["simulated"] is not None:
-            near += f": {numbers.quantity(limit['simulated'], row['units'], 4)}, simulated"
-        return {
-            "analysed": f"{name}: {row['long_name']}; {asked}{_own_factors(of)}", "value": value,
-            "verdict": _verdict(requirement), "nearest": near,
+        analysed, nearest = f"{name}: {row['long_name']}", ""
+        if margin := self._margins.get(name):
+            analysed += f"; {self._margin_words(margin)}"
+            if limit is None:
+                least = numbers.quantity(row["simulated_lower"], units, 4)
+                nearest = f"{numbers.place(row['argmin'], parameters)}: {least}, simulated"
+        if limit is not None:
+            analysed += f"; {_asked(limit, units)}"
+            happens = limit["kind"] == "happens"
+            if not (happens and limit["met"] in ("all", "open")):
+                nearest = numbers.place(limit["at"], parameters)
+                if limit["simulated"] is not None:
+                    least = numbers.quantity(limit["simulated"], units, 4)
+                    nearest += f": {least}, simulated"
+        if margin:
+            opening = numbers.quantity(margin["budget"]["opening"], margin["unit"], 4)
+            nearest += f", at an opening of {opening}"
+        return _row(analysed, verdict, value, nearest, name)
+
+    def _lacking(self, topic: str, about: Sequence[Mapping]) -> list[dict[str, str]]:
+        """Latches that no quantity of the clause is about, where there are others."""
+        if topic != "latches" or not about:
+            return []
+        places = {
+            place for row in about if len(self._numbers[row["name"]].places) == 1
+            for place in self._numbers[row["name"]].places
         }  # fmt: skip
+        left = [name for name in self._mechanism["latches"] if name not in places]
+        return [_row(", ".join(left), NOTHING)] if left else []
+
+    # -- verdicts ----------------------------------------------------------------------------------
+
+    def _judged(self, row: Mapping[str, Any], limit: Mapping[str, Any]) -> Verdict:
+        """Whether a limit of a requirement is kept, as `answers.requirements` and the printed
+        interval show it."""
+        if limit["met"] == "none":
+            return Verdict(FAILED, "not met anywhere in the box")
+        if limit["met"] == "some":
+            share = numbers.share(limit["share"], limit["open"])
+            return Verdict(FAILED, f"not met: only in {share} of the box")
+        if limit["met"] == "open":
+            runs = f"no failure found in {limit['runs']} runs"
+            return Verdict(OPEN, f"undecided: {runs}, which proves nothing of the rest")
+        if limit["kind"] != "happens" and not _keeps(row, limit["kind"], limit["level"]):
+            return Verdict(OPEN, "undecided: the limit is within the error")
+        if row.get("doubt"):
+            return Verdict(OPEN, f"undecided: {row['doubt']}")
+        return Verdict(MET, "met in all of the box, by analysis")
+
+    def _allowed(self, row: Mapping[str, Any], limit: Mapping[str, Any], topic: str) -> Verdict:
+        """Whether a limit is kept that is an allowable; nothing where it is none."""
+        if topic not in ALLOWABLES:
+            return self._judged(row, limit)
+        sides = {self._side(q, each) for q in self._numbers for _, each in self._limits.get(q, ())
+                 if self._numbers[q].response == self._numbers[row["name"]].response}  # fmt: skip
+        if not self._side(row["name"], limit):
+            asked = _asked(limit, row["units"])
+            text = f"not analysed: {asked}, of this quantity, is no allowable of the largest load"
+            return Verdict(NOT_ANALYSED, text)
+        verdict = self._judged(row, limit)
+        signed = self._numbers[row["name"]].response.least is None
+        if verdict.state == MET and signed and not {1, -1} <= sides:
+            text = "partly analysed: met for loads of one sign; state a limit of the other as well"
+            return Verdict(PARTLY, text)
+        if verdict.state == MET:
+            return Verdict(MET, f"{verdict.text}, by the allowable that the campaign states")
+        return verdict
+
+    def _side(self, name: str, limit: Mapping[str, Any]) -> int:
+        """On which side (1 above, -1 below) a limit of a quantity bounds a response; 0: neither."""
+        number = self._numbers[name]
+        if number.response is None:
+            return 0
+        final = number.kind == "final" and number.response.kind.startswith("latch_imp")
+        if limit["kind"] == "at_most" and (number.kind == "largest" or final):
+            return 1
+        signed = number.response.least is None
+        lower = limit["kind"] == "at_least" and (number.kind == "smallest" or final)
+        return -1 if lower and signed else 0
+
+    def _limit_at_zero(self, name: str) -> Mapping[str, Any] | None:
+        """The limit of a requirement that is that of the standards."""
+        limits = (limit for _, limit in self._limits.get(name, ()))
+        return next((x for x in limits if x["kind"] == "at_least" and x["level"] == 0), None)
+
+    def _above_zero(self, row: Mapping[str, Any]) -> Verdict:
+        """Whether a margin is at least 0, by the requirement of that or by its interval."""
+        if limit := self._limit_at_zero(row["name"]):
+            return self._judged(row, limit)
+        if row["upper"] is not None and row["upper"] < 0:
+            return Verdict(FAILED, "not met anywhere in the box")
+        if row["lower"] is None or row["lower"] < 0:
+            return Verdict(FAILED, "not met in all of the box")
+        if _keeps(row, "at_least", 0.0):
+            return Verdict(MET, "met in all of the box, by analysis")
+        return Verdict(OPEN, "undecided: the least margin is within its error")
+
+    def _margin(self, row: Mapping[str, Any]) -> Verdict:
+        """Whether a margin meets its standard; of one by factors of its own, what both say."""
+        margin, verdict = self._margins[row["name"]], self._above_zero(row)
+        if margin["own"]:
+            other = self._margins.get(f"{margin['name']}{BY_STANDARD}_least", {})
+            known = not other.get("own", True) and other["standard"] == margin["standard"]
+            by = NOTHING
+            if known:
+                by = self._margin(self._quantities[f"{margin['name']}{BY_STANDARD}_least"])
+            own = f"by own factors ({', '.join(margin['own'])}): {verdict.text}"
+            return Verdict(REPORTED, f"{own}; by those of the standard: {by.text}")
+        if verdict.state != MET:
+            return verdict
+        for required, limit in self._limits.get(row["name"], ()):
+            stricter = self._judged(row, limit)
+            if limit["kind"] == "at_least" and limit["level"] > 0 and stricter.state != MET:
+                asked = _asked(limit, row["units"])
+                text = f"{stricter.state}: own requirement {required}, {asked}; the limit 0 is kept"
+                return Verdict(stricter.state, text)
+        if reasons := self._beyond(margin):
+            analysed = _stretch(margin["first"], margin["last"], margin["unit"])
+            text = f"partly analysed: met from {analysed}; {'; '.join(reasons)}"
+            return Verdict(PARTLY, text)
+        if "measurement" in margin["evidence"] or "test" in margin["evidence"]:
+            return Verdict(MET, f"{verdict.text}, if tests have shown what the factors rest on")
+        return verdict
+
+    def _beyond(self, margin: Mapping[str, Any]) -> list[str]:
+        """What of the travel a margin leaves open, in words."""
+        reasons, unit = [], margin["unit"]
+        if margin["travel"] is None:
+            names = " or ".join(margin["openings"])
+            reasons.append(f"no latch and no stop of {names} states where its travel ends")
+        elif not _covers(margin):
+            reasons.append(f"the travel is {_stretch(*margin['travel'], unit)}")
+        led = {name for other in self._margins.values() if other["standard"] == margin["standard"]
+               for name in other["openings"]}  # fmt: skip
+        if stand := [name for name in margin["stand"] if name not in led]:
+            reasons.append(f"{', '.join(stand)}, which stand{'s' * (len(stand) == 1)}, is not led")
+        if margin["weaker"]:
+            reasons.append(f"the structure's file counts {', '.join(margin['weaker'])}")
+        return reasons
+
+    def _margin_words(self, margin: Mapping[str, Any]) -> str:
+        """By what a margin is, and over which positions."""
+        words = [f"positions {_stretch(margin['first'], margin['last'], margin['unit'])}"]
+        if margin["travel"] is not None:
+            words[0] += f" of {_stretch(*margin['travel'], margin['unit'])} analysed"
+        else:
+            words[0] += " analysed, of a travel whose end no latch or stop states"
+        words += [f"without {', '.join(margin['without'])}"] if margin["without"] else []
+        words += [f"own factors: {', '.join(margin['own'])}"] if margin["own"] else []
+        words += [f"with {', '.join(margin['added'])}"] if margin["added"] else []
+        words += [f"{', '.join(margin['stand'])} standing"] if margin["stand"] else []
+        for key, text in (("latches", "the latch {}, which catches on the way, has no part in it"),
+                          ("motors", "the motor of {}, elastic, has no part in it")):  # fmt: skip
+            words += [text.format(name) for name in margin[key]]
+        if margin["evidence"] == "spring out":
+            words.append("by the factors for that case, so not to be compared with the intact "
+                         "mechanism's")  # fmt: skip
+        return "; ".join(words)
+
+    def _failure(self, row: Mapping[str, Any]) -> Verdict:
+        """A margin with parts that are out, which is a failure where these drive."""
+        margin = self._margins[row["name"]]
+        if idle := [part for part in margin["without"] if part not in margin["drives"]]:
+            text = f"{', '.join(idle)} drives nowhere: to leave it out is no failure"
+            return Verdict(NOT_ANALYSED, f"not analysed: {text}")
+        return self._margin(row)
+
+    def _catches(self, row: Mapping[str, Any]) -> Verdict:
+        """Whether a latch catches."""
+        places = self._numbers[row["name"]].places
+        limits = [limit for _, limit in self._limits.get(row["name"], ())]
+        there = [limit for limit in limits if _is_there(limit)]
+        if not there:
+            asked = "that it does not happen" if limits else "nothing of it"
+            return Verdict(NOT_ANALYSED, f"not analysed: the campaign requires {asked}")
+        verdict = self._judged(row, there[0])
+        if verdict.state == MET and len(places) > 1:
+            text = f"partly analysed: met for one of {', '.join(places)}, whichever it is"
+            return Verdict(PARTLY, text)
+        return verdict
+
+    def _catches_later(self, row: Mapping[str, Any]) -> Verdict:
+        """Whether a latch that misses catches later."""
+        if not row["runs_with"]:
+            return Verdict(NOT_ANALYSED, "not analysed: no run misses")
+        places = self._numbers[row["name"]].places
+        for name, number in self._numbers.items():
+            if number.event == "latches" and number.places == places:
+                verdict = self._catches(self._quantities[name])
+                return Verdict(verdict.state, f"{verdict.text} (by {name})")
+        return Verdict(NOT_ANALYSED, "not analysed: whether it latches later is no quantity")
+
+    def _clearance(self, row: Mapping[str, Any]) -> Verdict:
+        """Whether the least clearance is three times its tolerance, the width of its interval."""
+        if self._numbers[row["name"]].kind != "smallest":
+            return Verdict(NOT_ANALYSED, "not analysed: of a clearance the `smallest` is asked")
+        error = _error(row)
+        if row["lower"] is None or error is None or not row["upper"] > row["lower"]:
+            return Verdict(NOT_ANALYSED, "not analysed: no tolerance changes it")
+        tolerance = row["upper"] - row["lower"] + 2 * error
+        told = f"three times its tolerance is {numbers.quantity(3 * tolerance, row['units'])}"
+        if row["lower"] - error >= 3 * tolerance:
+            return Verdict(MET, f"met in all of the box, by analysis: {told}")
+        return Verdict(FAILED, f"not met in all of the box: {told}")
+
+    # -- clauses that are about no single quantity -------------------------------------------------
+
+    def redundant(self) -> dict[str, str] | None:
+        """Whether the margin holds without each single one of the springs that drive."""
+        own = {
+            name: margin for name, margin in self._margins.items()
+            if margin["standard"] == self.standard and not margin["own"]
+        }  # fmt: skip
+        springs = list(dict.fromkeys(name for m in own.values() for name in m["springs"]))
+        if not springs:
+            return None
+        if len(springs) == 1:
+            text = f"not analysed: {springs[0]} is a single spring, which is to be justified"
+            return _row("", Verdict(NOT_ANALYSED, text))
+        verdicts = {
+            margin["without"][0]: (name, self._margin(self._quantities[name]))
+            for name, margin in own.items()
+            if len(margin["without"]) == 1 and margin["without"][0] in springs
+        }  # fmt: skip
+        left = [name for name in springs if name not in verdicts]
+        text = "; ".join(f"without {out}: {each.text}" for out, (_, each) in verdicts.items())
+        analysed = ", ".join(name for name, _ in verdicts.values())
+        if not verdicts:
+            return _row("", Verdict(NOT_ANALYSED, f"not analysed: {', '.join(springs)}"))
+        states = {each.state for _, each in verdicts.values()}
+        state = next((one for one in STATES if one in states), MET)
+        if state == MET and not left:
+            text = f"met in all of the box: with each single one of {', '.join(springs)} out"
+        elif left:
+            state = PARTLY if state == MET else state
+            text += f"; not analysed: {', '.join(left)}"
+        text = text if text.startswith(state) else f"{state}: {text}"
+        return _row(f"one at a time: {analysed}", Verdict(state, text))
 
     def together(self) -> dict[str, str] | None:
-        """What of the box meets all requirements."""
+        """What of the box meets all requirements, and margins the limit of their standard."""
+        varied = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
         if "together" not in self.facts:
             return None
-        names = ", ".join(p["name"] for p in self.facts["parameters"])
-        rows = self.facts["requirements"]
-        failing = ", ".join(row["name"] for row in rows if row["met"] in ENDS["not met"])
-        return {
-            "analysed": f"all requirements together, over the box of {names}; "
-            f"{self.facts['runs']['all']} runs, worst places simulated",
-            "value": f"not met: {failing}" if failing else "",
-            "verdict": _verdict(self.facts["together"]), "nearest": "",
-        }  # fmt: skip
+        analysed = (
+            f"all requirements together, over the box of {', '.join(varied)}; "
+            f"{self.facts['runs']['all']} runs, worst places simulated"
+        )
+        states = {name: self._failure(self._quantities[name]).state for name in self._margins}
+        rows, whole = self.facts["requirements"], self.facts["together"]
+        failing = [row["name"] for row in rows if row["met"] in ("some", "none")]
+        failing += [name for name, state in states.items() if state == FAILED]
+        each = [self._judged(self._quantities[limit["quantity"]], limit).state
+                for row in rows for limit in row["limits"]]  # fmt: skip
+        open_ = [name for name, state in states.items() if state not in (MET, FAILED)]
+        if not varied:
+            verdict = Verdict(NOT_ANALYSED, "not analysed: no parameter is an interval")
+        elif failing:
+            verdict = Verdict(FAILED, "not met in all of the box")
+        elif whole["met"] != "all" or OPEN in each:
+            verdict = self._judged({}, {**whole, "met": "open"})
+        elif open_:
+            text = f"all that is required is met, {', '.join(open_)} as far as said there"
+            verdict = Verdict(PARTLY, f"partly analysed: {text}")
+        else:
+            verdict = Verdict(MET, "met in all of the box, by analysis")
+        if failing and whole["met"] == "some":
+            share = numbers.share(whole["share"], whole["open"])
+            verdict = Verdict(FAILED, f"not met: all requirements only in {share} of the box")
+        value = f"not met: {', '.join(dict.fromkeys(failing))}" if failing else ""
+        return _row(analysed, verdict, value)
 
     def balance(self) -> dict[str, str]:
-        """The balance of energy, which every run keeps that there is."""
-        return {
-            "analysed": f"every run, at every instant: {self.facts['runs']['all']} runs",
-            "value": f"off by less than {numbers.percent(self._tolerance)} of the largest energy",
-            "verdict": "met: runs that do not keep it fail", "nearest": "",
-        }  # fmt: skip
+        """The balance of energy, which every run keeps, where energies change by more than it."""
+        motion, allowed = self._mechanism["motion"], numbers.percent(self._tolerance)
+        runs, each = self.facts["runs"]["all"], numbers.quantity(self.facts["duration"], "s")
+        analysed = (
+            f"{runs} runs, each of {each}, fail where it is off by more than {allowed} of the "
+            "largest energy"
+        )
+        if motion is None:
+            text = "partly analysed: how far energies change was not kept (jobs.keep)"
+            return _row(analysed, Verdict(PARTLY, text))
+        exchanged, largest, off = (motion[key] for key in ("exchanged", "largest", "off"))
+        value = (
+            f"in the nominal run energies change by up to {numbers.quantity(exchanged, 'J')}, the "
+            f"largest is {numbers.quantity(largest, 'J')}, the balance off by "
+            f"{numbers.quantity(off, 'J', 2)}"
+        )
+        if exchanged < EXCHANGED * self._tolerance * largest or exchanged == 0:
+            text = "not analysed: hardly anything moves, so that the balance shows nothing"
+            return _row(analysed, Verdict(NOT_ANALYSED, text), value)
+        text = "met: runs that do not keep it fail"
+        return _row(analysed, Verdict(MET, text), value)
+
+    def parametric(self) -> dict[str, str]:
+        """Which parameters of the structure are varied."""
+        varied = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
+        fixed = [p["name"] for p in self.facts["fixed"] if isinstance(p["value"], float)]
+        if not varied:
+            return _row("", NOTHING)
+        verdict = Verdict(REPORTED, "reported")
+        if fixed:
+            verdict = Verdict(PARTLY, f"partly analysed: without {', '.join(fixed)}")
+        return _row("parameters that are intervals", verdict, ", ".join(varied))
 
     def influence(self) -> dict[str, str] | None:
         """The parameter that widens each quantity most."""
         found = [f"{row['name']} by {name} ({numbers.percent(row['influence'][name]['share'])})"
                  for row in self.facts["quantities"] if (name := decisive(row))]  # fmt: skip
-        return found and {
-            "analysed": "shares of the widths of quantities, by their surrogates",
-            "value": "most: " + ", ".join(found), "verdict": "told", "nearest": "",
-        }  # fmt: skip
+        return _row("shares of the widths of quantities, by their surrogates",
+                    Verdict(REPORTED, "reported"),
+                    "most: " + ", ".join(found)) if found else None  # fmt: skip
 
     def budget(self) -> dict[str, str] | None:
         """How wide intervals of quantities are, and with half of the tolerance that counts most."""
@@ -223,40 +606,52 @@ class _Sheet:
                 widths = (numbers.quantity(x, row["units"], 2) for x in (now, half["halved"]))
                 found.append("{}: {}, {} with half the tolerance of {}".format(
                     row["name"], *widths, name))  # fmt: skip
-        return found and {
-            "analysed": "widths of intervals, and with half of the tolerance that widens each most",
-            "value": "; ".join(found), "verdict": "told", "nearest": "",
-        }  # fmt: skip
+        return _row(
+            "widths of intervals, and with half of the tolerance that widens each most",
+            Verdict(REPORTED, "reported"), "; ".join(found)) if found else None  # fmt: skip
 
 
-OTHERS = {"together": _Sheet.together, "balance": _Sheet.balance, "influence": _Sheet.influence,
-          "budget": _Sheet.budget}  # fmt: skip
+OTHERS: dict[str, Callable[[_Sheet], dict | None]] = {
+    "together": _Sheet.together, "balance": _Sheet.balance, "influence": _Sheet.influence,
+    "budget": _Sheet.budget, "redundant": _Sheet.redundant, "parametric": _Sheet.parametric,
+}  # fmt: skip
 """What analyses clauses that are about no quantity."""
 
-
-def _standard(margin: Any) -> str:
-    """The name of the standard of a margin (`fpm.reading.margins`)."""
-    return next(word for word in margin.about if word in STANDARDS)
-
-
-def _left_out(margin: Any) -> bool:
-    """Whether a margin is one with parts that are out."""
-    return margin.about.index(_standard(margin)) + 2 < len(margin.about)
+JUDGES = {
+    "margin": _Sheet._margin, "failure": _Sheet._failure, "latches": _Sheet._catches,
+    "misses": _Sheet._catches_later, "clearance": _Sheet._clearance,
+}  # fmt: skip
+"""What judges a quantity by the limit that its clause has."""
 
 
-def _own_factors(response: Any) -> str:
-    """That a margin is by factors of its own, where it could be taken for one of the others."""
-    if response is None or response.kind != "margin" or "spring out" not in response.about:
-        return ""
-    return "; by the factors for that case, so not to be compared with the intact mechanism's"
+def _row(
+    analysed: str, verdict: Verdict, value: str = "", nearest: str = "", of: str = ""
+) -> dict[str, str]:
+    return {"analysed": analysed, "value": value, "verdict": verdict.text, "state": verdict.state,
+            "nearest": nearest, "of": of}  # fmt: skip
 
 
-def _verdict(row: Mapping[str, Any]) -> str:
-    """What is said of a requirement (`answers.requirements`)."""
-    if row["met"] == "open":
-        return f"no failure found in {row['runs']} runs, which proves nothing of the rest"
-    if row["met"] == "all":
-        return "met in all of the box, by analysis"
-    if row["met"] == "none":
-        return "not met anywhere in the box"
-    return f"not met: only in {numbers.share(row['share'], row['open'])} of the box"
+def _stretch(first: float, last: float, unit: str) -> str:
+    """Openings from one to another."""
+    return f"{numbers.number(first, 4)} to {numbers.quantity(last, unit, 4)}"
+
+
+def _asked(limit: Mapping[str, Any], units: str) -> str:
+    """A limit in words."""
+    if limit["kind"] == "happens":
+        return "happens" if limit["level"] else "does not happen"
+    level = numbers.quantity(limit["level"], units)
+    return f"{limit['kind'].replace('_', ' ')} {level}"
+
+
+def _is_there(limit: Mapping[str, Any]) -> bool:
+    """Whether only what happens keeps a limit."""
+    return limit["kind"] != "happens" or bool(limit["level"])
+
+
+def _covers(margin: Mapping[str, Any]) -> bool:
+    """Whether the positions of a margin are all of its travel."""
+    c, d = sorted(margin["travel"])
+    a, b = sorted((margin["first"], margin["last"]))
+    room = 1e-6 * (d - c)
+    return a <= c + room and b >= d - room

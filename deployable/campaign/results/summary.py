@@ -9,9 +9,16 @@ from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.facts import facts_of
-from deployable.campaign.results.review import HEADS, as_csv, head_of, rows_of
+from deployable.campaign.results.mechanism import mechanism_of
+from deployable.campaign.results.review import (
+    HEADS,
+    as_csv,
+    budgets_of,
+    edition_of,
+    head_of,
+    rows_of,
+)
 from deployable.campaign.text.templates import summary_text
-from fpm.reading.standards import STANDARDS
 
 
 def summarise(
@@ -25,14 +32,16 @@ def summarise(
     """
     facts = facts_of(folder, published, requirements, choice)
     if review:
+        facts["mechanism"] = mechanism_of(folder, facts["quantities"])
         rows = rows_of(facts, read_plan(folder.plan).experiment, review)
         facts["review"] = {
-            "title": STANDARDS[review].title,
-            "head": head_of(facts, rows),
+            "title": edition_of(review),
+            "head": head_of(facts, rows, review),
             "heads": HEADS,
             "rows": rows,
+            "budgets": budgets_of(facts),
         }
-        write_result(folder / "review.csv", as_csv(rows))
+        write_result(folder / "review.csv", as_csv(rows, review))
         write_result(folder / "review.md", summary_text(facts, "review.md.jinja"))
     text = summary_text(facts)
     write_result(folder / "summary.json", json.dumps(facts, indent=2) + "\n")

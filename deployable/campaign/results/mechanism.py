@@ -1,0 +1,199 @@
+"""What a review sheet needs to know of the mechanism beside the facts of its results: how far its
+openings go, what its margins are by, its latches and stops, and what its motion exchanges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.config.scene_checks import corners
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import read_plan
+from fpm.elements import Latch, Motor, RigidLatch, Stop
+from fpm.files.outcome import BALANCE
+from fpm.files.trajectory import read_curves
+from fpm.reading import margins
+from fpm.reading.responses import parse
+from fpm.reading.standards import STANDARDS
+from fpm.travel import classes_of_kinds, parts_of, springs_of
+
+SAME = 1e-6
+"""Difference of openings (share of the travel) that is none."""
+
+
+def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """Margins by the names of their quantities, latches, and `motion`; quantities: rows
+    of the facts."""
+    plan = read_plan(folder.plan)
+    experiment, scene = plan.experiment, plan.experiment.nominal_scene
+    rows = {row["name"]: row for row in quantities}
+    least = [
+        number for number in experiment.numbers
+        if number.kind == "smallest" and number.response.kind == "margin"
+    ]  # fmt: skip
+    scenes = [experiment.build(at) for at in corners(experiment.intervals)] if least else []
+    led = _leader(experiment)
+    return {
+        "margins": {
+            q.name: margin_of(experiment, scenes, q.response, rows[q.name], led) for q in least
+        },
+        "latches": [name for kind in (Latch, RigidLatch) for name in kind.names(scene)],
+        "motion": motion_of(folder, plan),
+    }
+
+
+def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
+    """Of the nominal run the largest change of an energy, `exchanged` (J), the largest energy, and
+    by how much its balance is off; None where energies were not kept."""
+    path = folder.runs("trajectories") / f"{plan.runs[0].id}.nc"
+    if not path.exists():
+        return None
+    energies = dict(read_curves(path).energies)
+    balance = energies.pop(BALANCE.name)
+    return {
+        "exchanged": float(max((np.ptp(x) for x in energies.values()), default=0.0)),
+        "largest": float(max((np.abs(x).max() for x in energies.values()), default=0.0)),
+        "off": float(np.abs(balance).max()),
+    }
+
+
+def margin_of(
+    experiment: Any, scenes: Sequence[Any], response: Any, row: Mapping[str, Any], led: Callable
+) -> dict[str, Any]:
+    """What a margin is by, over which part of the travel, and its budget at the worst place; led:
+    curves of the work of all parts, by values of the interval parameters and a response."""
+    definition, standard = experiment.responses[response.name], standard_of(response)
+    nominal, along = scenes[0], response.along
+    openings = response.about[: response.about.index(standard)]
+    worst = tuple(row["argmin"].values())
+    worst = tuple(experiment.nominal) if None in worst else worst
+    curves, label = led(worst, response), response.columns[0][1]
+    budget = margins.torque_budget(response, curves)
+    drives = {
+        margins.read_label(of)[1]
+        for found in (curves, led(tuple(experiment.nominal), response))
+        for (name, of), work in found.columns.items()
+        if name == margins.WORK and np.max(work) > 0
+    }
+    on = {i for i, hinge in enumerate(nominal.hinges) if hinge.name in openings}
+    low, high = sorted((along.first, along.last))
+    room = SAME * (high - low)
+    return {
+        "name": response.name,
+        "standard": standard,
+        "evidence": evidence_of(response),
+        "openings": list(openings),
+        "without": left_out(response),
+        "stand": list(definition.get("stand", ())),
+        "first": along.first,
+        "last": along.last,
+        "unit": along.unit,
+        "travel": travel_of(scenes, openings, along, margins.read_label(label)[0].first is None),
+        "latches": [
+            latch.label(nominal) for kind in (Latch, RigidLatch) for latch in kind.of(nominal)
+            if latch.hinge in on and low + room < latch.angle < high - room
+        ],
+        "motors": [nominal.hinges[motor.hinge].name for motor in Motor.of(nominal)],
+        "own": own_settings(nominal, definition, response),
+        "weaker": weaker_classes(nominal, response),
+        "added": [f"{key} {definition[key]:g}" for key in ("accelerate", "deliver")
+                  if definition.get(key)],
+        "springs": [name for name in springs_of(nominal) if name in drives],
+        "drives": sorted(drives),
+        "at": dict(zip(experiment.intervals, worst, strict=True)),
+        "budget": {**budget._asdict(), "rows": [share._asdict() for share in budget.rows]},
+    }  # fmt: skip
+
+
+def _leader(experiment: Any) -> Callable:
+    """A function that leads a margin's travel at values (k) of the interval parameters: curves of
+    the work of all parts, those that are left out too; each travel once."""
+
+    @cache
+    def scene(values: tuple[float, ...]) -> Any:
+        return experiment.build(dict(zip(experiment.intervals, values, strict=True)))
+
+    @cache
+    def curves(values: tuple[float, ...], columns: tuple) -> Any:
+        return margins.led_curves(scene(values), [replace(experiment.curves[0], columns=columns)])
+
+    def led(values: tuple[float, ...], response: Any) -> Any:
+        definition = {
+            key: value for key, value in experiment.responses[response.name].items()
+            if key not in ("without", "evidence")
+        }  # fmt: skip
+        intact = parse(response.name, definition, experiment.nominal_scene)
+        return curves(values, tuple(dict.fromkeys([*intact.columns, *response.columns])))
+
+    return led
+
+
+def standard_of(margin: Any) -> str:
+    """The name of the standard of a margin (`fpm.reading.margins`)."""
+    return next(word for word in margin.about if word in STANDARDS)
+
+
+def evidence_of(margin: Any) -> str:
+    """What the factors of a margin rest on."""
+    return margin.about[margin.about.index(standard_of(margin)) + 1]
+
+
+def left_out(margin: Any) -> list[str]:
+    """The parts that a margin is without."""
+    return list(margin.about[margin.about.index(standard_of(margin)) + 2 :])
+
+
+def travel_of(
+    scenes: Iterable[Any], openings: Sequence[str], along: Any, stowed: bool
+) -> list[float] | None:
+    """The first and last opening of the whole travel of what is led: from the start to the farthest
+    latch, or without one the nearest stop, in any of some scenes; None where there is neither.
+    stowed: whether each scene is led from its own start."""
+    way = 1.0 if along.last > along.first else -1.0
+    starts, ends = [], []
+    for scene in scenes:
+        hinges = {hinge.name: (i, hinge.opening) for i, hinge in enumerate(scene.hinges)}
+        zero = hinges[openings[0]][1]
+        starts.append(zero)
+        latches, stops = [], []
+        for number, start in (hinges[name] for name in openings):
+            side = "above" if way > 0 else "below"
+            own = [x for kind in (Latch, RigidLatch) for x in kind.of(scene) if x.hinge == number]
+            latches += [zero + latch.angle - start for latch in own]
+            own = [x for x in Stop.of(scene) if x.hinge == number and x.side == side]
+            stops += [zero + stop.angle - start for stop in own]
+        latches, stops = (
+            [way * end for end in found if way * (end - zero) > 0] for found in (latches, stops)
+        )
+        ends += [max(latches)] if latches else [min(stops)] if stops else []
+    starts = [along.first] if stowed else starts
+    return [way * min(way * start for start in starts), way * max(ends)] if ends else None
+
+
+def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:
+    """Factors and classes of a margin that are not the standard's or the structure's, in words."""
+    standard = STANDARDS[standard_of(response)]
+    resists, parts = standard.resists[evidence_of(response)], parts_of(scene)
+    return [
+        *(f"{name} {x:g} for {resists[name]:g}"
+          for name, x in definition.get("factors", {}).items()),
+        *(f"driving {name} {x:g} for {standard.drives[name]:g}"
+          for name, x in definition.get("drives", {}).items()),
+        *(f"{part} as {name} for {parts[part]}"
+          for part, name in definition.get("classes", {}).items()),
+    ]  # fmt: skip
+
+
+def weaker_classes(scene: Any, response: Any) -> list[str]:
+    """Parts that the structure's file counts as of a class with weaker factors than that of what
+    they are, in words."""
+    standard, parts = STANDARDS[standard_of(response)], parts_of(scene)
+    drives, resists = standard.drives, standard.resists[evidence_of(response)]
+    return [
+        f"{part} as {parts[part]} for {own}" for part, own in classes_of_kinds(scene).items()
+        if resists[parts[part]] < resists[own] or drives[parts[part]] > drives[own]
+    ]  # fmt: skip

@@ -1,0 +1,181 @@
+"""Designs whose review sheets a reviewer reads: what is asked of a campaign before its runs, what a
+sheet knows of the mechanism, and which design fails, where and why, from `review.md` alone."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from deployable import campaign
+from deployable.campaign.config.check import load_config
+from deployable.campaign.errors import ConfigError
+from deployable.campaign.results import mechanism
+from fpm import structures
+from fpm.reading import margins
+from fpm.reading.responses import parse
+
+DESIGNS = Path(__file__).parent / "designs"
+ECSS, NASA = "ecss-e-st-33-01c", "nasa-std-5017b"
+MARGIN = {"along": "hinge", "to": "90 deg", "standard": ECSS}
+LEFT, RIGHT = "torsion spring hinge", "torsion spring hinge #2"
+
+
+def config(tmp_path, **changes):
+    """Design z as a file, with other sections."""
+    raw = yaml.safe_load((DESIGNS / "z.yaml").read_text())
+    raw["scene"]["file"] = str(DESIGNS / "flap.yaml")
+    (tmp_path / "c.yaml").write_text(yaml.safe_dump(raw | changes))
+    return [tmp_path / "c.yaml"]
+
+
+def of(response, **changes):
+    """A margin's response and its definition on the flap, whose parameters may differ."""
+    scene = structures.load(DESIGNS / "flap.yaml").build(**changes)
+    definition = {"margin": "hinge", "to": "90 deg", "standard": ECSS} | response
+    return scene, definition, parse("m", definition, scene)
+
+
+def test_beside_a_margin_by_own_factors_is_that_of_the_standard(tmp_path):
+    own = {"both": MARGIN | {"factors": {"FR": 1.5}}, "plain": MARGIN}
+    known = load_config(config(tmp_path, margins=own))
+    assert list(known.experiment.responses) == ["open", "both", "plain", "both_by_standard"]
+    assert "factors" not in known.experiment.responses["both_by_standard"]
+    assert list(known.requirements) == ["both", "plain"]
+    columns = {curve.name: curve.columns for curve in known.experiment.curves}
+    assert columns["both"] == columns["both_by_standard"], "another factor takes no run"
+
+
+@pytest.mark.parametrize("taken", [["m", "m_margin"], ["m"], []])
+def test_a_requirement_of_a_margin_replaces_none(tmp_path, taken):
+    own = {name: {"q": {"at_most": 1}} for name in taken}
+    path = config(tmp_path, margins={"m": MARGIN}, requirements=own,
+                  quantities={"q": {"final": "open"}})  # fmt: skip
+    if len(taken) == 2:
+        with pytest.raises(ConfigError, match=r"requirements\.m_margin.*allowed: another name"):
+            load_config(path)
+        return
+    found = load_config(path).requirements
+    assert all(found[name] == {"q": {"at_most": 1}} for name in taken)
+    assert found["m_margin" if taken else "m"] == {"m_least": {"at_least": 0.0}}
+
+
+@pytest.mark.parametrize(
+    ("out", "refused"),
+    [([LEFT], ""), ([RIGHT], ""), ([], "nothing is out"), ([LEFT, RIGHT], "is out; allowed"),
+     (["friction hinge"], "friction hinge is out"), (["spring hinge"], "`without` one of")],
+)  # fmt: skip
+def test_factors_of_a_spring_out_take_one_of_several_springs_that_drive(tmp_path, out, refused):
+    one = MARGIN | {"standard": NASA, "evidence": "spring out", "without": out}
+    path = config(tmp_path, margins={"m": one})
+    if not refused:
+        load_config(path)
+        return
+    with pytest.raises(ConfigError, match=re.escape(refused)):
+        load_config(path)
+
+
+@pytest.mark.parametrize(
+    ("more", "end", "travel"),
+    [
+        ({}, 90, [0, np.pi / 2]),
+        ({}, 120, [0, np.pi * 2 / 3]),
+        ({"from": "100 deg", "to": "-10 deg"}, 90, None),
+    ],
+)
+def test_the_whole_travel_is_from_the_start_to_the_latch(more, end, travel):
+    scene, _, response = of(more, end=float(end))
+    found = mechanism.travel_of([scene], ["hinge"], response.along, stowed=False)
+    assert found == (travel and pytest.approx(travel))
+    scenes = [of({}, end=angle)[0] for angle in (80.0, 100.0)]
+    if travel:  # of an uncertain latch the farthest place
+        found = mechanism.travel_of(scenes, ["hinge"], response.along, stowed=False)
+        assert found == pytest.approx([0, np.radians(100)])
+
+
+def test_settings_of_ones_own_are_told_with_those_of_the_standard():
+    own = {"factors": {"FR": 0.1}, "drives": {"S": 1}, "classes": {"friction hinge": "TL"}}
+    scene, definition, response = of(own)
+    assert mechanism.own_settings(scene, definition, response) == [
+        "FR 0.1 for 6", "driving S 1 for 0.8", "friction hinge as TL for FR",
+    ]  # fmt: skip
+    kinds = {kind.__name__: kind for kind in scene.kinds}
+    assert mechanism.weaker_classes(scene, response) == []
+    scene.classes |= {(kinds["Friction"], 0): "TL", (kinds["TorsionSpring"], 1): "HM"}
+    found = mechanism.weaker_classes(scene, response)
+    assert found == ["torsion spring hinge #2 as HM for S", "friction hinge as TL for FR"]
+
+
+def rows_of(text):
+    """The rows of a sheet: number, question, how, value, verdict and nearest."""
+    lines = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| ")]
+    return [[cell.strip().replace("\\", "") for cell in line] for line in lines if len(line) > 4]
+
+
+def numeral(text):
+    return float(text.replace("−", "-"))
+
+
+@pytest.mark.slow
+def test_a_reviewer_reads_which_fails_where_and_why(tmp_path):
+    """Of each design from its `review.md` alone."""
+    text = {}
+    for name in "xyz":
+        campaign.run(DESIGNS / f"{name}.yaml", tmp_path, figures=False, tell=lambda line: None)
+        text[name] = (tmp_path / name / "review.md").read_text()
+    margin = {
+        name: next(row for row in rows_of(text[name]) if row[0] == "4.7.5.3") for name in "xyz"
+    }
+    # which
+    assert "rows not met: 0; undecided: 2 (4.7.5.4.3 t_lock, 4.8.2.6)" in text["x"]
+    assert margin["x"][4] == "met in all of the box, by analysis"
+    assert margin["y"][4].startswith("not met: only in")
+    assert margin["z"][4].startswith("partly analysed: met from 0 to 1.047 rad; the travel is 0 to")
+    assert "by own factors (HA 1.5 for 6)" in text["z"]
+    # where
+    nearest = r"k = 0.09 N m/rad, temperature = −100: −0\.13.*opening of 0\.785"
+    assert re.search(nearest, margin["y"][5])
+    # why: parts that add up to the margin, the harness most of all
+    budget = text["y"].split("### both_least")[1].split("###")[0]
+    parts = [line.strip("| ").split(" | ") for line in budget.splitlines() if "hinge" in line]
+    weighted = {row[0].replace("\\", ""): numeral(row[5].strip(" |")) for row in parts}
+    assert min(weighted, key=weighted.get) == "spring hinge"
+    assert {row[0]: row[1] for row in parts}["friction hinge"] == "FR, friction"
+    assert {row[0]: row[1][:3] for row in parts}["spring hinge"] == "HA,"
+    drives = sum(x for x in weighted.values() if x > 0)
+    required = -sum(x for x in weighted.values() if x < 0)
+    assert f"{drives / required - 1:.2f}".replace("-", "−") in budget.split("T/Tmin − 1 = ")[1]
+    assert drives / required - 1 == pytest.approx(
+        0.8 * 2 * 0.09 * 0.75 * np.pi / 0.39 - 1, abs=1e-4
+    )
+    # what lacks
+    lacking = {row[1][:30]: row[4] for row in rows_of(text["z"]) if "not analysed" in row[4]}
+    for asks in ("springs are redundant", "latches catch", "failure cases", "integrity of"):
+        assert any(asks in question for question in lacking), asks
+    redundant = next(row for row in rows_of(text["x"]) if "redundant" in row[1])
+    assert redundant[4].endswith(f"with each single one of {LEFT}, {RIGHT} out")
+
+
+def test_a_budget_at_any_place_of_the_box_adds_up():
+    """By hand: of drawn designs T and Tmin are the sums of what is printed of their parts."""
+    rng = np.random.default_rng(3)
+    for _ in range(3):
+        k, dry, cold = rng.uniform(0.02, 0.2), rng.uniform(1e-3, 2e-2), rng.uniform(1e-3, 9e-2)
+        scene, _, response = of({}, k=k, dry=dry, cold=cold, temperature=-100.0)
+        budget = margins.torque_budget(response, margins.led_curves(scene, [response]))
+        angle = np.append(np.linspace(0, np.pi / 2, 4001), np.radians([35, 45, 55]))
+        wires = np.interp(angle, np.radians([0, 35, 45, 55, 100]),
+                          cold * np.array([0, 0.2, 1, 0.2, 0.5]))  # fmt: skip
+        margin = 0.8 * 2 * k * (np.pi - angle) / (6 * (dry + wires)) - 1
+        assert budget.margin == pytest.approx(margin.min(), abs=1e-6)
+        assert budget.opening == pytest.approx(angle[margin.argmin()], abs=1e-3)
+        weighted = [share.factor * share.moment for share in budget.rows]
+        drives = sum(x for x in weighted if x > 0)
+        required = -sum(x for x in weighted if x < 0)
+        assert drives / required - 1 == pytest.approx(budget.margin, abs=1e-12)
+        assert {share.part: share.class_ for share in budget.rows} == {
+            LEFT: "S", RIGHT: "S", "friction hinge": "FR", "spring hinge": "HA",
+        }  # fmt: skip

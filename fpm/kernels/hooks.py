@@ -48,7 +48,7 @@ def hook(arrays: type, name: str | None = None) -> Callable:
                 raise ValueError(f"{arrays.__name__} has a kernel for {each} already")
             KERNELS[arrays, each] = made
         with suppress(SceneError):  # typed in: refused when it is to be compiled
-            IMPORTED.setdefault(arrays, beside(file_of(compiled.py_func)))
+            IMPORTED.setdefault(arrays, beside(file_of(getattr(compiled, "py_func", compiled))))
         return compiled
 
     return register

@@ -13,8 +13,14 @@ solved by Newton's method with exact derivatives (elastic.py, conditions.py):
 small share of the masses and inertias: each round moves no further than it must, the mass being the
 measure, so that a free structure keeps its centre of mass. δ lets conditions be redundant, as in
 loops of rigid bodies; where they contradict each other, nothing converges. (Proximal method of
-multipliers: Rockafellar, Math. Oper. Res. 1 (1976) 97.) Springs, cables, gravity and loads act from
-the start of a run, not before.
+multipliers: Rockafellar, Math. Oper. Res. 1 (1976) 97.)
+
+μ M holds back all that is softer than it, and heat presses a slender bar far beyond its buckling
+load before it is let go, so that H has slopes below zero. What has not come to rest after ROUNDS is
+tried again: with a μ that is below the bending of a bar of 10⁴ times its height, and without what
+stress adds to H (Gauss and Newton's method) until the last rounds.
+
+Springs, cables, gravity and loads act from the start of a run, not before.
 """
 
 from collections.abc import Sequence
@@ -46,6 +52,9 @@ OPEN = 1e-6
 
 MASS_SHARE, EASE = 1e-8, 1e-13
 """μ and δ, where the largest entries of H, M and G are one."""
+
+SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR = 120, 1e-13, 1e-3
+"""Of the second try: its most rounds, its μ, and the motion of a round below which H is exact."""
 
 
 class MisfitError(SceneError):
@@ -82,38 +91,44 @@ def _settle(scene, places: Places, conditions: Conditions, elastic: Elastic):
     scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
     free = np.flatnonzero(~scene.fixed.ravel())
     weight = conditions.weight(size)
-    impulses = np.zeros(len(weight))
     open_before = conditions.worst(conditions.gaps(places))
-    if not len(free) and np.abs(weight * conditions.gaps(places)).max(initial=0.0) <= CLOSED:
+    closed = np.abs(weight * conditions.gaps(places)).max(initial=0.0) <= CLOSED
+    if not len(free) and closed:
         return places, 0
-    for done in range(1, ROUNDS + 1) if len(free) else ():
-        step, change = _round(scene, places, conditions, elastic, impulses, scales, free, weight)
-        if not np.isfinite(step).all():
-            break
-        largest = float(np.abs(step).max(initial=0.0))
-        share = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
-        places = places.moved(share * scales * step)
-        impulses = impulses + share * change
-        left = float(np.abs(weight * conditions.gaps(places)).max(initial=0.0))
-        if share == 1.0 and largest <= SETTLED and left <= CLOSED:
-            _check_strains(elastic, places, open_before)
-            return places, done
-    _refuse(conditions, places, open_before)
+    tries = (
+        [(ROUNDS, MASS_SHARE, np.inf), (SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR)] if len(free) else []
+    )
+    done, largest, now = 0, 0.0, places
+    for most, share, near in tries if len(elastic.nodes) else tries[:1]:
+        now, impulses, largest = places, np.zeros(len(weight)), np.inf
+        for _ in range(most):
+            done += 1
+            bars = elastic if largest <= near else elastic.unstressed
+            solve, gradient = linearised(
+                scene, now, conditions, bars, impulses, scales, free, weight, share=share
+            )
+            step, change = solve(-gradient, -weight * conditions.gaps(now))
+            largest = float(np.abs(step).max(initial=0.0))
+            if not np.isfinite(largest):
+                break
+            part = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
+            now, impulses = now.moved(part * scales * step), impulses + part * change
+            left = float(np.abs(weight * conditions.gaps(now)).max(initial=0.0))
+            if part == 1.0 and largest <= SETTLED and left <= CLOSED:
+                _check_strains(elastic, now, open_before)
+                return now, done
+    _refuse(conditions, now, open_before, f"moving by {largest:.2g} in round {done}")
 
 
-def _round(scene, places, conditions, elastic, impulses, scales, free, weight):
-    """The motion (6n,) of a round, lengths by the size, and the change of the impulses."""
-    solve, gradient = linearised(scene, places, conditions, elastic, impulses, scales, free, weight)
-    return solve(-gradient, -weight * conditions.gaps(places))
-
-
-def linearised(scene, places, conditions, elastic, impulses, scales, free, weight, ease=None):
+def linearised(
+    scene, places, conditions, elastic, impulses, scales, free, weight, ease=None, share=MASS_SHARE
+):
     """The equations of a round about places: a function of forces (6n,) and of what conditions lack
     (c,), times their weight, that gives the motion (6n,), lengths as shares of the size, and the
     change of the impulses; and the gradient (6n,) of the energy and of the conditions.
 
     Rows and columns are scaled so that the largest entries are about one; ease: μ times the largest
-    mass (N m), MASS_SHARE of the largest stiffness if nothing else is said.
+    mass (N m), that share of the largest stiffness if it is not given.
     """
     from scipy.sparse import bmat, diags, identity
     from scipy.sparse.linalg import splu
@@ -126,7 +141,7 @@ def linearised(scene, places, conditions, elastic, impulses, scales, free, weigh
     stiffness, mass = own @ stiffness @ own, own @ mass @ own
     largest = abs(stiffness).max() if stiffness.nnz else 0.0
     if ease is None:
-        ease = MASS_SHARE * largest if largest > 0 else 1.0
+        ease = share * largest if largest > 0 else 1.0
     unit = max(largest, ease)
     inner = (stiffness / unit + mass * (ease / unit / mass.max())).tocsc()[free][:, free]
     rows = (diags(weight) @ rows @ own).tocsc()[:, free]
@@ -173,15 +188,21 @@ def _check_strains(elastic: Elastic, places: Places, before: tuple[str, float, f
             )  # fmt: skip
 
 
-def _refuse(conditions: Conditions, places: Places, before: tuple[str, float, float]) -> None:
-    """Say which joint stays open; the one that was farthest open where none does."""
+def _refuse(
+    conditions: Conditions, places: Places, before: tuple[str, float, float], moving: str
+) -> None:
+    """Say which joint stays open; where none does, the one that was farthest open, or that it is
+    still `moving`."""
     gaps = conditions.gaps(places)
     name, gap, tilt = conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
     if not max(gap, tilt) > OPEN:
         name, gap, tilt = before
+        apart = max(gap, tilt) > 0
         raise MisfitError(
-            f"joint {name}", _opened(gap, tilt), "parts that come to rest when forced together, "
-            f"within {ROUNDS} rounds; a mechanism may need a joint that is held",
+            f"joint {name}" if apart else "assembly", _opened(gap, tilt) if apart else moving,
+            "parts that come to rest when forced together (of their size, or rad, by "
+            f"{SETTLED:g} in a round); a mechanism may need a joint that is held, a bar without "
+            "stress that is bent far may need more elements",
         )  # fmt: skip
     raise MisfitError(
         f"joint {name}", _opened(gap, tilt), "parts that can be forced together, with this joint "

@@ -58,6 +58,11 @@ class Elastic(NamedTuple):
         np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
         return gradient, gathered(slopes(self._gradient, *ends), self.nodes, count)
 
+    @property
+    def unstressed(self) -> "Unstressed":
+        """The same elements, whose Hessian lacks what stress adds."""
+        return Unstressed(self)
+
     def _ends(self, places: Places) -> tuple[Places, Places]:
         return places.of(self.nodes[:, 0]), places.of(self.nodes[:, 1])
 
@@ -76,6 +81,18 @@ class Elastic(NamedTuple):
         twist = 0.5 * (np.sum(b2 * a3, axis=1) - np.sum(b3 * a2, axis=1))
         return Shape(chord, length, axes, np.einsum("ei,eki->ek", chord, axes), twist)
 
+    def _modes(self, first: Places, second: Places) -> np.ndarray:
+        """What is strained of each element (e, 6), half of whose squares is its energy: stretch,
+        twist, and the sum and difference of its ends' angles in both planes."""
+        _, length, _, sines, twist = self._shape(first, second)
+        rest, axial, *bending, torsion = self.stiffness.T
+        turns = sines * (1 + sines**2 / 6)
+        modes = [np.sqrt(axial) * (length - rest), np.sqrt(torsion) * twist]
+        for plane, stiff in enumerate(bending):
+            one, two = turns[:, plane], turns[:, 2 + plane]
+            modes += [np.sqrt(1.5 * stiff) * (one + two), np.sqrt(0.5 * stiff) * (one - two)]
+        return np.stack(modes, axis=1)
+
     def _gradient(self, first: Places, second: Places) -> np.ndarray:
         """Derivatives (e, 12) of each element's energy by the motions of its ends."""
         n, length, axes, sines, t = self._shape(first, second)
@@ -90,6 +107,20 @@ class Elastic(NamedTuple):
         a2, a3, b2, b3 = axes.transpose(1, 0, 2)
         twist = (0.5 * torsion * t)[:, None] * (np.cross(a3, b2) - np.cross(a2, b3))
         return np.hstack([-force, twist - np.cross(n, ga), force, -twist - np.cross(n, gb)])
+
+
+class Unstressed(NamedTuple):
+    """Elements with the Hessian of Gauss and Newton, which has no slope below zero."""
+
+    bars: Elastic
+
+    def derivatives(self, places: Places):
+        """Gradient (6n,), and the Hessian, sparse (6n, 6n), without what stress adds to it."""
+        ends = self.bars._ends(places)
+        gradient, _ = self.bars.derivatives(places)
+        rows = slopes(self.bars._modes, *ends)
+        blocks = rows.swapaxes(1, 2) @ rows
+        return gradient, gathered(blocks, self.bars.nodes, len(places.position))
 
 
 def elastic_of(scene) -> Elastic:

@@ -154,6 +154,9 @@ def test_a_page_of_a_run_with_a_path_for_a_name_writes_nothing_there(theirs, tmp
         lambda config: config.update(unknown=1),
         lambda config: config.pop("scene"),
         lambda config: config.update(scene=[]),
+        lambda config: config["solver"].update(instants=10**9),
+        lambda config: config["solver"].update(duration=1e300),
+        lambda config: config["design"].update(samples=10**12),
     ],
 )
 def test_the_config_in_results_is_checked_too(theirs, change):

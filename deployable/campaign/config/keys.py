@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import json
+import operator
 import re
 from collections.abc import Iterator
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
@@ -50,6 +51,11 @@ class Key:
         yield from (kind(n) for kind, n in zip(kinds, limits, strict=True) if n is not None)
         if self.pattern:
             yield types.Predicate(re.compile(self.pattern).fullmatch)
+
+    def allows(self, number: float) -> bool:
+        """Whether a number is within the limits."""
+        limits = ((self.gt, operator.gt), (self.ge, operator.ge), (self.le, operator.le))
+        return all(end is None or is_right(number, end) for end, is_right in limits)
 
     def words(self, kind: Any) -> str:
         """What is allowed of a type, in words."""

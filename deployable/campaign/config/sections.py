@@ -161,6 +161,12 @@ class Experiment:
             is_named = is_named and all(map(str.isidentifier, found.intervals))
             if not is_named or "\0" in found.scene.name + found.scene.file:
                 raise ValueError("a name is none of a campaign, response, quantity or parameter")
+            for section in (found.solver, found.design):
+                for name, kind in get_type_hints(type(section), include_extras=True).items():
+                    number = getattr(section, name)
+                    keys = getattr(kind, "__metadata__", ()) if type(number) in (int, float) else ()
+                    if not all(key.allows(number) for key in keys):
+                        raise ValueError(f"{name} = {number:g} is out of its limits")
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             text = f"the results hold a config that cannot be used: {error}"
             raise CampaignError(text) from None

@@ -87,7 +87,7 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     config, given, problems = read(raw)
     campaign = None
     if config is not None:
-        config, more = with_margins(config)
+        config, more = with_margins(config, raw.get("solver") or {})
         problems += more + accuracy_problems(config, given)
         campaign, more = resolve(config, given)
         problems += more

@@ -340,7 +340,7 @@ class Config(Section):
         ],
         Key("a mapping from at least one name (letters, digits, `_`, starting with a letter) to "
             "definitions"),
-    ] = field(default_factory=dict)  # fmt: skip
+    ]  # fmt: skip
     """The curves to bound, by names of your own: distances, positions, velocities, openings,
     tensions, energies, forces, stresses and others (docs/responses.md); at least one, unless there
     are `margins`."""

@@ -69,9 +69,6 @@ BRIEFLY = {"duration": 1e-3, "instants": 201}
 def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
     """The config with its margins as responses, quantities and requirements, and what is wrong with
     them, one sentence each. solver: what is given of that section."""
-    if not (config.responses or config.margins):
-        allowed = "at least one response, or margins"
-        return config, [f"responses: {show({})} is not allowed; allowed: {allowed}"]
     if not (config.responses or config.quantities or "duration" in solver):
         brief = {key: value for key, value in BRIEFLY.items() if key not in solver}
         config = replace(config, solver=replace(config.solver, **brief))

@@ -44,7 +44,7 @@ def half(angle):
 @pytest.mark.parametrize(("first", "last"), [(0.0, 2.0), (2.0, 0.5)])
 def test_the_mean_is_a_spring_and_the_rest_resists_both_ways(first, last):
     scene = loads(SHEET).build()
-    assert parts_of(scene) == {"spring h": "S", "hysteresis h": "HY"}
+    assert parts_of(scene) == {"spring h": "HA", "hysteresis h": "HY"}  # no class is stated
     found = lead(scene, "h", first, last)
     way = np.sign(last - first)
     mean = way * (0.03 - 0.03 * found.opening)

@@ -5,6 +5,7 @@ import os
 import numpy as np
 import pytest
 from hinged import hinged
+from scipy.optimize import brentq
 
 from fpm.elements import Friction, SyncLoop, TableSpring
 from fpm.errors import SceneError
@@ -12,6 +13,7 @@ from fpm.reading import margins, responses
 from fpm.reading.quantities import KINDS
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.standards import CLASSES, STANDARDS
+from fpm.travel import parts_of
 
 HARNESS = {"classes": {"spring h1": "HA"}}
 
@@ -163,6 +165,8 @@ def test_more_random_designs(seed):
         ({"standard": "ecss"}, "standard", "ecss-e-st-33-01c"),
         ({"evidence": "hope"}, "evidence", "theory, measurement"),
         ({"stand": "h1"}, "stand", "a list of names"),
+        ({"stand": ["h1"]}, "stand", "openings that are not led"),
+        ({"with": ["h1"]}, "with", "each opening once"),
         ({"without": ["spring h9"]}, "without", "torsion spring h1"),
         ({"classes": {"friction h1": "XX"}}, "classes.friction h1", "FR"),
         ({"classes": ["FR"]}, "classes", "a mapping"),
@@ -176,6 +180,72 @@ def test_what_is_refused(change, key, allowed):
         responses.parse("m", definition, panel())
     assert caught.value.key == f"responses.m.{key}"
     assert allowed in caught.value.allowed
+
+
+def test_where_nothing_acts_is_refused():
+    definition = {"margin": "h1", "to": 1.0, "standard": "aiaa-s-114"}
+    with pytest.raises(SceneError, match="nothing does"):
+        responses.parse("m", definition, hinged(0.0))
+
+
+def test_a_table_without_a_class_is_a_harness():
+    assert parts_of(panel())["spring h1"] == "HA"
+
+
+def test_a_reeled_cable_is_left_out_or_refused():
+    """A curve of time winds it in, and a travel has no time."""
+    scene = panel()
+    scene.add_curve([0.0, 1.0], [0.0, 1.0])
+    ends = [(0, (1.0, 2.0, 0.0)), (1, (1.0, 0.0, 0.0))]
+    scene.add_cable("hoist", ends, EA=50.0, rest=2.0, reel=0.5, curve=0)
+    definition = {"margin": "h1", "to": 1.0, "standard": "aiaa-s-114"}
+    with pytest.raises(SceneError, match="cable hoist among them: a curve of time reels it"):
+        responses.parse("m", definition, scene)
+    responses.parse("m", definition | {"without": ["cable hoist"]}, scene)
+
+
+def test_every_run_is_led_from_its_own_start():
+    """By one definition, of a start at 0: the harness is worst at the end, the spring's at 1.5."""
+    definition = {"margin": "h1", "to": -0.2, "standard": "aiaa-s-114"}
+    response = responses.parse("m", definition, hung(0.0))
+    for start in (0.0, 0.3):
+        run = margins.led_curves(hung(start), [response])
+        opening = run.columns[margins.OPENING, response.columns[0][1]]
+        assert (opening[0], opening[-1]) == (start, -0.2)
+        # the spring gives 0.1 (start + 0.5) against 2 x 0.01, least where the way ends
+        assert margins.least(response, run) == pytest.approx((0.1 * 0.3 / 0.02 - 1, -0.2))
+
+
+def hung(start):
+    scene = hinged(start)
+    scene.add_torsion_spring(0, 0.1, -0.5)
+    scene.add(Friction(0, 0.01))
+    return scene
+
+
+@pytest.mark.slow
+def test_friction_of_a_cable_is_friction():
+    """Over a pulley, that slips at once: by the capstan's law at the end of the way."""
+    scene = hinged(0.0)
+    through = [(0, (-3.0, -1.0, 0.0)), (0, (-1.0, 1.0, 0.0)), (1, (1.0, 0.0, 0.0))]
+    scene.add_cable("pull", through, EA=10.0, preload=5.0, friction=0.3)
+    scene.add(Friction(0, 0.05))
+    definition = {"margin": "h1", "to": "90 deg", "standard": "ecss-e-st-33-01c"}
+    response = responses.parse("m", definition, scene)
+    assert parts_of(scene)["friction cable pull"] == "FR"
+    run = margins.led_curves(scene, [response])
+    fixed, (x, y) = np.hypot(2, 2), (-1.0, 1.0)
+    free, start = np.hypot(x, y - 1), np.hypot(1 - x, y)
+    rest = (fixed + start) / 1.5
+    ratio = np.exp(-0.3 * np.arccos(np.array([2, 2]) @ np.array([-x, 1 - y]) / fixed / free))
+    both = [1.0, 1.0], [1.0, ratio]  # tensions as shares of the first: without friction, and with
+    pulls = [brentq(lambda t, r=r: fixed / (1 + t / 10) + free / (1 + r[1] * t / 10) - rest, 0, 50)
+             for r in both]  # fmt: skip
+    arm = -((0 - x) * -1.0 + (1 - y) * 0.0) / free
+    smooth, rubs = pulls[0] * arm, pulls[1] * ratio * arm
+    expected = 0.8 * smooth / (6 * (0.05 + smooth - rubs)) - 1
+    assert margins.least(response, run) == pytest.approx((expected, np.pi / 2), rel=1e-4)
+    assert expected == pytest.approx(-0.335, abs=1e-3)
 
 
 def test_times_of_a_margin_are_refused():

@@ -85,10 +85,16 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
             "this is a structure's file: use `structure` with it; allowed: a campaign's, such as "
             "one that names it (`scene: {file: ...}`)"
         ])  # fmt: skip
+    if raw.get("margins"):  # which are responses, too
+        raw = {"responses": {}, **raw}
     config, given, problems = read(raw)
     campaign = None
+    if config is not None and not (config.responses or config.margins):
+        allowed = "a mapping from at least one name (letters, digits, `_`, starting with a letter)"
+        problems.append(f"responses: {{}} is not allowed; allowed: {allowed} to definitions")
+        config = None
     if config is not None:
-        config, more = with_margins(config)
+        config, more = with_margins(config, raw.get("solver") or {})
         problems += more + accuracy_problems(config, given)
         campaign, more = resolve(config, given)
         problems += more

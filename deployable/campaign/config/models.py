@@ -344,10 +344,11 @@ class Config(Section):
             _definition("response", "`{distance: [B, D]}` or `{velocity: B, component: z}`"),
         ],
         Key("a mapping from at least one name (letters, digits, `_`, starting with a letter) to "
-            "definitions", least=1),
+            "definitions"),
     ]  # fmt: skip
     """The curves to bound, by names of your own: distances, positions, velocities, openings,
-    tensions, energies, forces, stresses and others (docs/responses.md)."""
+    tensions, energies, forces, stresses and others (docs/responses.md); at least one, unless there
+    are `margins`."""
     quantities: Annotated[
         dict[Name, _definition("quantity", "`{largest: vB}` or `{event: closes, number: 1}`")],
         Key("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
@@ -363,7 +364,8 @@ class Config(Section):
     ] = field(default_factory=dict)
     """Torque or force margins over the travel of an opening that is led slowly, by names of your
     own (docs/review-sheet.md). Each is a response over the opening, the quantity `<name>_least`,
-    and, unless `requirements` say otherwise, the requirement that this is at least 0."""
+    and, unless `requirements` say otherwise, the requirement that this is at least 0. With margins
+    and no other response or quantity, `duration` is 1 ms if nothing is said: it moves no margin."""
     published: Annotated[
         dict[str, Annotated[
             float, Key(about="Published largest difference, in the response's unit.")]],

@@ -68,9 +68,16 @@ def campaign_of(config: Config, given: Mapping, found: Any, intervals: Mapping) 
     )
 
 
-def with_margins(config: Config) -> tuple[Config, list[str]]:
+BRIEFLY = {"duration": 1e-3, "instants": 201}
+"""What a campaign of margins alone takes of a motion that tells nothing, if nothing is said."""
+
+
+def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
     """The config with its margins as responses, quantities and requirements, and what is wrong with
-    them, one sentence each."""
+    them, one sentence each. solver: what is given of that section."""
+    if not (config.responses or config.quantities or "duration" in solver):
+        brief = {key: value for key, value in BRIEFLY.items() if key not in solver}
+        config = replace(config, solver=replace(config.solver, **brief))
     responses, quantities = dict(config.responses), dict(config.quantities)
     requirements, problems = dict(config.requirements), []
     wanted = dict(config.margins)

@@ -136,7 +136,7 @@ def test_a_reviewer_reads_which_fails_where_and_why(tmp_path):
     assert margin["z"][4].startswith("partly analysed: met from 0 to 1.047 rad; the travel is 0 to")
     assert "by own factors (HA 1.5 for 6)" in text["z"]
     # where
-    nearest = r"k = 0.09 N m/rad, temperature = −100: −0\.13.*opening of 0\.785"
+    nearest = r"temperature = −100: −0\.162.*opening of 0\.785"
     assert re.search(nearest, margin["y"][5])
     # why: parts that add up to the margin, the harness most of all
     budget = text["y"].split("### both_least")[1].split("###")[0]
@@ -148,9 +148,8 @@ def test_a_reviewer_reads_which_fails_where_and_why(tmp_path):
     drives = sum(x for x in weighted.values() if x > 0)
     required = -sum(x for x in weighted.values() if x < 0)
     assert f"{drives / required - 1:.2f}".replace("-", "−") in budget.split("T/Tmin − 1 = ")[1]
-    assert drives / required - 1 == pytest.approx(
-        0.8 * 2 * 0.09 * 0.75 * np.pi / 0.39 - 1, abs=1e-4
-    )
+    exact = 0.8 * 2 * 0.1 * 0.75 * np.pi / 0.45 - 1
+    assert drives / required - 1 == pytest.approx(exact, abs=1e-4)
     # what lacks
     lacking = {row[1][:30]: row[4] for row in rows_of(text["z"]) if "not analysed" in row[4]}
     for asks in ("springs are redundant", "latches catch", "failure cases", "integrity of"):

@@ -16,14 +16,18 @@ from deployable import campaign
 from deployable.campaign.results.review import (
     CLAUSES,
     COLUMNS,
+    HEADS,
     MET,
     NOT_ANALYSED,
     PARTLY,
     STATES,
     as_csv,
     budgets_of,
+    edition_of,
+    head_of,
     rows_of,
 )
+from deployable.campaign.text.templates import environment, summary_text
 
 LATCH, OTHER = ("latch a",), ("latch a", "latch b")
 STRESS = {"of": "stress", "about": ("bar",)}
@@ -325,6 +329,23 @@ def test_parts_at_the_worst_place_add_up_to_the_margin():
     assert f"T = {drives:g} N m" in budget["sum"] and f"Tmin = {required_:g} N m" in budget["sum"]
     assert budget["sum"].endswith(f"= {drives / required_ - 1:g}.")
     assert "k = 0.09 N m/rad" in budget["title"] and "6 March 2009" in budget["title"]
+
+
+@pytest.mark.parametrize(
+    ("template", "cell"), [("review.md.jinja", "| {} |"), ("review.html", ">{}<")]
+)
+def test_sheet_and_budgets_are_written_as_text_and_on_the_page(template, cell):
+    stated, limits, numbers_, margins = least(limits=[ZERO])
+    facts = sheets.facts_of(stated, limits, margins)
+    rows = rows_of(facts, sheets.experiment(numbers_), ECSS)
+    facts["review"] = {"title": edition_of(ECSS), "head": head_of(facts, rows, ECSS),
+                       "heads": HEADS, "rows": rows, "budgets": budgets_of(facts)}  # fmt: skip
+    page = environment(html=True).get_template(template).render(facts=facts)
+    text = summary_text(facts, template) if template.endswith(".md.jinja") else page
+    for shown in ("4.7.5.3", "met in all of the box, by analysis", "FR, friction", "−0.6"):
+        assert cell.format(shown) in text, shown
+    assert "T/Tmin − 1 = 0.25." in text.replace("\N{NO-BREAK SPACE}", " ")
+    assert "6 March 2009" in text.replace("\N{NO-BREAK SPACE}", " ")
 
 
 NUMBER = r"(−?[\d.]+(?: × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?)"

@@ -13,6 +13,7 @@ import random
 import shutil
 import subprocess
 import sys
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -107,6 +108,7 @@ class Edits:
         answer = json.loads(self._child.stdout.readline())
         return answer["found"], answer["calls"]
 
+    @cached_property
     def places(self) -> dict[str, list[tuple[str, int]]]:
         """Places that can be changed, by room, in files of which something is called: file, and
         number in it; nothing that is compiled."""
@@ -134,8 +136,7 @@ class Edits:
 
     def drawn(self) -> tuple[str, int]:
         """A place of any room, each as likely."""
-        places = self.places()
-        return self.rng.choice(places[self.rng.choice(sorted(places))])
+        return self.rng.choice(self.places[self.rng.choice(sorted(self.places))])
 
     def one(self, name: str, number: int) -> dict[str, Any]:
         """Change a place, and compare what a campaign, any of them, gives that was run before with

@@ -62,7 +62,8 @@ class Imported:
         self._of: dict[tuple, str] = {}
         # Whatever is not imported is read whenever it is used.
         self._data = [name for name in self._states if not name.endswith(".py")]
-        self._kept: set[str] = set()
+        self._others: set[str] = set()
+        self._kept: dict[str, object] = {}
 
     def digest(self, only: tuple[str, ...] = (), but: tuple[str, ...] = ()) -> str:
         """First 16 hex digits of the SHA-256 of files and rooms, or of all, but for some.
@@ -80,15 +81,19 @@ class Imported:
     def check(self) -> None:
         """ChangedError if what is in memory may not be what the files were at first.
 
-        A file that was imported and had not changed until now may change from now on.
+        A file that was imported and had not changed until now may change from now on, unless it
+        is imported once more.
         """
         start, package = f"{self.folder}{os.sep}", self.folder.name
-        for module, found in list(sys.modules.items()):
-            if module.partition(".")[0] == package and module not in self._kept:
-                file = getattr(found, "__file__", None) or ""
-                if file.startswith(start):
-                    self._check(file.removeprefix(start).replace(os.sep, "/"))
-                self._kept.add(module)
+        for module in sys.modules.keys() - self._others:
+            if module.partition(".")[0] != package:
+                self._others.add(module)
+                continue
+            spec = getattr(sys.modules[module], "__spec__", None)  # another one at every import
+            file = getattr(sys.modules[module], "__file__", None) or ""
+            if self._kept.get(module) is not spec and file.startswith(start):
+                self._check(file.removeprefix(start).replace(os.sep, "/"))
+            self._kept[module] = spec
         for name in self._data:
             self._check(name)
 

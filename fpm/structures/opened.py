@@ -253,6 +253,7 @@ def _places() -> tuple[str, ...]:
     return tuple(f"{folder}{os.sep}" for folder in folders)
 
 
+@cache
 def is_installed(file: str) -> bool:
     """Whether a file is of Python, an installed package or this program: it is not a structure's,
     and its version counts by itself or not at all."""

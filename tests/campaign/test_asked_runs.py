@@ -9,6 +9,7 @@ from deployable import campaign
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.estimate import runs_there
 from fpm.files.trajectory import read_curves
+from fpm.kernels import sources
 from fpm.reading.variables import VARIABLES
 
 pytestmark = pytest.mark.slow  # time loops of their own
@@ -41,14 +42,16 @@ def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, t
 
     asking = campaign.check_config({**raw, "responses": {**raw["responses"], **STRESS}})
     said = runs_there(asking, folder)
-    assert said.startswith("0 of them are there; 5 more were recorded without stress of all and")
+    assert said.startswith(
+        "0 of them are there; 5 more lack stress of all as this version reads it and"
+    )
     assert "simulated again, all in all about" in said
     _, told = run(raw, tmp_path, **STRESS)
-    assert "were recorded without stress of all; they are simulated again" in told
+    assert "lack stress of all as this version reads it; they are simulated again" in told
     assert runs_there(asking, folder) == "5 of them are there"
 
     _, told = run(raw, tmp_path, **SPIN)
-    assert "were recorded without angular velocity of B x, B y, B z" in told
+    assert "lack angular velocity of B x, B y, B z as" in told
     config, told = run(raw, tmp_path, **STRESS, **SPIN)  # both are there now
     assert "simulated again" not in told
     assert sorted(folder.runs("trajectories").glob("*.nc")) == files
@@ -92,3 +95,18 @@ def test_memory_counts_what_responses_ask(raw):
     raw["responses"] |= STRESS
     with pytest.raises(campaign.ConfigError, match="what its responses ask for; allowed: at most"):
         campaign.check_config(raw)
+
+
+def test_what_another_version_read_is_read_again_and_the_motion_stays(raw, tmp_path, monkeypatch):
+    run(raw, tmp_path, **STRESS)
+    folder = Folder(tmp_path / "test").runs("trajectories")
+    before = {path: path.read_bytes() for path in folder.glob("*.nc")}
+    monkeypatch.setattr(sources, "reading", lambda: "another")
+    _, told = run(raw, tmp_path)  # which asks for nothing of it
+    assert "simulated again" not in told
+    assert {path: path.read_bytes() for path in before} == before
+    _, told = run(raw, tmp_path, **STRESS)
+    assert "5 runs lack stress of all as this version reads it; they are simulated again" in told
+    assert {read_curves(path).codes["stress"] for path in before} == {"another"}
+    _, told = run(raw, tmp_path, **STRESS)
+    assert "simulated again" not in told

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import copy
+import os
 from pathlib import Path
 
 import pytest
 
 from deployable import campaign
-from deployable.campaign import stages
+from deployable.campaign import provenance, stages
 from deployable.campaign.folder import Folder
 from deployable.campaign.stages import STAGES, Stage
 from deployable.campaign.workflow import Workflow
+from evidence.attack.edits import CAMPAIGNS, Edits
 from evidence.attack.victim import RAW, results_in
+from fpm.kernels.sources import TOLD
 from fpm.scenes.scene_type import SceneType
 
 ASKED = {
@@ -112,3 +115,33 @@ def test_an_edited_config_finds_what_was_made_from_it(whole, section, changed, f
 def test_an_edited_structure_finds_the_plan(whole, monkeypatch):
     monkeypatch.setattr(SceneType, "digest", "another")
     assert "plan.json" in stale(whole, asked())
+
+
+# -- the experiment: edit, run again, compare with a run from scratch ------------------------------
+
+
+@pytest.fixture(scope="module")
+def edits(tmp_path_factory):
+    made = Edits(tmp_path_factory.mktemp("edits") / "copy", seed=int(os.environ.get("SEED", 38)))
+    yield made
+    made.close()
+
+
+@pytest.mark.slow
+def test_an_edit_anywhere_leaves_no_number_as_it_was(edits):
+    """Twenty drawn at random, of functions that are called and of constants; EDITS says of more."""
+    found = [edits.one(*edits.drawn()) for _ in range(int(os.environ.get("EDITS", 20)))]
+    told = [{key: each[key] for key in ("file", "line", "change", "changed")} for each in found]
+    print(*told, sep="\n")
+    assert not [each for each in found if each["stale"]]
+    assert sum(each["changed"] for each in found) > len(found) / 4  # else nothing is shown
+
+
+@pytest.mark.slow
+def test_edits_of_words_prices_and_progress_make_no_run_again(edits):
+    files = {f"fpm/{name}" for name in TOLD if name.endswith(".py")}
+    files |= {f"deployable/{name}" for name in provenance.TOLD}
+    files |= {"fpm/motions/motion.py", "deployable/campaign/results/review.py"}
+    texts = {name: (edits.place / name).read_text() + "\nMORE = 1\n" for name in files}
+    found = edits.compared(texts)
+    assert found == {"simulated": dict.fromkeys(CAMPAIGNS, 0), "changed": False, "stale": []}

@@ -140,6 +140,9 @@ def test_a_file_that_changes_after_it_was_imported_and_named_does_not_matter(pac
     (folder / "one.py").write_text("VALUE = 2\n")
     assert code.digest() == before
     assert sources.Imported(folder).digest() != before
+    importlib.reload(sys.modules["package_of_two.one"])  # as notebooks do
+    with pytest.raises(fpm.SceneError, match=r"one\.py changed since"):
+        code.digest()
 
 
 def test_a_file_that_is_touched_or_new_and_unused_does_not_matter(package):

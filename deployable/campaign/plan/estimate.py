@@ -168,8 +168,8 @@ def runs_there(campaign: Campaign, folder: Folder) -> str:
         what = words(sorted(set().union(*store.lacking.values())))
         seconds = _rounded(estimate(campaign).seconds * missing / total)
         text += (
-            f"; {lacking} more were recorded without {what} and are simulated again, all in all "
-            f"about {duration_text(seconds)}"
+            f"; {lacking} more lack {what} as this version reads it and are simulated again, all "
+            f"in all about {duration_text(seconds)}"
         )
     return text
 

@@ -167,7 +167,8 @@ def tell_again(store: Any, tell: Tell) -> None:
     store.damaged.clear()
     if store.lacking:
         what = words(sorted(set().union(*store.lacking.values())))
-        tell(f"{len(store.lacking)} runs were recorded without {what}; they are simulated again")
+        count = len(store.lacking)
+        tell(f"{count} runs lack {what} as this version reads it; they are simulated again")
     store.lacking.clear()
 
 

@@ -1,0 +1,176 @@
+"""Edits of single places of the program or of a structure's own files, after which a campaign that
+was run before is run again: it must be the campaign that is run from scratch.
+
+Edits are those of `mutants`, in functions that the campaign calls, and in a copy of the program.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from evidence.attack.mutants import change_at, make_copy, sites
+
+RAW = {
+    "solver": {"duration": 0.004, "instants": 9},
+    "intervals": {"a": {"nominal": 0.035, "relative": 0.01}},
+    "responses": {
+        "BD": {"distance": ["B", "D"]},
+        "acceleration": {"acceleration": "B", "component": "z"},
+        "opening": {"opening": "A"},
+        "rate": {"opening_rate": "A"},
+        "moment": {"joint_moment": "A"},
+        "force": {"section_force": "AB", "at": 0.5, "component": "axial"},
+        "constraint": {"constraint_force": "A", "component": "norm"},
+        "stress": {"stress": "all"},
+        "clearance": {"clearance": ["AB", "CD"]},
+    },
+    "quantities": {"top": {"largest": "BD"}, "worst": {"largest": "stress"}},
+}
+FITTED = {"design": {"method": "tensor_roots", "order": 1}, "held_out": 1}
+SCANNED = {"design": {"method": "scan", "samples": 3}, "held_out": 0}
+CAMPAIGNS = {
+    "kept-whole": {**RAW, **FITTED, "jobs": {"group": 2}},
+    "kept-responses": {**RAW, **FITTED, "jobs": {"keep": "responses", "group": 2}},
+    "kept-extremes": {**RAW, **SCANNED, "jobs": {"keep": "extremes", "group": 2}},
+}
+"""Each way to keep runs, with what is always recorded and what is recorded on request."""
+
+LINKAGE = '''"""The Bennett linkage, from a text, with numbers of a helper and of a table."""
+from pathlib import Path
+from fpm import structures
+from fpm.scenes.scene_type import Parameter
+import helper
+PARAMETERS = {"a": Parameter(0.0352, "m", "half of a bar", 0.001, 1.0)}
+TEXT = structures.load(Path(__file__).with_name("bennett.yaml"))
+def build(a):
+    return TEXT.build(a=helper.longer(a), elements=2, E=helper.STIFF)
+'''
+HELPER = """from pathlib import Path
+STIFF = float(Path(__file__).with_name("table.csv").read_text())
+def longer(a):
+    return a * 1.01 + 0.0001
+"""
+
+
+class Edits:
+    """A copy of the program at `place`, campaigns that it has run, and what came of edits since:
+    file, line, change, how many runs were simulated again, whether numbers changed, and `stale`,
+    where they were not those from scratch."""
+
+    def __init__(self, place: Path, seed: int):
+        self.place, self.rng, self.found = place, random.Random(seed), []
+        make_copy(place)
+        self.own = place / "structure"
+        self.own.mkdir()
+        shutil.copy(place / "config/structures/bennett.yaml", self.own)
+        for name, text in (("linkage.py", LINKAGE), ("helper.py", HELPER), ("table.csv", "1e9\n")):
+            (self.own / name).write_text(text, encoding="utf-8")
+        child = [sys.executable, str(Path(__file__).with_name("edits_child.py"))]
+        environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+        self._child = subprocess.Popen(
+            [*child, str(place)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            env=environment,
+        )  # fmt: skip
+        self._run("first")  # which compiles
+        (self.base,), calls = self._run("base", calls=True)
+        if "failed" in self.base["numbers"]:
+            raise RuntimeError(self.base["numbers"]["failed"])
+        self._called = {tuple(each) for each in calls}
+
+    def close(self) -> None:
+        """End the process that runs campaigns."""
+        self._child.stdin.close()
+        self._child.wait(60)
+
+    def _run(
+        self, *folders: str, only: str = "", calls: bool = False
+    ) -> tuple[list[dict[str, Any]], list]:
+        """What the campaigns give in some folders, and the functions that were called."""
+        scene = {"file": str(self.own / "linkage.py")}
+        raws = [
+            {**raw, "campaign": name, "scene": scene}
+            for name, raw in CAMPAIGNS.items()
+            if name.startswith(only)
+        ]
+        places = [str(self.place / folder) for folder in folders]
+        asked = {"folders": places, "calls": calls, "raws": raws}
+        self._child.stdin.write(json.dumps(asked) + "\n")
+        self._child.stdin.flush()
+        answer = json.loads(self._child.stdout.readline())
+        return answer["found"], answer["calls"]
+
+    @cached_property
+    def places(self) -> dict[str, list[tuple[str, int]]]:
+        """Places that can be changed, by room, in files of which something is called: file, and
+        number in it; nothing that is compiled."""
+        found: dict[str, list[tuple[str, int]]] = {}
+        for name in sorted({name for name, _ in self._called}):
+            if name.endswith(".py") and not name.startswith(COMPILED):
+                tree = ast.parse((self.place / name).read_text(encoding="utf-8"))
+                lines = self._lines(name, tree)
+                nodes = dict(enumerate(ast.walk(tree)))
+                numbers = [(name, n) for n in sites(tree) if nodes[n].lineno in lines]
+                if numbers:
+                    found.setdefault(str(Path(name).parent), []).extend(numbers)
+        return found
+
+    def _lines(self, name: str, tree: ast.Module) -> set[int]:
+        """Lines of functions that were called, or of none."""
+        inner, called = set(), set()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef | ast.Lambda):
+                own = set(range(node.lineno, node.end_lineno + 1))
+                inner |= own
+                first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))])
+                called |= own if (name, first) in self._called else set()
+        return called | (set(range(tree.body[-1].end_lineno + 1)) - inner)
+
+    def drawn(self) -> tuple[str, int]:
+        """A place of any room, each as likely."""
+        return self.rng.choice(self.places[self.rng.choice(sorted(self.places))])
+
+    def one(self, name: str, number: int) -> dict[str, Any]:
+        """Change a place, and compare what a campaign, any of them, gives that was run before with
+        what it gives from scratch."""
+        before = (self.place / name).read_bytes()
+        line, what, tree = change_at(ast.parse(before), number)
+        one = {"file": name, "line": line, "change": what}
+        self.found.append(
+            one | self.compared({name: ast.unparse(tree)}, self.rng.choice(sorted(CAMPAIGNS)))
+        )
+        return self.found[-1]
+
+    def compared(self, texts: dict[str, str], only: str = "") -> dict[str, Any]:
+        """The same for files that have other texts; only: of one campaign."""
+        paths = {self.place / name: text for name, text in texts.items()}
+        before = {path: (path.read_bytes(), path.stat()) for path in paths}
+        for folder in ("again", "scratch"):
+            shutil.rmtree(self.place / folder, ignore_errors=True)
+        shutil.copytree(self.place / "base", self.place / "again")
+        for path, text in paths.items():
+            path.write_text(text, encoding="utf-8")
+        try:
+            found, _ = self._run("again", "scratch", only=only)
+        finally:
+            for path, (content, stat) in before.items():
+                path.write_bytes(content)
+                os.utime(path, ns=(stat.st_atime_ns, stat.st_mtime_ns))
+        old, new = found or [{"numbers": {}, "simulated": {}}] * 2  # it did not end
+        return {
+            "simulated": old["simulated"],
+            "changed": not new["numbers"].items() <= self.base["numbers"].items(),
+            "stale": sorted({key for key, _ in old["numbers"].items() ^ new["numbers"].items()}),
+        }
+
+
+COMPILED = ("fpm/kernels/", "fpm/elements/")
+"""Where nothing is edited, since it would be compiled anew for every edit."""

@@ -139,6 +139,12 @@ ROWS = {
     "less than three times": (
         one(2, 3, units="m", **GAP), CLEAR, "",
         "not met in all of the box: three times its tolerance is 3.06 m"),
+    "within its error of three times": (
+        one(3.065, 4.065, units="m", **GAP), CLEAR, "", "not met in all of the box"),
+    "two and a half times": (one(2.55, 3.55, units="m", **GAP), CLEAR, "", "not met in all"),
+    "an upper limit of the least moment": (
+        one(-5, -4, ("at_most", 3.0), **MOMENT | {"kind": "smallest"}), "4.7.5.4.4", BEAR,
+        "not analysed: at most 3"),
     "a single number": (one(2, 2, ("at_least", 1.0), **GAP), CLEAR, "", "not analysed: no tol"),
     "at the end only": (
         one(10, 11, **GAP | {"kind": "final"}), CLEAR, "", "not analysed: of a clearance the"),

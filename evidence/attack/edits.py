@@ -114,7 +114,7 @@ class Edits:
         number in it; nothing that is compiled."""
         found: dict[str, list[tuple[str, int]]] = {}
         for name in sorted({name for name, _ in self._called}):
-            if name.endswith(".py") and not name.startswith(COMPILED):
+            if name.startswith(ROOMS) and not name.startswith(COMPILED):
                 tree = ast.parse((self.place / name).read_text(encoding="utf-8"))
                 lines = self._lines(name, tree)
                 nodes = dict(enumerate(ast.walk(tree)))
@@ -171,6 +171,13 @@ class Edits:
             "stale": sorted({key for key, _ in old["numbers"].items() ^ new["numbers"].items()}),
         }
 
+
+ROOMS = (
+    "fpm/", "structure/", "deployable/intervals/", "deployable/campaign/config/",
+    "deployable/campaign/plan/", "deployable/campaign/runs/", "deployable/campaign/results/samples",
+    "deployable/campaign/results/kept_extremes",
+)  # fmt: skip
+"""Where something decides about runs, or what is kept of them."""
 
 COMPILED = ("fpm/kernels/", "fpm/elements/")
 """Where nothing is edited, since it would be compiled anew for every edit."""

@@ -134,7 +134,7 @@ def test_an_edit_anywhere_leaves_no_number_as_it_was(edits):
     told = [{key: each[key] for key in ("file", "line", "change", "changed")} for each in found]
     print(*told, sep="\n")
     assert not [each for each in found if each["stale"]]
-    assert sum(each["changed"] for each in found) > len(found) / 4  # else nothing is shown
+    assert any(each["changed"] for each in found)  # else nothing is shown
 
 
 @pytest.mark.slow

@@ -128,7 +128,8 @@ def _states(folder: str | Path, before: str = "") -> Iterator[tuple[str, State]]
             if entry.name != "__pycache__" and not before.endswith(SHIPPED):
                 yield from _states(entry.path, f"{before}{entry.name}/")
         elif entry.name.endswith(CODE):
-            yield before + entry.name, state_of(entry.stat())
+            with suppress(FileNotFoundError):  # a dangling link, as editors leave them for a lock
+                yield before + entry.name, state_of(entry.stat())
 
 
 def _within(name: str, places: tuple[str, ...]) -> bool:

@@ -12,6 +12,7 @@ import netCDF4
 import numpy as np
 import pytest
 
+from deployable.campaign import shipped
 from deployable.campaign.cli import main
 from deployable.campaign.config import sections
 from deployable.campaign.config.models import FigureChoice
@@ -85,10 +86,9 @@ def test_a_program_that_only_results_name_is_not_run(theirs, tmp_path, capsys, c
 def test_jobs_of_a_workflow_are_told_the_program_that_its_config_names(
     raw, theirs, tmp_path, monkeypatch
 ):
-    program = tmp_path / "own.py"
+    program, linkage = tmp_path / "own.py", str(shipped.structures()["bennett"])
     program.write_text(
-        "from fpm import structures\nfrom deployable.campaign import shipped\n"
-        "OF = structures.load(shipped.structures()['bennett'])\n"
+        f"from fpm import structures\nOF = structures.load({linkage!r})\n"
         "PARAMETERS, MESH = OF.parameters, OF.mesh\n"
         "def build(**parameters):\n    return OF.build(**parameters)\n",
         encoding="utf-8",

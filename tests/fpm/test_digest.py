@@ -256,7 +256,9 @@ def test_digests_kept_by_another_version_are_not_met(tmp_path, monkeypatch):
     path = tmp_path / "mast.py"
     path.write_text("VALUE = 1")
     first = sources.tree_digest(path)
-    other = tmp_path / "sources.py"
+    other = tmp_path / "fpm" / "kernels" / "sources.py"
+    other.parent.mkdir(parents=True)
+    (other.parent / ".#edited.py").symlink_to("somebody@somewhere")  # as an editor leaves it
     other.write_text((sources.HERE / "kernels" / "sources.py").read_text())
     edit(other, "return ast.dump(tree)", "return ast.dump(tree, include_attributes=True)")
     spec = importlib.util.spec_from_file_location("other_sources", other)

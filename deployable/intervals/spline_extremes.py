@@ -16,9 +16,8 @@ from .splines import CHUNK, Spline
 CANDIDATES = 4096
 """Points, beside the runs, among which searches start."""
 
-_STARTS = 8000  # runs times searches of a column: a spline through fewer runs has cheaper searches
-_FIRST_STEPS = 3  # of all searches, before those are left out that are near a better one
-_NEAR = 0.01  # unit coordinates
+_BEST = 48  # trial points among which those are that searches start from
+_APART = 0.2  # unit coordinates between two of them
 _STEPS = 60
 _GAIN = 1e-13  # of the spread of the runs' values: a smaller gain is rounding
 
@@ -28,9 +27,9 @@ def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
 
     On a line it is exact. Elsewhere Newton's method, kept inside the box, climbs from the best of
     all the runs and of `candidates` points spread over the box, its faces, edges and corners: from
-    4 to 32 of them at each instant, fewer the more runs there are. No enclosure: `lower` and
-    `upper` are the attained values themselves, and contain every run, those that count as repeats
-    too.
+    those that are apart, at most two and two for each direction at an instant. No enclosure:
+    `lower` and `upper` are the attained values themselves, and contain every run, those that count
+    as repeats too.
     """
     shape = spline.weights.shape[1:]
     flat = spline.weights.reshape(len(spline.weights), -1)
@@ -95,18 +94,19 @@ def _maximum(spline: Spline, flat: np.ndarray, candidates: int) -> tuple[np.ndar
     trial[:, ~free] = spline.points[0, ~free]
     trial = np.concatenate([spline.points, trial])
     spread = np.ptp(spline.values.reshape(len(spline.points), -1), axis=0)
-    count = int(np.clip(_STARTS // len(spline.points), 4, 32))
-    value, x = _best_of(spline, flat, trial, count)
+    near = _best_of(spline, flat, trial, _BEST)[1]
+    count = 2 + 2 * int(free.sum())
+    used = np.zeros(flat.shape[1], dtype=int)
+    best, at = np.full(flat.shape[1], -np.inf), near[0].copy()
+    starts = np.full((count, *at.shape), np.inf)
+    for x in near:
+        apart = (np.abs(starts - x).max(axis=-1) > _APART).all(axis=0)
+        columns = np.flatnonzero(apart & (used < count))
+        starts[used[columns], columns] = x[columns]
+        used[columns] += 1
     for i in range(count):
-        value[i], x[i] = _climb(spline, flat, spread, x[i], _FIRST_STEPS)
-    order = np.argsort(-value, axis=0, kind="stable")
-    x = np.take_along_axis(x, order[..., None], axis=0)
-    best, at = np.full(flat.shape[1], -np.inf), x[0].copy()
-    for i in range(count):
-        # one search for each peak: those that come near a higher one end there
-        near = (np.abs(x[:i] - x[i]).max(axis=-1) < _NEAR).any(axis=0)
-        columns = np.flatnonzero(~near)
-        height, top = _climb(spline, flat[:, columns], spread[columns], x[i, columns], _STEPS)
+        columns = np.flatnonzero(used > i)
+        height, top = _climb(spline, flat[:, columns], spread[columns], starts[i, columns])
         better = height > best[columns]
         best[columns[better]], at[columns[better]] = height[better], top[better]
     return best, at
@@ -126,8 +126,8 @@ def _best_of(spline, flat, trial, count) -> tuple[np.ndarray, np.ndarray]:
     return value, trial[where]
 
 
-def _climb(spline, flat, spread, start, steps) -> tuple[np.ndarray, np.ndarray]:
-    """Maxima (T) by at most so many steps of Newton's method from points (T, k), and where.
+def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
+    """Maxima (T) by at most `_STEPS` steps of Newton's method from points (T, k), and where.
 
     A step is one of the quadratic model of value, slopes and curvatures, downward curvatures taken
     as upward ones, in the directions in which the box leaves the point free; it is no longer than a
@@ -139,7 +139,7 @@ def _climb(spline, flat, spread, start, steps) -> tuple[np.ndarray, np.ndarray]:
     x, going = start.copy(), np.arange(len(start))
     radius = np.full(len(start), 0.5)
     value, slope, curvature = _derivatives(spline, flat, x)
-    for _ in range(steps):
+    for _ in range(_STEPS):
         y = x[going][:, free] * half
         g, h = slope[going].copy(), curvature[going].copy()
         stuck = ((y >= half) & (g > 0)) | ((y <= -half) & (g < 0))

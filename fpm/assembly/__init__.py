@@ -115,11 +115,8 @@ def _settle(scene, start: Places, conditions: Conditions, elastic: Elastic):
 
     def rest(places):
         """Newton's method: places in balance, the impulses there and the rounds."""
-        tries = (
-            [(ROUNDS, MASS_SHARE, np.inf), (SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR)]
-            if len(free)
-            else []
-        )
+        tries = [(ROUNDS, MASS_SHARE, np.inf), (SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR)]
+        tries = tries if len(free) else []
         done, largest, now = 0, 0.0, places
         for most, share, near in tries if len(elastic.nodes) else tries[:1]:
             now, impulses, largest = places, np.zeros(len(weight)), np.inf
@@ -245,6 +242,8 @@ def _negative(apply, count: int) -> np.ndarray:
         if not length > 1e-14 * np.linalg.norm(images[-1]):
             break
         basis.append(rest / length)
+    if not np.isfinite(images[-1]).all():  # the matrix is exactly singular
+        return np.zeros((count, 0))
     small = np.array(basis[: len(images)]) @ np.array(images).T
     values, vectors = np.linalg.eigh((small + small.T) / 2)
     return np.array(images).T @ vectors[:, values < 0]

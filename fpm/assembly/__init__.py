@@ -20,6 +20,9 @@ load before it is let go, so that H has slopes below zero. What has not come to 
 tried again: with a μ that is below the bending of a bar of 10⁴ times its height, and without what
 stress adds to H (Gauss and Newton's method) until the last rounds.
 
+Where U falls from the position that was come to, along a motion that keeps the joints closed, this
+snaps: both sides are followed downhill, and the lower end is taken if they differ.
+
 Springs, cables, gravity and loads act from the start of a run, not before.
 """
 
@@ -53,6 +56,13 @@ OPEN = 1e-6
 MASS_SHARE, EASE = 1e-8, 1e-13
 """μ and δ, where the largest entries of H, M and G are one."""
 
+FALLS, FALLING, SAME = 4, 1e-12, 1e-6
+"""Most times that an unstable position is left; the curvature from which it is unstable, as a share
+of the largest entry of H; and the share by which two positions and their energies are the same."""
+
+LANCZOS, HALVINGS, CLOSINGS = 60, 12, 8
+"""Most vectors that look for such a curvature, halvings of a motion downhill, rounds that close."""
+
 SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR = 120, 1e-13, 1e-3
 """Of the second try: its most rounds, its μ, and the motion of a round below which H is exact."""
 
@@ -85,39 +95,158 @@ def assemble(scene: Scene, hold: Sequence[str] = ()) -> None:
     scene.assembly = Assembly(elastic.energy(places), worst, gap, tilt, rounds, stated)
 
 
-def _settle(scene, places: Places, conditions: Conditions, elastic: Elastic):
-    """The places in balance, and the rounds that it took."""
+def _settle(scene, start: Places, conditions: Conditions, elastic: Elastic):
+    """The places in stable balance, and the rounds that it took."""
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
     scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
     free = np.flatnonzero(~scene.fixed.ravel())
     weight = conditions.weight(size)
-    open_before = conditions.worst(conditions.gaps(places))
-    closed = np.abs(weight * conditions.gaps(places)).max(initial=0.0) <= CLOSED
+    open_before = conditions.worst(conditions.gaps(start))
+    closed = np.abs(weight * conditions.gaps(start)).max(initial=0.0) <= CLOSED
     if not len(free) and closed:
-        return places, 0
-    tries = (
-        [(ROUNDS, MASS_SHARE, np.inf), (SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR)] if len(free) else []
-    )
-    done, largest, now = 0, 0.0, places
-    for most, share, near in tries if len(elastic.nodes) else tries[:1]:
-        now, impulses, largest = places, np.zeros(len(weight)), np.inf
-        for _ in range(most):
-            done += 1
-            bars = elastic if largest <= near else elastic.unstressed
-            solve, gradient = linearised(
-                scene, now, conditions, bars, impulses, scales, free, weight, share=share
-            )
-            step, change = solve(-gradient, -weight * conditions.gaps(now))
-            largest = float(np.abs(step).max(initial=0.0))
-            if not np.isfinite(largest):
+        return start, 0
+
+    no_gaps, no_force = np.zeros(len(weight)), np.zeros(len(scales))
+
+    def about(places, bars, impulses, share):
+        return linearised(
+            scene, places, conditions, bars, impulses, scales, free, weight, share=share
+        )
+
+    def rest(places):
+        """Newton's method: places in balance, the impulses there and the rounds."""
+        tries = [(ROUNDS, MASS_SHARE, np.inf), (SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR)]
+        tries = tries if len(free) else []
+        done, largest, now = 0, 0.0, places
+        for most, share, near in tries if len(elastic.nodes) else tries[:1]:
+            now, impulses, largest = places, np.zeros(len(weight)), np.inf
+            for _ in range(most):
+                done += 1
+                bars = elastic if largest <= near else elastic.unstressed
+                solve, gradient = about(now, bars, impulses, share)
+                step, change = solve(-gradient, -weight * conditions.gaps(now))
+                largest = float(np.abs(step).max(initial=0.0))
+                if not np.isfinite(largest):
+                    break
+                part = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
+                now, impulses = now.moved(part * scales * step), impulses + part * change
+                left = float(np.abs(weight * conditions.gaps(now)).max(initial=0.0))
+                if part == 1.0 and largest <= SETTLED and left <= CLOSED:
+                    return now, impulses, done
+        _refuse(conditions, now, open_before, f"moving by {largest:.2g} in round {done}")
+
+    def falling(places, impulses):
+        """The motion (6n,) along which the energy falls to both sides at the second order, or None.
+
+        Such is the image of a vector on which the inverse of a round's matrix is negative; what
+        rounding alone made negative is left out.
+        """
+        solve, _ = about(places, elastic, impulses, SOFT_SHARE)
+        steps = _negative(lambda force: solve(force / scales, no_gaps)[0], len(scales))
+        _, stiffness = elastic.derivatives(places)
+        _, curvature = conditions.derivatives(places, weight * impulses)
+        ways = scales[:, None] * steps
+        largest = abs(stiffness.multiply(scales[:, None]).multiply(scales)).max()
+        falls = np.sum(ways * ((stiffness + curvature) @ ways), axis=0)
+        steps = steps[:, falls < -FALLING * largest * np.sum(steps**2, axis=0)]
+        step = (steps / np.abs(steps).max(axis=0, initial=0.0)).sum(axis=1)
+        return step if step.any() else None
+
+    def closing(places):
+        """The places next to these at which the joints are closed, or None."""
+        for _ in range(CLOSINGS):
+            lacks = weight * conditions.gaps(places)
+            if np.abs(lacks).max(initial=0.0) <= CLOSED:
+                return places
+            step, _ = about(places, elastic.unstressed, no_gaps, MASS_SHARE)[0](no_force, -lacks)
+            if not np.abs(step).max() <= FARTHEST:
+                return None
+            places = places.moved(scales * step)
+        return None
+
+    def downhill(places, step):
+        """From unstable places along a motion and on by Gauss and Newton's method, each round with
+        less energy than before."""
+        energy = elastic.energy(places)
+        for _ in range(SOFT_ROUNDS):
+            part = min(1.0, FARTHEST / np.abs(step).max())
+            for _ in range(HALVINGS):
+                tried = closing(places.moved(part * scales * step))
+                if tried is not None and elastic.energy(tried) < energy:
+                    break
+                part /= 2
+            else:
                 break
-            part = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
-            now, impulses = now.moved(part * scales * step), impulses + part * change
-            left = float(np.abs(weight * conditions.gaps(now)).max(initial=0.0))
-            if part == 1.0 and largest <= SETTLED and left <= CLOSED:
-                _check_strains(elastic, now, open_before)
-                return now, done
-    _refuse(conditions, now, open_before, f"moving by {largest:.2g} in round {done}")
+            places, energy = tried, elastic.energy(tried)
+            solve, gradient = about(places, elastic.unstressed, no_gaps, SOFT_SHARE)
+            step, _ = solve(-gradient, no_gaps)
+            if not np.abs(step).max() > SOFT_NEAR:
+                break
+        return places
+
+    def followed(places, impulses, step):
+        """Stable places downhill of unstable ones to the side of a motion, and the rounds; or None
+        where none were reached."""
+        done = 0
+        for _ in range(FALLS):
+            try:
+                places, impulses, rounds = rest(downhill(places, step))
+            except MisfitError:
+                return None
+            done += rounds
+            step = falling(places, impulses)
+            if step is None:
+                return elastic.energy(places), places, done
+        return None
+
+    now, impulses, done = rest(start)
+    _check_strains(elastic, now, open_before)
+    step = falling(now, impulses) if len(elastic.nodes) else None
+    if step is None:
+        return now, done
+    here = elastic.energy(now)
+    sides = [followed(now, impulses, way) for way in (step, -step)]
+    sides = sorted((side for side in sides if side), key=lambda side: side[0])
+    if not sides:
+        wanted = "a stable position; this one snaps, and none was found downhill of it"
+    elif (
+        len(sides) == 2
+        and sides[1][0] - sides[0][0] <= SAME * (here - sides[0][0])
+        and np.abs(sides[0][1].position - sides[1][1].position).max() > SAME * size
+    ):
+        wanted = (
+            f"a stable position; this one snaps to either of two with {sides[0][0]:.4g} J, as a "
+            "straight bar pressed beyond its buckling load: `curvature` of the bar says to which"
+        )
+    else:
+        _check_strains(elastic, sides[0][1], open_before)
+        return sides[0][1], done + sum(side[2] for side in sides)
+    raise MisfitError("assembly", f"{here:.4g} J in an unstable position", wanted)
+
+
+def _negative(apply, count: int) -> np.ndarray:
+    """Directions (count, k) in which a symmetric matrix, `apply`, seems to be negative.
+
+    Lanczos' method from a fixed start, each vector made normal to all before; it has the extremes
+    of a spectrum first.
+    """
+    basis = [np.random.default_rng(1).standard_normal(count)]
+    basis[0] /= np.linalg.norm(basis[0])
+    images: list[np.ndarray] = []
+    while len(images) < min(count, LANCZOS):
+        images.append(apply(basis[-1]))
+        rest = images[-1]
+        for _ in range(2):
+            rest = rest - np.array(basis).T @ (np.array(basis) @ rest)
+        length = np.linalg.norm(rest)
+        if not length > 1e-14 * np.linalg.norm(images[-1]):
+            break
+        basis.append(rest / length)
+    if not np.isfinite(images[-1]).all():  # the matrix is exactly singular
+        return np.zeros((count, 0))
+    small = np.array(basis[: len(images)]) @ np.array(images).T
+    values, vectors = np.linalg.eigh((small + small.T) / 2)
+    return np.array(images).T @ vectors[:, values < 0]
 
 
 def linearised(

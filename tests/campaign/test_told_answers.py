@@ -10,14 +10,19 @@ import yaml
 from deployable import campaign
 from deployable.campaign.answers import finer
 from deployable.campaign.answers.bench import Bench
-from deployable.campaign.answers.choice import design_points
+from deployable.campaign.answers.choice import deciding, design_points
 from deployable.campaign.answers.ends import _ends
 from deployable.campaign.cli import main
 from deployable.campaign.config import sections
 from deployable.campaign.report.page import render
 from deployable.campaign.report.read import from_results
-from deployable.campaign.results.facts import happens_only, quantity_errors
-from deployable.campaign.text.numbers import interval, share
+from deployable.campaign.results.facts import (
+    decisive,
+    happens_only,
+    mark_constant,
+    quantity_errors,
+)
+from deployable.campaign.text.numbers import interval, measured, number, quantity, share
 from deployable.campaign.text.templates import sentence
 from deployable.intervals import Box
 from deployable.intervals.scalars.surrogate import Extremes
@@ -248,3 +253,108 @@ def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, mon
     assert [line.split(" | ")[0][2:5] for line in marked] == ["top", "BD"]
     data = from_results(folder)
     assert render(data).count("nothing softens it: state a <code>stiffness</code>") >= 2
+
+
+def facts_of_two(**changed):
+    """Facts of one response and one quantity over k1 and k2; k1 alone widens both."""
+    wide = {"share": 1.0, "alone": 0.1, "fixed": 0.0, "halved": 0.05}
+    idle = {"share": 0.0, "alone": 0.0, "fixed": 0.1, "halved": 0.1}
+    response = {"name": "a", "long_name": "opening", "units": "rad", "lower": 1.0, "upper": 1.1}
+    response |= {"size": 1.2, "largest_difference": 0.1, "error_at_largest_difference": 0.0}
+    response |= {"grade": "small", "shares": {"k1": 1.0, "k2": 0.0}}
+    quantity = {"name": "q", "long_name": "largest opening", "units": "rad", "error": 0.0}
+    quantity |= {"lower": 1.0, "upper": 1.1, "surrogate_lower": 1.0, "surrogate_upper": 1.1}
+    quantity |= {"beyond": None, "runs_with": 9, "runs_without": 0, "foretold_ends": []}
+    quantity |= {"influence": {"k1": wide, "k2": idle}}
+    known = {"description": "", "nominal": 1.0, "lower": 0.9, "upper": 1.1, "units": "1"}
+    parameters = [{"name": name, **known} for name in ("k1", "k2")]
+    facts = {"duration": 4.0, "parameters": parameters, "fixed": []}
+    facts |= {"responses": [response | changed], "quantities": [quantity | changed]}
+    mark_constant(facts)
+    return facts
+
+
+def test_of_two_parameters_the_one_without_effect_is_not_told_as_the_cause():
+    facts = facts_of_two()
+    assert sentence("tolerance", facts).startswith("The k1 (± 10 %): half as wide")
+    assert decisive(facts["quantities"][0]) == "k1" and "shares" in facts["responses"][0]
+
+
+@pytest.mark.parametrize("unit", ["rad", "m", "rad s-1", "s", "N"])
+@pytest.mark.parametrize("count", [1, 2])
+def test_widths_of_rounding_are_no_widths(count, unit):
+    ends = {"lower": 5.2e-25, "upper": 5.5e-25, "largest_difference": 3e-26}
+    facts = facts_of_two(**ends, units=unit, size=1e3 if unit == "N" else 5.5e-25)
+    facts["parameters"] = facts["parameters"][:count]
+    (response,), (quantity,) = facts["responses"], facts["quantities"]
+    assert "constant" in response and "constant" in quantity and response["grade"] == "none"
+    assert decisive(quantity) is None and "shares" not in response
+    text = sentence("tolerance", facts)
+    assert text.startswith("None: no response and no quantity varies with k1")
+    assert "does not vary" in sentence("ranges", facts)
+    assert sentence("differences", facts) == "The opening (a) does not vary."
+
+
+def test_a_parameter_that_no_quantity_depends_on_is_not_told_as_their_cause():
+    facts = facts_of_two()
+    facts["parameters"] = facts["parameters"][:1]
+    assert sentence("tolerance", facts).startswith("There is one: all comes from k1")
+    facts["quantities"][0]["constant"] = True
+    assert sentence("tolerance", facts) == "None: no quantity varies with k1 (± 10 %)."
+    facts["quantities"][0]["runs_without"] = 2  # it decides whether there is one
+    assert sentence("tolerance", facts).startswith("There is one")
+
+
+def choices(worth, kept, places):
+    """Tried choices with their worth: a goal where all requirements are kept, else a slack."""
+    return [
+        SimpleNamespace(values=np.array(at), is_allowed=kept, goals=[value], slack=value)
+        for at, value in zip(places, worth, strict=True)
+    ]
+
+
+GRID = [(1.0, 3.0), (1.0, 4.0), (2.0, 3.0), (2.0, 4.0)]
+
+
+@pytest.mark.parametrize("kept", [True, False])
+@pytest.mark.parametrize(
+    ("worth", "expected"),
+    [
+        ([-1.0, -1.0, -1.0, -1.0], [False, False]),
+        ([-1.0, -1.05, -1.0, -1.0], [False, False]),
+        ([-np.inf] * 4, [False, False]),
+        ([-1.0, -1.0, -2.0, -2.0], [True, False]),
+        ([-1.0, -2.0, -2.0, -np.inf], [True, True]),
+    ],
+)
+def test_only_what_changes_the_worth_of_a_choice_decides(kept, worth, expected):
+    assert deciding(choices(worth, kept, GRID), 0.1) == expected
+
+
+def test_where_choices_lie_on_no_grid_all_are_compared():
+    places = [(1.0, 3.0, 5.0), (1.5, 3.5, 5.5)]
+    assert deciding(choices([-1.0, -1.0], False, places), 0.0) == [False] * 3
+    assert deciding(choices([-1.0, -2.0], False, places), 0.0) == [True] * 3
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_a_choice_that_changes_nothing_is_no_advice(kept):
+    goal = {"quantity": "q", "end": "width", "value": 0.0, "units": "s"}
+    one = {"name": "k1", "units": "1", "lower": 0.9, "upper": 2.0, "value": 0.9}
+    found = {"kept": kept, "goals": [goal], "limits": []}
+    facts = facts_of_two() | {"choice": found | {"parameters": [one | {"decides": False}]}}
+    text = sentence("choice", facts)
+    assert "end of its range" not in text and "Best choice" not in text
+    assert ("No choice is better" if kept else "none misses them less") in text
+    other = one | {"name": "k2", "value": 1.5, "decides": True}
+    found["parameters"] = [one | {"decides": False}, other]
+    text = sentence("choice", facts | {"choice": found})
+    assert "end of its range" not in text and "k1 does not change that" in text
+    found["parameters"] = [one | {"decides": True}]
+    assert "k1 is at the lower end" in sentence("choice", facts | {"choice": found})
+
+
+def test_no_number_is_minus_zero():
+    assert number(-0.0) == "0" and quantity(-0.0, "rad") == "0 rad"
+    assert measured(-1e-9, 0.1, "m") == "0.0 ± 0.1 m"
+    assert interval({"lower": -1e-9, "upper": 0.5, "error": 0.1, "units": "m"}) == "0.00 to 0.50 m"

@@ -1,6 +1,7 @@
 """The best choice of nominal values, judged by the worst case about each, `choice.json`.
 
-    parameters   [{name, units, lower, upper, value}]: the range, and the best choice
+    parameters   [{name, units, lower, upper, value, decides}]: the range, the best choice, and
+                 whether choices that differ in it differ in what decides by more than the error
     kept         whether the whole box about the choice keeps all requirements
     goals        [{end, quantity, units, sense, value, at, simulated}] of the choice; of a width
                  `at` is where the upper end is, `lower_at` where the lower, `simulated` the width
@@ -29,6 +30,7 @@ from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, choose_step, read_plan
 from deployable.campaign.plan.runs import Runs
+from deployable.campaign.results.facts import ROUNDING
 from deployable.campaign.runs.progress import Tell
 from deployable.campaign.text.words import words_of
 
@@ -60,8 +62,9 @@ def answer(
         if turn == verify.rounds or not places:
             break
         bench.add(places)
+    error = _error(bench, asked.experiment, choose, limits, best.is_allowed)
     found = {
-        "parameters": _parameters(experiment, choose, best.values),
+        "parameters": _parameters(experiment, choose, best.values, deciding(tried, error)),
         "kept": best.is_allowed,
         "goals": list(map(partial(_goal, bench), choose.goals, best.goals, best.at)),
         "limits": list(map(partial(_limit, bench), limits, best.slacks, best.worst)),
@@ -139,12 +142,52 @@ def _best(bench: Bench, experiment: Experiment, choose: Choose, asked: list[Aske
     return best_choice(goals, limits, list(choose.parameters.values()), part)
 
 
-def _parameters(experiment: Experiment, choose: Choose, values: np.ndarray) -> list[dict]:
+def _error(
+    bench: Bench, experiment: Experiment, choose: Choose, limits: list[Asked], is_allowed: bool
+) -> float:
+    """By how much choices may differ and be alike: the error of what decides, and rounding. That is
+    the first goal, or where no choice is allowed the limits."""
+    names, surrogates = list(experiment.quantities), bench.surrogates()
+    chosen = [names.index(choose.goals[0][2])] if is_allowed else [one.quantity for one in limits]
+    errors = [surrogates[q].error for q in chosen]
+    size = np.nanmax(np.abs(bench.numbers[:, chosen]), initial=0.0)
+    return max([ROUNDING * size, *(error for error in errors if np.isfinite(error))])
+
+
+def deciding(tried: Sequence[Any], error: float) -> list[bool]:
+    """Of each chosen parameter, whether tried choices that differ in it alone differ by more than
+    an error in what decides: the first goal where it is allowed, or if no choice is the slack."""
+    allowed = [one.is_allowed for one in tried]
+    worth = np.array([
+        one.slack if not any(allowed) else one.goals[0] if one.is_allowed else np.inf
+        for one in tried
+    ])  # fmt: skip
+    worth = np.nan_to_num(worth, nan=np.inf)
+    values = np.array([one.values for one in tried])
+
+    def differ(rows: np.ndarray) -> bool:
+        low, high = worth[rows].min(), worth[rows].max()
+        return bool(low != high and not high - low <= error)
+
+    found = []
+    for j in range(values.shape[1]):
+        _, group = np.unique(np.delete(values, j, axis=1), axis=0, return_inverse=True)
+        alone = [np.flatnonzero(group.ravel() == g) for g in range(group.max() + 1)]
+        lines = [rows for rows in alone if len(rows) > 1]
+        found.append(any(map(differ, lines or [np.arange(len(tried))])))
+    return found
+
+
+def _parameters(
+    experiment: Experiment, choose: Choose, values: np.ndarray, decides: Sequence[bool]
+) -> list[dict]:
     known = experiment.scene_type.parameters
     return [
-        {"name": name, "units": known[name].unit, "lower": low, "upper": high, "value": float(v)}
-        for (name, (low, high)), v in zip(choose.parameters.items(), values, strict=True)
-    ]
+        {"name": name, "units": known[name].unit, "lower": low, "upper": high, "value": float(v),
+         "decides": own}
+        for (name, (low, high)), v, own in zip(
+            choose.parameters.items(), values, decides, strict=True)
+    ]  # fmt: skip
 
 
 def _goal(bench: Bench, goal: tuple[float, str, str], value: float, at: np.ndarray) -> dict:

@@ -91,7 +91,7 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
 
     def shown(response: Response) -> bool:
         """Whether what parameters contribute is known well enough to be drawn."""
-        return response.widths is not None and grades.get(response.name) != "large"
+        return response.widths is not None and grades.get(response.name) not in ("large", "none")
 
     return {
         "campaign": data.facts["campaign"],

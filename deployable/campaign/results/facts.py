@@ -33,6 +33,14 @@ it is called large."""
 SOFT = 0.05
 """Overlap (rad) from which faces that touch are said to pass through each other."""
 
+ROUNDING = 1e-12
+"""Share of the size of what has a unit below which a width is rounding: thousands of steps leave
+some 1e-13 of it (a step, 1e-16)."""
+
+_SIZES = {"rad": 1.0, "m": 1e-3}
+"""Least sizes: angles come from directions, of size 1, and no structure is below a millimetre, so
+that what a joint that sticks leaves is rounding beside them, not beside itself."""
+
 _SCAN = ("drawn_runs", "share_outside", "share_outside_95")
 _ERRORS = ("error_step", "error_mesh", "error_whole")
 _INFLUENCE = ("share", "alone", "fixed", "halved")
@@ -86,10 +94,44 @@ def facts_of(
     for row in rows:
         if row["name"] in experiment.doubts:
             row["doubt"] = experiment.doubts[row["name"]]
+    mark_constant(found)
     if found["overlap"] > SOFT:
         found["contacts"] = _of_contacts(experiment, found["fixed"])
     found["runs"] = _run_counts(found)
     return found
+
+
+def mark_constant(found: dict) -> None:
+    """Mark responses and quantities whose width is rounding beside the largest value of their unit
+    as `constant`: no share of that width, and no error beside it, means anything."""
+    rows, duration = [*found["responses"], *found["quantities"]], found["duration"]
+    sizes = {"s": duration} | _SIZES
+    sizes |= {f"{unit} s-1": size / duration for unit, size in _SIZES.items()}
+    for row in rows:
+        ends = [row.get("size"), row["lower"], row["upper"]]
+        largest = max(abs(end or 0.0) for end in ends)
+        sizes[row["units"]] = max(sizes.get(row["units"], 0.0), largest)
+    for row in rows:
+        width = row.get("largest_difference")
+        if width is None and row["lower"] is not None and not row.get("beyond"):
+            width = row["upper"] - row["lower"]
+        if width is None or width > ROUNDING * sizes[row["units"]]:
+            continue
+        row["constant"] = True
+        row.pop("shares", None)
+        if "grade" in row:
+            row["grade"] = "none"
+        for one in row.get("influence", {}).values():
+            one["share"] = 0.0
+        if "errors" in row:
+            row["errors"]["share"] = None
+
+
+def varies(row: Mapping) -> bool:
+    """Whether a response or quantity depends on the parameters: its value, or whether it is."""
+    if "constant" in row:
+        return bool(row.get("runs_with") and row.get("runs_without"))
+    return row.get("lower") is not None
 
 
 def of_bounds(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict[str, Any]:
@@ -195,6 +237,7 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
         "time_of_largest_difference": float(time[at]),
         "lower": float(lower[at]),
         "upper": float(upper[at]),
+        "size": float(max(np.abs(lower).max(), np.abs(upper).max())),
         "published": published,
         "ratio_to_published": None if not published else float(width[at] / published),
         "mean_difference": float(np.trapezoid(width, time) / (time[-1] - time[0])),
@@ -369,7 +412,7 @@ def _reached(quantity: Any, experiment: Any, folder: Folder) -> dict[str, Any]:
         curves = np.array([bounds["lower"][row], bounds["upper"][row]])
         time = bounds["time"][:]
     side, at = np.unravel_index(np.argmin(np.abs(curves - level)), curves.shape)
-    value = float(curves[side, at])
+    value = float(curves[side, at]) + 0.0  # no -0
     return {"name": response.name, "units": response.unit, "value": value, "level": level,
             "time": float(time[at]), "moves": bool(at >= 0.98 * len(time))}  # fmt: skip
 

@@ -25,7 +25,7 @@ def pretty(units: str) -> str:
 
 def number(value: float, digits: int = 3) -> str:
     """`0.0618`, `−2.5`, `1.2e+09` as `1.2 × 10⁹`."""
-    text = f"{value:.{digits}g}"
+    text = f"{value + 0.0:.{digits}g}"  # no -0
     if "e" not in text:
         return text.replace("-", "−")
     mantissa, exponent = text.split("e")
@@ -44,7 +44,7 @@ def measured(value: float, error: float | None, units: str) -> str:
     if not error or error < 1e-3 * abs(value):
         return quantity(value, units)
     places = -_power(error)
-    text = [f"{v:.{places}f}" if 0 <= places <= 9 else number(v, 1) for v in (value, error)]
+    text = [f"{v:z.{places}f}" if 0 <= places <= 9 else number(v, 1) for v in (value, error)]
     return with_unit(" ± ".join(text).replace("-", "−"), units)
 
 
@@ -109,7 +109,7 @@ def _ends(row: Mapping[str, Any]) -> list[str]:
         places = min(places, -_power(min(error, width / 10)))
     if not 0 <= places <= 9:
         return [number(end, max(1, min(9, places + 1 + _power(size)))) for end in (lower, upper)]
-    return [f"{end:.{places}f}".replace("-", "−") if end else "0" for end in (lower, upper)]
+    return [f"{end:z.{places}f}".replace("-", "−") if end else "0" for end in (lower, upper)]
 
 
 def capitalised(text: str) -> str:

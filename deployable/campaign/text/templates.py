@@ -7,7 +7,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from deployable.campaign.results.facts import PARTS, SOFT, decisive, happens_only, moments
+from deployable.campaign.results.facts import (
+    PARTS,
+    SOFT,
+    decisive,
+    happens_only,
+    moments,
+    varies,
+)
 from deployable.campaign.text import numbers
 
 _HERE = Path(__file__).parent
@@ -36,6 +43,7 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
         "coded": partial(numbers.coded, units=units),
     }  # fmt: skip
     found.tests |= {
+        "varying": varies,
         "in_any": lambda part, rows: any(part in row["errors"] for row in rows),
     }
     found.globals |= {"SOFT": SOFT, "PARTS": PARTS}

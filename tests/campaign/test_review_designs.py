@@ -49,6 +49,12 @@ def test_beside_a_margin_by_own_factors_is_that_of_the_standard(tmp_path):
     assert columns["both"] == columns["both_by_standard"], "another factor takes no run"
 
 
+def test_no_margin_takes_the_name_of_that_by_the_standard(tmp_path):
+    own = {"m": MARGIN | {"factors": {"FR": 1}}, "m_by_standard": MARGIN | {"to": "20 deg"}}
+    with pytest.raises(ConfigError, match=r"margins\.m: .*m_by_standard, which is taken"):
+        load_config(config(tmp_path, margins=own))
+
+
 @pytest.mark.parametrize("taken", [["m", "m_margin"], ["m"], []])
 def test_a_requirement_of_a_margin_replaces_none(tmp_path, taken):
     own = {name: {"q": {"at_most": 1}} for name in taken}

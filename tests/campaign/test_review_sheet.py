@@ -77,6 +77,9 @@ ROWS = {
     "a stricter limit": (least(limits=[ZERO, STRICT]), "own", "r1", "not met anywhere"),
     "a limit from above": (
         least(-0.3, -0.2, [limit("m_least", "at_most", 1.0)]), "own", "r0", "reported: kept"),
+    "a broken limit from above": (
+        least(limits=[limit("m_least", "at_most", 0.2, met="none")]), "own", "r0",
+        "not met anywhere"),
     # where it is by factors, classes or a part of the travel of its own
     "own factors": (
         least(own=["FR 0.1 for 6"]), "own", "factors", "by own factors (FR 0.1 for 6): met in all "
@@ -335,6 +338,13 @@ def test_parts_at_the_worst_place_add_up_to_the_margin():
     assert f"T = {drives:g} N m" in budget["sum"] and f"Tmin = {required_:g} N m" in budget["sum"]
     assert budget["sum"].endswith(f"= {drives / required_ - 1:g}.")
     assert "k = 0.09 N m/rad" in budget["title"] and "6 March 2009" in budget["title"]
+
+
+def test_a_margin_at_its_cap_is_no_quotient():
+    (budget,) = budgets_of(sheets.facts_of(margins={"m_least": margin(
+        budget={"opening": 0.0, "margin": 99.0, "drives": 0.5, "required": 0.001, "rows": []}
+    )}))  # fmt: skip
+    assert budget["sum"].endswith("T/Tmin − 1 is 99 or more, and counts as 99.")
 
 
 @pytest.mark.parametrize(

@@ -85,7 +85,12 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
         for name, definition in config.margins.items():
             if own := set(OWN_FACTORS) & set(definition):
                 rest = {key: value for key, value in definition.items() if key not in own}
-                wanted.setdefault(name + BY_STANDARD, rest)
+                if name + BY_STANDARD in config.margins:
+                    problems.append(
+                        f"margins.{name}: its margin by the standard's factors is to be called "
+                        f"{name}{BY_STANDARD}, which is taken; allowed: another name"
+                    )
+                wanted[name + BY_STANDARD] = rest
     for name, definition in wanted.items():
         least, key = f"{name}_least", f"margins.{name}"
         taken = [f"responses.{name}"] * (name in responses)

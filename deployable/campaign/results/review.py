@@ -13,6 +13,7 @@ from deployable.campaign.config.resolve import BY_STANDARD
 from deployable.campaign.files import csv_text
 from deployable.campaign.results.facts import decisive
 from deployable.campaign.text import numbers
+from fpm.reading.margins import MOST
 from fpm.reading.standards import CLASSES, STANDARDS
 
 HEADS = {
@@ -161,7 +162,9 @@ def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
                       for head in BUDGET_HEADS],
             "rows": rows,
             "sum": f"T = {drives} (all that is weighted above 0), Tmin = {required} (below 0): "
-                   f"T/Tmin − 1 = {numbers.number(budget['margin'], 4)}.",
+                   + (f"T/Tmin − 1 = {numbers.number(budget['margin'], 4)}."
+                      if budget["margin"] < MOST else
+                      f"T/Tmin − 1 is {MOST:g} or more, and counts as {MOST:g}."),
         })  # fmt: skip
     return found
 
@@ -267,7 +270,7 @@ class _Sheet:
         for required, limit in limits:
             verdict = self._judged(row, limit)
             weaker = limit["kind"] != "at_least" or limit["level"] < 0
-            if row["name"] in self._margins and weaker:
+            if row["name"] in self._margins and weaker and verdict.state != FAILED:
                 kept = "kept in all of the box" if verdict.state == MET else verdict.text
                 text = f"reported: {kept}, which shows nothing of the limit 0 of the standard"
                 verdict = Verdict(REPORTED, text)

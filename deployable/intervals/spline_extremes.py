@@ -94,7 +94,7 @@ def _maximum(spline: Spline, flat: np.ndarray, candidates: int) -> tuple[np.ndar
     trial[:, ~free] = spline.points[0, ~free]
     trial = np.concatenate([spline.points, trial])
     spread = np.ptp(spline.values.reshape(len(spline.points), -1), axis=0)
-    near = _best_of(spline, flat, trial, _BEST)[1]
+    near = _best_of(spline, flat, trial, _BEST)
     count = 2 + 2 * int(free.sum())
     used = np.zeros(flat.shape[1], dtype=int)
     best, at = np.full(flat.shape[1], -np.inf), near[0].copy()
@@ -112,8 +112,8 @@ def _maximum(spline: Spline, flat: np.ndarray, candidates: int) -> tuple[np.ndar
     return best, at
 
 
-def _best_of(spline, flat, trial, count) -> tuple[np.ndarray, np.ndarray]:
-    """The `count` largest values (count, T) at trial points, and these (count, T, k)."""
+def _best_of(spline, flat, trial, count) -> np.ndarray:
+    """The trial points (count, T, k) with the largest values, the largest first."""
     value, where = np.zeros((0, flat.shape[1])), np.zeros((0, flat.shape[1]), dtype=int)
     step = max(CHUNK // max(flat.shape), 1)
     for start in range(0, len(trial), step):
@@ -121,9 +121,9 @@ def _best_of(spline, flat, trial, count) -> tuple[np.ndarray, np.ndarray]:
         value = np.concatenate([value, rows])
         index = np.arange(start, start + len(rows))
         where = np.concatenate([where, np.repeat(index[:, None], flat.shape[1], axis=1)])
-        order = np.argsort(-value, axis=0, kind="stable")[:count]
+        order = np.argpartition(-value, min(count, len(value)) - 1, axis=0)[:count]
         value, where = (np.take_along_axis(x, order, axis=0) for x in (value, where))
-    return value, trial[where]
+    return trial[np.take_along_axis(where, np.argsort(-value, axis=0, kind="stable"), axis=0)]
 
 
 def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:

@@ -50,8 +50,9 @@ def pytest_make_collect_report(collector: pytest.Collector):
 
 
 ABSENT = "not installed", "in the extra", "could not import"
-LEFT_OUT = "slurm", "ParaView"
-"""What CI does not install: a cluster, whose tests wait for minutes, and a library of 140 MB."""
+LEFT_OUT = "slurm", "ParaView", "is not set"
+"""What CI does not install: a cluster, whose tests wait for minutes, a library of 140 MB, and peers
+that need environments of their own, which variables name."""
 
 
 def _installed(report):

@@ -41,25 +41,27 @@ class InstabilityError(RuntimeError):
     most energy, the first non-finite one, or the one to blame), `step` (s) used, `limit` (s) the
     stable step of the scene at its start, `balance` (J) the energy that came from nowhere, `scale`
     (J), `cause` the name of what is watched and too large (None: the balance broke), `largest` of
-    everything that is watched, by name, `words` what was found and how to cure it by the cause.
+    everything that is watched, by name, `words` what was found and how to cure it by the cause,
+    `remedy` of the element where its kind knows one and nothing that is watched is too large.
     """
 
     def __init__(
-        self, time, element, step, limit, balance, scale, cause=None, largest=None, words=None
-    ):
+        self, time, element, step, limit, balance, scale, cause=None, largest=None, words=None,
+        remedy="",
+    ):  # fmt: skip
         self.time, self.element, self.step, self.limit = time, element, step, limit
         self.balance, self.scale, self.cause = balance, scale, cause
-        self.largest, self.words = largest or {}, words
+        self.largest, self.words, self.remedy = largest or {}, words, remedy
         found = (
             f"the energy balance is off by {balance:.3g} J of {scale:.3g} J"
             if isfinite(balance)
             else "numbers are no longer finite"
         )
-        remedy = (
+        remedy = remedy or (
             "the step is below the limit of the undeformed scene, so the motion itself is "
             "too violent for it: halve solver.step, refine the mesh, or soften the contact"
         )
-        if limit == inf:
+        if limit == inf and not self.remedy:
             remedy = (
                 "nothing is elastic: halve solver.step; or joints of rigid bodies contradict each "
                 "other, by lengths or axes that do not fit"
@@ -77,7 +79,7 @@ class InstabilityError(RuntimeError):
     def __reduce__(self):
         return type(self), (
             self.time, self.element, self.step, self.limit, self.balance, self.scale,
-            self.cause, self.largest, self.words,
+            self.cause, self.largest, self.words, self.remedy,
         )  # fmt: skip
 
 

@@ -37,6 +37,8 @@ class Watch(NamedTuple):
     always: it counts also where the energy does not balance, as nothing else would explain that.
     of_size: `most` is a share of the scene's size (m), World.size.
     failure(values) -> (found, remedy): in words, from the largest values of the kind's watches.
+    unbalanced(element) -> remedy: where the energy does not balance and this element of the kind is
+    the worst; "" where the kind knows none of its own.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Watch(NamedTuple):
     always: bool
     failure: Callable[[dict[str, float]], tuple[str, str]]
     of_size: bool = False
+    unbalanced: Callable[[str], str] | None = None
 
 
 class Recorded(NamedTuple):

@@ -94,9 +94,10 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
     """Why a lane failed, and what to change."""
     batch, _, _, record = run
     scene, balance = batch.scenes[lane], float(record.failed_balance[lane])
-    names = [name for kind in batch.rows.of for name in kind.names(scene)]
+    names = [(name, kind) for kind in batch.rows.of for name in kind.names(scene)]
     row, cause = record.failed_row[lane], record.failed_cause[lane]
-    element = names[row] if row >= 0 else "none"
+    element, worst = names[row] if row >= 0 else ("none", None)
+    remedies = [w.unbalanced(element) for w in (worst.watches if worst else ()) if w.unbalanced]
     if step > limit.step and not np.isfinite(balance):
         element = limit.element  # all elements broke down since the last check; this began it
     watches = [watch for kind in batch.kinds for watch in kind.watches]
@@ -111,6 +112,7 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
         cause=watch and watch.name,
         largest=largest,
         words=watch and watch.failure(largest),
+        remedy="; ".join(remedies),
     )
 
 

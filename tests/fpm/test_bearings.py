@@ -175,6 +175,7 @@ parameters:
   start: {value: 30, unit: deg, range: [1, 89]}
   mu: {value: 0.5, range: [0, 5]}
   rise: {value: 0.44, unit: m, range: [-2, 2]}
+  pull: {value: 20, unit: N, range: [0, 100]}
 points:
   a: [0, 0, sin(start)*(1 m)]
   b: [cos(start)*(1 m), 0, 0]
@@ -194,7 +195,7 @@ actions:
   lead: {type: motor, joint: lift, travel: rise, curve: up}
   rub: {type: bearing, joint: slide, mu: mu, load: 20 N}
 loads:
-  p: {part: B, at: b, force: [20 N, 0, 0]}
+  p: {part: B, at: b, force: [pull, 0, 0]}
 record:
   b: {part: B, at: b}
 """
@@ -211,12 +212,14 @@ def test_what_is_led_into_self_locking_fails_there():
         {"mu": 0.1},
         {"start": 70, "rise": 0.04},
         {"start": 70, "rise": -0.4},
+        {"start": 70, "rise": -0.4, "mu": 0.4},
+        {"start": 80, "rise": -0.5},
     ]
     asked = [("joint_force", "slide friction")]
     runs = fpm.simulate(
         [made.build(**case) for case in cases], duration=2.0, instants=201, step=5e-4, record=asked
     )
-    locked, nearly, free, at_once, out = runs
+    locked, nearly, free, at_once, *out = runs
     for run, start, rise in ((locked, 30, 0.44), (at_once, 70, 0.04)):
         assert run.failure.cause == "lock"
         assert "at t = " in str(run.failure) and "bearing slide" in str(run.failure)
@@ -231,4 +234,15 @@ def test_what_is_led_into_self_locking_fails_there():
         angle = angle[chosen]
         expected = mu * 20 * np.sin(angle) / (np.cos(angle) - mu * np.sin(angle))
         assert run.columns[asked[0]][chosen] == pytest.approx(expected, rel=0.01)
-    assert out.failure is None  # pushed out of it, nothing is
+    # Led out of it, friction relieves the joint: F = P/(cos t + mu sin t), within the inertias.
+    for run, case in zip(out, cases[4:], strict=True):
+        assert run.failure is None
+        mu = case.get("mu", 0.5)
+        angle = np.arcsin(np.sin(np.radians(case["start"])) + case["rise"] * run.time / 2)
+        expected = -mu * 20 * np.sin(angle) / (np.cos(angle) + mu * np.sin(angle))
+        chosen = (run.time > 0.2) & (run.time < 1.95)
+        assert run.columns[asked[0]][chosen] == pytest.approx(expected[chosen], rel=0.01)
+    (jumps,) = fpm.simulate(
+        [made.build(start=85, rise=-0.6, pull=100)], duration=2.0, instants=201, step=5e-4
+    )
+    assert "outside of self-locking" in str(jumps.failure) or jumps.failure.cause == "lock"

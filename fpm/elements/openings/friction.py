@@ -53,6 +53,21 @@ def _locked(values: dict[str, float]) -> tuple[str, str]:
     )
 
 
+def _unbalanced(element: str) -> str:
+    """The remedy of a bearing whose friction goes with a force that changes much in a step.
+
+    Beyond self-locking (mu tan t > 1) the force on rigid bodies has two values or none (Painleve,
+    Lecons sur le frottement, 1895); a start there may come upon the wrong one.
+    """
+    if not element.startswith("bearing"):
+        return ""
+    return (
+        "the friction of this bearing goes with its joint's force of the step before, which jumps: "
+        "begin the motion slowly, or outside of self-locking (mu tan(angle) below 1); less `mu`; a "
+        "`load` near the joint's force at the start; halve solver.step"
+    )
+
+
 @dataclass(frozen=True)
 class Friction(OnHinge):
     """Friction in a hinge by a bristle, whose `damping` is None where it is as DAMPED says."""
@@ -75,7 +90,7 @@ class Friction(OnHinge):
     acts_as = "friction"
     called = "friction"
     resists_as = "FR"
-    watches = (Watch("lock", LOCKS, True, _locked),)
+    watches = (Watch("lock", LOCKS, True, _locked, unbalanced=_unbalanced),)
 
     @classmethod
     def led(cls, scene):
@@ -143,9 +158,10 @@ class Friction(OnHinge):
         found = super().array(name, batch)
         if name == "state":
             found[:, cls.kernels().FOOT] = opened(batch, cls)
-            found[:, cls.kernels().MOST] = batch.table(
+            kernels = cls.kernels()
+            found[:, [kernels.MOST, kernels.EARLIER, kernels.BORNE]] = batch.table(
                 cls, 1, lambda f: [0.0 if f.load is None else f.bend]
-            )[:, 0]
+            )
         return found
 
 

@@ -20,7 +20,13 @@ MOST = 2  # and by how much it could be, where that goes with the joint's force
 LEAST = 3  # the least that it was bent since it slipped,
 AT_LEAST = 4  # and by how much it could be then
 LOCKED = 5  # by how many times its bend it was bent on while that grew as much, at most
-STATE = 6
+EARLIER = 6  # MOST a step before it,
+BORNE = 7  # and by how much it could be by the joint's force as it came out with that
+STATE = 8
+
+STEEP = 0.5
+"""By how much of a change of friction the force that the joint bears may change the other way, a
+step later, before the next one is found by the secant of both."""
 
 
 class Frictions(NamedTuple):
@@ -51,11 +57,24 @@ def bend_at(points, start, i, most, psi):
 
 @kernel
 def bend_by_force(borne, state, i, now):
-    """By how much more it bends by the joint's force, now and a step ago; at first as stated."""
+    """By how much more it bends by the joint's force, now and a step ago; at first as stated.
+
+    Where friction relieves its own joint by more than itself (beyond the angle of self-locking, led
+    out of it), taking the force of the step before would grow from step to step; the secant of the
+    last two steps finds the force that agrees with its own friction.
+    """
     before = load(state, i, MOST)
     most = before
     if now.time > 0.0:
-        most = load(borne.share, i, 0) * force_of(borne, i, now)
+        result = load(borne.share, i, 0) * force_of(borne, i, now)
+        change = before - load(state, i, EARLIER)
+        answer = result - load(state, i, BORNE)
+        steep = (answer + STEEP * change) * change  # < 0: the answer is steep, and the other way
+        safe = where_negative(steep, change - answer, 1.0 + 0.0 * change)
+        secant = before + (result - before) * change / safe
+        most = where_negative(steep, secant, result)
+        store(state, i, EARLIER, before)
+        store(state, i, BORNE, result)
     store(state, i, MOST, most)
     return most, before
 

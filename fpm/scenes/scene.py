@@ -105,6 +105,7 @@ class Scene:
         self.supports: dict[str, VirtualBeam] = {}  # named points that are held or driven
         self.bearings: Counter[int] = Counter()  # by hinge: mu r (m), of slides mu, where it is led
         self.classes: dict[tuple[type[Kind], int], str] = {}  # other than Kind.resists_as
+        self.action_names: dict[tuple[type[Kind], int], str] = {}  # as a structure's file has them
         self.gravity, self.damping = gravity, damping
 
     beams = _elements(Beams)

@@ -95,9 +95,11 @@ def _build(build: Builder, entry: Entry) -> None:
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         _note(build, entry.line, entry.key, SceneError("", str(error), "possible numbers"))
         return
+    now = build.scene.kinds.items()
+    new = [(kind, i) for kind, own in now for i in range(count[kind], len(own))]
+    if entry.statement.group == "actions":
+        build.scene.action_names |= dict.fromkeys(new, entry.name)
     if word := vars(values).get("class"):
-        now = build.scene.kinds.items()
-        new = [(kind, i) for kind, own in now for i in range(count[kind], len(own))]
         kept = build.scene.classes if word == "S" else {}  # hysteresis of a spring is hysteresis
         build.scene.classes |= {one: kept.get(one, word) for one in new}
     if isinstance(made, Part):

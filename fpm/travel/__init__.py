@@ -281,13 +281,17 @@ class _Work:
 
 
 def _elements(scene) -> list[_Part]:
-    """All that acts; those with one name are told apart by numbers."""
+    """All that acts, named as the action of the structure's file that it is of, with what it is
+    where that is of several; else by what it is, and a number where that is said twice."""
     found, count = [], Counter()
-    for kind in kinds_of([scene]):
+    kinds = [k for k in kinds_of([scene]) if k.resists_as and k is not Beams and acts(k)]
+    several = Counter(name for (k, _), name in scene.action_names.items() if k in kinds)
+    bearings = {_bearing(scene, hinge) for hinge in scene.bearings}
+    for kind in kinds:
         own = kind.resists_as
-        if not own or kind is Beams or not acts(kind):
-            continue
         for i, (name, element) in enumerate(zip(kind.names(scene), kind.led(scene), strict=True)):
+            if (action := scene.action_names.get((kind, i))) and name not in bearings:
+                name = f"{action} ({name})" if several[action] > 1 else action
             count[name] += 1
             name = f"{name} #{count[name]}" if count[name] > 1 else name
             is_class = scene.classes.get((kind, i), own)

@@ -219,7 +219,7 @@ def test_a_balance_of_energy_takes_a_run_that_moves(exchanged, off, verdict):
     [
         ("all", 1.0, "met in all of the box, by analysis"),
         ("none", 0.0, "not met anywhere in the box"),
-        ("some", 0.6, "not met: only in 60 % of the box"),
+        ("some", 0.6, "not met in all of the box, but in 60 % of it"),
         ("open", 1.0, "undecided: no failure found in 9 runs, which proves nothing of the rest"),
     ],
 )

@@ -133,7 +133,7 @@ def test_the_scissor_mast_by_virtual_work():
     scene.gravity = (-g, 0, 0)
     found = lead(scene, "bay1.pin", np.radians(160), np.radians(60))
     way = found.opening  # falls, so that work is per unit of -opening
-    springs = sum(found.work[f"torsion spring bay{i + 1}.pin"] for i in range(n))
+    springs = sum(found.work[f"bay{i + 1}.spring"] for i in range(n))
     assert springs == pytest.approx(n * k * way, rel=1e-3)
     rises = 0.5 * np.sin(way / 2)  # d(cos q)/d(-2 q), for L = 1 m
     expected = -g * 2 * 1.0 * rises * sum(i + 0.5 for i in range(n))
@@ -163,7 +163,7 @@ def test_the_bennett_linkage_by_virtual_work():
     springs = {spring.hinge: spring.stiffness for spring in scene.springs}
     for index, name, opening, by in ((0, "A", at_a(psi), rate), (1, "B", psi, 1.0)):
         work = springs[index] * opening * by
-        assert found.work[f"torsion spring {name}"] == pytest.approx(work, rel=1e-3), name
+        assert found.work[f"spring_{name}"] == pytest.approx(work, rel=1e-3), name
     assert np.abs(found.work[STRAIN]).max() < 1e-2
 
 

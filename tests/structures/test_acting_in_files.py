@@ -110,8 +110,8 @@ def test_classes_and_bearings_of_margins():
                    ("record:", f"  {more}"))  # fmt: skip
     scene = loads(text).build()
     assert parts_of(scene) == {
-        "torsion spring root": "S", "friction root": "HD", "stop root below": "S",
-        "stop root above": "S", "spring root": "HA", "bearing root": "FR", "strain of bars": "S",
+        "spring": "S", "dry": "HD", "ends (stop root below)": "S", "ends (stop root above)": "S",
+        "tape": "HA", "bearing root": "FR", "strain of bars": "S",
     }  # fmt: skip
     assert scene.bearings == {0: pytest.approx(0.002)}
     assert "counts in margins only" in describe(loads(text))

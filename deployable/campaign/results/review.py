@@ -300,6 +300,8 @@ class _Sheet:
                 if limit["simulated"] is not None:
                     least = numbers.quantity(limit["simulated"], units, 4)
                     nearest += f": {least}, simulated"
+                else:
+                    nearest += ", by the surrogate"
         if margin:
             opening = numbers.quantity(margin["budget"]["opening"], margin["unit"], 4)
             nearest += f", at an opening of {opening}"
@@ -325,7 +327,7 @@ class _Sheet:
             return Verdict(FAILED, "not met anywhere in the box")
         if limit["met"] == "some":
             share = numbers.share(limit["share"], limit["open"])
-            return Verdict(FAILED, f"not met: only in {share} of the box")
+            return Verdict(FAILED, f"not met in all of the box, but in {share} of it")
         if limit["met"] == "open":
             runs = f"no failure found in {limit['runs']} runs"
             return Verdict(OPEN, f"undecided: {runs}, which proves nothing of the rest")
@@ -536,7 +538,11 @@ class _Sheet:
         )
         states = {name: self._failure(self._quantities[name]).state for name in self._margins}
         rows, whole = self.facts["requirements"], self.facts["together"]
-        failing = [row["name"] for row in rows if row["met"] in ("some", "none")]
+        failing = [
+            name for row in rows if row["met"] in ("some", "none")
+            for name in [each["quantity"] for each in row["limits"] if each["met"] != "all"]
+            or [row["name"]]
+        ]  # fmt: skip
         failing += [name for name, state in states.items() if state == FAILED]
         each = [self._judged(self._quantities[limit["quantity"]], limit).state
                 for row in rows for limit in row["limits"]]  # fmt: skip
@@ -548,13 +554,13 @@ class _Sheet:
         elif whole["met"] != "all" or OPEN in each:
             verdict = self._judged({}, {**whole, "met": "open"})
         elif open_:
-            text = f"all that is required is met, {', '.join(open_)} as far as said there"
+            text = f"what the campaign requires is met; see the rows of {', '.join(open_)}"
             verdict = Verdict(PARTLY, f"partly analysed: {text}")
         else:
             verdict = Verdict(MET, "met in all of the box, by analysis")
         if failing and whole["met"] == "some":
             share = numbers.share(whole["share"], whole["open"])
-            verdict = Verdict(FAILED, f"not met: all requirements only in {share} of the box")
+            verdict = Verdict(FAILED, f"not met in all of the box; all together in {share} of it")
         value = f"not met: {', '.join(dict.fromkeys(failing))}" if failing else ""
         return _row(analysed, verdict, value)
 
@@ -584,12 +590,16 @@ class _Sheet:
     def parametric(self) -> dict[str, str]:
         """Which parameters of the structure are varied."""
         varied = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
-        fixed = [p["name"] for p in self.facts["fixed"] if isinstance(p["value"], float)]
+        fixed = [
+            f"{p['description'] or p['name']} ({p['name']} = "
+            f"{numbers.quantity(p['value'], p['units'], 4)})"
+            for p in self.facts["fixed"] if isinstance(p["value"], float)
+        ]  # fmt: skip
         if not varied:
             return _row("", NOTHING)
         verdict = Verdict(REPORTED, "reported")
         if fixed:
-            verdict = Verdict(PARTLY, f"partly analysed: without {', '.join(fixed)}")
+            verdict = Verdict(PARTLY, f"partly analysed: these do not vary: {'; '.join(fixed)}")
         return _row("parameters that are intervals", verdict, ", ".join(varied))
 
     def influence(self) -> dict[str, str] | None:

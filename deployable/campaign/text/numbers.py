@@ -74,7 +74,7 @@ def share(share: float, open_: float = 0.0) -> str:
     places = max(0, -int(np.floor(np.log10(off))))
     least = 10.0**-places
     off = np.ceil(off / least - 1e-9) * least
-    if percent + off >= 100 and percent - off <= 0:
+    if percent + off >= 100 and percent - off < least:
         return "an unknown share"
     if percent + off >= 100:
         return f"at least {np.floor((percent - off) / least + 1e-9) * least:.{places}f} %"

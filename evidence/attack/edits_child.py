@@ -9,6 +9,7 @@ import importlib
 import inspect
 import json
 import os
+import re
 import signal
 import sys
 from pathlib import Path
@@ -40,6 +41,12 @@ def numbers_in(path: Path) -> dict[str, str]:
     return {f"{path.parent.name}/{name}": digest for name, digest in found.items()}
 
 
+def words(error: Exception, results: Path) -> str:
+    """Those of an error, wherever the results and things in memory are."""
+    text = f"{type(error).__name__}: {error}".replace(str(results), "")
+    return re.sub("0x[0-9a-f]+", "", text)
+
+
 def run_whole(campaigns: list, results: Path) -> dict:
     """The same of `campaign.run`: of samples and bounds."""
     found = {"numbers": {}, "simulated": {}}
@@ -54,7 +61,7 @@ def run_whole(campaigns: list, results: Path) -> dict:
             for name, digest in numbers_in(folder.bounds).items():
                 found["numbers"][f"{name} of bounds"] = digest
     except Exception as error:
-        found["numbers"]["failed"] = f"{type(error).__name__}: {error}".replace(str(results), "")
+        found["numbers"]["failed"] = words(error, results)
     return found
 
 
@@ -81,8 +88,7 @@ def run(raws: list[dict], results: Path) -> dict:
             batches = [json.loads(p.read_text()) for p in folder.path.glob("batches/*.json")]
             found["simulated"][raw["campaign"]] = sum(each["simulated"] for each in batches)
     except Exception as error:
-        text = f"{type(error).__name__}: {error}".replace(str(results), "")
-        found["numbers"]["failed"] = text
+        found["numbers"]["failed"] = words(error, results)
     return found
 
 

@@ -61,8 +61,9 @@ class Imported:
         self._states = dict(_states(folder))
         if files is not None:
             data = {n: state for n, state in self._states.items() if not n.endswith(".py")}
-            names = {path.relative_to(folder).as_posix(): path for path in files}
-            self._states = data | {name: state_of(files[path]) for name, path in names.items()}
+            own = {path.relative_to(folder): state_of(found) for path, found in files.items()}
+            code = {p.as_posix(): s for p, s in own.items() if SHIPPED not in p.parent.as_posix()}
+            self._states = data | code
         self._digests: dict[str, str] = {}
         self._of: dict[tuple, str] = {}
         # Whatever is not imported is read whenever it is used.

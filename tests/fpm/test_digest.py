@@ -146,7 +146,7 @@ def test_a_file_that_changes_after_it_was_imported_and_named_does_not_matter(pac
 
 
 def test_a_file_that_changed_before_the_package_was_noted_is_refused(package):
-    """As when a part of a program is imported alone, and the rest, which notes all, after an edit."""
+    """As when a part of a program is imported alone, and what notes all of it after an edit."""
     folder, _ = package
     files = {path: path.stat() for path in folder.glob("*.py")}
     importlib.import_module("package_of_two.one")

@@ -15,10 +15,11 @@ from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
+import deployable
 from fpm.kernels import sources
 
-PROGRAM = sources.Imported(Path(__file__).parents[1])
-"""Of the program without the mechanics, before anything else of a campaign is imported."""
+PROGRAM = sources.Imported(Path(__file__).parents[1], deployable.FILES)
+"""Of the program without the mechanics, from before anything of it was imported."""
 
 MADE = ("campaign/runs",)
 """Rooms that decide what is kept of a run, beside the mechanics."""
@@ -42,10 +43,11 @@ def made_by(structure: str) -> str:
     return hashlib.sha256(both.encode()).hexdigest()[:16]
 
 
-def check_code() -> None:
-    """fpm.errors.ChangedError where the program's files are not those that were imported."""
-    PROGRAM.check()
-    sources.MECHANICS.check()
+def check_code(now: bool = False) -> None:
+    """fpm.errors.ChangedError where the program's files were not those that were imported; now:
+    or are not any more."""
+    PROGRAM.check(now)
+    sources.MECHANICS.check(now)
 
 
 @cache

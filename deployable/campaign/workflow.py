@@ -12,15 +12,17 @@ from typing import Any
 
 from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.loader import retyped
-from deployable.campaign.config.sections import Campaign, as_json, count_runs
+from deployable.campaign.config.sections import Campaign, as_json, count_runs, scene_type
+from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_dataset
 from deployable.campaign.folder import PICTURES, Folder
 from deployable.campaign.plan.estimate import job_megabytes, job_minutes
 from deployable.campaign.plan.plan import read_plan, read_step
-from deployable.campaign.provenance import program_digest
+from deployable.campaign.provenance import check_code, program_digest
 from deployable.campaign.runs.progress import Tell, Teller
 from deployable.campaign.stages import STAGES, batch_count, drawings
 from deployable.one_thread import one_thread
+from fpm.errors import ChangedError, SceneError
 from fpm.files.sealed import DamagedError, check
 
 
@@ -199,10 +201,24 @@ def run(
     simulated again; everything else is made anew, and what was damaged is named. `tell` gets
     messages of progress, which are printed if nothing is said. Bounds are the workflow's to the
     last bit: linear algebra has one thread meanwhile.
-    Raises `ConfigError` before anything is written, `CampaignError` when runs fail.
+    Raises `ConfigError` before anything is written, `CampaignError` when runs fail, or the program
+    or the structure is not what this session has in memory.
     """
     with one_thread():
-        return _run(_campaign(config), results, figures, tell or Teller(sys.stderr))
+        campaign = _campaign(config)
+        _check_memory(campaign)
+        return _run(campaign, results, figures, tell or Teller(sys.stderr))
+
+
+def _check_memory(campaign: Campaign) -> None:
+    """Refuse a program or a structure that was edited since: numbers would be those of before."""
+    try:
+        check_code(now=True)
+        held, scene = campaign.experiment.scene_type, campaign.experiment.scene
+        if scene_type(scene.name, scene.file).digest != held.digest:
+            raise ChangedError(scene.file or scene.name)
+    except SceneError as error:
+        raise CampaignError(str(error)) from error
 
 
 def _run(campaign: Campaign, results: str | Path, figures: bool, tell: Tell) -> Any:

@@ -13,6 +13,8 @@ import random
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -62,12 +64,12 @@ def longer(a):
 
 
 class Edits:
-    """A copy of the program at `place`, campaigns that it has run, and what came of edits since:
-    file, line, change, how many runs were simulated again, whether numbers changed, and `stale`,
-    where they were not those from scratch."""
+    """A copy of the program at `place`, and campaigns that it has run. Of an edit there comes file,
+    line, change, how many runs were simulated again, whether numbers changed, and `stale`, where
+    they were not those from scratch."""
 
     def __init__(self, place: Path, seed: int):
-        self.place, self.rng, self.found = place, random.Random(seed), []
+        self.place, self.rng = place, random.Random(seed)
         make_copy(place)
         self.own = place / "structure"
         self.own.mkdir()
@@ -80,11 +82,11 @@ class Edits:
             [*child, str(place)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
             env=environment,
         )  # fmt: skip
-        self._run("first")  # which compiles
+        _, compiled = self._run("first", compiled=True)
         (self.base,), calls = self._run("base", calls=True)
         if "failed" in self.base["numbers"]:
             raise RuntimeError(self.base["numbers"]["failed"])
-        self._called = {tuple(each) for each in calls}
+        self._called = {tuple(each) for each in compiled + calls}
 
     def close(self) -> None:
         """End the process that runs campaigns."""
@@ -92,9 +94,12 @@ class Edits:
         self._child.wait(60)
 
     def _run(
-        self, *folders: str, only: str = "", calls: bool = False
+        self, *folders: str, only: str = "", cache: str = "numba", **more: Any
     ) -> tuple[list[dict[str, Any]], list]:
-        """What the campaigns give in some folders, and the functions that were called."""
+        """What the campaigns give in some folders, and the functions that were called or compiled.
+
+        cache: the folder for what is compiled; more: what else is asked of the process.
+        """
         scene = {"file": str(self.own / "linkage.py")}
         raws = [
             {**raw, "campaign": name, "scene": scene}
@@ -102,7 +107,7 @@ class Edits:
             if name.startswith(only)
         ]
         places = [str(self.place / folder) for folder in folders]
-        asked = {"folders": places, "calls": calls, "raws": raws}
+        asked = {"folders": places, "raws": raws, "cache": str(self.place / cache), **more}
         self._child.stdin.write(json.dumps(asked) + "\n")
         self._child.stdin.flush()
         answer = json.loads(self._child.stdout.readline())
@@ -111,10 +116,10 @@ class Edits:
     @cached_property
     def places(self) -> dict[str, list[tuple[str, int]]]:
         """Places that can be changed, by room, in files of which something is called: file, and
-        number in it; nothing that is compiled."""
+        number in it."""
         found: dict[str, list[tuple[str, int]]] = {}
         for name in sorted({name for name, _ in self._called}):
-            if name.startswith(ROOMS) and not name.startswith(COMPILED):
+            if name.startswith(ROOMS):
                 tree = ast.parse((self.place / name).read_text(encoding="utf-8"))
                 lines = self._lines(name, tree)
                 nodes = dict(enumerate(ast.walk(tree)))
@@ -134,43 +139,108 @@ class Edits:
                 called |= own if (name, first) in self._called else set()
         return called | (set(range(tree.body[-1].end_lineno + 1)) - inner)
 
-    def drawn(self) -> tuple[str, int]:
-        """A place of any room, each as likely."""
-        return self.rng.choice(self.places[self.rng.choice(sorted(self.places))])
+    def drawn(self, compiled: bool = False) -> tuple[str, int]:
+        """A place of any room, each as likely; compiled: of COMPILED, else of none of these."""
+        rooms = [room for room in sorted(self.places) if room.startswith(COMPILED) == compiled]
+        return self.rng.choice(self.places[self.rng.choice(rooms)])
+
+    def text(self, name: str, number: int) -> tuple[str, dict[str, Any]]:
+        """The text of a file in which a place is changed; file, line and change."""
+        line, what, tree = change_at(ast.parse((self.place / name).read_bytes()), number)
+        return ast.unparse(tree), {"file": name, "line": line, "change": what}
 
     def one(self, name: str, number: int) -> dict[str, Any]:
         """Change a place, and compare what a campaign, any of them, gives that was run before with
         what it gives from scratch."""
-        before = (self.place / name).read_bytes()
-        line, what, tree = change_at(ast.parse(before), number)
-        one = {"file": name, "line": line, "change": what}
-        self.found.append(
-            one | self.compared({name: ast.unparse(tree)}, self.rng.choice(sorted(CAMPAIGNS)))
-        )
-        return self.found[-1]
+        text, one = self.text(name, number)
+        return one | self.compared({name: text}, self.rng.choice(sorted(CAMPAIGNS)))
 
     def compared(self, texts: dict[str, str], only: str = "") -> dict[str, Any]:
         """The same for files that have other texts; only: of one campaign."""
-        paths = {self.place / name: text for name, text in texts.items()}
-        before = {path: (path.read_bytes(), path.stat()) for path in paths}
-        for folder in ("again", "scratch"):
-            shutil.rmtree(self.place / folder, ignore_errors=True)
+        shutil.rmtree(self.place / "again", ignore_errors=True)
         shutil.copytree(self.place / "base", self.place / "again")
-        for path, text in paths.items():
-            path.write_text(text, encoding="utf-8")
-        try:
-            found, _ = self._run("again", "scratch", only=only)
-        finally:
-            for path, (content, stat) in before.items():
-                path.write_bytes(content)
-                os.utime(path, ns=(stat.st_atime_ns, stat.st_mtime_ns))
-        old, new = found or [{"numbers": {}, "simulated": {}}] * 2  # it did not end
+        with self._kept(texts):
+            for name, text in texts.items():
+                (self.place / name).write_text(text, encoding="utf-8")
+            old, new = self._both("again", texts, only=only)
         return {
             "simulated": old["simulated"],
             "changed": not new["numbers"].items() <= self.base["numbers"].items(),
-            "stale": sorted({key for key, _ in old["numbers"].items() ^ new["numbers"].items()}),
+            "stale": _apart(old, new),
         }
 
+    def session(
+        self, texts: dict[str, str], imports: Sequence[str], runs: int, holds: bool = False
+    ) -> dict[str, Any]:
+        """One Python session in which files get other texts, after modules were imported and a
+        campaign was run so many times, and that runs it once more; `holds` its config, checked.
+
+        `says` is what that gives: "new", as from scratch, the error that refuses it, or "old".
+        `stale` is what a fresh process does not make anew after that.
+        """
+        whole, folders = {"only": "kept-whole", "whole": True}, ["session"] * (runs + 1)
+        for name in ("session", "numba-session"):
+            shutil.rmtree(self.place / name, ignore_errors=True)
+        shutil.copytree(self.place / "numba", self.place / "numba-session")
+        edits = {str(self.place / name): text for name, text in texts.items()}
+        with self._kept(texts):
+            found, _ = self._run(
+                *folders, **whole, cache="numba-session", texts=edits, after=runs,
+                imports=imports, holds=holds,
+            )  # fmt: skip
+            old, new = self._both("session", texts, cache="numba-session", **whole)
+        last = (found or [NOTHING])[-1]
+        says = last["numbers"].get("failed", "old") if _apart(last, new) else "new"
+        return {"says": says, "stale": _apart(old, new)}
+
+    @contextmanager
+    def _kept(self, names: Iterable[str]) -> Iterator[None]:
+        """Have some files as they were in the end, whoever changes them."""
+        paths = [self.place / name for name in names]
+        before = [(path, path.read_bytes(), path.stat()) for path in paths]
+        try:
+            yield
+        finally:
+            for path, content, stat in before:
+                path.write_bytes(content)
+                os.utime(path, ns=(stat.st_atime_ns, stat.st_mtime_ns))
+
+    def _both(
+        self, folder: str, names: Iterable[str], cache: str = "numba", **more: Any
+    ) -> list[dict[str, Any]]:
+        """What campaigns give in a folder that has been, and in one from scratch, after files of
+        these names were edited.
+
+        From scratch means that nothing is compiled, too, if one of them is. What is compiled then
+        serves the other one as well, but never in the place of what has been compiled before.
+        """
+        shutil.rmtree(self.place / "scratch", ignore_errors=True)
+        if not any(name.startswith(COMPILED) for name in names):
+            return self._run(folder, "scratch", cache=cache, **more)[0] or [NOTHING] * 2
+        for name in ("numba-old", "numba-new"):
+            shutil.rmtree(self.place / name, ignore_errors=True)
+        new, _ = self._run("scratch", cache="numba-new", **more)
+        shutil.copytree(self.place / cache, self.place / "numba-old")
+        for made in (self.place / "numba-new").glob("numba-*"):  # named after a digest
+            if not (self.place / "numba-old" / made.name).exists():
+                shutil.copytree(made, self.place / "numba-old" / made.name)
+        found, _ = self._run(folder, cache="numba-old", **more)
+        (old,), (new,) = found or [NOTHING], new or [NOTHING]
+        if _apart(old, new):  # an index may be beyond an array now, where anything may lie
+            shutil.rmtree(self.place / "scratch", ignore_errors=True)
+            (twice,) = self._run("scratch", cache="numba-new", **more)[0] or [NOTHING]
+            for name in _apart(new, twice):
+                old["numbers"].pop(name, None), new["numbers"].pop(name, None)
+        return [old, new]
+
+
+def _apart(one: dict, other: dict) -> list[str]:
+    """Names of the numbers that differ."""
+    return sorted({key for key, _ in one["numbers"].items() ^ other["numbers"].items()})
+
+
+NOTHING = {"numbers": {}, "simulated": {}}
+"""Of a process that did not end."""
 
 ROOMS = (
     "fpm/", "structure/", "deployable/intervals/", "deployable/campaign/config/",
@@ -179,5 +249,5 @@ ROOMS = (
 )  # fmt: skip
 """Where something decides about runs, or what is kept of them."""
 
-COMPILED = ("fpm/kernels/", "fpm/elements/")
-"""Where nothing is edited, since it would be compiled anew for every edit."""
+COMPILED = ("fpm/kernels", "fpm/elements")
+"""Where something is compiled: anew for every edit."""

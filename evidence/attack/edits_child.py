@@ -3,10 +3,13 @@
 It knows nothing of the program until then; what others wrote is imported once.
 """
 
+import gc
 import hashlib
+import importlib
 import inspect
 import json
 import os
+import re
 import signal
 import sys
 from pathlib import Path
@@ -14,7 +17,7 @@ from pathlib import Path
 os.environ["OMP_NUM_THREADS"] = "1"
 
 import netCDF4
-import numba  # noqa: F401
+import numba
 import numpy as np
 import pydantic  # noqa: F401
 import scipy.interpolate
@@ -22,6 +25,7 @@ import scipy.sparse.csgraph
 import scipy.sparse.linalg
 import scipy.stats  # noqa: F401
 import xarray  # noqa: F401
+from numba.core.dispatcher import Dispatcher
 
 
 def numbers_in(path: Path) -> dict[str, str]:
@@ -35,6 +39,30 @@ def numbers_in(path: Path) -> dict[str, str]:
             found[variable.name] = hashlib.sha256(text).hexdigest()[:12]
     found.pop("run_id", None)
     return {f"{path.parent.name}/{name}": digest for name, digest in found.items()}
+
+
+def words(error: Exception, results: Path) -> str:
+    """Those of an error, wherever the results and things in memory are."""
+    text = f"{type(error).__name__}: {error}".replace(str(results), "")
+    return re.sub("0x[0-9a-f]+", "", text)
+
+
+def run_whole(campaigns: list, results: Path) -> dict:
+    """The same of `campaign.run`: of samples and bounds."""
+    found = {"numbers": {}, "simulated": {}}
+    try:
+        from deployable import campaign
+        from deployable.campaign.folder import Folder
+
+        for one in campaigns:
+            campaign.run(one, results, figures=False, tell=lambda text: None)
+            folder = Folder(results / "kept-whole")
+            found["numbers"] |= numbers_in(folder.samples)
+            for name, digest in numbers_in(folder.bounds).items():
+                found["numbers"][f"{name} of bounds"] = digest
+    except Exception as error:
+        found["numbers"]["failed"] = words(error, results)
+    return found
 
 
 def run(raws: list[dict], results: Path) -> dict:
@@ -60,27 +88,38 @@ def run(raws: list[dict], results: Path) -> dict:
             batches = [json.loads(p.read_text()) for p in folder.path.glob("batches/*.json")]
             found["simulated"][raw["campaign"]] = sum(each["simulated"] for each in batches)
     except Exception as error:
-        text = f"{type(error).__name__}: {error}".replace(str(results), "")
-        found["numbers"]["failed"] = text
+        found["numbers"]["failed"] = words(error, results)
     return found
 
 
 def answer(asked: dict, place: str) -> dict:
     """What campaigns give in several folders in turn, and the functions of the program that were
-    called, if that is asked for."""
+    called or compiled, if that is asked for. After so many of them files get other `texts`."""
     sys.path.insert(0, place)
-    called = set()
+    os.environ["NUMBA_CACHE_DIR"] = asked["cache"]
+    numba.config.reload_config()
+    called, found, raws = set(), [], asked["raws"]
 
-    def note(frame, event, argument):
-        of_function = frame.f_code.co_flags & inspect.CO_OPTIMIZED  # modules and classes are none
-        if event == "call" and of_function and frame.f_code.co_filename.startswith(place):
-            name = os.path.relpath(frame.f_code.co_filename, place)
-            called.add((name, frame.f_code.co_firstlineno))
+    def add(code):
+        if code.co_flags & inspect.CO_OPTIMIZED and code.co_filename.startswith(place):
+            called.add((os.path.relpath(code.co_filename, place), code.co_firstlineno))
 
-    if asked["calls"]:
-        sys.setprofile(note)
-    found = [run(asked["raws"], Path(folder)) for folder in asked["folders"]]
+    if asked.get("calls"):  # which makes compiling three times as long
+        sys.setprofile(lambda frame, event, argument: event == "call" and add(frame.f_code))
+    for name in asked.get("imports", ()):
+        importlib.import_module(name)
+    if asked.get("holds"):
+        raws = [importlib.import_module("deployable.campaign").check_config(raw) for raw in raws]
+    for number, folder in enumerate(asked["folders"]):
+        if number == asked.get("after"):
+            for path, text in asked["texts"].items():
+                Path(path).write_text(text, encoding="utf-8")
+        found.append((run_whole if asked.get("whole") else run)(raws, Path(folder)))
     sys.setprofile(None)
+    if asked.get("compiled"):
+        for thing in gc.get_objects():
+            if isinstance(thing, Dispatcher) and thing.overloads:
+                add(thing.py_func.__code__)
     return {"found": found, "calls": sorted(called)}
 
 
@@ -90,7 +129,7 @@ def main(place: str) -> None:
         ends = os.pipe()
         if not (process := os.fork()):
             os.dup2(2, 1)  # where others may print
-            signal.alarm(300)  # an edit may make a loop that does not end
+            signal.alarm(120)  # an edit may make a loop that does not end
             with open(ends[1], "w", encoding="utf-8") as end:
                 end.write(json.dumps(answer(json.loads(line), place)))
             os._exit(0)

@@ -9,7 +9,7 @@ import hashlib
 import inspect
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -50,14 +50,20 @@ def state_of(found: os.stat_result) -> State:
 
 class Imported:
     """The files of a package as they are when this is made, which has to be before they are
-    imported: then a digest of these files is one of the code in memory.
+    imported: then a digest of these files is one of the code in memory. Where it is made later,
+    `files` has its Python files as they were before.
 
     Names of files are those below the package's folder.
     """
 
-    def __init__(self, folder: Path):
+    def __init__(self, folder: Path, files: Mapping[Path, os.stat_result] | None = None):
         self.folder = folder
         self._states = dict(_states(folder))
+        if files is not None:
+            data = {n: state for n, state in self._states.items() if not n.endswith(".py")}
+            own = {path.relative_to(folder): state_of(found) for path, found in files.items()}
+            code = {p.as_posix(): s for p, s in own.items() if SHIPPED not in p.parent.as_posix()}
+            self._states = data | code
         self._digests: dict[str, str] = {}
         self._of: dict[tuple, str] = {}
         # Whatever is not imported is read whenever it is used.
@@ -78,11 +84,12 @@ class Imported:
             self._of[only, but] = _short(found)
         return self._of[only, but]
 
-    def check(self) -> None:
-        """ChangedError if what is in memory may not be what the files were at first.
+    def check(self, now: bool = False) -> None:
+        """ChangedError if what is in memory may not be what the files were at first; now: or is
+        not what they are now.
 
-        A file that was imported and had not changed until now may change from now on, unless it
-        is imported once more.
+        Else a file that was imported and had not changed until now may change from now on, unless
+        it is imported once more.
         """
         start, package = f"{self.folder}{os.sep}", self.folder.name
         for module in sys.modules.keys() - self._others:
@@ -91,7 +98,7 @@ class Imported:
                 continue
             spec = getattr(sys.modules[module], "__spec__", None)  # another one at every import
             file = getattr(sys.modules[module], "__file__", None) or ""
-            if self._kept.get(module) is not spec and file.startswith(start):
+            if (now or self._kept.get(module) is not spec) and file.startswith(start):
                 self._check(file.removeprefix(start).replace(os.sep, "/"))
             self._kept[module] = spec
         for name in self._data:
@@ -218,7 +225,8 @@ def _imported(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
 
 
 def packages_imported(path: Path) -> set[str]:
-    """The first parts of all names that a Python file imports, but from packages of its own."""
+    """The first parts of all names that a Python file imports, but from packages of its own; and
+    `__import__`, if it uses that."""
     names = _names_imported(path.read_bytes(), str(path))
     return {name.partition(".")[0] for name, level in names if not level}
 
@@ -234,6 +242,8 @@ def _names_imported(content: bytes, path: str) -> list[tuple[str, int]]:
             base = node.module or ""
             names = [base, *(f"{base}.{alias.name}".strip(".") for alias in node.names)]
             found += [(name, node.level) for name in names if name]
+        elif isinstance(node, ast.Name) and node.id == "__import__":
+            found.append((node.id, 0))
     return found
 
 

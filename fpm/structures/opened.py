@@ -5,6 +5,7 @@ imported. Compiled code of other packages opens files unseen, and so do other pr
 that has such code is refused, unless it names its files itself (`DATA`).
 """
 
+import glob
 import hashlib
 import importlib.util
 import os
@@ -27,10 +28,10 @@ SEEN = {"numpy", "scipy", "numba", "fpm"}
 """Packages beside Python's own whose compiled code opens files by Python only."""
 
 UNSEEN = {
-    "asyncio", "concurrent", "ctypes", "dbm", "importlib", "multiprocessing", "runpy", "shelve",
-    "socket", "subprocess", "threading",
+    "__import__", "asyncio", "concurrent", "ctypes", "dbm", "importlib", "multiprocessing", "runpy",
+    "shelve", "socket", "subprocess", "threading",
 }  # fmt: skip
-"""Modules of Python itself by which a file is read, or code run, that cannot be seen."""
+"""Of Python itself, by which a file is read, or code run, that cannot be seen."""
 
 EVENTS = {
     "subprocess.Popen", "os.system", "os.exec", "os.fork", "os.forkpty", "os.posix_spawn",
@@ -58,7 +59,7 @@ class Opened:
         self.modules: dict[str, ModuleType] = {}
         self.data: tuple[str, ...] | None = None
         self._states: dict[Path, sources.State | None] = {}
-        self._now: set[Path] = set()
+        self._now: dict[Path, sources.State | None] = {}
         self._made: set[Path] = set()
 
     # -- while it runs --------------------------------------------------------------------------
@@ -97,12 +98,12 @@ class Opened:
         if flags & (os.O_TRUNC | os.O_EXCL):
             self._made.add(path)
         elif flags & os.O_ACCMODE != os.O_WRONLY and path not in self._made:
-            self._now.add(path)
+            self._now.setdefault(path, _state(path))
 
     def imported(self, path: Path, content: bytes) -> None:
         """Note a file of code as it is imported."""
         path = Path(os.path.realpath(path))
-        self._now.discard(path)
+        self._now.pop(path, None)
         digest = sources.content_digest(content, path)
         if self.files.setdefault(path, digest) != digest:
             raise ChangedError(str(path))
@@ -112,12 +113,16 @@ class Opened:
     def seal(self, data: Iterable[str] | None) -> str:
         """The digest of the structure, when it has been loaded and built at its defaults.
 
-        data: patterns of the files that it says to read, None if it says nothing.
+        data: patterns of the files that it says to read, None if it says nothing. ChangedError
+        where a file is not what was read.
         """
         self.data = None if data is None else tuple(data)
         code = sources.own_sources(self.path, *(p for p in self.files if p.suffix == ".py"))
         for path in (*code, *self._now, *self._stated()):
             self.files.setdefault(path, _digest(path))
+        for path, state in self._now.items():
+            if path not in self._made and _state(path) != state:
+                raise ChangedError(str(path))
         self._now.clear()
         self._states = {path: _state(path) for path in self.files}
         found = sorted((os.path.relpath(p, self.folder), d) for p, d in self.files.items())
@@ -126,7 +131,7 @@ class Opened:
     def check(self, values: Mapping[str, Any]) -> None:
         """SceneError where a build at some values opened what had not been opened before, or is
         another now."""
-        opened, self._now = self._now, set()
+        opened, self._now = {*self._now, *self._stated()}, {}
         if self.unseen and self.data is None:
             raise SceneError(f"{self.path.name} at {dict(values)}", self.unseen, STATED)
         for path in sorted(opened):
@@ -146,13 +151,26 @@ class Opened:
     def _is_same(self, path: Path) -> bool:
         return _state(path) == self._states.get(path, ()) or _digest(path) == self.files[path]
 
+    def follow(self, before: "Opened") -> None:
+        """ChangedError where the same code, loaded before, opened a file that changed, and does not
+        open it any more: what it gives is what some library has in memory."""
+        code = [path for path in before.files if path.suffix == ".py"]
+        if all(self.files.get(path) == before.files[path] for path in code):
+            for path in before.files.keys() - self.files.keys():
+                if not before._is_same(path):
+                    raise ChangedError(str(path))
+
+    def files_of(self, pattern: str) -> set[Path]:
+        """The files that a pattern of DATA stands for."""
+        names = glob.glob(str(self.folder / pattern), recursive=True, include_hidden=True)
+        return {path.resolve() for path in map(Path, names) if path.is_file()}
+
     def _stated(self) -> set[Path]:
-        patterns = self.data or ()
-        return {p.resolve() for each in patterns for p in self.folder.glob(each) if p.is_file()}
+        return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, other: "Opened") -> None:
         """Note the files of another structure that this one loads."""
-        self._now |= {path for path in other.files if path not in self.files}
+        self._now |= {p: other._states[p] for p in other.files if p not in self.files}
 
     def hidden(self) -> list[str]:
         """By what its code may read files unseen, if it does not say which it reads: packages that

@@ -29,7 +29,10 @@ def load_python(path: Path) -> SceneType:
     place = path.absolute()
     if place not in _KNOWN or not _KNOWN[place][1].is_same():
         opened = Opened(path.resolve())
-        _KNOWN[place] = _loaded(path, opened), opened
+        found = _loaded(path, opened)
+        if place in _KNOWN:
+            opened.follow(_KNOWN[place][1])
+        _KNOWN[place] = found, opened
     found, opened = _KNOWN[place]
     if outer := watching():
         outer.adopt(opened)
@@ -50,6 +53,9 @@ def _loaded(path: Path, opened: Opened) -> SceneType:
         _refuse(path, f"DATA: {data!r} is not allowed; allowed: a list of patterns of files")
     content = opened.seal(data)
     _check_imports(path, opened)
+    for pattern in patterns:
+        if not opened.files_of(pattern):
+            _refuse(path, f"DATA: {pattern!r} stands for no file; allowed: patterns of files")
     if hidden := opened.hidden():
         _refuse(path, f"{', '.join(hidden)}: {HIDDEN}; allowed: {STATED}")
     return replace(found, function=Build(found.function, opened), content=content)

@@ -138,6 +138,48 @@ def test_an_edit_anywhere_leaves_no_number_as_it_was(edits):
 
 
 @pytest.mark.slow
+def test_an_edit_of_what_is_compiled_leaves_no_number_as_it_was(edits):
+    """One drawn of kernels and kinds of elements, compiled anew; COMPILED says of more."""
+    count = int(os.environ.get("COMPILED", 1))
+    found = [edits.one(*edits.drawn(compiled=True)) for _ in range(count)]
+    print(*found, sep="\n")
+    assert not [each for each in found if each["stale"]]
+
+
+HELPER = "structure/helper.py"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("room", "imports", "runs", "more"),
+    [
+        (HELPER, (), 1, {}),
+        (HELPER, (), 1, {"holds": True}),
+        ("deployable/intervals", ("deployable.intervals",), 0, {}),
+        ("fpm/elements/bars", ("fpm", "fpm.kernels.run", "fpm.elements.bars.beam_kernels"), 0, {}),
+        ("fpm/reading", (), 1, {}),
+    ],
+    ids=["helper", "held config", "intervals alone", "kernels before a run", "after a run"],
+)
+def test_a_session_in_which_files_are_edited_gives_new_numbers_or_none(
+    edits, room, imports, runs, more
+):
+    if room == HELPER:
+        texts = {room: (edits.place / room).read_text().replace("1.01", "1.02")}
+    else:  # any place of a module that is imported by then
+        names = {f"{name.replace('.', '/')}.py" for name in imports}
+        places = [each for each in edits.places[room] if not names or each[0] in names]
+        name, number = edits.rng.choice(places or edits.places[room])
+        texts = {name: edits.text(name, number)[0]}
+    found = edits.session(texts, imports, runs, **more)
+    assert not found["stale"], (texts.keys(), found)
+    if room == HELPER and not more:
+        assert found["says"] == "new"
+    else:
+        assert " changed since it was imported: start again" in found["says"]
+
+
+@pytest.mark.slow
 def test_edits_of_words_prices_and_progress_make_no_run_again(edits):
     files = {f"fpm/{name}" for name in TOLD if name.endswith(".py")}
     files |= {f"deployable/{name}" for name in provenance.TOLD}

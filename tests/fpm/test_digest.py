@@ -145,6 +145,32 @@ def test_a_file_that_changes_after_it_was_imported_and_named_does_not_matter(pac
         code.digest()
 
 
+def test_a_file_that_changed_before_the_package_was_noted_is_refused(package):
+    """As when a part of a program is imported alone, and what notes all of it after an edit."""
+    folder, _ = package
+    files = {path: path.stat() for path in folder.glob("*.py")}
+    importlib.import_module("package_of_two.one")
+    sources.Imported(folder, files).check()
+    assert sources.Imported(folder, files).digest() == sources.Imported(folder).digest()
+    (folder / "one.py").write_text("VALUE = 2\n")
+    with pytest.raises(fpm.SceneError, match=r"one\.py changed since"):
+        sources.Imported(folder, files).check()
+
+
+def test_at_the_start_of_a_campaign_files_are_what_is_in_memory(package):
+    folder, code = package
+    importlib.import_module("package_of_two.one")
+    code.digest()
+    for text in ("VALUE = 1\n", "VALUE = 1  # m\n"):
+        (folder / "one.py").write_text(text)
+        code.check(now=True)
+    (folder / "two.py").write_text("VALUE = 2\n")  # in no memory yet
+    code.check(now=True)
+    (folder / "one.py").write_text("VALUE = 2\n")
+    with pytest.raises(fpm.SceneError, match=r"one\.py changed since"):
+        code.check(now=True)
+
+
 def test_a_file_that_is_touched_or_new_and_unused_does_not_matter(package):
     folder, code = package
     before = code.digest()

@@ -1,9 +1,13 @@
 """Structures from text do what closed forms, and the same structures in Python, do."""
 
+import linecache
+import os
 import pickle
 import sys
 from itertools import product
+from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 from exact_motions import zfold
@@ -377,6 +381,7 @@ def test_what_it_reads_at_other_values_only_is_stated_or_refused(mast):
     "more",
     [
         "import netCDF4",  # a library that opens files by itself
+        "def later():\n    return __import__('netCDF4')",
         "def later():\n    from xarray import open_dataset",
         "import os\nos.system('true')",
         "import subprocess",
@@ -389,6 +394,75 @@ def test_what_reads_files_unseen_is_stated_or_refused(mast, more):
     assert load(mast(f"{more}\nDATA = []")).points
     with pytest.raises(StructureError, match="DATA: 'x' is not allowed"):
         load(mast(f"{more}\nDATA = 'x'"))
+    with pytest.raises(StructureError, match=r"DATA: 'tabels/\*\.nc' stands for no file"):
+        load(mast(f"{more}\nDATA = ['tabels/*.nc']"))
+
+
+UNSEEN = """
+from netCDF4 import Dataset
+def read():
+    with Dataset({path!r}) as file:
+        return float(file["length"][0])
+"""
+UNSEEN_LATER = """
+build_plain = build
+def build(L, elements):
+    return build_plain(L=L + (read() if L > {above} else 0.0), elements=elements)
+"""
+
+
+@pytest.mark.parametrize("place", ["", "tables/", "../elsewhere/"])
+@pytest.mark.parametrize("above", [None, 0.0, 1.5], ids=["import", "every build", "other values"])
+def test_what_a_library_reads_unseen_is_never_stale(mast, tmp_path, place, above):
+    """In the folder and outside, by a helper at its import, at every build or at some values: with
+    the file stated, a changed one is refused until the structure is loaded again."""
+    table = Path(os.path.abspath(tmp_path / "own" / place / "length.nc"))
+    helper = UNSEEN.format(path=str(table)) + ("LENGTH = read()" if above is None else "")
+    mast(name="own/helper_unseen.py", source=helper)
+    of_import = "import helper_unseen\ndef read():\n    return helper_unseen.LENGTH"
+    reads = of_import if above is None else "from helper_unseen import read"
+    more = reads + UNSEEN_LATER.format(above=above or 0.0)
+
+    def write(length):
+        table.parent.mkdir(exist_ok=True)
+        with netCDF4.Dataset(part := table.with_suffix(".part"), "w") as file:
+            file.createDimension("row", 1)
+            file.createVariable("length", "f8", ("row",))[:] = length
+        os.replace(part, table)
+
+    write(1.0)
+    with pytest.raises(StructureError, match="import netCDF4: what this reads is not seen"):
+        load(mast(more, "own/unseen.py"))
+    for pattern in (f"{place}*.nc", str(table)):
+        path = mast(f"{more}\nDATA = [{pattern!r}]", "own/unseen.py")
+        write(1.0)
+        before = load(path)
+        assert np.ptp(before.build(L=2.0).position[:, 0]) == 3.0
+        write(2.0)
+        with pytest.raises(fpm.SceneError, match=r"length\.nc changed since"):
+            before.build(L=2.0)
+        after = load(path)
+        assert np.ptp(after.build(L=2.0).position[:, 0]) == 4.0
+        assert after.digest != before.digest
+
+
+def test_what_a_library_keeps_in_memory_of_a_changed_file_is_refused(mast, tmp_path):
+    table = tmp_path / "length.txt"
+    table.write_text("1")
+    path = mast(f"import linecache\nLENGTH = linecache.getline({str(table)!r}, 1)")
+    before = load(path).digest
+    table.write_text("2")
+    with pytest.raises(fpm.SceneError, match=r"length\.txt changed since it was imported: start"):
+        load(path)
+    linecache.clearcache()
+    assert load(path).digest != before
+
+
+def test_what_changes_while_it_is_loaded_is_refused(mast, tmp_path):
+    table = tmp_path / "length.txt"
+    table.write_text("1")
+    with pytest.raises(fpm.SceneError, match=r"length\.txt changed since"):
+        load(mast(f"import os\nopen({str(table)!r}).read()\nos.utime({str(table)!r}, (1, 1))"))
 
 
 def test_a_file_that_it_makes_itself_does_not_count(mast, tmp_path):

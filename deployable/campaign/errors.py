@@ -45,7 +45,7 @@ def of_files(error: Exception, folder: Path) -> CampaignError | None:
     guessed where there is one.
     """
     if isinstance(error, DamagedError):
-        again = "call snakemake or `python -m deployable run` to have it made again"
+        again = "remove it and call snakemake or `python -m deployable run` to have it made again"
         return CampaignError(f"{error}; {again}")
     library = isinstance(error, RuntimeError) and "NetCDF" in str(error)
     if not library and not isinstance(error, OSError):

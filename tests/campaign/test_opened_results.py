@@ -68,8 +68,8 @@ def names_program(program: Path):
 def test_a_program_that_only_results_name_is_not_run(theirs, tmp_path, capsys, command):
     program = tmp_path / "evil.py"
     program.write_text(PROGRAM, encoding="utf-8")
-    changed(theirs.samples, names_program(program))
-    changed(theirs.plan, names_program(program))
+    for path in (theirs.plan, *theirs.path.glob("*.nc")):
+        changed(path, names_program(program))
     config = str(Path(__file__).parents[2] / "config" / "small.yaml")
     arguments = ["--to", "csv"] if command == "export" else ["--config", config]
     main([command, str(theirs.path), *arguments])
@@ -161,7 +161,7 @@ def test_a_page_of_a_run_with_a_path_for_a_name_writes_nothing_there(theirs, tmp
 )
 def test_the_config_in_results_is_checked_too(theirs, change):
     changed(theirs.plan, lambda data: change(data["config"]))
-    with pytest.raises(CampaignError, match="the results hold a config that cannot be used"):
+    with pytest.raises(DamagedError, match="the results hold a config that cannot be used"):
         read_plan(theirs.plan)
 
 

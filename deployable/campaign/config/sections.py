@@ -71,7 +71,7 @@ _TRUSTED: set[str] = set()
 
 
 def trust(file: str) -> None:
-    """Let results name this file of a structure, though it is a program."""
+    """Let results name this file of a structure."""
     if "\0" not in file:
         _TRUSTED.add(os.path.realpath(file))
 
@@ -179,14 +179,14 @@ class Experiment:
 
     @cached_property
     def scene_type(self) -> Any:
-        """The `fpm` structure; raises `fpm.SceneError`, and `CampaignError` for a program that only
-        results name."""
+        """The `fpm` structure; raises `fpm.SceneError`, and `CampaignError` for a file that only
+        results name, since they may be anybody's, and the file any of this machine."""
         file = self.scene.file
-        if Path(file).suffix == ".py" and os.path.realpath(file) not in _TRUSTED:
+        if file and os.path.realpath(file) not in _TRUSTED:
+            what = "is a program and was not run" if file.endswith(".py") else "was not read"
             raise CampaignError(
-                f"the results are of the structure {file}, which is a program and was not run, "
-                "since only they name it; allowed: a config that names it, or, of an export, "
-                f"--trust {shlex.quote(file)}"
+                f"the results are of the structure {file}, which {what}, since only they name it; "
+                f"allowed: a config that names it, or, of an export, --trust {shlex.quote(file)}"
             )
         return scene_type(self.scene.name, file)
 

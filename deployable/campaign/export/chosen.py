@@ -84,7 +84,7 @@ def choose(
     what: a campaign's folder of results (run: `nominal`, or a run's id or its beginning), a
     campaign's config (its nominal run, which need not have been made), or a structure's file or
     name (at its defaults). settings: parameters that differ, by name, as text, and duration (s),
-    for the last two; trusted: files of structures in Python that results may name and that are run
+    for the last two; trusted: files of structures that results may name, which are read, or run,
     then. Raises `CampaignError`, `fpm.SceneError`.
     """
     path = Path(what)

@@ -36,11 +36,12 @@ from deployable.campaign.config.sections import (
     plain_data,
     steps_problems,
 )
+from deployable.campaign.contents import reading
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import write_result
+from deployable.campaign.files import read_json, write_result
 from deployable.campaign.plan.runs import ROLES, RUN_ID, Run, Runs, namer, values_of
 from deployable.intervals import held_out_points
-from fpm.files.sealed import DamagedError, check_content, read_bytes
+from fpm.files.sealed import DamagedError
 
 MOST_LISTED = 10_000
 """Runs that have a line each in `plan.json`; of more, programs are the only readers."""
@@ -200,8 +201,13 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 def read_plan(path: str | Path) -> Plan:
     """The plan in `plan.json`; `fpm.files.sealed.DamagedError` unless it is as it was written."""
-    data = _content(path)
-    experiment, mechanics = Experiment.of_results(data["config"]), data["mechanics"]
+    data = read_json(path)
+    with reading(path):
+        return _plan(path, data)
+
+
+def _plan(path: str | Path, data: Mapping) -> Plan:
+    experiment, mechanics = Experiment.of_results(data["config"]), str(data["mechanics"])
     time = _time(data)
     if "packed" in data:
         role, unit = _unpacked(data["packed"])
@@ -220,17 +226,13 @@ def read_plan(path: str | Path) -> Plan:
 
 def read_step(path: str | Path) -> TimeStep:
     """The time step of the plan in `plan.json`, in less time than all of it."""
-    return _time(_content(path))
-
-
-def _content(path: str | Path) -> dict:
-    content = read_bytes(path)
-    check_content(path, content, "plan.json")
-    return json.loads(content)
+    data = read_json(path)
+    with reading(path):
+        return _time(data)
 
 
 def _time(data: Mapping) -> TimeStep:
-    return TimeStep(**{name: data[name] for name in TimeStep.__dataclass_fields__})
+    return from_data(TimeStep, {name: data[name] for name in TimeStep.__dataclass_fields__})
 
 
 def _packed(runs: Runs) -> dict:

@@ -1,0 +1,303 @@
+"""What results hold: variables, their dimensions, numbers and names. Results may be anybody's, and
+who reads them relies on what is checked here, once, where a file is opened."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.config.sections import Experiment
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.plan.runs import RUN_ID
+from fpm.files.sealed import DamagedError
+
+_BOX = """
+@text: config campaign config_hash mechanics scene
+text parameter: parameter box_units
+known parameter: box_lower box_upper box_nominal
+"""
+_CURVES = """
+@text: limiting_element
+@number: time_step time_step_limit
+text response: response response_units response_long_name response_along?
+number response: response_least? response_ratio?
+known time: time
+"""
+_NAMED = """
+text quantity: quantity quantity_units quantity_long_name
+"""
+_RUNS = """
+known run parameter: unit value
+number run event: event_time event_contact event_closing
+text contact: contact
+text quantity: quantity? quantity_units? quantity_long_name?
+number run quantity: quantities?
+"""
+_VARIABLES = {
+    "samples.nc": _BOX + _CURVES + _RUNS + """
+text run: role run_id
+known run: overlap
+known run response time: values
+""",
+    "extremes": _BOX + _CURVES + _RUNS + """
+known : overlap
+known response time: nominal
+known quarter response time: lower upper lower_run upper_run
+""",
+    "bounds.nc": _BOX + _CURVES + """
+@text: bounds_kind design_method provenance
+@number: design_order held_out_runs
+known response time: lower upper nominal?
+number response time: error? error_held_out? error_decay? error_surrogate? error_step? error_mesh?
+number response time: growth_quarter?
+known response: largest_impossible largest_impossible_time
+number response: worst_violation? coverage?
+""",
+    "surrogate.nc": _BOX + _CURVES + """
+known term parameter: multi_index
+known response term time: coefficient?
+""",
+    "sensitivities.nc": _BOX + _CURVES + """
+number response parameter time: width
+number response parameter: width_overall
+number response time: error
+""",
+    "quantities.nc": _BOX + _NAMED + """
+@number: runs further_runs
+text quantity: fit
+number quantity: lower upper simulated_lower simulated_upper surrogate_lower surrogate_upper nominal
+number quantity: error error_step? error_mesh? error_whole? error_limit? error_border? least
+known quantity: moving_lower moving_upper runs_with runs_without happens open is_time
+number quantity parameter: argmin argmax share alone fixed halved
+""",
+    "further.nc": _BOX + _NAMED + """
+text run: run_id
+known run parameter: unit value
+number run quantity: quantities margin
+""",
+}  # fmt: skip
+"""Of a file of this name: variables of text, of numbers, and of numbers none of which is infinite
+or missing, behind their dimensions; behind an @ attributes; those with a ? may be absent."""
+
+_CHANGED = {"scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range",
+            "_Unsigned"}  # fmt: skip
+"""Attributes by which libraries make other numbers, or none, of those that are in a file."""
+
+_ROOM, _PACKED = 1 << 28, 200
+"""Bytes that a file's numbers may take in memory, or as many times those that it takes itself."""
+
+_ALL = 1 << 26
+"""Bytes of a variable up to which all its numbers are looked at."""
+
+
+@contextmanager
+def reading(path: str | os.PathLike) -> Iterator[None]:
+    """DamagedError for whatever goes wrong when what a file holds is taken apart in this block."""
+    try:
+        yield
+    except CampaignError as error:
+        raise DamagedError(path, str(error)) from error
+    except OSError as error:
+        if isinstance(error, DamagedError) or error.errno is not None:
+            raise
+        raise DamagedError(path, str(error)) from error
+    except _BROKEN as error:
+        words = " ".join(f"{error}".split())
+        if isinstance(error, LookupError):
+            words = f"{words} is missing"
+        raise DamagedError(path, words or type(error).__name__) from error
+
+
+_BROKEN = (ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError,
+           RuntimeError, TypeError, ValueError)  # fmt: skip
+"""What takes apart something else than was written raises, RecursionError among them."""
+
+
+def experiment_of(path: str | os.PathLike) -> Experiment | None:
+    """The experiment that a whole result in netCDF is of; None of a file of which only the size is
+    known, as of a motion. Raises DamagedError for one that holds anything else than it should."""
+    state = os.stat(path)
+    return _checked(Path(path), state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns)
+
+
+@lru_cache(64)
+def _checked(path: Path, *state: int) -> Experiment | None:
+    import netCDF4
+
+    with reading(path), netCDF4.Dataset(path) as file:
+        file.set_auto_maskandscale(False)
+        _check_sizes(file, os.path.getsize(path))
+        name = path.name
+        if name == "samples.nc" and "lower_run" in file.variables:
+            name = "extremes"
+        if name not in _VARIABLES:
+            return None
+        if name == "sensitivities.nc" and not file.variables:  # nothing was fitted
+            return Experiment.read(file.config)
+        for line in filter(None, _VARIABLES[name].splitlines()):
+            kind, *dims = line.partition(":")[0].split()
+            for one in line.partition(":")[2].split():
+                if kind.startswith("@"):
+                    _check_attribute(file, one, kind[1:])
+                else:
+                    _check_variable(file, one, kind, tuple(dims))
+        return _belongs(file, Experiment.read(file.config))
+
+
+def _check_sizes(file: Any, size: int) -> None:
+    total = 0
+    for name, variable in file.variables.items():
+        if found := _CHANGED & set(variable.ncattrs()):
+            raise ValueError(f"its variable {name} has {', '.join(sorted(found))}, as none has")
+        each = 64 if variable.dtype is str else variable.dtype.itemsize
+        total += each * math.prod(map(int, variable.shape))
+    if total > max(_ROOM, _PACKED * size):
+        raise ValueError(f"its {size} bytes would be {total:.3g} in memory")
+
+
+def _check_attribute(file: Any, name: str, kind: str) -> None:
+    if name not in file.ncattrs():
+        raise ValueError(f"it has no attribute {name}")
+    value = file.getncattr(name)
+    if kind == "text":
+        if not isinstance(value, str):
+            raise ValueError(f"its attribute {name} is no text")
+        if name == "provenance":
+            matches(_PROVENANCE, json.loads(value), name)
+    elif np.asarray(value).dtype.kind not in "fiu" or not np.isfinite(value).all():
+        raise ValueError(f"its attribute {name} is no number")
+
+
+def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> None:
+    variable = file.variables.get(name.removesuffix("?"))
+    if variable is None:
+        if name.endswith("?"):
+            return
+        raise ValueError(f"it has no variable {name}")
+    name = name.removesuffix("?")
+    if variable.dimensions != dims:
+        over = " and ".join(variable.dimensions) or "nothing"
+        raise ValueError(f"its variable {name} lies over {over}, not {' and '.join(dims)}")
+    is_text = variable.dtype is str
+    if is_text != (kind == "text") or not (is_text or variable.dtype.kind in "fiu"):
+        raise ValueError(f"its variable {name} holds {variable.dtype}, not {kind}s")
+    if is_text:
+        variable[:]  # which has to be text in UTF-8
+    elif kind == "known" and variable.size * variable.dtype.itemsize <= _ALL:
+        values, filled = variable[:], getattr(variable, "_FillValue", np.nan)
+        if not np.isfinite(values).all() or (values == filled).any():
+            raise ValueError(f"its variable {name} has values that are no numbers")
+
+
+def _belongs(file: Any, experiment: Experiment) -> Experiment:
+    """The experiment of a file, if what it holds is of that."""
+    own = {"response": experiment.responses, "quantity": experiment.quantities,
+           "parameter": experiment.intervals}  # fmt: skip
+    for dim, names in own.items():
+        if dim in file.variables and (there := file[dim][:].tolist()) != list(names):
+            other = next((name for name in there if name not in names), there)
+            raise ValueError(f"{str(other)[:80]!r} is no name of a {dim} of its config")
+    for name in file["run_id"][:].tolist() if "run_id" in file.variables else ():
+        if not RUN_ID.fullmatch(name):  # after which files are called
+            raise ValueError(f"{name[:80]!r} is no name of a run_id")
+    for key in ("lower", "upper", "nominal"):
+        if file[f"box_{key}"][:].tolist() != [getattr(i, key) for i in own["parameter"].values()]:
+            raise ValueError(f"its variable box_{key} has other numbers than its config")
+    if file.campaign != experiment.name:
+        raise ValueError(f"it is of {file.campaign}, its config of {experiment.name}")
+    if "time" in file.variables:
+        time = file["time"][:]
+        if len(time) != experiment.solver.instants or not (np.diff(time) > 0).all():
+            raise ValueError("its variable time has other instants than its config")
+    if "run" in file.dimensions and "event_time" in file.variables:
+        times, which = file["event_time"][:], file["event_contact"][:]
+        known = np.isfinite(times)
+        if not ((which[known] >= 0) & (which[known] < len(file.dimensions["contact"]))).all():
+            raise ValueError("its variable event_contact has numbers of no contact")
+    for name in {"lower_run", "upper_run"} & file.variables.keys():
+        if file[name][:].max(initial=-1) >= len(file.dimensions["run"]):
+            raise ValueError(f"its variable {name} has numbers of no run")
+    return experiment
+
+
+# -- JSON ------------------------------------------------------------------------------------------
+
+_TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None),
+          "number": (int, float), "integer": int}  # fmt: skip
+_NUMBERS = {"type": "array", "minItems": 2, "items": {"type": "number"}}
+_BATCH = {"seconds": _NUMBERS, "seconds_integrating": _NUMBERS, "simulated": {"type": "number"}}
+_MANIFEST = {"required": list(_BATCH), "properties": _BATCH}
+_PROVENANCE = {
+    "required": ["program", "commit", "processor"],
+    "additionalProperties": {"type": "string"},
+}
+
+
+@cache
+def _schema() -> dict:
+    text = Path(__file__).parent / "results" / "summary.schema.json"
+    return json.loads(text.read_text(encoding="utf-8"))
+
+
+def data_of(path: str | os.PathLike, content: bytes) -> dict:
+    """The data in the content of a result in JSON, without its seal; DamagedError where it is no
+    such result."""
+    name = Path(path).name
+    with reading(path):
+        data = json.loads(content, parse_constant=_no_number)
+        if name == "summary.json":
+            matches(_schema(), data)
+        elif name == "requirements.json":
+            known = _schema()["properties"]
+            own = {key: known[key] for key in ("requirements", "together")}
+            own["further_runs"] = {"type": "integer"}
+            matches({"required": list(own), "properties": own}, data)
+        elif name == "choice.json":
+            matches(_schema()["properties"]["choice"], data)
+        elif name != "plan.json":
+            matches(_MANIFEST, data)
+        return {key: value for key, value in data.items() if key != "seal"}
+
+
+def _no_number(text: str) -> None:
+    raise ValueError(f"{text} is no number")
+
+
+def matches(schema: Mapping, data: Any, where: str = "") -> None:
+    """ValueError where data are not as a JSON schema has it, by the words of one that are used in
+    the schema of summaries."""
+    if "$ref" in schema:
+        schema = _schema()["$defs"][schema["$ref"].rpartition("/")[2]]
+    kinds = schema.get("type", "object" if "required" in schema else [])
+    kinds = [kinds] if isinstance(kinds, str) else kinds
+    is_kind = [isinstance(data, _TYPES[kind]) for kind in kinds]
+    if kinds and (not any(is_kind) or (isinstance(data, bool) and "boolean" not in kinds)):
+        raise ValueError(f"{where or 'all of it'} is no {' or '.join(kinds)}")
+    if data not in schema.get("enum", [data]) or data != schema.get("const", data):
+        raise ValueError(f"{where} is not as it may be")
+    if isinstance(data, int | float) and not isinstance(data, bool):
+        low, high = schema.get("minimum", -math.inf), schema.get("maximum", math.inf)
+        if not low <= data <= high or data <= schema.get("exclusiveMinimum", -math.inf):
+            raise ValueError(f"{where} = {data} is out of its limits")
+    elif isinstance(data, list):
+        if len(data) < schema.get("minItems", 0):
+            raise ValueError(f"{where} is too short")
+        for number, one in enumerate(data):
+            matches(schema.get("items", {}), one, f"{where}[{number}]")
+    elif isinstance(data, dict):
+        if lacks := [name for name in schema.get("required", ()) if name not in data]:
+            raise ValueError(f"{'.'.join(filter(None, [where, lacks[0]]))} is missing")
+        known, others = schema.get("properties", {}), schema.get("additionalProperties", {})
+        for name, one in data.items():
+            of = known.get(name, others)
+            if of is False:
+                raise ValueError(f"{where}.{name} is not known")
+            matches(of, one, f"{where}.{name}" if where else name)

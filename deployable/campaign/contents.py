@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.sections import Experiment
-from deployable.campaign.errors import CampaignError
+from deployable.campaign.errors import CampaignError, HeldConfigError
 from deployable.campaign.plan.runs import RUN_ID
 from fpm.files.sealed import DamagedError
 
@@ -103,22 +103,14 @@ def reading(path: str | os.PathLike) -> Iterator[None]:
     """DamagedError for whatever goes wrong when what a file holds is taken apart in this block."""
     try:
         yield
-    except CampaignError as error:
-        raise DamagedError(path, str(error)) from error
-    except OSError as error:
-        if isinstance(error, DamagedError) or error.errno is not None:
+    except Exception as error:
+        is_other = isinstance(error, OSError) and (error.errno or 0) > 0  # it is not there, say
+        is_ours = isinstance(error, CampaignError) and not isinstance(error, HeldConfigError)
+        if is_other or is_ours or isinstance(error, DamagedError):
             raise
-        raise DamagedError(path, str(error)) from error
-    except _BROKEN as error:
-        words = " ".join(f"{error}".split())
-        if isinstance(error, LookupError):
-            words = f"{words} is missing"
-        raise DamagedError(path, words or type(error).__name__) from error
-
-
-_BROKEN = (ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError,
-           RuntimeError, TypeError, ValueError)  # fmt: skip
-"""What takes apart something else than was written raises, RecursionError among them."""
+        words = " ".join(str(error).split()) or type(error).__name__
+        is_missing = isinstance(error, LookupError)
+        raise DamagedError(path, f"{words} is missing" if is_missing else words) from error
 
 
 def experiment_of(path: str | os.PathLike) -> Experiment | None:
@@ -189,12 +181,11 @@ def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> N
     is_text = variable.dtype is str
     if is_text != (kind == "text") or not (is_text or variable.dtype.kind in "fiu"):
         raise ValueError(f"its variable {name} holds {variable.dtype}, not {kind}s")
-    if is_text:
-        variable[:]  # which has to be text in UTF-8
-    elif kind == "known" and variable.size * variable.dtype.itemsize <= _ALL:
-        values, filled = variable[:], getattr(variable, "_FillValue", np.nan)
-        if not np.isfinite(values).all() or (values == filled).any():
-            raise ValueError(f"its variable {name} has values that are no numbers")
+    if not is_text and variable.size * variable.dtype.itemsize > _ALL:
+        return
+    values, filled = variable[:], getattr(variable, "_FillValue", np.nan)  # if it can be read
+    if kind == "known" and not (np.isfinite(values) & (values != filled)).all():
+        raise ValueError(f"its variable {name} has values that are no numbers")
 
 
 def _belongs(file: Any, experiment: Experiment) -> Experiment:

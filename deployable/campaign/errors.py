@@ -38,6 +38,10 @@ class CampaignError(Exception):
                                  for s in text))  # fmt: skip
 
 
+class HeldConfigError(CampaignError):
+    """The config that results hold cannot be used."""
+
+
 def of_files(error: Exception, folder: Path) -> CampaignError | None:
     """What is to be told of trouble with the files of a campaign; None for an error of the program.
 

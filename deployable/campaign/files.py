@@ -10,6 +10,7 @@ import csv
 import io
 import os
 import sys
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
@@ -17,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from deployable.campaign.config.sections import Experiment
-from deployable.campaign.contents import data_of, experiment_of
+from deployable.campaign.contents import data_of, experiment_of, reading
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.outside import refuse_outside
@@ -66,25 +67,24 @@ def _check(path: str | Path) -> Experiment | None:
     """The experiment of a result in netCDF that is whole, and holds what it should."""
     check(path, Path(path).name)
     refuse_outside(path)
-    LAST[:] = [Path(path)]
+    OPENED.append(Path(path))
     return experiment_of(path)
 
 
-LAST: list[Path] = []
-"""The result that this process has opened last."""
+OPENED: deque[Path] = deque(maxlen=9)
+"""The results that this process has opened last."""
 
 
 def unforeseen(error: Exception) -> CampaignError | None:
     """What is to be told of an error that results may have led to, which hold what none does; None
     where none was opened."""
-    if not LAST or sys.flags.dev_mode:
+    if not OPENED or sys.flags.dev_mode:
         return None
-    words = " ".join(str(error).split())[:200]
-    again = "`python -m deployable run` with the campaign makes results again"
+    words, opened = " ".join(str(error).split())[:200], ", ".join(dict.fromkeys(map(str, OPENED)))
     return CampaignError(
-        f"{LAST[0]} was opened last, and what it holds led to {type(error).__name__}: {words}; "
-        f"{again}; if that ends so too, the program is at fault: `python -X dev -m deployable` "
-        "shows where"
+        f"what {opened} hold led to {type(error).__name__}: {words}; `python -m deployable run` "
+        "with the campaign makes results again; if that ends so too, the program is at fault: "
+        "`python -X dev -m deployable` shows where"
     )
 
 
@@ -92,7 +92,7 @@ def read_json(path: str | Path) -> dict:
     """A result in JSON; raises `fpm.files.sealed.DamagedError`."""
     content = read_bytes(path)
     check_content(path, content, Path(path).name)
-    LAST[:] = [Path(path)]
+    OPENED.append(Path(path))
     return data_of(path, content)
 
 
@@ -101,8 +101,10 @@ def check_results(folder: Folder, names: Iterable[str]) -> None:
     first: tuple[Path, Experiment] | None = None
     for path in (folder / name for name in names):
         if path.suffix == ".json":
-            data = read_json(path)
-            found = Experiment.of_results(data["config"]) if path == folder.plan else None
+            data, found = read_json(path), None
+            if path == folder.plan:
+                with reading(path):
+                    found = Experiment.of_results(data["config"])
             if path.name == "summary.json" and first is not None:
                 _check_summary(path, data, first[1])
         else:
@@ -120,6 +122,10 @@ def _check_summary(path: Path, data: dict, experiment: Experiment) -> None:
     ):
         if [row["name"] for row in data[key]] != list(own):
             raise DamagedError(path, f"its {key} have other names than those of the campaign")
+    names = set(experiment.intervals)
+    for row in data["quantities"]:
+        if not set(row["argmin"]) == set(row["argmax"]) == set(row["influence"]) == names:
+            raise DamagedError(path, f"its {row['name']} has other parameters")
 
 
 def open_dataset(path: str | Path) -> Any:

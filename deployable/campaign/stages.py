@@ -27,7 +27,7 @@ from deployable.campaign.config.sections import (
     trust,
 )
 from deployable.campaign.errors import CampaignError, of_files
-from deployable.campaign.files import check_results, read_json, refuse_links, results_of
+from deployable.campaign.files import OPENED, check_results, read_json, refuse_links, results_of
 from deployable.campaign.folder import ROUND_FILES, Folder
 from deployable.campaign.plan.accuracy import first_plan, next_plan
 from deployable.campaign.plan.estimate import runs_in_job
@@ -207,7 +207,7 @@ class Stage:
             with results_of(facts):
                 self.work(folder, tell, **arguments)
         except SceneError as error:  # of the structure that the results name
-            raise CampaignError(f"{folder.path}: {error}") from error
+            raise CampaignError(f"{OPENED[-1] if OPENED else folder.path}: {error}") from error
         except (OSError, RuntimeError) as error:
             told = of_files(error, folder.path)
             if told is None:

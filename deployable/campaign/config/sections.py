@@ -35,7 +35,7 @@ from deployable.campaign.config.models import (
     Solver,
     Verify,
 )
-from deployable.campaign.errors import CampaignError
+from deployable.campaign.errors import CampaignError, HeldConfigError
 from deployable.campaign.provenance import made_by
 from fpm import SceneError, structures
 from fpm.files.outcome import eventful
@@ -148,12 +148,13 @@ class Experiment:
         try:
             return cls.of_results(json.loads(text))
         except (TypeError, ValueError, RecursionError) as error:
-            raise CampaignError(f"the results hold a config that cannot be read: {error}") from None
+            text = f"the results hold a config that cannot be read: {error}"
+            raise HeldConfigError(text) from None
 
     @classmethod
     def of_results(cls, data: Mapping) -> Experiment:
         """The experiment that results state, which may be anybody's: what files are called after is
-        checked. Raises `CampaignError`."""
+        checked. Raises `HeldConfigError`."""
         try:
             found = from_data(cls, data)
             names = [*found.responses, *found.quantities]
@@ -169,7 +170,7 @@ class Experiment:
                         raise ValueError(f"{name} = {number:g} is out of its limits")
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             text = f"the results hold a config that cannot be used: {error}"
-            raise CampaignError(text) from None
+            raise HeldConfigError(text) from None
         return found
 
     @property

@@ -89,16 +89,13 @@ def export(
     `CampaignError` where a kind has no such colours.
     """
     how = KINDS[kind]
-    if chosen.folder:
-        takes = ("samples.nc", *how.takes)
-        check_results(chosen.folder, takes)
-        if kind == "csv" and chosen.folder.quantities.exists():
-            check_results(chosen.folder, (*takes, "quantities.nc"))
-    if colour == "bars":
-        return how.write(chosen, Path(folder), frames or how.frames)
-    if kind not in MOVING:
+    if colour != "bars" and kind not in MOVING:
         raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVING)}")
-    return how.write(chosen, Path(folder), frames or how.frames, by_stress=True)
+    if chosen.folder:
+        more = ("quantities.nc",) * (kind == "csv" and chosen.folder.quantities.exists())
+        check_results(chosen.folder, ("samples.nc", *how.takes, *more))
+    colours = {} if colour == "bars" else {"by_stress": True}
+    return how.write(chosen, Path(folder), frames or how.frames, **colours)
 
 
 __all__ = ["COLOURS", "KINDS", "Chosen", "choose", "export"]

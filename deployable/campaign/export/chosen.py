@@ -13,6 +13,7 @@ from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.which import ids, nominal_row
 from deployable.campaign.runs.progress import warm_up
+from fpm.errors import SceneError
 
 if TYPE_CHECKING:
     import xarray
@@ -96,7 +97,10 @@ def choose(
                 f"{what}: the runs of a campaign are as they are; parameters and duration can be "
                 "set where its config stands in place of its folder"
             )
-        return _of_results(Folder(path), run)
+        try:
+            return _of_results(Folder(path), run)
+        except SceneError as error:
+            raise CampaignError(f"{Folder(path).samples}: {error}") from error
     if run != "nominal":
         raise CampaignError(
             f"--run {run} needs the folder of a campaign's results, not {what!r}, which has one run"

@@ -50,13 +50,18 @@ def seal(path: str | os.PathLike, facts: Mapping[str, str]) -> None:
     path = Path(path)
     if path.suffix == ".json":
         content = read_bytes(path)
-        line = json.dumps(_with_digest(hashlib.sha256(content), facts))
+        line = _json(_with_digest(hashlib.sha256(content), facts))
         path.write_bytes(f'{{\n "seal": {line},\n'.encode() + content.removeprefix(b"{\n"))
         return
-    line = json.dumps({"seal": _with_digest(_digest(path, path.stat().st_size), facts)})
+    line = _json({"seal": _with_digest(_digest(path, path.stat().st_size), facts)})
     line = f"<!-- {line} -->" if path.suffix in _COMMENT else line
     with open(path, "ab") as file:
         file.write(f"\n{line}\n".encode())
+
+
+def _json(data: Mapping) -> str:
+    """JSON on one line that ends no comment and begins no tag, whatever facts say."""
+    return json.dumps(data).replace("<", "\\u003c").replace(">", "\\u003e")
 
 
 def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:

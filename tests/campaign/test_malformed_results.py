@@ -14,22 +14,12 @@ from pathlib import Path
 
 import netCDF4
 import numpy as np
-import pytest
 from matplotlib.figure import Figure
 
-from deployable import campaign
 from deployable.campaign.cli import main
 from deployable.campaign.folder import Folder
-from deployable.campaign.workflow import Workflow
-from evidence.attack.victim import RAW, silent
 from fpm.files.sealed import check, seal, unsealed
 
-RICH = copy.deepcopy(RAW) | {
-    "campaign": "rich",
-    "quantities": {"most": {"largest": "BD"}, "end": {"final": "BD"}},
-    "requirements": {"wide": {"most": {"at_most": 0.2}}},
-    "choose": {"parameters": {"a": [0.034, 0.036]}, "minimise": ["upper(most)"]},
-}
 READ = {
     "plan.json": ("simulate", "bounds", "answers", "figures"),
     "samples.nc": ("answers", "figures", "page", "vtk", "csv"),
@@ -45,20 +35,6 @@ READ = {
 }
 """Commands that open each result; `vtk` and the like are exports."""
 EXPORTS = {"vtk": "vtk", "csv": "csv", "figure": "figures"}
-
-
-@pytest.fixture(scope="module")
-def rich(tmp_path_factory) -> tuple[Folder, dict[str, str]]:
-    """A campaign with all kinds of results, and the sections of its stages."""
-    results = tmp_path_factory.mktemp("rich")
-    campaign.run(RICH, results, figures=False, tell=silent)
-    workflow = Workflow(campaign.check_config(RICH), results)
-    sections = {stage: workflow.sections(stage) for stage in STAGES}
-    assert main(["page", str(workflow.folder.path), "--config", sections["page"]]) == 0
-    return workflow.folder, sections
-
-
-STAGES = ("simulate", "bounds", "answers", "figures", "page")
 
 
 def reseal(path: Path, facts: dict[str, str]) -> None:

@@ -19,70 +19,58 @@ from deployable.campaign.errors import CampaignError, HeldConfigError
 from deployable.campaign.plan.runs import RUN_ID
 from fpm.files.sealed import DamagedError
 
-_BOX = """
-@text: config campaign config_hash mechanics scene
+_BOX = """@text: config campaign config_hash mechanics scene
 text parameter: parameter box_units
-known parameter: box_lower box_upper box_nominal
-"""
-_CURVES = """
+known parameter: box_lower box_upper box_nominal"""
+_CURVES = f"""{_BOX}
 @text: limiting_element
 @number: time_step time_step_limit
 text response: response response_units response_long_name response_along?
 number response: response_least? response_ratio?
-known time: time
-"""
-_NAMED = """
-text quantity: quantity quantity_units quantity_long_name
-"""
-_RUNS = """
+known time: time"""
+_SAMPLES = f"""{_CURVES}
 known run parameter: unit value
 number run event: event_time event_contact event_closing
 text contact: contact
 text quantity: quantity? quantity_units? quantity_long_name?
-number run quantity: quantities?
-"""
+number run quantity: quantities?"""
+_QUANTITIES = f"""{_BOX}
+text quantity: quantity quantity_units quantity_long_name"""
 _VARIABLES = {
-    "samples.nc": _BOX + _CURVES + _RUNS + """
+    "samples.nc": f"""{_SAMPLES}
 text run: role run_id
 known run: overlap
-known run response time: values
-""",
-    "extremes": _BOX + _CURVES + _RUNS + """
+known run response time: values""",
+    "extremes": f"""{_SAMPLES}
 known : overlap
 known response time: nominal
-known quarter response time: lower upper lower_run upper_run
-""",
-    "bounds.nc": _BOX + _CURVES + """
+known quarter response time: lower upper lower_run upper_run""",
+    "bounds.nc": f"""{_CURVES}
 @text: bounds_kind design_method provenance
 @number: design_order held_out_runs
 known response time: lower upper nominal?
 number response time: error? error_held_out? error_decay? error_surrogate? error_step? error_mesh?
 number response time: growth_quarter?
 known response: largest_impossible largest_impossible_time
-number response: worst_violation? coverage?
-""",
-    "surrogate.nc": _BOX + _CURVES + """
+number response: worst_violation? coverage?""",
+    "surrogate.nc": f"""{_CURVES}
 known term parameter: multi_index
-known response term time: coefficient?
-""",
-    "sensitivities.nc": _BOX + _CURVES + """
+known response term time: coefficient?""",
+    "sensitivities.nc": f"""{_CURVES}
 number response parameter time: width
 number response parameter: width_overall
-number response time: error
-""",
-    "quantities.nc": _BOX + _NAMED + """
+number response time: error""",
+    "quantities.nc": f"""{_QUANTITIES}
 @number: runs further_runs
 text quantity: fit
 number quantity: lower upper simulated_lower simulated_upper surrogate_lower surrogate_upper nominal
 number quantity: error error_step? error_mesh? error_whole? error_limit? error_border? least
 known quantity: moving_lower moving_upper runs_with runs_without happens open is_time
-number quantity parameter: argmin argmax share alone fixed halved
-""",
-    "further.nc": _BOX + _NAMED + """
+number quantity parameter: argmin argmax share alone fixed halved""",
+    "further.nc": f"""{_QUANTITIES}
 text run: run_id
 known run parameter: unit value
-number run quantity: quantities margin
-""",
+number run quantity: quantities margin""",
 }  # fmt: skip
 """Of a file of this name: variables of text, of numbers, and of numbers none of which is infinite
 or missing, behind their dimensions; behind an @ attributes; those with a ? may be absent."""
@@ -134,7 +122,7 @@ def _checked(path: Path, *state: int) -> Experiment | None:
             return None
         if name == "sensitivities.nc" and not file.variables:  # nothing was fitted
             return Experiment.read(file.config)
-        for line in filter(None, _VARIABLES[name].splitlines()):
+        for line in _VARIABLES[name].splitlines():
             kind, *dims = line.partition(":")[0].split()
             for one in line.partition(":")[2].split():
                 if kind.startswith("@"):
@@ -156,16 +144,13 @@ def _check_sizes(file: Any, size: int) -> None:
 
 
 def _check_attribute(file: Any, name: str, kind: str) -> None:
-    if name not in file.ncattrs():
-        raise ValueError(f"it has no attribute {name}")
-    value = file.getncattr(name)
-    if kind == "text":
-        if not isinstance(value, str):
-            raise ValueError(f"its attribute {name} is no text")
-        if name == "provenance":
-            matches(_PROVENANCE, json.loads(value), name)
-    elif np.asarray(value).dtype.kind not in "fiu" or not np.isfinite(value).all():
+    value = file.getncattr(name) if name in file.ncattrs() else None
+    if isinstance(value, str) != (kind == "text") or value is None:
+        raise ValueError(f"it has no attribute {name} that is a {kind}")
+    if kind == "number" and not np.isfinite(value).all():
         raise ValueError(f"its attribute {name} is no number")
+    if name == "provenance":
+        matches(_PROVENANCE, json.loads(value), name)
 
 
 def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> None:
@@ -174,7 +159,7 @@ def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> N
         if name.endswith("?"):
             return
         raise ValueError(f"it has no variable {name}")
-    name = name.removesuffix("?")
+    name = variable.name
     if variable.dimensions != dims:
         over = " and ".join(variable.dimensions) or "nothing"
         raise ValueError(f"its variable {name} lies over {over}, not {' and '.join(dims)}")
@@ -192,32 +177,34 @@ def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> N
 
 def _belongs(file: Any, experiment: Experiment) -> Experiment:
     """The experiment of a file, if what it holds is of that."""
+    there, intervals = file.variables, experiment.intervals.values()
     own = {"response": experiment.responses, "quantity": experiment.quantities,
            "parameter": experiment.intervals}  # fmt: skip
-    for dim, names in own.items():
-        if dim in file.variables and (there := file[dim][:].tolist()) != list(names):
-            other = next((name for name in there if name not in names), there)
+    for dim in own.keys() & there.keys():
+        if (names := file[dim][:].tolist()) != list(own[dim]):
+            other = next((name for name in names if name not in own[dim]), names)
             raise ValueError(f"{str(other)[:80]!r} is no name of a {dim} of its config")
-    for name in file["run_id"][:].tolist() if "run_id" in file.variables else ():
+    for name in file["run_id"][:].tolist() if "run_id" in there else ():
         if not RUN_ID.fullmatch(name):  # after which files are called
             raise ValueError(f"{name[:80]!r} is no name of a run_id")
+    of_config = {"campaign": file.campaign == experiment.name}
     for key in ("lower", "upper", "nominal"):
-        if file[f"box_{key}"][:].tolist() != [getattr(i, key) for i in own["parameter"].values()]:
-            raise ValueError(f"its variable box_{key} has other numbers than its config")
-    if file.campaign != experiment.name:
-        raise ValueError(f"it is of {file.campaign}, its config of {experiment.name}")
-    if "time" in file.variables:
+        ends = [getattr(interval, key) for interval in intervals]
+        of_config[f"box_{key}"] = file[f"box_{key}"][:].tolist() == ends
+    if "time" in there:
         time = file["time"][:]
-        if len(time) != experiment.solver.instants or not (np.diff(time) > 0).all():
-            raise ValueError("its variable time has other instants than its config")
-    if "run" in file.dimensions and "event_time" in file.variables:
-        times, which = file["event_time"][:], file["event_contact"][:]
-        known = np.isfinite(times)
-        if not ((which[known] >= 0) & (which[known] < len(file.dimensions["contact"]))).all():
-            raise ValueError("its variable event_contact has numbers of no contact")
-    for name in {"lower_run", "upper_run"} & file.variables.keys():
-        if file[name][:].max(initial=-1) >= len(file.dimensions["run"]):
-            raise ValueError(f"its variable {name} has numbers of no run")
+        of_config["time"] = len(time) == experiment.solver.instants and (np.diff(time) > 0).all()
+    if "event_time" in there:
+        which = file["event_contact"][:][np.isfinite(file["event_time"][:])]
+        is_known = (which >= 0) & (which < len(file.dimensions["contact"]))
+        of_config["event_contact"] = is_known.all()
+    for name in {"lower_run", "upper_run"} & there.keys():
+        of_config[name] = file[name][:].max(initial=-1) < len(file.dimensions["run"])
+    for text in file["response_along"][:] if "response_along" in there else ():
+        if (along := json.loads(text)) is not None:
+            matches(_schema()["$defs"]["along"], along, "response_along")
+    if others := [name for name, is_own in of_config.items() if not is_own]:
+        raise ValueError(f"its {others[0]} is not what its config has")
     return experiment
 
 
@@ -228,10 +215,8 @@ _TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null":
 _NUMBERS = {"type": "array", "minItems": 2, "items": {"type": "number"}}
 _BATCH = {"seconds": _NUMBERS, "seconds_integrating": _NUMBERS, "simulated": {"type": "number"}}
 _MANIFEST = {"required": list(_BATCH), "properties": _BATCH}
-_PROVENANCE = {
-    "required": ["program", "commit", "processor"],
-    "additionalProperties": {"type": "string"},
-}
+_TEXTS = {"type": "object", "additionalProperties": {"type": "string"}}
+_PROVENANCE = {**_TEXTS, "required": ["program", "commit", "processor"]}
 
 
 @cache
@@ -243,20 +228,17 @@ def _schema() -> dict:
 def data_of(path: str | os.PathLike, content: bytes) -> dict:
     """The data in the content of a result in JSON, without its seal; DamagedError where it is no
     such result."""
-    name = Path(path).name
+    known = _schema()["properties"]
+    answers = {name: known[name] for name in ("requirements", "together")}
+    schemas = {
+        "plan.json": {"type": "object"},
+        "summary.json": _schema(),
+        "requirements.json": {"required": [*answers, "further_runs"], "properties": answers},
+        "choice.json": known["choice"],
+    }
     with reading(path):
         data = json.loads(content, parse_constant=_no_number)
-        if name == "summary.json":
-            matches(_schema(), data)
-        elif name == "requirements.json":
-            known = _schema()["properties"]
-            own = {key: known[key] for key in ("requirements", "together")}
-            own["further_runs"] = {"type": "integer"}
-            matches({"required": list(own), "properties": own}, data)
-        elif name == "choice.json":
-            matches(_schema()["properties"]["choice"], data)
-        elif name != "plan.json":
-            matches(_MANIFEST, data)
+        matches(schemas.get(Path(path).name, _MANIFEST), data)
         return {key: value for key, value in data.items() if key != "seal"}
 
 
@@ -268,7 +250,7 @@ def matches(schema: Mapping, data: Any, where: str = "") -> None:
     """ValueError where data are not as a JSON schema has it, by the words of one that are used in
     the schema of summaries."""
     if "$ref" in schema:
-        schema = _schema()["$defs"][schema["$ref"].rpartition("/")[2]]
+        matches(_schema()["$defs"][schema["$ref"].rpartition("/")[2]], data, where)
     kinds = schema.get("type", "object" if "required" in schema else [])
     kinds = [kinds] if isinstance(kinds, str) else kinds
     is_kind = [isinstance(data, _TYPES[kind]) for kind in kinds]
@@ -276,11 +258,7 @@ def matches(schema: Mapping, data: Any, where: str = "") -> None:
         raise ValueError(f"{where or 'all of it'} is no {' or '.join(kinds)}")
     if data not in schema.get("enum", [data]) or data != schema.get("const", data):
         raise ValueError(f"{where} is not as it may be")
-    if isinstance(data, int | float) and not isinstance(data, bool):
-        low, high = schema.get("minimum", -math.inf), schema.get("maximum", math.inf)
-        if not low <= data <= high or data <= schema.get("exclusiveMinimum", -math.inf):
-            raise ValueError(f"{where} = {data} is out of its limits")
-    elif isinstance(data, list):
+    if isinstance(data, list):
         if len(data) < schema.get("minItems", 0):
             raise ValueError(f"{where} is too short")
         for number, one in enumerate(data):

@@ -181,11 +181,9 @@ class Extremes(common.Store):
         paths = sorted(self._files(group), key=_runs_in, reverse=True)
         path = next(filter(self.is_whole, paths), None)  # a file may be replaced meanwhile
         share = path and Share.read(path, self.responses, self.quantities)
-        if share and (len(share.done), *share.first.shape) != (
-            len(group), len(self.responses), self.experiment.solver.instants
-        ):  # fmt: skip
-            text = "it has other runs, responses or instants than the campaign"
-            raise DamagedError(path, text)
+        shape = len(group), len(self.responses), self.experiment.solver.instants
+        if share and (len(share.done), *share.first.shape) != shape:
+            raise DamagedError(path, "it has other runs, responses or instants than the campaign")
         return share
 
     def _files(self, group: Runs) -> list[Path]:

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.config.sections import Experiment
+from deployable.campaign.config.sections import Experiment, steps_problems
 from deployable.campaign.errors import CampaignError, HeldConfigError
-from deployable.campaign.plan.runs import RUN_ID
+from deployable.campaign.plan.runs import ROLES, RUN_ID
 from fpm.files.sealed import DamagedError
 
 _BOX = """@text: config campaign config_hash mechanics scene
@@ -81,6 +81,9 @@ _CHANGED = {"scale_factor", "add_offset", "missing_value", "valid_min", "valid_m
 
 _ROOM, _PACKED = 1 << 28, 200
 """Bytes that a file's numbers may take in memory, or as many times those that it takes itself."""
+
+_LONGEST, _LARGEST = 2000, 1e300
+"""Characters of a text, and a number beyond which differences of numbers are infinite."""
 
 _ALL = 1 << 26
 """Bytes of a variable up to which all its numbers are looked at."""
@@ -147,7 +150,8 @@ def _check_attribute(file: Any, name: str, kind: str) -> None:
     value = file.getncattr(name) if name in file.ncattrs() else None
     if isinstance(value, str) != (kind == "text") or value is None:
         raise ValueError(f"it has no attribute {name} that is a {kind}")
-    if kind == "number" and not np.isfinite(value).all():
+    is_list = np.ndim(value) > (name == "design_order")
+    if kind == "number" and (is_list or not np.isfinite(value).all()):
         raise ValueError(f"its attribute {name} is no number")
     if name == "provenance":
         matches(_PROVENANCE, json.loads(value), name)
@@ -171,7 +175,9 @@ def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> N
     if not is_text and variable.size * variable.dtype.itemsize > _ALL:
         return
     values, filled = variable[:], getattr(variable, "_FillValue", np.nan)  # if it can be read
-    if kind == "known" and not (np.isfinite(values) & (values != filled)).all():
+    if is_text and max(map(len, values.ravel())) > _LONGEST:
+        raise ValueError(f"its variable {name} has a text of more than {_LONGEST} characters")
+    if kind == "known" and not ((np.abs(values) < _LARGEST) & (values != filled)).all():
         raise ValueError(f"its variable {name} has values that are no numbers")
 
 
@@ -191,7 +197,13 @@ def _belongs(file: Any, experiment: Experiment) -> Experiment:
     for key in ("lower", "upper", "nominal"):
         ends = [getattr(interval, key) for interval in intervals]
         of_config[f"box_{key}"] = file[f"box_{key}"][:].tolist() == ends
+    if "unit" in there and len(unit := file["unit"][:]):
+        of_config["unit"] = np.abs(unit).max(initial=0.0) < 1.0 + 1e-6
+    if "role" in there:
+        of_config["role"] = set(file["role"][:].tolist()) <= set(ROLES)
     if "time" in there:
+        of_config["time_step"] = file.time_step > 0
+        of_config["time_step"] &= not steps_problems(experiment.solver, file.time_step)
         time = file["time"][:]
         of_config["time"] = len(time) == experiment.solver.instants and (np.diff(time) > 0).all()
     if "event_time" in there:

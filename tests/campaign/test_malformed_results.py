@@ -209,7 +209,7 @@ def test_malformed_results_end_in_one_sentence(rich, tmp_path, capsys, monkeypat
     monkeypatch.setattr(Figure, "savefig", lambda figure, path, **how: Path(path).touch())
     place = Folder(tmp_path / "rich")
     shutil.copytree(whole.path, place.path)
-    seed, seconds = int(os.environ.get("SEED", 1)), float(os.environ.get("MALFORMED", 10))
+    seed, seconds = int(os.environ.get("SEED", 1)), float(os.environ.get("MALFORMED", 8))
     rng, start, counts, bad = random.Random(seed), time.monotonic(), {}, []
     while time.monotonic() - start < seconds:
         kind = rng.choice(list(READ))

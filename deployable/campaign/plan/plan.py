@@ -209,6 +209,10 @@ def read_plan(path: str | Path) -> Plan:
 def _plan(path: str | Path, data: Mapping) -> Plan:
     experiment, mechanics = Experiment.of_results(data["config"]), str(data["mechanics"])
     time = _time(data)
+    if not time.step > 0 or time.steps_per_instant < 1:
+        raise ValueError("its step is not above 0")
+    for problem in steps_problems(experiment.solver, time.step):
+        raise ValueError(problem)
     if "packed" in data:
         role, unit = _unpacked(data["packed"])
         name = namer(experiment, time.step, mechanics)
@@ -220,6 +224,13 @@ def _plan(path: str | Path, data: Mapping) -> Plan:
         runs = Runs.of([
             Run(r["id"], r["role"], tuple(r["unit"]), tuple(r["values"])) for r in data["runs"]
         ])  # fmt: skip
+    shape = len(runs), len(experiment.intervals)
+    if (
+        runs.unit.shape != shape
+        or runs.values.shape != shape
+        or max(runs.role, default=0) >= len(ROLES)
+    ):
+        raise ValueError("its runs are not those of its config")
     adaptive = from_data(Rounds, data["adaptive"]) if "adaptive" in data else None
     return Plan(experiment, mechanics, time, runs, adaptive)
 

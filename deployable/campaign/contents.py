@@ -178,7 +178,7 @@ def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> N
     if is_text and max(map(len, values.ravel())) > _LONGEST:
         raise ValueError(f"its variable {name} has a text of more than {_LONGEST} characters")
     if kind == "known" and not ((np.abs(values) < _LARGEST) & (values != filled)).all():
-        raise ValueError(f"its variable {name} has values that are no numbers")
+        raise ValueError(f"its variable {name} has values that are no numbers, or too large")
 
 
 def _belongs(file: Any, experiment: Experiment) -> Experiment:

@@ -122,6 +122,9 @@ def _check_summary(path: Path, data: dict, experiment: Experiment) -> None:
     ):
         if [row["name"] for row in data[key]] != list(own):
             raise DamagedError(path, f"its {key} have other names than those of the campaign")
+    for limit in (one for row in data.get("requirements", ()) for one in row["limits"]):
+        if limit["quantity"] not in experiment.quantities:
+            raise DamagedError(path, f"{limit['quantity'][:80]!r} is no name of a quantity")
     names = set(experiment.intervals)
     for row in data["quantities"]:
         if not set(row["argmin"]) == set(row["argmax"]) == set(row["influence"]) == names:

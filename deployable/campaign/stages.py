@@ -207,7 +207,8 @@ class Stage:
             with results_of(facts):
                 self.work(folder, tell, **arguments)
         except SceneError as error:  # of the structure that the results name
-            raise CampaignError(f"{OPENED[-1] if OPENED else folder.path}: {error}") from error
+            place = OPENED[-1] if OPENED else folder.path
+            raise CampaignError(f"{place}: {error}; run the campaign again") from error
         except (OSError, RuntimeError) as error:
             told = of_files(error, folder.path)
             if told is None:

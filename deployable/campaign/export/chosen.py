@@ -100,7 +100,8 @@ def choose(
         try:
             return _of_results(Folder(path), run)
         except SceneError as error:
-            raise CampaignError(f"{Folder(path).samples}: {error}") from error
+            text = f"{Folder(path).samples}: {error}; run the campaign again"
+            raise CampaignError(text) from error
     if run != "nominal":
         raise CampaignError(
             f"--run {run} needs the folder of a campaign's results, not {what!r}, which has one run"

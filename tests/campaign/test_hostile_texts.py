@@ -91,7 +91,7 @@ def test_a_page_of_hostile_texts_has_the_tags_that_it_has(rich, tmp_path):
     path = place / "summary.json"
     changed = hostile({k: v for k, v in facts.items() if k != "seal"}, evil, names_of(facts))
     path.write_text(json.dumps(changed, indent=1) + "\n", encoding="utf-8")
-    seal(path, {"name": path.name, "plan": EVIL[-1]})
+    seal(path, {"name": path.name, "plan": f"-->{EVIL[0]}"})
     for path in place.path.glob("*.nc"):
         known = check(path)
         path.write_bytes(unsealed(path))
@@ -106,7 +106,7 @@ def test_a_page_of_hostile_texts_has_the_tags_that_it_has(rich, tmp_path):
                 made = json.loads(file.provenance)
                 file.provenance = json.dumps({**hostile(made, evil), evil: evil})
         facts = {key: evil for key in known if key not in ("name", "digest")}
-        seal(path, {**facts, "name": path.name, "plan": EVIL[-1]})
+        seal(path, {**facts, "name": path.name, "plan": f"-->{EVIL[0]}"})
     assert main(["page", str(place.path), "--config", sections["page"], "--frames", "2"]) == 0
     text = place.report.read_text(encoding="utf-8")
     shown = [tag for tag in Tags(text).found if tag[0] not in ("path", "wbr", "code")]

@@ -340,6 +340,12 @@ def test_parts_at_the_worst_place_add_up_to_the_margin():
     assert "k = 0.09 N m/rad" in budget["title"] and "6 March 2009" in budget["title"]
 
 
+def test_of_runs_that_start_apart_the_positions_are_told_to_be_the_nominal_ones():
+    for vary in (False, True):
+        text = str(sheet(*least(starts_vary=vary)))
+        assert ("each other run begins where it starts" in text) == vary
+
+
 def test_a_margin_at_its_cap_is_no_quotient():
     (budget,) = budgets_of(sheets.facts_of(margins={"m_least": margin(
         budget={"opening": 0.0, "margin": 99.0, "drives": 0.5, "required": 0.001, "rows": []}

@@ -266,3 +266,16 @@ def test_every_class_has_its_factors():
     for standard in STANDARDS.values():
         for factors in (standard.drives, *standard.resists.values()):
             assert factors.keys() == CLASSES.keys()
+
+
+def test_a_margin_of_nothing_is_not_below_it_by_rounding():
+    """Springs of 3 k in all drive with the factor 0.8 against k with 2.4; rounding made it less."""
+    definition = {"margin": "h1", "to": 1.0, "standard": "ecss-e-st-33-01c"}
+    ends = set()
+    for k in np.linspace(0.1, 0.9, 9):
+        scene = hinged(0.0)
+        for moment in (k, k, k, -k):
+            scene.classes[TableSpring, len(TableSpring.of(scene))] = "S"
+            scene.add(TableSpring(0, (-9.0, 9.0), (moment, moment)))
+        ends.add(found(scene, definition)[1])
+    assert ends == {0.0}

@@ -16,11 +16,11 @@ from deployable.campaign.config.sections import Campaign, as_json, count_runs, s
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_dataset
 from deployable.campaign.folder import PICTURES, Folder
-from deployable.campaign.plan.estimate import job_megabytes, job_minutes
+from deployable.campaign.plan.estimate import batch_count, job_megabytes, job_minutes
 from deployable.campaign.plan.plan import read_plan, read_step
 from deployable.campaign.provenance import check_code, program_digest
 from deployable.campaign.runs.progress import Tell, Teller
-from deployable.campaign.stages import STAGES, batch_count, drawings
+from deployable.campaign.stages import STAGES, drawings
 from deployable.one_thread import one_thread
 from fpm.errors import ChangedError, SceneError
 from fpm.files.sealed import DamagedError, check
@@ -257,6 +257,6 @@ def _damaged_in(campaign: Campaign, results: str | Path, figures: bool) -> list[
 
 def _stage(name: str, campaign: Campaign, folder: Folder, tell: Tell, **more: Any) -> None:
     stage = STAGES[name]
-    if stage.has_threads:
+    if stage.threads:
         more["threads"] = os.cpu_count() or 1
     stage.run(folder, tell, **stage.sections_of(campaign), **more)

@@ -12,10 +12,15 @@ import pytest
 
 from deployable.campaign.config.check import check_config
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.plan.estimate import job_megabytes, job_minutes, runs_in_job
+from deployable.campaign.plan.estimate import (
+    CORES,
+    batch_count,
+    job_megabytes,
+    job_minutes,
+    runs_in_job,
+)
 from deployable.campaign.runs.batch import spread
 from deployable.campaign.runs.store import pack, unpack
-from deployable.campaign.stages import CORES, batch_count
 
 RAW = {
     "campaign": "sized",

@@ -120,10 +120,14 @@ def ends_bear(elements: int, load: np.ndarray):
 
 
 def test_a_bar_in_an_arc_bears_the_moment_at_its_end():
-    """Whatever the mesh: it turned by 3 rad, 0.44 % with 16 elements came of the bend of one."""
+    """Whatever the mesh: it turned by 3 rad, 0.44 % with 16 elements came of the bend of one.
+
+    The balance is left where its last motion is below 1e-8 of the size; what that leaves of forces
+    depends on the processor's rounding (1.1e-8 N m on one, where 1e-8 was allowed; now 1e-7).
+    """
     for elements in (8, 16):
         _, cut, found = ends_bear(elements, np.array([0, 0, 0, 0, -3.0, 0]))
-        np.testing.assert_allclose(cut, [[0, 0, 0, 0, -3.0, 0]] * 3, atol=1e-8)
+        np.testing.assert_allclose(cut, [[0, 0, 0, 0, -3.0, 0]] * 3, atol=1e-7)
         np.testing.assert_allclose(found.moment[..., 1], -3.0, rtol=1e-8)
 
 

@@ -2,10 +2,14 @@
 
 import ast
 import importlib
+import subprocess
+import sys
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
+
+from deployable.campaign.stages import STAGES
 
 ROOT = Path(__file__).parents[2]
 UNKNOWN = {
@@ -109,3 +113,28 @@ def test_no_module_imports_itself_in_a_circle():
         TopologicalSorter(graph).prepare()
     except CycleError as error:
         pytest.fail(" -> ".join(error.args[1]))
+
+
+HEAVY = {
+    "plan": {"matplotlib", "xarray", "numba", "netCDF4", "pydantic"},
+    "rounds": {"matplotlib", "numba", "pydantic"},
+    "simulate": {"matplotlib", "xarray", "numba", "pydantic"},
+    "bounds": {"matplotlib", "numba", "pydantic"},
+    "answers": {"matplotlib", "xarray", "numba", "pydantic"},
+    "figures": {"xarray", "numba", "pydantic"},
+    "page": {"numba", "pydantic"},
+}
+"""Packages that the module of a stage does not load; its work may, as a run loads numba."""
+
+
+@pytest.mark.parametrize("name", HEAVY)
+def test_a_stage_loads_what_its_work_needs(name):
+    assert {*HEAVY} == {*STAGES}
+    others = [f"deployable.campaign.{room}" for room in ("commands", "config.check")]
+    code = f"""
+import sys
+import deployable.campaign.cli, deployable.campaign.stages.{name}
+print([name for name in {sorted(HEAVY[name]) + others} if name in sys.modules])
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

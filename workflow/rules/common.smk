@@ -23,9 +23,9 @@ os.environ.update(
     PYTHONPATH=os.pathsep.join(filter(None, [*PACKAGES, os.environ.get("PYTHONPATH")])),
 )
 
-from deployable.campaign import stages
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import ROUND_FILES
+from deployable.campaign.plan.estimate import CORES
 from deployable.campaign.workflow import Workflow
 
 # Snakemake formats the whole path of an environment, so that braces in it are to be doubled.
@@ -34,7 +34,7 @@ if "{" in str(ROOT) or "}" in str(ROOT):
     ENVIRONMENT = str(ROOT / "workflow" / "envs" / "campaign.yaml")
     ENVIRONMENT = ENVIRONMENT.replace("{", "{{").replace("}", "}}")
 
-os.environ.setdefault(stages.CORES, str(os.cpu_count() or 1))
+os.environ.setdefault(CORES, str(os.cpu_count() or 1))
 # Whether jobs get the files that rules declare, and no others.
 IS_APART = workflow.storage_settings.default_storage_provider is not None
 ASKED = workflow.config_settings.configfiles

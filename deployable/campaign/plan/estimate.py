@@ -248,3 +248,20 @@ def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
     experiment = campaign.experiment
     known = campaign.jobs.run_seconds
     return known or effort.machine() * run_seconds(experiment, time or choose_step(experiment))
+
+
+CORES = "DEPLOYABLE_INTERVALS_CORES"
+"""Environment variable with the cores of the machine on which a workflow was started: jobs on other
+machines must find as many batches."""
+
+
+def batch_count(campaign: Campaign, runs: int) -> int:
+    """Number of batches that runs are shared among."""
+    if campaign.jobs.minutes:
+        return -(-runs // runs_in_job(campaign))
+    if campaign.jobs.nodes_per_job != "auto":
+        return -(-runs // campaign.jobs.nodes_per_job)
+    cores = int(os.environ.get(CORES, 0)) or os.cpu_count() or 1
+    count = min(-(-runs // 512), max(8, cores, min(-(-runs // 4096), 64)))
+    # As many for each core, so that none waits for the last job of another.
+    return count - count % cores if count > cores else count

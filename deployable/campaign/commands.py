@@ -1,0 +1,201 @@
+"""The commands that are about whole campaigns and structures, not about one stage (`cli`)."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import fpm
+from deployable.campaign.config.check import load_config
+from deployable.campaign.config.keys import table
+from deployable.campaign.config.read import whole
+from deployable.campaign.config.sections import scene_type
+from deployable.campaign.errors import CampaignError, ConfigError, of_files
+from deployable.campaign.export import COLOURS, KINDS, choose, export
+from deployable.campaign.files import read_json, unforeseen
+from deployable.campaign.folder import CAMPAIGN, Folder
+from deployable.campaign.new import make_folder, starts
+from deployable.campaign.pictures.still import SUFFIXES, write_structure
+from deployable.campaign.plan.estimate import estimate, runs_there
+from deployable.campaign.text.templates import doubt_texts
+from deployable.campaign.workflow import run
+
+UNMET = 3
+"""Exit status of `run --require` where not all of the box meets all requirements."""
+
+
+def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
+    """Add the commands; command(commands, name, about, function) adds one."""
+    new = command(commands, "new", _new.__doc__, _new)
+    new.add_argument("folder", type=Path, metavar="FOLDER", help="folder to make, or to fill")
+    new.add_argument(
+        "--start", default="panel", metavar="NAME",
+        help="campaign or structure to begin with, or the file of a structure (%(default)s)",
+    )  # fmt: skip
+    new.add_argument("--starts", action=_Starts, nargs=0, help="print the names and end")
+    check = command(commands, "check", _check.__doc__, _check)
+    check.add_argument(
+        "files", metavar="FILE", nargs="*", default=[CAMPAIGN], help=f"YAML file ({CAMPAIGN})"
+    )
+    whole = command(commands, "run", _run.__doc__, _run)
+    whole.add_argument(
+        "file", metavar="FILE", nargs="?", default=CAMPAIGN, help="YAML file (%(default)s)"
+    )
+    whole.add_argument("--results", default="results", help="folder of all results (%(default)s)")
+    whole.add_argument("--no-figures", action="store_true", help="draw nothing")
+    whole.add_argument(
+        "--require", action="store_true",
+        help="end with status 3 unless all of the box meets all requirements",
+    )  # fmt: skip
+    command(commands, "keys", _keys.__doc__, _keys)
+    structure = command(commands, "structure", _structure.__doc__, _structure)
+    structure.add_argument("structure", help="file, .yaml or .py (which is run), or known name")
+    structure.add_argument("--duration", type=float, default=1.0, help="of a run (%(default)s s)")
+    structure.add_argument(
+        "--picture", type=Path, help=".png, .svg or .pdf to draw into (exports/<name>.png)"
+    )
+    structure.add_argument("--no-picture", action="store_true", help="draw nothing")
+    _add_export(command(commands, "export", _export.__doc__, _export))
+
+
+def _add_export(export: argparse.ArgumentParser) -> None:
+    export.add_argument(
+        "what", metavar="RUN",
+        help="folder of a campaign's results, a campaign's config, or a structure's file or name",
+    )  # fmt: skip
+    kinds = "; ".join(f"{name}: {kind.about}" for name, kind in KINDS.items())
+    export.add_argument("--to", required=True, choices=KINDS, help=kinds)
+    export.add_argument("--run", default="nominal", help="of a folder: nominal, or a run's id")
+    export.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE",
+        help="a parameter of a config or structure, in its unit; may be repeated",
+    )  # fmt: skip
+    export.add_argument("--duration", type=float, help="s, of a config's or structure's run")
+    export.add_argument("--frames", type=int, help="number of frames, evenly spread")
+    export.add_argument(
+        "--colour", default="bars", choices=COLOURS, help="of moving pictures (%(default)s)"
+    )
+    export.add_argument(
+        "--trust", action="append", default=[], metavar="FILE",
+        help="structure that results may name, and that is read, or run, then; may be repeated",
+    )  # fmt: skip
+    export.add_argument("--output", type=Path, help="folder (exports, beside a campaign's results)")
+
+
+class _Starts(argparse.Action):
+    """Prints what a new folder can start from."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+
+        print("\n".join(starts()))
+        parser.exit()
+
+
+def _new(options: argparse.Namespace) -> int:
+    """Make a folder with a Snakefile, profiles and a campaign to edit."""
+    try:
+        make_folder(options.folder, options.start)
+    except CampaignError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    print(f"Edit {options.folder / CAMPAIGN}, then call snakemake -c2 in {options.folder}")
+    return 0
+
+
+def _check(options: argparse.Namespace) -> int:
+    """Check configs without running anything, and say how many runs, how long and how much disk."""
+    status = 0
+    for path in options.files:
+        try:
+            campaign = load_config([path])
+            takes = estimate(campaign)
+        except CampaignError as error:
+            print(error if isinstance(error, ConfigError) else f"{path}: {error}", file=sys.stderr)
+            status = 1
+        else:
+            there = runs_there(campaign, Folder(Path("results", campaign.name)))
+            print(f"{path}: {campaign.name}, {takes}{there and '; '}{there}")
+            for text in campaign.experiment.warnings:
+                print(f"{path}: warning: {text}")
+            for text in doubt_texts(campaign.experiment.doubts):
+                print(f"{path}: {text}")
+            if campaign.experiment.scene.file.endswith(".py"):
+                print(f"{path}: {campaign.experiment.scene.file} is a program, which was run")
+    return status
+
+
+def _run(options: argparse.Namespace) -> int:
+    """Run a whole campaign."""
+    try:
+        campaign = load_config([options.file])
+        if options.require and not campaign.requirements:
+            raise CampaignError(f"{options.file} has no requirements; --require needs some")
+        run(campaign, options.results, not options.no_figures)
+        if options.require and not _are_met(Path(options.results, campaign.name)):
+            return UNMET
+    except (CampaignError, fpm.SceneError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _are_met(path: Path) -> bool:
+    """Whether all of the box meets all requirements."""
+    return read_json(Folder(path).requirements)["together"]["met"] == "all"
+
+
+def _keys(options: argparse.Namespace) -> int:
+    """Print all keys of a config as a page of Markdown."""
+    print(table(whole()), end="")
+    return 0
+
+
+def _structure(options: argparse.Namespace) -> int:
+    """Check a structure, print its parameters, parts, mobility and what a run costs, draw it."""
+    from fpm.structures.describe import describe
+
+    name = options.structure
+    try:
+        found = scene_type(name, name if Path(name).suffix else "")
+    except fpm.SceneError as error:
+        print(error, file=sys.stderr)
+        return 1
+    if name.endswith(".py"):
+        print(f"{name} is a program, which was run")
+    print(describe(found, options.duration))
+    if options.no_picture:
+        return 0
+
+    path = options.picture or Path("exports", f"{found.name}.png")
+    if path.suffix not in SUFFIXES:
+        print(f"--picture {path} is not allowed; allowed: {', '.join(SUFFIXES)}", file=sys.stderr)
+        return 1
+    try:
+        print(f"\npicture       {write_structure(found.build(), path)}")
+    except OSError as error:
+        print(f"error: {of_files(error, path.parent)}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _export(options: argparse.Namespace) -> int:
+    """Write a run for other programs: ParaView, glTF, a moving picture, CSV."""
+    settings = dict(pair.partition("=")[::2] for pair in options.set)
+    place = options.output or Path("exports")
+    try:
+        chosen = choose(options.what, options.run, settings, options.duration, options.trust)
+        if chosen.folder and not options.output:
+            place = chosen.folder / "exports"
+        paths = export(chosen, options.to, place, options.frames, options.colour)
+    except (CampaignError, fpm.SceneError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    except Exception as error:  # a damaged result, a full disk
+        if (told := of_files(error, place) or unforeseen(error)) is None:
+            raise
+        print(f"error: {told}", file=sys.stderr)
+        return 1
+    print("\n".join(map(str, paths)))
+    return 0

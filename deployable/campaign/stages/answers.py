@@ -1,0 +1,27 @@
+"""What a campaign asks for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from deployable.campaign.answers import choice, quantities
+from deployable.campaign.answers import requirements as limits
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.results.summary import summarise
+from deployable.campaign.runs.progress import Tell
+
+
+def work(
+    folder: Folder, tell: Tell, requirements: Any, choose: Any, published: Any, review: Any,
+    verify: Any, jobs: Any, threads: int = 1,
+) -> None:  # fmt: skip
+    """Find the intervals of the quantities, what of the box meets the requirements, and the best
+    choice, with the runs that decide them; sum everything up."""
+    if read_plan(folder.plan).experiment.quantities:
+        quantities.answer(folder, requirements, verify, jobs, tell, threads)
+    if requirements:
+        limits.answer(folder, requirements, jobs, tell)
+    if choose.parameters:
+        choice.answer(folder, choose, requirements, verify, jobs, tell, threads)
+    tell(summarise(folder, published, bool(requirements), bool(choose.parameters), review))

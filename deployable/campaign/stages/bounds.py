@@ -1,0 +1,37 @@
+"""Samples, surrogate and bounds of the runs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from deployable.campaign.answers.finer import check_bounds, finer_parts
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.results.bounds import analyse
+from deployable.campaign.results.kept_extremes import gather as gather_extremes
+from deployable.campaign.results.samples import gather
+from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.store import unpack
+
+
+def work(
+    folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int = 1,
+    bundles: Any = (),
+) -> None:  # fmt: skip
+    """Gather the responses of all runs, fit the surrogate, take its bounds, and find which
+    parameter matters; what mesh and step add to the error, where that is to be known."""
+    unpack(bundles, folder.runs(jobs.keep))
+    bound(folder, tell, bounds, verify, jobs, threads)
+
+
+def bound(folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int) -> None:
+    """Gather the runs of a plan, fit the surrogate and take its bounds, with their errors."""
+    made = read_plan(folder.plan)
+    collect = gather_extremes if jobs.keep == "extremes" else gather
+    collect(made, jobs, folder.runs(jobs.keep), folder.samples, tell)
+    parts = finer_parts(made, verify)
+
+    def more(found: Any) -> Any:
+        return check_bounds(folder, found, jobs, tell, threads, parts) if parts else found
+
+    analyse(folder, bounds, more)

@@ -1,0 +1,28 @@
+"""Figures of bounds and of contributions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from deployable.campaign.files import check_results
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.results.figures import draw_envelopes, draw_sensitivities
+from deployable.campaign.results.ranges import draw_ranges
+from deployable.campaign.runs.progress import Tell
+from deployable.campaign.stages import ANSWERS, PLAN, SAMPLES, drawings
+
+
+def work(folder: Folder, tell: Tell, error: Any) -> None:
+    """Draw each response with its bounds, what each parameter contributes, and each quantity over
+    the box."""
+    experiment = read_plan(folder.plan).experiment
+    wanted = drawings(experiment)
+    if "ranges" in wanted:
+        check_results(folder, (PLAN, SAMPLES, *ANSWERS))
+        _ = experiment.numbers  # refused before anything is drawn, if the structure is
+    draw_envelopes(folder.bounds, error.shade_above, folder.figures)
+    if "sensitivities" in wanted:
+        draw_sensitivities(folder.sensitivities, folder.overviews)
+    if "ranges" in wanted:
+        draw_ranges(folder, folder.overviews)

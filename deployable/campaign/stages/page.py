@@ -1,0 +1,28 @@
+"""The page of a campaign."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.files import check_results, read_json
+from deployable.campaign.folder import Folder
+from deployable.campaign.report import from_results, make_motions, write_page
+from deployable.campaign.results.figures import draw_nominal
+from deployable.campaign.runs.progress import Tell
+from deployable.campaign.stages import ANSWERS, FRAMES, SAMPLES
+
+
+def work(folder: Folder, tell: Tell, figures: Any, frames: int = FRAMES) -> None:
+    """Make the page that shows and tells everything, with the motion of some runs, and draw some
+    moments of the nominal one."""
+    if frames < 2:
+        raise CampaignError(f"--frames {frames}: allowed: 2 and more")
+    if read_json(folder / "summary.json")["quantities"]:
+        check_results(folder, (SAMPLES, *ANSWERS))
+    check_results(folder, (SAMPLES, "surrogate.nc"))
+    if not make_motions(folder.path, frames):
+        tell("no run is made again: the structure or the mechanics have changed since")
+    write_page(from_results(folder.path), folder.report)
+    draw_nominal(folder, figures.moments)
+    tell(f"Open {folder.report}")

@@ -1,0 +1,27 @@
+"""The runs of a campaign, and their time step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import make_plan, write_plan
+from deployable.campaign.runs.progress import Tell
+
+
+def work(folder: Folder, tell: Tell, experiment: Any) -> None:
+    """Choose the runs of a campaign and the time step that serves them all."""
+    warn(tell, experiment)
+    made = make_plan(experiment)
+    write_plan(made, folder.plan)
+    step, limit = made.time.step, made.time.step_limit
+    tell(
+        f"{experiment.name}: {len(made.unique_runs())} runs, step {step:.4g} s "
+        f"({step / limit:.0%} of the limit, set by {made.time.limiting_element})"
+    )
+
+
+def warn(tell: Tell, experiment: Any) -> None:
+    """Tell what seems wrong with a campaign."""
+    for text in experiment.warnings:
+        tell(f"{experiment.name}: warning: {text}")

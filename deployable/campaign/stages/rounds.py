@@ -1,0 +1,46 @@
+"""Runs in rounds towards an accuracy."""
+
+from __future__ import annotations
+
+import shutil
+from typing import Any
+
+from deployable.campaign.files import results_of
+from deployable.campaign.folder import ROUND_FILES, Folder
+from deployable.campaign.plan.accuracy import first_plan, next_plan
+from deployable.campaign.plan.plan import read_plan, write_plan
+from deployable.campaign.runs.progress import Tell
+from deployable.campaign.stages import PLAN, plan_of, simulate
+from deployable.campaign.stages.bounds import bound
+from deployable.campaign.stages.plan import warn
+
+
+def work(
+    folder: Folder, tell: Tell, experiment: Any, bounds: Any, verify: Any, jobs: Any,
+    threads: int = 1,
+) -> None:  # fmt: skip
+    """Make runs in rounds until an accuracy is met or its budget is spent; the last round's results
+    are the campaign's."""
+    number = 0
+    while not _plan_round(place := folder.round(number), tell, experiment):
+        with results_of(plan_of(place, (PLAN,))):
+            simulate.work(place, tell, jobs, threads=threads)
+            bound(place, tell, bounds, verify, jobs, threads)
+        number += 1
+    last = [place.plan, *(place.previous() / name for name in ROUND_FILES[1:])]
+    for path in last:
+        shutil.copy(path, folder.path)
+
+
+def _plan_round(folder: Folder, tell: Tell, experiment: Any) -> bool:
+    """Choose the runs of the next round towards an accuracy; whether there is to be none."""
+    if before := folder.previous():
+        made = next_plan(experiment, read_plan(before.plan), before.samples, before.bounds)
+        tell(f"{experiment.name}: {made.adaptive.rounds[-1].reason}")
+    else:
+        warn(tell, experiment)
+        made = first_plan(experiment)
+    write_plan(made, folder.plan)
+    if not made.is_finished:
+        tell(f"{experiment.name}: {len(made.unique_runs())} runs")
+    return made.is_finished

@@ -1,0 +1,23 @@
+"""One batch of the planned runs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import read_plan
+from deployable.campaign.runs.batch import run_batch
+from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.store import pack
+
+
+def work(
+    folder: Folder, tell: Tell, jobs: Any, batch: int = 0, batches: int = 1, threads: int = 1,
+    processes: int = 1, bundle: Any = None,
+) -> None:  # fmt: skip
+    """Simulate one batch of the planned runs, except those that are there already."""
+    made = read_plan(folder.plan)
+    store, manifest = folder.runs(jobs.keep), folder.batch(batch)
+    run_batch(made, batch, batches, jobs, store, manifest, tell, threads, processes)
+    if bundle:
+        pack(store, bundle)

@@ -14,7 +14,7 @@ from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.loader import retyped
 from deployable.campaign.config.sections import Campaign, as_json, count_runs, scene_type
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import open_dataset
+from deployable.campaign.files import open_dataset, read_json
 from deployable.campaign.folder import PICTURES, Folder
 from deployable.campaign.plan.estimate import batch_count, job_megabytes, job_minutes
 from deployable.campaign.plan.plan import read_plan, read_step
@@ -23,7 +23,7 @@ from deployable.campaign.runs.progress import Tell, Teller
 from deployable.campaign.stages import STAGES, drawings
 from deployable.one_thread import one_thread
 from fpm.errors import ChangedError, SceneError
-from fpm.files.sealed import DamagedError, check
+from fpm.files.sealed import DamagedError, check, unsealed
 
 
 class Workflow:
@@ -103,7 +103,7 @@ class Workflow:
         """
         folder, of, found = self.folder, None, {}
         self._damaged_motions(folder, found)
-        for stage, paths in self._files_of_stages().items():
+        for stage, paths in self.files_of_stages().items():
             there = [path for path in map(Path, paths) if path.exists()]
             basis = there and STAGES[stage].basis(STAGES[stage].sections_of(self.campaign))
             for path in there:
@@ -118,7 +118,7 @@ class Workflow:
                     found[str(path)] = f"{path} was made from something else"
         return found
 
-    def _files_of_stages(self) -> dict[str, list[Any]]:
+    def files_of_stages(self) -> dict[str, list[Any]]:
         """The files that each stage leaves, in the order of the stages."""
         folder = self.folder
         bounds = [folder.samples, folder.bounds, folder.surrogate, folder.sensitivities]
@@ -198,9 +198,9 @@ def run(
     """Run a campaign into `results`/<campaign> and return its bounds, an `xarray.Dataset`.
 
     `config` is the name of a YAML file, or what one holds. Runs that are there already are not
-    simulated again; everything else is made anew, and what was damaged is named. `tell` gets
-    messages of progress, which are printed if nothing is said. Bounds are the workflow's to the
-    last bit: linear algebra has one thread meanwhile.
+    simulated again, and a stage whose results are there, made from the same, is left out; what was
+    damaged is named, and made again. `tell` gets messages of progress, which are printed if nothing
+    is said. Bounds are the workflow's to the last bit: linear algebra has one thread meanwhile.
     Raises `ConfigError` before anything is written, `CampaignError` when runs fail, or the program
     or the structure is not what this session has in memory.
     """
@@ -222,37 +222,44 @@ def _check_memory(campaign: Campaign) -> None:
 
 
 def _run(campaign: Campaign, results: str | Path, figures: bool, tell: Tell) -> Any:
-    folder = Folder(Path(results, campaign.name))
-    for error in _damaged_in(campaign, results, figures):
-        tell(f"{error}; it is made again")
-    if campaign.experiment.is_sought:
-        _stage("rounds", campaign, folder, tell)
-    else:
-        _stage("plan", campaign, folder, tell)
-        batches = batch_count(campaign, len(read_plan(folder.plan).runs))
-        for batch in range(batches):
-            _stage("simulate", campaign, folder, tell, batch=batch, batches=batches)
-        _stage("bounds", campaign, folder, tell)
-    for name in ("answers", *["figures", "page"] * figures):
-        _stage(name, campaign, folder, tell)
+    workflow = Workflow(campaign, results)
+    folder, stale, changed = workflow.folder, workflow.stale(), False
+    files = workflow.files_of_stages()
+    drawn = {folder.figures, folder.motions, folder.report}
+    for error in workflow.damaged.values():
+        if figures or drawn.isdisjoint([error.path, *error.path.parents]):
+            tell(f"{error}; it is made again")
+
+    def is_there(name: str) -> bool:
+        paths = [*map(Path, files[name])]
+        return all(path.exists() and str(path) not in stale for path in paths)
+
+    for name in ("rounds", "plan", "simulate", "bounds", "answers", *["figures", "page"] * figures):
+        if name == "simulate" and name in files:
+            changed |= _simulate(campaign, folder, tell)
+        elif name in files and (changed or not is_there(name)):
+            _stage(name, campaign, folder, tell)
+            changed = True
+        elif name == "answers":
+            tell(unsealed(folder / "summary.md").decode())
+        elif name == "page":
+            tell(f"Open {folder.report}")
     with open_dataset(folder.bounds) as data:
         return data.load()
+
+
+def _simulate(campaign: Campaign, folder: Folder, tell: Tell) -> bool:
+    """Make the runs of a plan that are not there; whether there were any."""
+    batches = batch_count(campaign, len(read_plan(folder.plan).runs))
+    for batch in range(batches):
+        _stage("simulate", campaign, folder, tell, batch=batch, batches=batches)
+    return any(read_json(folder.batch(batch))["simulated"] for batch in range(batches))
 
 
 def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
     if isinstance(config, Campaign):
         return config
     return check_config(config) if isinstance(config, Mapping) else load_config([config])
-
-
-def _damaged_in(campaign: Campaign, results: str | Path, figures: bool) -> list[DamagedError]:
-    """Results of a campaign that are there, not as they were written, and made again."""
-    workflow = Workflow(campaign, results)
-    workflow.stale()
-    folder = workflow.folder
-    drawn = {folder.figures, folder.motions, folder.report}
-    errors = workflow.damaged.values()
-    return [e for e in errors if figures or drawn.isdisjoint([e.path, *e.path.parents])]
 
 
 def _stage(name: str, campaign: Campaign, folder: Folder, tell: Tell, **more: Any) -> None:

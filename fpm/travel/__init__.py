@@ -139,10 +139,12 @@ def lead(
     count = positions or POSITIONS
     spacing = (last - first) / (count - 1)
     ahead = np.linspace(path.opening, first, 1 + math.ceil(abs((first - path.opening) / spacing)))
+    parts = [(part.name, _Work(scene, part)) for part in _elements(scene)]
     for value in ahead:
         path.to(float(value))
+        for _, part in parts:  # openings are counted from one place to the next
+            part.along(path.places, path.tangent)
     path.check()
-    parts = [(part.name, _Work(scene, part)) for part in _elements(scene)]
     acting = [*path.balance.acting, *(each for _, part in parts for each in part.acting)]
     names = [name for name, _ in parts] + [_bearing(scene, hinge) for hinge in scene.bearings]
     works = len(names)

@@ -189,6 +189,19 @@ def test_the_ring_truss_by_virtual_work():
     assert work == pytest.approx(expected, rel=1e-3, abs=1e-3 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize(("first", "last"), [(3.0, 5.0), (3.5, 5.0), (7.0, 9.0), (-4.0, -6.0)])
+def test_openings_are_counted_from_the_start_to_where_the_travel_begins(first, last):
+    scene = hinged(0.2)
+    scene.add_torsion_spring(0, 0.5, 4.0)
+    scene.add(TableSpring(0, (-10.0, 4.5, 10.0), (0.1, 1.1, 0.3)))
+    found = lead(scene, "h1", first, last)
+    assert found.work["torsion spring h1"] == pytest.approx(
+        np.sign(last - first) * 0.5 * (4.0 - found.opening), abs=1e-9
+    )
+    table = np.interp(found.opening, [-10.0, 4.5, 10.0], [0.1, 1.1, 0.3])
+    assert found.work["spring h1"] == pytest.approx(np.sign(last - first) * table, abs=1e-9)
+
+
 CRANK = """
 name: crank
 parameters:

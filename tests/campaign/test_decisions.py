@@ -12,7 +12,8 @@ from opening_panel import PANEL, exact_time, panel, run
 
 from deployable import campaign
 from deployable.campaign.answers.choice import doubted
-from deployable.campaign.commands import UNMET, main
+from deployable.campaign.cli import main
+from deployable.campaign.commands import UNMET
 from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
 from deployable.campaign.text.templates import sentence

@@ -212,7 +212,9 @@ class _Way:
             i = int(np.argmax(margin <= margin.min() + 1e-12 * (1.0 + abs(margin.min()))))
             place, least = float(at[i]), float(margin[i])
             ends = at[max(i - 1, 0)], at[min(i + 1, len(at) - 1)]
-            at = np.unique(np.append(np.linspace(*ends, 2 * FINER + 1), place))
+            # From the place on either side, so that it stands once: next to itself, but for a
+            # rounding, it would end the next distance.
+            at = np.unique(np.linspace(place, ends, FINER + 1))
         return place, least
 
 

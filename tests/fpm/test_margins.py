@@ -1,6 +1,7 @@
 """Margins over a travel, as standards have them, against closed forms."""
 
 import os
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -330,3 +331,32 @@ def test_what_a_margin_lies_over_says_whether_each_run_has_its_own_start(more, w
     definition = {"margin": "h1", "to": 1.0, "standard": "aiaa-s-114"} | more
     along = responses.parse("m", definition, panel()).along
     assert along == (f"opening of h1{words}", "rad", first, last)
+
+
+def given(way, *parts):
+    """A response of parts and a run that has them: each part's class of factors, drive and resist,
+    and its moment as a function of the opening."""
+    led = margins.Led(("h",), float(way[0]), float(way[-1]))
+    labels = [(margins.WORK, led.label(f"part {i}")) for i in range(len(parts))]
+    columns = ((margins.OPENING, led.label()), *labels)
+    numbers = (way, *(moment(way) + 0 * way for *_, moment in parts))
+    factors = ((0.0, 1.0), *((drive, resist, "S") for drive, resist, _ in parts))
+    response = SimpleNamespace(columns=columns, factors=factors)
+    return response, SimpleNamespace(columns=dict(zip(columns, numbers, strict=True)))
+
+
+@pytest.mark.parametrize("count", [5, 31, 46])
+def test_the_least_margin_between_positions_is_as_exact_as_it_is_sought(count):
+    """Where a part stops to drive and another begins, no position lies: |x - at| + 0.5 to 1."""
+    way = np.linspace(0.0, 2.0, count)
+    exact = np.diff(way).max() / margins.FINER**margins.ZOOMS
+    for at in np.random.default_rng(count).uniform(0.0, 2.0, 100):
+        bend = ((1.0, 0.0, lambda x, at=at: x - at), (1.0, 0.0, lambda x, at=at: at - x))
+        response, run = given(way, *bend, (1.0, 0.0, lambda x: 0.5), (0.0, 1.0, lambda x: -1.0))
+        least, place = margins.least(response, run)
+        assert abs(place - at) <= exact, at
+        assert least == pytest.approx(-0.5, abs=2 * exact), at
+        # a parabola, so flat that the place is known to a millionth only
+        bowl = (1.0, 0.0, lambda x, at=at: 1.0 + (x - at) ** 2)
+        least, place = margins.least(*given(way, bowl, (0.0, 1.0, lambda x: -1.0)))
+        assert (least, place) == pytest.approx((0.0, at), abs=2e-6), at

@@ -269,12 +269,12 @@ def test_every_class_has_its_factors():
             assert factors.keys() == CLASSES.keys()
 
 
-def ecss(I, S, HM, FR, HY, HA, HD, TD, TL):  # noqa: E741
+def ecss(I, S, HM, FR, HY, HA, HD, TD, TL):
     """Tmin of ECSS-E-ST-33-01C 4.7.5.3, by theory."""
     return 2 * (1.1 * I + 1.2 * S + 1.5 * HM + 3 * FR + 3 * HY + 3 * HA + 3 * HD) + 1.25 * TD + TL
 
 
-def ecss_measured(I, S, HM, FR, HY, HA, HD, TD, TL):  # noqa: E741
+def ecss_measured(I, S, HM, FR, HY, HA, HD, TD, TL):
     """The same with factors by measurement; that of adhesion has none."""
     rubs = 1.5 * FR + 1.5 * HY + 1.5 * HA + 3 * HD
     return 2 * (1.1 * I + 1.2 * S + 1.2 * HM + rubs) + 1.25 * TD + TL
@@ -282,7 +282,7 @@ def ecss_measured(I, S, HM, FR, HY, HA, HD, TD, TL):  # noqa: E741
 
 def sums(fixed, variable, acceleration):
     """What is required by NASA-STD-5017B eq. 4-1, of three factors."""
-    return lambda I, S, HM, FR, HY, HA, HD, TD, TL: (  # noqa: E741
+    return lambda I, S, HM, FR, HY, HA, HD, TD, TL: (
         fixed * (I + S + HM + TL) + variable * (FR + HY + HA + HD) + acceleration * TD
     )
 

@@ -34,13 +34,12 @@ from deployable.campaign.config.read import whole
 from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError, ConfigError, of_files
 from deployable.campaign.export import COLOURS, KINDS, choose, export
-from deployable.campaign.files import refuse_links
+from deployable.campaign.files import read_json, refuse_links, unforeseen
 from deployable.campaign.folder import CAMPAIGN, Folder
 from deployable.campaign.new import make_folder, starts
 from deployable.campaign.pictures.still import SUFFIXES, write_structure
 from deployable.campaign.plan.estimate import estimate, runs_there
 from deployable.campaign.provenance import program
-from deployable.campaign.results.facts import read_json
 from deployable.campaign.runs.progress import Teller
 from deployable.campaign.stages import STAGES
 from deployable.campaign.text.templates import doubt_texts
@@ -163,7 +162,7 @@ def _add_export(export: argparse.ArgumentParser) -> None:
     )
     export.add_argument(
         "--trust", action="append", default=[], metavar="FILE",
-        help="structure in Python that the results may name, which is run then; may be repeated",
+        help="structure that results may name, and that is read, or run, then; may be repeated",
     )  # fmt: skip
     export.add_argument("--output", type=Path, help="folder (exports, beside a campaign's results)")
 
@@ -287,8 +286,10 @@ def _export(options: argparse.Namespace) -> int:
     except (CampaignError, fpm.SceneError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
-    except OSError as error:  # a damaged result, a full disk
-        print(f"error: {of_files(error, place)}", file=sys.stderr)
+    except Exception as error:  # a damaged result, a full disk
+        if (told := of_files(error, place) or unforeseen(error)) is None:
+            raise
+        print(f"error: {told}", file=sys.stderr)
         return 1
     print("\n".join(map(str, paths)))
     return 0
@@ -311,8 +312,11 @@ def _run_stage(options: argparse.Namespace) -> int:
         options.stage.run(Folder(options.folder), tell, **sections, **more)
     except (CampaignError, fpm.SceneError) as error:
         tell(f"error: {error}")
-    except Exception:  # a fault of the program, which the log should have
-        tell(traceback.format_exc())
+    except Exception as error:  # a fault of the program, which the log should have
+        where = traceback.format_exc()
+        if (told := unforeseen(error)) is not None and log:
+            log.write(where)
+        tell(f"error: {told}" if told else where)
     else:
         return 0
     return 1
@@ -323,6 +327,10 @@ def _sections(options: argparse.Namespace) -> dict:
     if not options.stage.sections:
         return {}
     if options.config.lstrip().startswith("{"):
-        return options.stage.typed(json.loads(options.config))
+        try:
+            return options.stage.typed(json.loads(options.config))
+        except (AttributeError, LookupError, TypeError, ValueError) as error:
+            text = f"--config is no JSON of the sections that the stage needs: {error!r}"
+            raise CampaignError(text) from None
 
     return options.stage.sections_of(load_config([options.config]))

@@ -38,6 +38,10 @@ class CampaignError(Exception):
                                  for s in text))  # fmt: skip
 
 
+class HeldConfigError(CampaignError):
+    """The config that results hold cannot be used."""
+
+
 def of_files(error: Exception, folder: Path) -> CampaignError | None:
     """What is to be told of trouble with the files of a campaign; None for an error of the program.
 
@@ -45,7 +49,7 @@ def of_files(error: Exception, folder: Path) -> CampaignError | None:
     guessed where there is one.
     """
     if isinstance(error, DamagedError):
-        again = "call snakemake or `python -m deployable run` to have it made again"
+        again = "remove it and call snakemake or `python -m deployable run` to have it made again"
         return CampaignError(f"{error}; {again}")
     library = isinstance(error, RuntimeError) and "NetCDF" in str(error)
     if not library and not isinstance(error, OSError):

@@ -9,23 +9,24 @@ from __future__ import annotations
 import csv
 import io
 import os
+import sys
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from deployable.campaign.config.sections import NAME
+from deployable.campaign.config.sections import Experiment
+from deployable.campaign.contents import data_of, experiment_of, reading
 from deployable.campaign.errors import CampaignError
+from deployable.campaign.folder import Folder
 from deployable.campaign.outside import refuse_outside
-from deployable.campaign.plan.runs import RUN_ID
 from deployable.campaign.provenance import check_code, dated
-from fpm.files.sealed import DamagedError, check, whole_file
+from fpm.files.sealed import DamagedError, check, check_content, read_bytes, whole_file
 
-__all__ = ["csv_text", "open_dataset", "open_netcdf", "refuse_links", "result_file", "whole_file",
-           "write_result", "write_text"]  # fmt: skip
+__all__ = ["check_results", "csv_text", "open_dataset", "open_netcdf", "read_json", "refuse_links",
+           "result_file", "whole_file", "write_result", "write_text"]  # fmt: skip
 
 _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", default={})  # noqa: B039
 
@@ -56,42 +57,86 @@ def open_netcdf(path: str | Path) -> Any:
     """
     import netCDF4
 
-    check(path, Path(path).name)
-    refuse_outside(path)
+    _check(path)
     file = netCDF4.Dataset(path)
     file.set_auto_mask(False)
-    _check_names(path, file)
     return file
+
+
+def _check(path: str | Path) -> Experiment | None:
+    """The experiment of a result in netCDF that is whole, and holds what it should."""
+    check(path, Path(path).name)
+    refuse_outside(path)
+    OPENED.append(Path(path))
+    return experiment_of(path)
+
+
+OPENED: deque[Path] = deque(maxlen=9)
+"""The results that this process has opened last."""
+
+
+def unforeseen(error: Exception) -> CampaignError | None:
+    """What is to be told of an error that results may have led to, which hold what none does; None
+    where none was opened."""
+    if not OPENED or sys.flags.dev_mode:
+        return None
+    words, opened = " ".join(str(error).split())[:200], ", ".join(dict.fromkeys(map(str, OPENED)))
+    return CampaignError(
+        f"what {opened} hold led to {type(error).__name__}: {words}; `python -m deployable run` "
+        "with the campaign makes results again; if that ends so too, the program is at fault: "
+        "`python -X dev -m deployable` shows where"
+    )
+
+
+def read_json(path: str | Path) -> dict:
+    """A result in JSON; raises `fpm.files.sealed.DamagedError`."""
+    content = read_bytes(path)
+    check_content(path, content, Path(path).name)
+    OPENED.append(Path(path))
+    return data_of(path, content)
+
+
+def check_results(folder: Folder, names: Iterable[str]) -> None:
+    """DamagedError unless results of these names hold what they should, and are of one campaign."""
+    first: tuple[Path, Experiment] | None = None
+    for path in (folder / name for name in names):
+        if path.suffix == ".json":
+            data, found = read_json(path), None
+            if path == folder.plan:
+                with reading(path):
+                    found = Experiment.of_results(data["config"])
+            if path.name == "summary.json" and first is not None:
+                _check_summary(path, data, first[1])
+        else:
+            found = _check(path)
+        first = first or (found and (path, found))
+        if found is not None and found != first[1]:
+            raise DamagedError(path, f"it is of another campaign than {first[0].name}")
+
+
+def _check_summary(path: Path, data: dict, experiment: Experiment) -> None:
+    for key, own in (
+        ("responses", experiment.responses),
+        ("quantities", experiment.quantities),
+        ("parameters", experiment.intervals),
+    ):
+        if [row["name"] for row in data[key]] != list(own):
+            raise DamagedError(path, f"its {key} have other names than those of the campaign")
+    for limit in (one for row in data.get("requirements", ()) for one in row["limits"]):
+        if limit["quantity"] not in experiment.quantities:
+            raise DamagedError(path, f"{limit['quantity'][:80]!r} is no name of a quantity")
+    names = set(experiment.intervals)
+    for row in data["quantities"]:
+        if not set(row["argmin"]) == set(row["argmax"]) == set(row["influence"]) == names:
+            raise DamagedError(path, f"its {row['name']} has other parameters")
 
 
 def open_dataset(path: str | Path) -> Any:
     """An open `xarray.Dataset` of a result; raises `fpm.files.sealed.DamagedError`."""
     import xarray
 
-    check(path, Path(path).name)
-    refuse_outside(path)
-    file = xarray.open_dataset(path, engine="netcdf4")
-    _check_names(path, file)
-    return file
-
-
-_NAMED = {
-    "response": NAME.fullmatch,
-    "quantity": NAME.fullmatch,
-    "parameter": str.isidentifier,
-    "run_id": RUN_ID.fullmatch,
-}
-"""Variables of results after which files, or other variables, are called, and what tells whether a
-name may be: results may come from anybody."""
-
-
-def _check_names(path: str | Path, file: Any) -> None:
-    """DamagedError for an open file that has what is no name where a name should be."""
-    for variable in _NAMED.keys() & file.variables.keys():
-        for name in np.ravel(file.variables[variable][:]).tolist():
-            if not isinstance(name, str) or not _NAMED[variable](name):
-                file.close()
-                raise DamagedError(path, f"{str(name)[:80]!r} is no name of a {variable}")
+    _check(path)
+    return xarray.open_dataset(path, engine="netcdf4", decode_times=False)
 
 
 def refuse_links(folder: str | Path) -> None:

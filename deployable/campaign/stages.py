@@ -27,7 +27,7 @@ from deployable.campaign.config.sections import (
     trust,
 )
 from deployable.campaign.errors import CampaignError, of_files
-from deployable.campaign.files import refuse_links, results_of
+from deployable.campaign.files import OPENED, check_results, read_json, refuse_links, results_of
 from deployable.campaign.folder import ROUND_FILES, Folder
 from deployable.campaign.plan.accuracy import first_plan, next_plan
 from deployable.campaign.plan.estimate import runs_in_job
@@ -148,8 +148,12 @@ def answers(
 def figures(folder: Folder, tell: Tell, error: Any) -> None:
     """Draw each response with its bounds, what each parameter contributes, and each quantity over
     the box."""
+    experiment = read_plan(folder.plan).experiment
+    wanted = drawings(experiment)
+    if "ranges" in wanted:
+        check_results(folder, (_PLAN, _SAMPLES, *_ANSWERS))
+        _ = experiment.numbers  # refused before anything is drawn, if the structure is
     draw_envelopes(folder.bounds, error.shade_above, folder.figures)
-    wanted = drawings(read_plan(folder.plan).experiment)
     if "sensitivities" in wanted:
         draw_sensitivities(folder.sensitivities, folder.overviews)
     if "ranges" in wanted:
@@ -161,6 +165,9 @@ def page(folder: Folder, tell: Tell, figures: Any, frames: int = 401) -> None:
     moments of the nominal one."""
     if frames < 2:
         raise CampaignError(f"--frames {frames}: allowed: 2 and more")
+    if read_json(folder / "summary.json")["quantities"]:
+        check_results(folder, (_SAMPLES, *_ANSWERS))
+    check_results(folder, (_SAMPLES, "surrogate.nc"))
     if not make_motions(folder.path, frames):
         tell("no run is made again: the structure or the mechanics have changed since")
     write_page(from_results(folder.path), folder.report)
@@ -200,7 +207,8 @@ class Stage:
             with results_of(facts):
                 self.work(folder, tell, **arguments)
         except SceneError as error:  # of the structure that the results name
-            raise CampaignError(f"{folder.path}: {error}") from error
+            place = OPENED[-1] if OPENED else folder.path
+            raise CampaignError(f"{place}: {error}; run the campaign again") from error
         except (OSError, RuntimeError) as error:
             told = of_files(error, folder.path)
             if told is None:
@@ -225,10 +233,12 @@ class Stage:
 
 
 _PLAN, _SAMPLES, _BOX = "plan.json", "samples.nc", "bounds.nc"
+_ANSWERS = "quantities.nc", "further.nc"
 
 
 def _plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
     """The plan that all these files are of, as a fact for results that are made from them."""
+    check_results(folder, names)
     found = {name: check(folder / name, name).get("plan") for name in names}
     for name, plan in found.items():
         if plan != (first := next(iter(found.values()))):

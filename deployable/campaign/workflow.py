@@ -55,11 +55,11 @@ class Workflow:
         return cls(load_config([], retyped(config), "the config of the module"))
 
     def sections(self, stage: str) -> str:
-        """The sections of the config that a stage depends on, as JSON, and the `structure` if that
-        is a program: stages run none that only results name."""
+        """The sections of the config that a stage depends on, as JSON, and the file of the
+        `structure`: stages read none that only results name."""
         file = self.campaign.experiment.scene.file
-        program = {"structure": file} if file.endswith(".py") else {}
-        return as_json(**STAGES[stage].sections_of(self.campaign), **program)
+        structure = {"structure": file} if file else {}
+        return as_json(**STAGES[stage].sections_of(self.campaign), **structure)
 
     @property
     def code(self) -> str:

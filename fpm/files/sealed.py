@@ -21,6 +21,7 @@ from pathlib import Path
 _CHUNK = 1 << 20
 _LARGE = 16 << 20  # bytes that take a while to read
 _LONGEST = 4096  # bytes of a seal, at most
+_MOST = 1 << 30  # bytes of a file that is read at once
 _COMMENT = {".md", ".html", ".svg"}
 _KEY = re.compile(rb'^\{\n "seal": (\{[^\n]*\}),\n')
 _LINE = re.compile(rb'(?:\A|\n)(?:<!-- )?(\{"seal": [^\n]*\})(?: -->)?\n\Z')
@@ -48,14 +49,19 @@ def seal(path: str | os.PathLike, facts: Mapping[str, str]) -> None:
     """
     path = Path(path)
     if path.suffix == ".json":
-        content = path.read_bytes()
-        line = json.dumps(_with_digest(hashlib.sha256(content), facts))
+        content = read_bytes(path)
+        line = _json(_with_digest(hashlib.sha256(content), facts))
         path.write_bytes(f'{{\n "seal": {line},\n'.encode() + content.removeprefix(b"{\n"))
         return
-    line = json.dumps({"seal": _with_digest(_digest(path, path.stat().st_size), facts)})
+    line = _json({"seal": _with_digest(_digest(path, path.stat().st_size), facts)})
     line = f"<!-- {line} -->" if path.suffix in _COMMENT else line
     with open(path, "ab") as file:
         file.write(f"\n{line}\n".encode())
+
+
+def _json(data: Mapping) -> str:
+    """JSON on one line that ends no comment and begins no tag, whatever facts say."""
+    return json.dumps(data).replace("<", "\\u003c").replace(">", "\\u003e")
 
 
 def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
@@ -66,7 +72,8 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
     path = Path(path)
     if path.suffix == ".json":
         return check_content(path, read_bytes(path), name)
-    _refuse_devices(path)
+    if not stat.S_ISREG(os.stat(path).st_mode):  # a pipe would be waited for
+        raise DamagedError(path, "it is no plain file")
     size = path.stat().st_size
     with open(path, "rb") as file:
         file.seek(max(0, size - _LONGEST))
@@ -76,15 +83,27 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
     return facts
 
 
-def read_bytes(path: str | os.PathLike) -> bytes:
-    """The content of a file; DamagedError if it is none."""
-    _refuse_devices(path)
-    return Path(path).read_bytes()
+def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
+    """The content of a plain file of at most so many bytes; DamagedError if it is none.
+
+    A device, or a pipe, is not waited for; what a kernel makes up while it is read is no file.
+    """
+    if os.path.realpath(path).startswith(("/proc/", "/sys/")):
+        raise DamagedError(path, "the system makes it up; allowed: a plain file, such as a copy")
+    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _AT_ONCE)) as file:
+        state = os.fstat(file.fileno())
+        if not stat.S_ISREG(state.st_mode):
+            raise DamagedError(path, "it is no plain file but a device or a pipe")
+        content = file.read(min(state.st_size, most) + 1)
+    if max(state.st_size, len(content)) > most:
+        raise DamagedError(path, f"it is too long; allowed: at most {most} bytes")
+    if len(content) != state.st_size:
+        text = f"it is said to have {state.st_size} bytes, and more or fewer were read"
+        raise DamagedError(path, f"{text}; allowed: a plain file that nobody writes meanwhile")
+    return content
 
 
-def _refuse_devices(path: str | os.PathLike) -> None:
-    if not stat.S_ISREG(os.stat(path).st_mode):  # a pipe would be waited for
-        raise DamagedError(path, "it is no plain file")
+_AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 def unsealed(path: str | os.PathLike) -> bytes:
@@ -116,7 +135,7 @@ def _facts(path: str | os.PathLike, text: bytes | None) -> dict[str, str]:
         with suppress(ValueError, RecursionError):
             facts = json.loads(text)["seal"]
             if isinstance(facts, dict) and {"name", "digest"} <= facts.keys():
-                return facts
+                return {str(key): str(value) for key, value in facts.items()}
     raise DamagedError(path, "it was cut off or edited, or is no file of this program")
 
 

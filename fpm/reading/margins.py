@@ -25,6 +25,9 @@ MOST = 99.0
 TINY = 1e-300
 """N m, so that where nothing acts nothing is divided by zero: the margin is -1 there."""
 
+ROUNDING = 1e-12
+"""Margins below it are rounding: what acts is known to 1e-6 of itself."""
+
 FINER, ZOOMS = 8, 7
 """Into how many each distance of positions is divided where the least is sought, and how often the
 distance about it is, again."""
@@ -207,9 +210,10 @@ class _Way:
         return moments, np.maximum(moments, 0.0) @ drives, required
 
     def margin(self, at: np.ndarray) -> np.ndarray:
-        """The margin (m,) at places."""
+        """The margin (m,) at places; 0 where what is left of it is rounding."""
         _, drives, required = self.weighed(at)
-        return drives / np.maximum(required, np.maximum(drives / (1.0 + MOST), TINY)) - 1.0
+        margin = drives / np.maximum(required, np.maximum(drives / (1.0 + MOST), TINY)) - 1.0
+        return np.where(np.abs(margin) < ROUNDING, 0.0, margin)
 
     def least(self) -> tuple[float, float]:
         """The place of the least margin, the first of several, and the margin there."""

@@ -4,9 +4,7 @@ Nothing is converted: whether `1e9` is a number, or `on` a name, is up to the ke
 A key may be given once; anchors and tags are refused, because names and `let` do their work.
 """
 
-import os
 import re
-import stat
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +13,7 @@ from typing import NamedTuple
 import yaml
 
 from fpm.errors import SceneError, did_you_mean, likely
+from fpm.files.sealed import DamagedError, read_bytes
 
 DEEPEST, MOST = 20, 20_000
 """Tables and lists of a file may be nested so deep, and hold so many values."""
@@ -50,25 +49,15 @@ class StructureError(SceneError):
 
 
 def read_text(path: str | Path) -> str:
-    """The text of a plain file of limited size; StructureError where it is none.
-
-    A device, or a pipe, is not waited for.
-    """
+    """The text of a plain file of limited size; StructureError where it is none."""
     try:
-        with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _AT_ONCE)) as file:
-            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                raise ValueError("it is a device or a pipe; allowed: a plain file")
-            content = file.read(LARGEST + 1)
-        if len(content) > LARGEST:
-            raise ValueError(f"it is too long; allowed: at most {LARGEST} bytes")
-        return content.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
+        text = read_bytes(path, LARGEST).decode("utf-8")
+        return text.replace("\r\n", "\n").replace("\r", "\n")
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
+        damage = error.reason if isinstance(error, DamagedError) else ""
+        reason = damage or getattr(error, "strerror", None) or str(error)
         problem = Problem(0, f"the file cannot be read: {reason}")
         raise StructureError(repr(path) if "\0" in str(path) else str(path), [problem]) from None
-
-
-_AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 class ExcessError(Exception):

@@ -20,7 +20,7 @@ from copy import copy
 from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -72,6 +72,22 @@ AHEAD = ([1], [3, -1], [23, -16, 5], [55, -59, 37, -9])
 Bashforth)."""
 
 ROUNDS = 40
+
+AGREES = 0.2
+"""By how much a motion between two positions may differ from the mean of the rates at both, as a
+share of itself; beyond, it is halved, as it may have come upon another assembly of the same joints.
+"""
+
+BEHIND = 1e-4
+"""Share of the way by which what only resists has come straight to a position."""
+
+SHARES, LOCKED = 8, 1e-3
+"""In how many steps the friction of bearings grows to its own, and the determinant of the forces'
+equations below which it presses its joint as hard as it is pushed."""
+
+HALVINGS = 14
+"""How often a motion is halved at most: where two assemblies meet closer than that, it goes on
+straight."""
 
 SOFT, STIFF = 1e-8, 1e-13
 """What decides motions that nothing stiffens, as shares of the stiffness of springs and their like,
@@ -127,11 +143,10 @@ def lead(
         path.to(float(value))
     path.check()
     parts = [(part.name, _Work(scene, part)) for part in _elements(scene)]
-    for _, part in parts:  # as if it had come this way
-        part.forces(path.places.moved(-spacing * path.tangent))
     acting = [*path.balance.acting, *(each for _, part in parts for each in part.acting)]
-    names = [name for name, _ in parts] + list(path.in_bearings())
+    names = [name for name, _ in parts] + [_bearing(scene, hinge) for hinge in scene.bearings]
     works = len(names)
+    rubbing = sorted({friction.hinge for friction in Friction.of(scene)} | set(scene.bearings))
 
     def measure(place: float, before):
         """Virtual works, strain, inertia, and all openings, where a share of the way is gone."""
@@ -141,11 +156,15 @@ def lead(
                 each.restore(kept)
         path.to(float(first + place * (last - first)))
         tangent = np.sign(spacing) * path.tangent
+        behind = BEHIND * abs(last - first) * tangent
+        for _, part in parts:
+            part.come(path.places, behind)
         row = [part.along(path.places, tangent) for _, part in parts]
-        row += path.in_bearings().values()
+        row += path.in_bearings(sum((part.rubs() for _, part in parts), np.zeros(len(tangent))))
         row.append(path.balance.strain(path.places))
         row.append(tangent @ (masses(scene, path.places) @ tangent))
-        return np.array(row + path.opened()), (path.state(), [each.kept() for each in acting])
+        row += [*path.opened(), *path.rates(rubbing)]
+        return np.array(row), (path.state(), [each.kept() for each in acting])
 
     def missed(expected: np.ndarray, values: np.ndarray, distance: float) -> float:
         """By how much values are not as expected, in shares of what may be."""
@@ -159,7 +178,7 @@ def lead(
     for place in np.linspace(0.0, 1.0, count):
         found.add(float(place))
     if positions is None:
-        _add_bends(scene, found, works + 2)
+        _add_bends(scene, found, works + 2, len(rubbing))
         largest = max(np.abs(values[:works]).sum() for values in found.values) + TINY
         if not found.refine(missed):
             raise SceneError(
@@ -175,10 +194,15 @@ def lead(
     return Travel(first + way * (last - first), work, inertia)
 
 
-def _add_bends(scene, found: Places, openings: int) -> None:
-    """Add the places at which elements bend; values from that column on are the openings."""
-    for hinge, angle in sorted(set(_bends(scene))):
-        column = openings + hinge
+def _add_bends(scene, found: Places, openings: int, rubbing: int) -> None:
+    """Add the places at which elements bend, and at which joints that rub turn back.
+
+    openings: the first column of the values that is one; behind them as many rates as `rubbing`.
+    """
+    bends = [(openings + hinge, angle) for hinge, angle in sorted(set(_bends(scene)))]
+    rates = openings + len(scene.hinges)
+    bends += [(rates + i, 0.0) for i in range(rubbing)]
+    for column, angle in bends:
         for ends in list(pairwise(found.at)):
             off = [found.add(place)[column] - angle for place in ends]
             if off[0] * off[1] <= 0 and off[0] != off[1]:
@@ -266,18 +290,28 @@ class _Work:
     """The forces of a part, and its virtual work."""
 
     def __init__(self, scene, part: _Part):
-        self.less = part.less is not None
+        self.less, self.drags = part.less is not None, part.drags
         elements = [*part.elements, *([part.less] if self.less else [])]
         self.acting = [Acting(scene, [element]) for element in elements]
 
-    def forces(self, places: At) -> np.ndarray:
-        """Forces and moments (e, 6n) of its elements."""
-        return np.array([each.forces(places) for each in self.acting])
+    def come(self, places: At, behind: np.ndarray) -> None:
+        """Let what only resists come to places along a straight motion `behind` (6n,), so that it
+        slips the way that its joint goes there, which may have turned back on the way before."""
+        for share in (1.0, 0.5) if self.drags else ():
+            for each in self.acting:
+                each.forces(places.moved(-share * behind))
 
     def along(self, places: At, tangent: np.ndarray) -> float:
         """Virtual work: the least of its elements', or the difference to the other one."""
-        found = self.forces(places) @ tangent
+        self._forces = np.array([each.forces(places) for each in self.acting])
+        found = self._forces @ tangent
         return float(found[0] - found[1] if self.less else found.min())
+
+    def rubs(self) -> np.ndarray | float:
+        """Forces and moments (6n,) as of `along` where it only resists, else 0."""
+        if not self.drags:
+            return 0.0
+        return self._forces[0] - self._forces[1] if self.less else self._forces[0]
 
 
 def _elements(scene) -> list[_Part]:
@@ -372,6 +406,15 @@ def _rows(conditions: Conditions, places: At):
     return conditions.derivatives(places, np.zeros(len(conditions.joint)))[0]
 
 
+def _turned(first: np.ndarray, last: np.ndarray) -> np.ndarray:
+    """The rotations (n, 3) rad, below half a turn, from frames (n, 3, 3) to others."""
+    turn = last @ first.transpose(0, 2, 1)
+    skew = 0.5 * (turn - turn.transpose(0, 2, 1))
+    axis = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
+    sine, cosine = np.linalg.norm(axis, axis=1), 0.5 * (turn.trace(axis1=1, axis2=2) - 1)
+    return axis * (np.arctan2(sine, cosine) / np.maximum(sine, TINY))[:, None]
+
+
 class _Path:
     """Where a scene is on its way, `places`, with the motion `tangent` (6n,) per unit of the
     opening."""
@@ -392,11 +435,55 @@ class _Path:
         self._free = self._moving(self.places)
         self.tangent = np.zeros(len(self._scales))
         self._tangents: list[np.ndarray] = []
+        self._jumps: list[float] = []  # openings at which it left its way
         self._opened = [float(hinge.opening) for hinge in scene.hinges]
         self._ease = self.balance.ease(self.places, self._scales)
 
-    def to(self, value: float) -> None:
-        """Lead the opening to a value; MisfitError where it cannot be."""
+    def to(self, value: float, depth: int = 0) -> None:
+        """Lead the opening to a value, by as many steps as it takes to stay on one way;
+        MisfitError where it cannot be."""
+        before, tangents = self.state(), self._tangents
+        jumped = any(min(before[1], value) <= place <= max(before[1], value)
+                     for place in self._jumps)  # fmt: skip
+        try:
+            self._step(value)
+            if jumped or not tangents or value == before[1] or self._stays(before, tangents):
+                return
+            if depth == HALVINGS:  # whatever lies between, it jumps here
+                self._jumps.append(value)
+                return
+        except MisfitError:
+            if jumped or not tangents or value == before[1] or depth == HALVINGS:
+                raise
+        self.places, self.opening, self.tangent, self._impulses, self._opened = before
+        self._tangents = tangents
+        self.to(0.5 * (before[1] + value), depth + 1)
+        self.to(value, depth + 1)
+
+    def _stays(self, before: tuple, tangents: Sequence[np.ndarray]) -> bool:
+        """Whether a motion agrees with the rates at both of its ends, and the assembly is the same
+        one: where two meet, the conditions' derivatives have the other orientation on the other."""
+        step = self.opening - before[1]
+        shift = self.places.position - before[0].position
+        turn = _turned(before[0].frame, self.places.frame)
+        moved = np.stack([shift, turn], axis=1).ravel() / self._scales
+        rates = 0.5 * step * (tangents[0] + self.tangent) / self._scales
+        size = max(np.abs(moved).max(), np.abs(rates).max())
+        if np.abs(moved - rates).max() > AGREES * size + NEAR:
+            return False
+        first, last = (self._derivatives(places) for places in (before[0], self.places))
+        if first.shape[0] >= first.shape[1]:
+            first, last = first.T, last.T
+        sign = np.linalg.slogdet(first @ last.T)[0]
+        return sign >= 0
+
+    def _derivatives(self, places: At) -> np.ndarray:
+        """Derivatives (c, f) of the conditions, scaled."""
+        rows = _rows(self._conditions, places).multiply(self._scales).tocsc()[:, self._free]
+        return self._weight[:, None] * rows.toarray()
+
+    def _step(self, value: float) -> None:
+        """Lead the opening to a value at once; MisfitError where it cannot be."""
         step, conditions = value - self.opening, self._held(value)
         weights = AHEAD[len(self._tangents) - 1] if self._tangents else []
         ahead = sum(w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True))
@@ -415,6 +502,7 @@ class _Path:
             before, settled = settled, largest <= NEAR and np.abs(lacks).max(initial=0.0) <= NEAR
             if before and settled:
                 self.places, self.opening, self.tangent = places, value, self._motion(solve)
+                self._solve = solve
                 self._tangents = [self.tangent, *(self._tangents[:3] if step else [])]
                 self.balance.follow(places)
                 return
@@ -444,19 +532,63 @@ class _Path:
         self._opened = found
         return found
 
-    def in_bearings(self) -> dict[str, float]:
-        """Virtual work of the friction by the forces of joints: all of a hinge's, those across a
-        slide; by them without friction."""
+    def rates(self, hinges: Sequence[int]) -> list[float]:
+        """Rates of the openings of hinges per unit of the one that is led."""
         shift, turn = self.tangent.reshape(-1, 2, 3).transpose(1, 0, 2)
-        motion, found = SimpleNamespace(velocity=shift, spin=turn), {}
-        for number, lever in self.scene.bearings.items():
-            hinge, of = self.scene.hinges[number], self._conditions
-            own = (np.array(of.joint) == hinge.joint) & (of.how != NORMAL)
-            own[-self._leading :] = False
-            force = np.linalg.norm((self._weight * self._impulses)[own])
-            rate = abs(rate_at(self.places, hinge, motion))
-            found[_bearing(self.scene, number)] = -lever * float(force) * rate
-        return found
+        motion = SimpleNamespace(velocity=shift, spin=turn)
+        return [float(rate_at(self.places, self.scene.hinges[h], motion)) for h in hinges]
+
+    def in_bearings(self, friction: np.ndarray) -> list[float]:
+        """Virtual work of the friction by the forces of joints: all of a hinge's, those across a
+        slide, in the balance with all friction; `friction` (6n,): that of what else only resists.
+
+        Each force goes linearly with the frictions, F = |f + sum_j c_j mu_j F_j|; the solution is
+        followed from no friction on. SceneError where friction presses its joint harder than it is
+        pushed, so that there is none: self-locking.
+        """
+        levers = np.array(list(self.scene.bearings.values()))
+        if not len(levers):
+            return []
+        hinges = [self.scene.hinges[number] for number in self.scene.bearings]
+        rates = np.array(self.rates(list(self.scene.bearings)))
+        held = conditions_of(self.scene, [hinge.name for hinge in hinges])
+        ways = _rows(held, self.places)[-len(hinges) :].toarray()
+        pushes = [-lever * np.sign(way @ self.tangent) * way
+                  for lever, way in zip(levers, ways, strict=True)]  # fmt: skip
+        none = np.zeros(len(self._weight))
+        first, *more = (self._solve(forces, none)[1] for forces in (friction, *pushes))
+        of, joints = self._conditions, np.array(self._conditions.joint)
+        own = [(joints == hinge.joint) & (of.how != NORMAL) for hinge in hinges]
+        for rows in own:
+            rows[-self._leading :] = False
+        base = [(self._weight * (self._impulses + first))[rows] for rows in own]
+        slopes = [np.stack([(self._weight * each)[rows] for each in more], axis=1) for rows in own]
+        forces = np.array([np.linalg.norm(x) for x in base])
+        for share in np.linspace(0.0, 1.0, 1 + SHARES)[1:]:
+            for _ in range(ROUNDS):
+                borne = [x + share * c @ forces for x, c in zip(base, slopes, strict=True)]
+                size = np.array([np.linalg.norm(x) for x in borne])
+                jacobian = np.eye(len(size)) - share * np.stack([
+                    x @ c / max(f, TINY) for x, c, f in zip(borne, slopes, size, strict=True)
+                ])  # fmt: skip
+                if np.linalg.det(jacobian) < LOCKED:
+                    self._locks(hinges, forces)
+                change = np.linalg.solve(jacobian, size - forces)
+                forces = np.maximum(forces + change, 0.0)
+                if np.abs(change).max() <= 1e-10 * forces.max(initial=TINY):
+                    break
+            else:
+                self._locks(hinges, forces)
+        return [*(-levers * forces * np.abs(rates))]
+
+    def _locks(self, hinges: Sequence[Any], forces: np.ndarray) -> None:
+        """Raise SceneError: the bearing with the largest force locks itself."""
+        name = hinges[int(np.argmax(forces))].name
+        raise SceneError(
+            f"bearing {name}", f"locked where opening {self.name} is {self.opening:.6g}",
+            "a way on which no bearing's friction presses its joint harder than it is pushed "
+            "(self-locking): less `mu`, or a way that ends before"
+        )  # fmt: skip
 
     def check(self) -> None:
         """SceneError unless the opening decides the motion of everything else."""

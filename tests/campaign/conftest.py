@@ -7,8 +7,10 @@ import copy
 import pytest
 
 from deployable import campaign
+from deployable.campaign.cli import main
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import make_plan
+from deployable.campaign.workflow import Workflow
 from evidence.attack import victim
 from evidence.attack.victim import silent
 
@@ -39,3 +41,23 @@ def finished(tmp_path_factory) -> Folder:
     results = tmp_path_factory.mktemp("campaign")
     campaign.run(copy.deepcopy(RAW), results, figures=False, tell=silent)
     return Folder(results / "test")
+
+
+STAGES = ("simulate", "bounds", "answers", "figures", "page")
+
+
+@pytest.fixture(scope="session")
+def rich(tmp_path_factory) -> tuple[Folder, dict[str, str]]:
+    """A campaign with all kinds of results and its page, and the sections of its stages."""
+    raw = copy.deepcopy(RAW) | {
+        "campaign": "rich",
+        "quantities": {"most": {"largest": "BD"}, "end": {"final": "BD"}},
+        "requirements": {"wide": {"most": {"at_most": 0.2}}},
+        "choose": {"parameters": {"a": [0.034, 0.036]}, "minimise": ["upper(most)"]},
+    }
+    results = tmp_path_factory.mktemp("rich")
+    campaign.run(raw, results, figures=False, tell=silent)
+    workflow = Workflow(campaign.check_config(raw), results)
+    sections = {stage: workflow.sections(stage) for stage in STAGES}
+    assert main(["page", str(workflow.folder.path), "--config", sections["page"]]) == 0
+    return workflow.folder, sections

@@ -17,6 +17,7 @@ from deployable.campaign.cli import main
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.loader import look
 from deployable.campaign.errors import ConfigError, of_files
+from fpm.files.sealed import DamagedError, read_bytes
 
 
 def keys(path) -> None:
@@ -31,6 +32,11 @@ def loop(path) -> None:
     path.symlink_to(path)
 
 
+def sparse(path) -> None:
+    with open(path, "wb") as file:
+        file.truncate(1 << 40)
+
+
 ODD = {
     "absent": (lambda path: None, "No such file"),
     "dangling": (lambda path: path.symlink_to("nowhere"), "No such file"),
@@ -38,6 +44,9 @@ ODD = {
     "folder": (lambda path: path.mkdir(), "directory"),
     "device": (lambda path: path.symlink_to("/dev/zero"), "a device or a pipe"),
     "pipe": (os.mkfifo, "a device or a pipe"),
+    "process": (lambda path: path.symlink_to("/proc/self/status"), "the system makes it up"),
+    "kernel": (lambda path: path.symlink_to("/sys/kernel/mm/ksm/run"), "the system makes it up"),
+    "sparse": (sparse, "at most 1048576 bytes"),
     "long": (megabytes, "at most 1048576 bytes"),
     "keys": (keys, "more than 20000 values"),
     "binary": (lambda path: path.write_bytes(b"\xff\xfe\x00"), "utf-8"),
@@ -65,6 +74,18 @@ def test_odd_files_are_refused_at_once(tmp_path, monkeypatch, raw, capsys, odd, 
         assert words in capsys.readouterr().err
     assert time.process_time() - start < 10.0 and time.monotonic() - clock < 60.0
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2**19  # kB
+
+
+def test_no_more_than_a_limit_and_one_byte_is_read(tmp_path, monkeypatch):
+    path = tmp_path / "a"
+    path.write_bytes(b"12345")
+    assert read_bytes(path, 5) == b"12345"
+    with pytest.raises(DamagedError, match="at most 4 bytes"):
+        read_bytes(path, 4)
+    monkeypatch.setattr(os.path, "realpath", lambda path: "a")
+    for made_up in ("/proc/self/status", "/sys/kernel/mm/ksm/run"):
+        with pytest.raises(DamagedError, match="more or fewer were read"):
+            read_bytes(made_up)
 
 
 @pytest.mark.parametrize("name", ["a\0b.yaml", "a\0b.py"])

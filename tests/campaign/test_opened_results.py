@@ -24,7 +24,7 @@ from deployable.campaign.outside import _library
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.figures import save
 from deployable.campaign.stages import STAGES
-from deployable.campaign.workflow import Workflow
+from deployable.campaign.workflow import Workflow, run
 from fpm.files.sealed import DamagedError, check, seal, unsealed
 
 PAGE = ["--config", as_json(figures=FigureChoice())]
@@ -53,7 +53,7 @@ def changed(path: Path, change) -> None:
 
 
 def names_program(program: Path):
-    """A change by which results are of a structure in Python."""
+    """A change by which results are of a structure in a file."""
 
     def change(file) -> None:
         config = file["config"] if isinstance(file, dict) else json.loads(file.config)
@@ -68,8 +68,8 @@ def names_program(program: Path):
 def test_a_program_that_only_results_name_is_not_run(theirs, tmp_path, capsys, command):
     program = tmp_path / "evil.py"
     program.write_text(PROGRAM, encoding="utf-8")
-    changed(theirs.samples, names_program(program))
-    changed(theirs.plan, names_program(program))
+    for path in (theirs.plan, *theirs.path.glob("*.nc")):
+        changed(path, names_program(program))
     config = str(Path(__file__).parents[2] / "config" / "small.yaml")
     arguments = ["--to", "csv"] if command == "export" else ["--config", config]
     main([command, str(theirs.path), *arguments])
@@ -81,6 +81,45 @@ def test_a_program_that_only_results_name_is_not_run(theirs, tmp_path, capsys, c
         assert f"--trust {program}" in told
         main([command, str(theirs.path), *arguments, "--trust", str(program)])
         assert program.with_suffix(".run").exists()
+
+
+@pytest.mark.parametrize("name", ["secret.yaml", "secret.txt", "own.yaml/../secret.yaml"])
+@pytest.mark.parametrize("command", ["export", "page", "simulate", "bounds", "answers", "figures"])
+def test_no_file_that_only_results_name_is_read(rich, tmp_path, capsys, command, name):
+    whole, sections = rich
+    place = Folder(tmp_path / "theirs")
+    shutil.copytree(whole.path, place.path)
+    (tmp_path / "own.yaml").mkdir()
+    os.mkfifo(secret := tmp_path / Path(name).name)  # which whoever reads it waits for, or refuses
+    for path in (place.plan, *place.path.glob("*.nc")):
+        changed(path, names_program(tmp_path / name))
+    before = sorted(place.path.rglob("*"))
+    arguments = ["--to", "csv"] if command == "export" else ["--config", sections.get(command)]
+    assert main([command, str(place.path), *arguments]) == 1
+    told = capsys.readouterr().err
+    assert "which was not read, since only they name it; allowed: a config" in told
+    assert sorted(place.path.rglob("*")) == before  # nothing was made
+    trust = ["--trust", str(secret)]
+    if command == "export":
+        assert main([command, str(place.path), *arguments, *trust]) == 1
+        assert "no plain file" in capsys.readouterr().err
+
+
+def test_results_of_two_campaigns_are_not_told_as_those_of_one(rich, tmp_path, raw, capsys):
+    whole, sections = rich
+    raw["solver"]["duration"] = 0.003
+    run(raw | {"campaign": "rich"}, tmp_path / "other", figures=False, tell=lambda text: None)
+    place = Folder(tmp_path / "rich")
+    shutil.copytree(whole.path, place.path)
+    facts = check(place.bounds)
+    place.bounds.write_bytes(unsealed(tmp_path / "other" / "rich" / "bounds.nc"))
+    seal(place.bounds, {key: value for key, value in facts.items() if key != "digest"})
+    for command in ("answers", "figures", "page"):
+        assert main([command, str(place.path), "--config", sections[command]]) == 1
+        told = capsys.readouterr().err
+        assert "bounds.nc cannot be used: it is of another campaign than" in told
+    assert main(["export", str(place.path), "--to", "csv"]) == 1
+    assert "of another campaign than samples.nc" in capsys.readouterr().err
 
 
 def test_jobs_of_a_workflow_are_told_the_program_that_its_config_names(
@@ -161,7 +200,7 @@ def test_a_page_of_a_run_with_a_path_for_a_name_writes_nothing_there(theirs, tmp
 )
 def test_the_config_in_results_is_checked_too(theirs, change):
     changed(theirs.plan, lambda data: change(data["config"]))
-    with pytest.raises(CampaignError, match="the results hold a config that cannot be used"):
+    with pytest.raises(DamagedError, match="the results hold a config that cannot be used"):
         read_plan(theirs.plan)
 
 

@@ -358,6 +358,12 @@ def test_a_margin_is_told_to_four_digits_and_what_it_is_of_to_six():
     assert budget["rows"] == [("s", "S, springs", "drives", "1.23457", "1", "0.666667")]
 
 
+def test_of_runs_that_start_apart_the_positions_are_told_to_be_the_nominal_ones():
+    for vary in (False, True):
+        text = str(sheet(*least(starts_vary=vary)))
+        assert ("each other run begins where it starts" in text) == vary
+
+
 def test_a_margin_at_its_cap_is_no_quotient():
     (budget,) = budgets_of(sheets.facts_of(margins={"m_least": margin(
         budget={"opening": 0.0, "margin": 99.0, "drives": 0.5, "required": 0.001, "rows": []}

@@ -360,3 +360,16 @@ def test_the_least_margin_between_positions_is_as_exact_as_it_is_sought(count):
         bowl = (1.0, 0.0, lambda x, at=at: 1.0 + (x - at) ** 2)
         least, place = margins.least(*given(way, bowl, (0.0, 1.0, lambda x: -1.0)))
         assert (least, place) == pytest.approx((0.0, at), abs=2e-6), at
+
+
+def test_a_margin_of_nothing_is_not_below_it_by_rounding():
+    """Springs of 3 k in all drive with the factor 0.8 against k with 2.4; rounding made it less."""
+    definition = {"margin": "h1", "to": 1.0, "standard": "ecss-e-st-33-01c"}
+    ends = set()
+    for k in np.linspace(0.1, 0.9, 9):
+        scene = hinged(0.0)
+        for moment in (k, k, k, -k):
+            scene.classes[TableSpring, len(TableSpring.of(scene))] = "S"
+            scene.add(TableSpring(0, (-9.0, 9.0), (moment, moment)))
+        ends.add(found(scene, definition)[1])
+    assert ends == {0.0}

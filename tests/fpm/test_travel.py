@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 import fpm
 from fpm import structures
 from fpm.elements import Friction, RigidFriction, SyncLoop, TableSpring
+from fpm.errors import SceneError
 from fpm.travel import STRAIN, lead, parts_of
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
@@ -140,6 +141,7 @@ def test_an_opening_that_leaves_others_free_is_refused():
     assert found.work["torsion spring h1"][-1] == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_reached_is_told():
     scene = structures.load(STRUCTURES / "bennett.yaml").build(elements=2)
     start = scene.hinges[0].opening
@@ -224,3 +226,101 @@ def test_the_ring_truss_by_virtual_work():
     expected = -tension * rate
     work = found.work["cable hoist"]
     assert work == pytest.approx(expected, rel=1e-3, abs=1e-3 * np.abs(expected).max())
+
+
+CRANK = """
+name: crank
+parameters:
+  r: {value: 0.2, unit: m, range: [0.01, 1]}
+  t0: {value: 10, unit: deg, range: [-360, 360]}
+  mu: {value: 0, range: [0, 5]}
+  rub: {value: 0, unit: N, range: [0, 10]}
+  push: {value: 0, unit: N, range: [-10, 10]}
+points:
+  O: [0, 0, 0]
+  A: [r*cos(t0), r*sin(t0), 0]
+  B: [r*cos(t0) + sqrt((0.5 m)**2 - (r*sin(t0))**2), 0, 0]
+bodies:
+  crank: {mass: 1, centre: O, points: [O, A], inertia: [0.1, 0.1, 0.1]}
+  rod: {mass: 1, centre: A, points: [A, B], inertia: [0.1, 0.1, 0.1]}
+  piston: {mass: 1, centre: B, points: [B], inertia: [0.1, 0.1, 0.1]}
+joints:
+  main: {type: revolute, parts: [ground, crank], at: O, axis: z, opening: t0}
+  pin: {type: revolute, parts: [crank, rod], at: A, axis: z}
+  wrist: {type: revolute, parts: [rod, piston], at: B, axis: z}
+  rail: {type: prismatic, parts: [ground, piston], at: B, axis: x}
+actions:
+  spring: {type: torsion spring, joint: main, stiffness: 0.5 N m/rad, rest: 250 deg}
+  dry: {type: friction, joint: rail, force: rub}
+  guide: {type: bearing, joint: rail, mu: mu}
+loads:
+  p: {part: piston, at: B, force: [push, 0, 0]}
+record:
+  b: {part: piston, at: B}
+"""
+CENTRED, ROD = structures.loads(CRANK), 0.5
+
+
+def piston(angle, r=0.2):
+    """The rate of the piston per unit of the crank, and the sine of the rod's angle to the rail."""
+    sine = r * np.sin(angle) / ROD
+    return -r * np.sin(angle) * (1 + r * np.cos(angle) / (ROD * np.sqrt(1 - sine**2))), sine
+
+
+@pytest.mark.parametrize("end", [180.2, 181, 182.7, 200, 361])
+def test_friction_of_a_joint_that_turns_back_slips_the_way_it_goes(end):
+    """A slide at and beyond the dead centre of its crank; there is a position at each."""
+    found = lead(CENTRED.build(rub=3.0), "main", np.radians(10), np.radians(end))
+    rate, _ = piston(found.opening)
+    assert found.work["dry"] == pytest.approx(-3.0 * np.abs(rate), abs=1e-9)
+    assert np.abs(found.opening - np.pi).min() < 1e-7
+
+
+@pytest.mark.parametrize(
+    ("start", "end"), [
+        (0.5, 100),
+        *(pytest.param(*way, marks=pytest.mark.slow) for way in ((0.2, 170), (2, 175), (178, 1))),
+    ],
+)  # fmt: skip
+def test_a_way_from_near_a_dead_centre_stays_on_its_assembly(start, end):
+    """The crank of a slide that is led; on the mirrored assembly its spring would be longer."""
+    scene = CENTRED.build(t0=float(start))
+
+    def place(degrees):
+        angle = np.radians(degrees)
+        return 0.2 * np.cos(angle) + np.sqrt(ROD**2 - (0.2 * np.sin(angle)) ** 2)
+
+    found = lead(scene, "rail", 0.0, place(end) - place(start))
+    x = place(start) + found.opening
+    angle = np.arccos((0.2**2 + x**2 - ROD**2) / (0.4 * x))
+    expected = 0.5 * (np.radians(250) - angle) / piston(angle)[0]
+    # Per unit of the way that it is led, inwards where the crank turns on.
+    work = found.work["spring"] * np.sign(found.opening[-1])
+    assert work == pytest.approx(expected, rel=1e-6)
+
+
+def test_bearings_rub_by_forces_in_the_balance_with_their_friction():
+    """The piston bears P tan a/(1 - mu tan a) across its rail where the rod presses it against P at
+    the angle a, and P tan a/(1 + mu tan a) where P drives it."""
+    for mu, sign in ((0.3, 1), (0.3, -1), (1.2, 1)):
+        scene = CENTRED.build(push=4.0 * sign, mu=mu)
+        found = lead(scene, "main", np.radians(190), np.radians(350))
+        rate, sine = piston(found.opening)
+        slope = np.abs(sine) / np.sqrt(1 - sine**2)
+        expected = 4.0 * slope / (1 + sign * mu * slope)
+        assert found.work["bearing rail"] == pytest.approx(-mu * expected * np.abs(rate), rel=1e-6)
+
+
+@pytest.mark.parametrize(("mu", "locks"), [(0.29, False), (0.31, True)])
+def test_a_way_on_which_a_bearing_locks_itself_is_refused(mu, locks):
+    """The rod's largest slope to the rail is 0.48/sqrt(0.5^2 - 0.48^2) = 3.43 = 1/0.2917."""
+    scene = CENTRED.build(r=0.48, push=4.0, mu=mu, t0=10.0)
+    if locks:
+        with pytest.raises(SceneError, match="bearing rail = 'locked where opening main is 1"):
+            lead(scene, "main", np.radians(10), np.radians(170))
+    else:
+        found = lead(scene, "main", np.radians(10), np.radians(170))
+        rate, sine = piston(found.opening, 0.48)
+        slope = sine / np.sqrt(1 - sine**2)
+        expected = 4.0 * slope / (1 - mu * slope)
+        assert found.work["bearing rail"] == pytest.approx(-mu * expected * np.abs(rate), rel=1e-5)

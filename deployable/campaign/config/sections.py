@@ -35,7 +35,7 @@ from deployable.campaign.config.models import (
     Solver,
     Verify,
 )
-from deployable.campaign.errors import CampaignError
+from deployable.campaign.errors import CampaignError, HeldConfigError
 from deployable.campaign.provenance import made_by
 from fpm import SceneError, structures
 from fpm.files.outcome import eventful
@@ -71,7 +71,7 @@ _TRUSTED: set[str] = set()
 
 
 def trust(file: str) -> None:
-    """Let results name this file of a structure, though it is a program."""
+    """Let results name this file of a structure."""
     if "\0" not in file:
         _TRUSTED.add(os.path.realpath(file))
 
@@ -148,12 +148,13 @@ class Experiment:
         try:
             return cls.of_results(json.loads(text))
         except (TypeError, ValueError, RecursionError) as error:
-            raise CampaignError(f"the results hold a config that cannot be read: {error}") from None
+            text = f"the results hold a config that cannot be read: {error}"
+            raise HeldConfigError(text) from None
 
     @classmethod
     def of_results(cls, data: Mapping) -> Experiment:
         """The experiment that results state, which may be anybody's: what files are called after is
-        checked. Raises `CampaignError`."""
+        checked. Raises `HeldConfigError`."""
         try:
             found = from_data(cls, data)
             names = [*found.responses, *found.quantities]
@@ -169,7 +170,7 @@ class Experiment:
                         raise ValueError(f"{name} = {number:g} is out of its limits")
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             text = f"the results hold a config that cannot be used: {error}"
-            raise CampaignError(text) from None
+            raise HeldConfigError(text) from None
         return found
 
     @property
@@ -179,14 +180,14 @@ class Experiment:
 
     @cached_property
     def scene_type(self) -> Any:
-        """The `fpm` structure; raises `fpm.SceneError`, and `CampaignError` for a program that only
-        results name."""
+        """The `fpm` structure; raises `fpm.SceneError`, and `CampaignError` for a file that only
+        results name, since they may be anybody's, and the file any of this machine."""
         file = self.scene.file
-        if Path(file).suffix == ".py" and os.path.realpath(file) not in _TRUSTED:
+        if file and os.path.realpath(file) not in _TRUSTED:
+            what = "is a program and was not run" if file.endswith(".py") else "was not read"
             raise CampaignError(
-                f"the results are of the structure {file}, which is a program and was not run, "
-                "since only they name it; allowed: a config that names it, or, of an export, "
-                f"--trust {shlex.quote(file)}"
+                f"the results are of the structure {file}, which {what}, since only they name it; "
+                f"allowed: a config that names it, or, of an export, --trust {shlex.quote(file)}"
             )
         return scene_type(self.scene.name, file)
 

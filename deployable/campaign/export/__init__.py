@@ -8,11 +8,13 @@ from pathlib import Path
 
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.export.chosen import Chosen, choose
+from deployable.campaign.files import check_results
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of file: what writes it into a folder, and how many frames it has if nothing is said.
+    """A kind of file: what writes it into a folder, how many frames it has if nothing is said, and
+    which results beside the samples it takes.
 
     `write(chosen, folder, frames)` returns the files to tell of; moving pictures also take
     `by_stress`.
@@ -21,6 +23,7 @@ class Kind:
     write: Callable[..., list[Path]]
     about: str
     frames: int
+    takes: tuple[str, ...] = ()
 
 
 def _vtk(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
@@ -57,13 +60,14 @@ def _figures(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
     return write_figures(chosen, folder, frames)
 
 
+_CURVES = "bounds.nc", "sensitivities.nc"
 KINDS = {
     "vtk": Kind(_vtk, "a collection for ParaView: a .pvd, and two .vtu for every frame", 101),
     "glb": Kind(_glb, "one glTF file that moves, for viewers and Blender", 101),
     "gif": Kind(_picture("gif"), "a moving picture", 60),
     "webp": Kind(_picture("webp"), "a moving picture, smaller and with more colours", 60),
-    "figures": Kind(_figures, "figures for a journal: PDF, SVG, PNG", 401),
-    "csv": Kind(_csv, "curves of the run; of a campaign also its bounds and runs", 0),
+    "figures": Kind(_figures, "figures for a journal: PDF, SVG, PNG", 401, _CURVES),
+    "csv": Kind(_csv, "curves of the run; of a campaign also its bounds and runs", 0, _CURVES[:1]),
 }
 
 
@@ -85,11 +89,13 @@ def export(
     `CampaignError` where a kind has no such colours.
     """
     how = KINDS[kind]
-    if colour == "bars":
-        return how.write(chosen, Path(folder), frames or how.frames)
-    if kind not in MOVING:
+    if colour != "bars" and kind not in MOVING:
         raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVING)}")
-    return how.write(chosen, Path(folder), frames or how.frames, by_stress=True)
+    if chosen.folder:
+        more = ("quantities.nc",) * (kind == "csv" and chosen.folder.quantities.exists())
+        check_results(chosen.folder, ("samples.nc", *how.takes, *more))
+    colours = {} if colour == "bars" else {"by_stress": True}
+    return how.write(chosen, Path(folder), frames or how.frames, **colours)
 
 
 __all__ = ["COLOURS", "KINDS", "Chosen", "choose", "export"]

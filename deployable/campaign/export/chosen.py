@@ -13,6 +13,7 @@ from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.which import ids, nominal_row
 from deployable.campaign.runs.progress import warm_up
+from fpm.errors import SceneError
 
 if TYPE_CHECKING:
     import xarray
@@ -84,7 +85,7 @@ def choose(
     what: a campaign's folder of results (run: `nominal`, or a run's id or its beginning), a
     campaign's config (its nominal run, which need not have been made), or a structure's file or
     name (at its defaults). settings: parameters that differ, by name, as text, and duration (s),
-    for the last two; trusted: files of structures in Python that results may name and that are run
+    for the last two; trusted: files of structures that results may name, which are read, or run,
     then. Raises `CampaignError`, `fpm.SceneError`.
     """
     path = Path(what)
@@ -96,7 +97,11 @@ def choose(
                 f"{what}: the runs of a campaign are as they are; parameters and duration can be "
                 "set where its config stands in place of its folder"
             )
-        return _of_results(Folder(path), run)
+        try:
+            return _of_results(Folder(path), run)
+        except SceneError as error:
+            text = f"{Folder(path).samples}: {error}; run the campaign again"
+            raise CampaignError(text) from error
     if run != "nominal":
         raise CampaignError(
             f"--run {run} needs the folder of a campaign's results, not {what!r}, which has one run"

@@ -36,11 +36,12 @@ from deployable.campaign.config.sections import (
     plain_data,
     steps_problems,
 )
+from deployable.campaign.contents import reading
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import write_result
+from deployable.campaign.files import read_json, write_result
 from deployable.campaign.plan.runs import ROLES, RUN_ID, Run, Runs, namer, values_of
 from deployable.intervals import held_out_points
-from fpm.files.sealed import DamagedError, check_content, read_bytes
+from fpm.files.sealed import DamagedError
 
 MOST_LISTED = 10_000
 """Runs that have a line each in `plan.json`; of more, programs are the only readers."""
@@ -200,9 +201,18 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 def read_plan(path: str | Path) -> Plan:
     """The plan in `plan.json`; `fpm.files.sealed.DamagedError` unless it is as it was written."""
-    data = _content(path)
-    experiment, mechanics = Experiment.of_results(data["config"]), data["mechanics"]
+    data = read_json(path)
+    with reading(path):
+        return _plan(path, data)
+
+
+def _plan(path: str | Path, data: Mapping) -> Plan:
+    experiment, mechanics = Experiment.of_results(data["config"]), str(data["mechanics"])
     time = _time(data)
+    if not time.step > 0 or time.steps_per_instant < 1:
+        raise ValueError("its step is not above 0")
+    for problem in steps_problems(experiment.solver, time.step):
+        raise ValueError(problem)
     if "packed" in data:
         role, unit = _unpacked(data["packed"])
         name = namer(experiment, time.step, mechanics)
@@ -214,23 +224,26 @@ def read_plan(path: str | Path) -> Plan:
         runs = Runs.of([
             Run(r["id"], r["role"], tuple(r["unit"]), tuple(r["values"])) for r in data["runs"]
         ])  # fmt: skip
+    shape = len(runs), len(experiment.intervals)
+    if (
+        runs.unit.shape != shape
+        or runs.values.shape != shape
+        or max(runs.role, default=0) >= len(ROLES)
+    ):
+        raise ValueError("its runs are not those of its config")
     adaptive = from_data(Rounds, data["adaptive"]) if "adaptive" in data else None
     return Plan(experiment, mechanics, time, runs, adaptive)
 
 
 def read_step(path: str | Path) -> TimeStep:
     """The time step of the plan in `plan.json`, in less time than all of it."""
-    return _time(_content(path))
-
-
-def _content(path: str | Path) -> dict:
-    content = read_bytes(path)
-    check_content(path, content, "plan.json")
-    return json.loads(content)
+    data = read_json(path)
+    with reading(path):
+        return _time(data)
 
 
 def _time(data: Mapping) -> TimeStep:
-    return TimeStep(**{name: data[name] for name in TimeStep.__dataclass_fields__})
+    return from_data(TimeStep, {name: data[name] for name in TimeStep.__dataclass_fields__})
 
 
 def _packed(runs: Runs) -> dict:

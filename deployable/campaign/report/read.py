@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from deployable.campaign.files import open_dataset, open_netcdf
+from deployable.campaign.files import open_dataset, open_netcdf, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.report.data import (
     FURTHER,
@@ -26,7 +26,7 @@ from deployable.campaign.report.data import (
 )  # fmt: skip
 from deployable.campaign.report.failing import meets
 from deployable.campaign.report.motions import Shown, shown_runs
-from deployable.campaign.results.facts import along_of, read_json
+from deployable.campaign.results.facts import along_of
 from deployable.campaign.results.ranges import runs_of
 from deployable.campaign.results.which import counts, ids, keeps_extremes, roles
 from fpm.files.sealed import DamagedError, check
@@ -219,10 +219,7 @@ def _manifests(folder: Path) -> list[Path]:
 def _work(folder: Path, made: Mapping[str, int]) -> tuple[Work, ...]:
     """Time in the batches of runs, of all processes together; made: how many runs for what (the
     summary's), of which further ones and those of choices are in no batch."""
-    for path in _manifests(folder):
-        check(path)
-    manifests = [json.loads(p.read_text("utf-8")) for p in _manifests(folder)]
-    if not manifests:
+    if not (manifests := list(map(read_json, _manifests(folder)))):
         return ()
     total = np.sum([m["seconds"] for m in manifests], axis=0)
     inside = np.sum([m["seconds_integrating"] for m in manifests], axis=0)
@@ -250,6 +247,6 @@ def _provenance(bounds: xarray.Dataset, samples: xarray.Dataset, folder: Path) -
         facts["Digest of the mechanics"] = str(attributes["mechanics"])
     made = json.loads(attributes["provenance"])
     facts["Program"] = f"{made.pop('program')}, commit {made.pop('commit')}"
-    facts["Made"] = f"{check(folder / 'bounds.nc')['made']}, on {made.pop('processor')}"
+    facts["Made"] = f"{check(folder / 'bounds.nc').get('made')}, on {made.pop('processor')}"
     facts["Packages"] = ", ".join(f"{name} {version}" for name, version in made.items())
     return facts

@@ -7,12 +7,11 @@ import json
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from deployable.campaign.files import open_netcdf
+from deployable.campaign.files import open_netcdf, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, read_plan
 from deployable.campaign.results.which import counts, nominal_row
@@ -21,7 +20,6 @@ from deployable.campaign.text.words import words_of
 from deployable.intervals.estimates import BEYOND
 from fpm.elements import Contact, Latch, RigidLatch
 from fpm.errors import SceneError
-from fpm.files.sealed import check
 
 PARTS = ("surrogate", "step", "mesh")
 """Parts of an error."""
@@ -201,13 +199,6 @@ def _of_contacts(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
             with suppress(SceneError):  # a value that it may not have
                 more[one["name"]] = stiffness(**nominal, **{one["name"]: 1.01 * one["value"]})
     return [name for name, found in more.items() if np.allclose(found, in_proportion)]
-
-
-def read_json(path: Path) -> dict:
-    """A result in JSON; raises `fpm.files.sealed.DamagedError`."""
-    check(path, path.name)
-    data = json.loads(path.read_text(encoding="utf-8"))
-    return {name: value for name, value in data.items() if name != "seal"}
 
 
 def _run_counts(found: dict) -> dict[str, int]:

@@ -79,6 +79,8 @@ def margin_of(
             margins.read_label(of)[1]: work
             for (name, of), work in found.columns.items() if name == margins.WORK
         }))  # fmt: skip
+    stowed = margins.read_label(label)[0].first is None
+    starts = [hinge.opening for s in scenes for hinge in s.hinges if hinge.name == openings[0]]
     on = {i for i, hinge in enumerate(nominal.hinges) if hinge.name in openings}
     low, high = sorted((along.first, along.last))
     room = SAME * (high - low)
@@ -89,10 +91,11 @@ def margin_of(
         "openings": list(openings),
         "without": left_out(response),
         "stand": list(definition.get("stand", ())),
+        "starts_vary": stowed and np.ptp(starts) > SAME,
         "first": along.first,
         "last": along.last,
         "unit": along.unit,
-        "travel": travel_of(scenes, openings, along, margins.read_label(label)[0].first is None),
+        "travel": travel_of(scenes, openings, along, stowed),
         "latches": [
             latch.label(nominal) for kind in (Latch, RigidLatch) for latch in kind.of(nominal)
             if latch.hinge in on and low + room < latch.angle < high - room

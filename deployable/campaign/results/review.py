@@ -436,6 +436,8 @@ class _Sheet:
             words[0] += f" of {_stretch(*margin['travel'], margin['unit'])} analysed"
         else:
             words[0] += " analysed, of a travel whose end no latch or stop states"
+        if margin["starts_vary"]:
+            words[0] += ", those of the nominal run; each other run begins where it starts"
         words += [f"without {', '.join(margin['without'])}"] if margin["without"] else []
         words += [f"own factors: {', '.join(margin['own'])}"] if margin["own"] else []
         words += [f"with {', '.join(margin['added'])}"] if margin["added"] else []

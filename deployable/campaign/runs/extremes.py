@@ -25,10 +25,12 @@ from typing import Any
 
 import numpy as np
 
+from deployable.campaign.contents import reading
 from deployable.campaign.files import whole_file
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs import results as common
 from deployable.intervals.samples import Running
+from fpm.files.sealed import DamagedError
 
 FEWEST, MOST = 4, 128
 """Shares of a scan; quarters consist of whole ones."""
@@ -114,7 +116,7 @@ class Share:
         """The share in a netCDF file."""
         import netCDF4
 
-        with netCDF4.Dataset(path) as file:
+        with reading(path), netCDF4.Dataset(path) as file:
             file.set_auto_mask(False)
             share = cls(len(file.dimensions["run"]), responses, quantities)
             share.done = file["done"][:].astype(bool)
@@ -178,7 +180,11 @@ class Extremes(common.Store):
         """What is there of a share: of several files the one with most runs that is whole."""
         paths = sorted(self._files(group), key=_runs_in, reverse=True)
         path = next(filter(self.is_whole, paths), None)  # a file may be replaced meanwhile
-        return path and Share.read(path, self.responses, self.quantities)
+        share = path and Share.read(path, self.responses, self.quantities)
+        shape = len(group), len(self.responses), self.experiment.solver.instants
+        if share and (len(share.done), *share.first.shape) != shape:
+            raise DamagedError(path, "it has other runs, responses or instants than the campaign")
+        return share
 
     def _files(self, group: Runs) -> list[Path]:
         return list(self.folder.glob(f"{self.file_of(group)}.*.nc"))

@@ -101,6 +101,19 @@ class Store:
         sizes = {f"{self.file_of(group)}.nc": len(group) for group in groups}
         return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
 
+    def checked(self, record: Record) -> Record:
+        """A record that was read; ValueError unless it is of what the campaign asks for."""
+        shapes = [np.shape(each) for each in (record.time, record.values, record.numbers)]
+        count, instants = len(self.responses), self.experiment.solver.instants
+        if shapes != [(instants,), (count, instants), (len(self.quantities),)]:
+            raise ValueError("it has other instants, responses or quantities than the campaign")
+        which = record.events[:, 1]
+        if not (np.isfinite(record.values).all() and np.isfinite(record.overlap)):
+            raise ValueError("it has values that are no numbers")
+        if not ((which >= 0) & (which < len(record.contacts))).all():
+            raise ValueError("it has events of no contact")
+        return record
+
     def is_whole(self, path: Path) -> bool:
         """Whether a file of a group is there as it was written; else damage is noted."""
         try:

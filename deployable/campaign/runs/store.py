@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.sections import Experiment
+from deployable.campaign.contents import reading
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import whole_file
 from deployable.campaign.plan.runs import Run, Runs
@@ -71,19 +72,24 @@ class Trajectories(Store):
         """Those runs of a group that are there, by id."""
         found = {}
         for run in group:
-            if (curves := self._curves(run)) is not None:
+            if (curves := self._curves(run)) is None:
+                continue
+            with reading(self.path(run)):
                 values = np.stack([r.evaluate(curves) for r in self.responses])
                 numbers = common.numbers_of(self.quantities, curves)
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
-                found[run.id] = Record(curves.time, values, events, contacts, numbers, overlap)
+                record = Record(curves.time, values, events, contacts, numbers, overlap)
+                found[run.id] = self.checked(record)
         return found
 
     def _curves(self, run: Run) -> trajectory.Curves | None:
         """The run's curves; None if its file is not there, not whole, or lacks what responses
         need."""
+        path = self.path(run)
         try:
-            curves = trajectory.read_curves(self.path(run), run.id)
+            with reading(path):
+                curves = trajectory.read_curves(path, run.id)
         except DamagedError as error:
             self.damaged[error.path] = error
             return None
@@ -114,7 +120,7 @@ class Responses(Store):
         path = self.path(group)
         if not self.is_whole(path):
             return group
-        with netCDF4.Dataset(path) as file:
+        with reading(path), netCDF4.Dataset(path) as file:
             there = list(file["run_id"][:])
         return group[:0] if there == [run.id for run in group] else group
 
@@ -153,18 +159,19 @@ class Responses(Store):
 
         if self.missing(group):
             return {}
-        with netCDF4.Dataset(self.path(group)) as file:
+        with reading(self.path(group)), netCDF4.Dataset(self.path(group)) as file:
             file.set_auto_mask(False)
             time, contacts = file["time"][:], list(file["contact"][:])
             values, overlaps = file["values"][:], file["overlap"][:]
             events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
             none = np.zeros((len(group), 0))
             numbers = file["quantities"][:] if self.quantities else none
-        found = {}
-        for row, run in enumerate(group):
-            own = events[row][np.isfinite(events[row, :, 0])]
-            overlap = float(overlaps[row])
-            found[run.id] = Record(time, values[row], own, contacts, numbers[row], overlap)
+            found = {}
+            for row, run in enumerate(group):
+                own = events[row][np.isfinite(events[row, :, 0])]
+                overlap = float(overlaps[row])
+                record = Record(time, values[row], own, contacts, numbers[row], overlap)
+                found[run.id] = self.checked(record)
         return found
 
 

@@ -144,7 +144,7 @@ def escaped(text: str, code: str = "") -> str:
     """A text from outside as one line of Markdown, and of a terminal, that says just that; code:
     characters that are left as they are."""
     line = "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
-    return line.translate({ord(sign): f"\\{sign}" for sign in "|<>`*[]\\&" if sign not in code})
+    return line.translate({ord(sign): f"\\{sign}" for sign in "|<>`*[]\\&~$" if sign not in code})
 
 
 def unbroken(text: str, units: Iterable[str]) -> str:
@@ -165,7 +165,7 @@ def coded(text: str, units: Iterable[str] = ()) -> Any:
     """A sentence as HTML, with keys of a config, between backticks, as code."""
     from markupsafe import Markup, escape
 
-    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", str(escape(unbroken(text, units)))))
+    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", unbroken(str(escape(text)), units)))
 
 
 def position(row: Mapping[str, Any], time: float) -> str:

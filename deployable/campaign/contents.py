@@ -1,0 +1,286 @@
+"""What results hold: variables, their dimensions, numbers and names. Results may be anybody's, and
+who reads them relies on what is checked here, once, where a file is opened."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.config.sections import Experiment, steps_problems
+from deployable.campaign.errors import CampaignError, HeldConfigError
+from deployable.campaign.plan.runs import ROLES, RUN_ID
+from fpm.files.sealed import DamagedError
+
+_BOX = """@text: config campaign config_hash mechanics scene
+text parameter: parameter box_units
+known parameter: box_lower box_upper box_nominal"""
+_CURVES = f"""{_BOX}
+@text: limiting_element
+@number: time_step time_step_limit
+text response: response response_units response_long_name response_along?
+number response: response_least? response_ratio?
+known time: time"""
+_SAMPLES = f"""{_CURVES}
+known run parameter: unit value
+number run event: event_time event_contact event_closing
+text contact: contact
+text quantity: quantity? quantity_units? quantity_long_name?
+number run quantity: quantities?"""
+_QUANTITIES = f"""{_BOX}
+text quantity: quantity quantity_units quantity_long_name"""
+_VARIABLES = {
+    "samples.nc": f"""{_SAMPLES}
+text run: role run_id
+known run: overlap
+known run response time: values""",
+    "extremes": f"""{_SAMPLES}
+known : overlap
+known response time: nominal
+known quarter response time: lower upper lower_run upper_run""",
+    "bounds.nc": f"""{_CURVES}
+@text: bounds_kind design_method provenance
+@number: design_order held_out_runs
+known response time: lower upper nominal?
+number response time: error? error_held_out? error_decay? error_surrogate? error_step? error_mesh?
+number response time: growth_quarter?
+known response: largest_impossible largest_impossible_time
+number response: worst_violation? coverage?""",
+    "surrogate.nc": f"""{_CURVES}
+known term parameter: multi_index
+known response term time: coefficient?""",
+    "sensitivities.nc": f"""{_CURVES}
+number response parameter time: width
+number response parameter: width_overall
+number response time: error""",
+    "quantities.nc": f"""{_QUANTITIES}
+@number: runs further_runs
+text quantity: fit
+number quantity: lower upper simulated_lower simulated_upper surrogate_lower surrogate_upper nominal
+number quantity: error error_step? error_mesh? error_whole? error_limit? error_border? least
+known quantity: moving_lower moving_upper runs_with runs_without happens open is_time
+number quantity parameter: argmin argmax share alone fixed halved""",
+    "further.nc": f"""{_QUANTITIES}
+text run: run_id
+known run parameter: unit value
+number run quantity: quantities margin""",
+}  # fmt: skip
+"""Of a file of this name: variables of text, of numbers, and of numbers none of which is infinite
+or missing, behind their dimensions; behind an @ attributes; those with a ? may be absent."""
+
+_CHANGED = {"scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range",
+            "_Unsigned"}  # fmt: skip
+"""Attributes by which libraries make other numbers, or none, of those that are in a file."""
+
+_ROOM, _PACKED = 1 << 28, 200
+"""Bytes that a file's numbers may take in memory, or as many times those that it takes itself."""
+
+_LONGEST, _LARGEST = 2000, 1e300
+"""Characters of a text, and a number beyond which differences of numbers are infinite."""
+
+_ALL = 1 << 26
+"""Bytes of a variable up to which all its numbers are looked at."""
+
+
+@contextmanager
+def reading(path: str | os.PathLike) -> Iterator[None]:
+    """DamagedError for whatever goes wrong when what a file holds is taken apart in this block."""
+    try:
+        yield
+    except Exception as error:
+        is_other = isinstance(error, OSError) and (error.errno or 0) > 0  # it is not there, say
+        is_ours = isinstance(error, CampaignError) and not isinstance(error, HeldConfigError)
+        if is_other or is_ours or isinstance(error, DamagedError):
+            raise
+        words = " ".join(str(error).split()) or type(error).__name__
+        is_missing = isinstance(error, LookupError)
+        raise DamagedError(path, f"{words} is missing" if is_missing else words) from error
+
+
+def experiment_of(path: str | os.PathLike) -> Experiment | None:
+    """The experiment that a whole result in netCDF is of; None of a file of which only the size is
+    known, as of a motion. Raises DamagedError for one that holds anything else than it should."""
+    state = os.stat(path)
+    return _checked(Path(path), state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns)
+
+
+@lru_cache(64)
+def _checked(path: Path, *state: int) -> Experiment | None:
+    import netCDF4
+
+    with reading(path), netCDF4.Dataset(path) as file:
+        file.set_auto_maskandscale(False)
+        _check_sizes(file, os.path.getsize(path))
+        name = path.name
+        if name == "samples.nc" and "lower_run" in file.variables:
+            name = "extremes"
+        if name not in _VARIABLES:
+            return None
+        if name == "sensitivities.nc" and not file.variables:  # nothing was fitted
+            return Experiment.read(file.config)
+        for line in _VARIABLES[name].splitlines():
+            kind, *dims = line.partition(":")[0].split()
+            for one in line.partition(":")[2].split():
+                if kind.startswith("@"):
+                    _check_attribute(file, one, kind[1:])
+                else:
+                    _check_variable(file, one, kind, tuple(dims))
+        return _belongs(file, Experiment.read(file.config))
+
+
+def _check_sizes(file: Any, size: int) -> None:
+    total = 0
+    for name, variable in file.variables.items():
+        if found := _CHANGED & set(variable.ncattrs()):
+            raise ValueError(f"its variable {name} has {', '.join(sorted(found))}, as none has")
+        each = 64 if variable.dtype is str else variable.dtype.itemsize
+        total += each * math.prod(map(int, variable.shape))
+    if total > max(_ROOM, _PACKED * size):
+        raise ValueError(f"its {size} bytes would be {total:.3g} in memory")
+
+
+def _check_attribute(file: Any, name: str, kind: str) -> None:
+    value = file.getncattr(name) if name in file.ncattrs() else None
+    if isinstance(value, str) != (kind == "text") or value is None:
+        raise ValueError(f"it has no attribute {name} that is a {kind}")
+    is_list = np.ndim(value) > (name == "design_order")
+    if kind == "number" and (is_list or not np.isfinite(value).all()):
+        raise ValueError(f"its attribute {name} is no number")
+    if name == "provenance":
+        matches(_PROVENANCE, json.loads(value), name)
+
+
+def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> None:
+    variable = file.variables.get(name.removesuffix("?"))
+    if variable is None:
+        if name.endswith("?"):
+            return
+        raise ValueError(f"it has no variable {name}")
+    name = variable.name
+    if variable.dimensions != dims:
+        over = " and ".join(variable.dimensions) or "nothing"
+        raise ValueError(f"its variable {name} lies over {over}, not {' and '.join(dims)}")
+    if not variable.size:  # text is kept as numbers then
+        return
+    is_text = variable.dtype is str
+    if is_text != (kind == "text") or not (is_text or variable.dtype.kind in "fiu"):
+        raise ValueError(f"its variable {name} holds {variable.dtype}, not {kind}s")
+    if not is_text and variable.size * variable.dtype.itemsize > _ALL:
+        return
+    values, filled = variable[:], getattr(variable, "_FillValue", np.nan)  # if it can be read
+    if is_text and max(map(len, values.ravel())) > _LONGEST:
+        raise ValueError(f"its variable {name} has a text of more than {_LONGEST} characters")
+    if kind == "known" and not ((np.abs(values) < _LARGEST) & (values != filled)).all():
+        raise ValueError(f"its variable {name} has values that are no numbers, or too large")
+
+
+def _belongs(file: Any, experiment: Experiment) -> Experiment:
+    """The experiment of a file, if what it holds is of that."""
+    there, intervals = file.variables, experiment.intervals.values()
+    own = {"response": experiment.responses, "quantity": experiment.quantities,
+           "parameter": experiment.intervals}  # fmt: skip
+    for dim in own.keys() & there.keys():
+        if (names := file[dim][:].tolist()) != list(own[dim]):
+            other = next((name for name in names if name not in own[dim]), names)
+            raise ValueError(f"{str(other)[:80]!r} is no name of a {dim} of its config")
+    for name in file["run_id"][:].tolist() if "run_id" in there else ():
+        if not RUN_ID.fullmatch(name):  # after which files are called
+            raise ValueError(f"{name[:80]!r} is no name of a run_id")
+    of_config = {"campaign": file.campaign == experiment.name}
+    for key in ("lower", "upper", "nominal"):
+        ends = [getattr(interval, key) for interval in intervals]
+        of_config[f"box_{key}"] = file[f"box_{key}"][:].tolist() == ends
+    if "unit" in there and len(unit := file["unit"][:]):
+        of_config["unit"] = np.abs(unit).max(initial=0.0) < 1.0 + 1e-6
+    if "role" in there:
+        of_config["role"] = set(file["role"][:].tolist()) <= set(ROLES)
+    if "time" in there:
+        of_config["time_step"] = file.time_step > 0
+        of_config["time_step"] &= not steps_problems(experiment.solver, file.time_step)
+        time = file["time"][:]
+        of_config["time"] = len(time) == experiment.solver.instants and (np.diff(time) > 0).all()
+    if "event_time" in there:
+        which = file["event_contact"][:][np.isfinite(file["event_time"][:])]
+        is_known = (which >= 0) & (which < len(file.dimensions["contact"]))
+        of_config["event_contact"] = is_known.all()
+    for name in {"lower_run", "upper_run"} & there.keys():
+        of_config[name] = file[name][:].max(initial=-1) < len(file.dimensions["run"])
+    for text in file["response_along"][:] if "response_along" in there else ():
+        if (along := json.loads(text)) is not None:
+            matches(_schema()["$defs"]["along"], along, "response_along")
+    if others := [name for name, is_own in of_config.items() if not is_own]:
+        raise ValueError(f"its {others[0]} is not what its config has")
+    return experiment
+
+
+# -- JSON ------------------------------------------------------------------------------------------
+
+_TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None),
+          "number": (int, float), "integer": int}  # fmt: skip
+_NUMBERS = {"type": "array", "minItems": 2, "items": {"type": "number"}}
+_BATCH = {"seconds": _NUMBERS, "seconds_integrating": _NUMBERS, "simulated": {"type": "number"}}
+_MANIFEST = {"required": list(_BATCH), "properties": _BATCH}
+_TEXTS = {"type": "object", "additionalProperties": {"type": "string"}}
+_PROVENANCE = {**_TEXTS, "required": ["program", "commit", "processor"]}
+
+
+@cache
+def _schema() -> dict:
+    text = Path(__file__).parent / "results" / "summary.schema.json"
+    return json.loads(text.read_text(encoding="utf-8"))
+
+
+def data_of(path: str | os.PathLike, content: bytes) -> dict:
+    """The data in the content of a result in JSON, without its seal; DamagedError where it is no
+    such result."""
+    known = _schema()["properties"]
+    answers = {name: known[name] for name in ("requirements", "together")}
+    schemas = {
+        "plan.json": {"type": "object"},
+        "summary.json": _schema(),
+        "requirements.json": {"required": [*answers, "further_runs"], "properties": answers},
+        "choice.json": known["choice"],
+    }
+    with reading(path):
+        data = json.loads(content, parse_constant=_no_number)
+        matches(schemas.get(Path(path).name, _MANIFEST), data)
+        return {key: value for key, value in data.items() if key != "seal"}
+
+
+def _no_number(text: str) -> None:
+    raise ValueError(f"{text} is no number")
+
+
+def matches(schema: Mapping, data: Any, where: str = "") -> None:
+    """ValueError where data are not as a JSON schema has it, by the words of one that are used in
+    the schema of summaries."""
+    if "$ref" in schema:
+        matches(_schema()["$defs"][schema["$ref"].rpartition("/")[2]], data, where)
+    kinds = schema.get("type", "object" if "required" in schema else [])
+    kinds = [kinds] if isinstance(kinds, str) else kinds
+    is_kind = [isinstance(data, _TYPES[kind]) for kind in kinds]
+    if kinds and (not any(is_kind) or (isinstance(data, bool) and "boolean" not in kinds)):
+        raise ValueError(f"{where or 'all of it'} is no {' or '.join(kinds)}")
+    if data not in schema.get("enum", [data]) or data != schema.get("const", data):
+        raise ValueError(f"{where} is not as it may be")
+    if isinstance(data, list):
+        if len(data) < schema.get("minItems", 0):
+            raise ValueError(f"{where} is too short")
+        for number, one in enumerate(data):
+            matches(schema.get("items", {}), one, f"{where}[{number}]")
+    elif isinstance(data, dict):
+        if lacks := [name for name in schema.get("required", ()) if name not in data]:
+            raise ValueError(f"{'.'.join(filter(None, [where, lacks[0]]))} is missing")
+        known, others = schema.get("properties", {}), schema.get("additionalProperties", {})
+        for name, one in data.items():
+            of = known.get(name, others)
+            if of is False:
+                raise ValueError(f"{where}.{name} is not known")
+            matches(of, one, f"{where}.{name}" if where else name)

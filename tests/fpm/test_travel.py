@@ -10,9 +10,11 @@ from scipy.optimize import brentq
 
 import fpm
 from fpm import structures
+from fpm.assembly.conditions import Places
 from fpm.elements import Friction, RigidFriction, SyncLoop, TableSpring
 from fpm.errors import SceneError
 from fpm.travel import STRAIN, lead, parts_of
+from fpm.travel.acting import Acting
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
 
@@ -92,6 +94,18 @@ def test_two_panels_with_a_synchronising_loop():
     assert work["torsion spring h1"] + work["torsion spring h2"] == pytest.approx(drives, rel=1e-4)
     assert work["friction h1"] + work["friction h2"] == pytest.approx(-0.08, rel=1e-4)
     assert np.abs(work["loop belt"]).max() < 1e-4
+
+
+def test_the_stiffness_of_a_cable_is_that_of_its_length():
+    """In a scene of 8 m, of which the size is not 1: EA/rest along it, tension/length across."""
+    scene = fpm.Scene("stay")
+    wall, end = (int(scene.add_particles((x, 0, 0), 1.0, 1.0)[0]) for x in (0.0, 8.0))
+    scene.fix(wall)
+    ends = [(wall, (0.0, 0.0, 0.0)), (end, (8.0, 0.0, 0.0))]
+    scene.add_cable("stay", ends, EA=30.0, rest=6.0)
+    forces, slopes = Acting(scene, scene.cables).tried(Places(scene.position, scene.frame))
+    assert forces[6:9] == pytest.approx([-10.0, 0, 0])
+    assert slopes.toarray()[6:9, 6:9] == pytest.approx(np.diag([5.0, 1.25, 1.25]), abs=1e-6)
 
 
 @pytest.mark.parametrize("unit", [1.0, 20.0])

@@ -5,7 +5,7 @@ applied when it is read, so that another standard takes no run. The curve of a m
 over the way, the least is sought between all positions.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -23,13 +23,17 @@ MOST = 99.0
 """Largest margin that is told: where next to nothing resists, it has no end."""
 
 TINY = 1e-300
+"""N m, so that where nothing acts nothing is divided by zero: the margin is -1 there."""
+
 ROUNDING = 1e-12
 """Margins below it are rounding: what acts is known to 1e-6 of itself."""
-"""N m, so that where nothing acts nothing is divided by zero: the margin is -1 there."""
 
 FINER, ZOOMS = 8, 7
 """Into how many each distance of positions is divided where the least is sought, and how often the
 distance about it is, again."""
+
+DRIVES = 1e-6
+"""Share of the largest virtual work of all parts up to which that of a part drives nothing."""
 
 STOW = "stow"
 """The opening at the start of a run, whichever that is."""
@@ -88,6 +92,13 @@ def travel_of(scene, led: Led, positions: int | None = None) -> Travel:
 def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
     """What is recorded of a travel (p,)."""
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
+
+
+def driving(works: Mapping[str, np.ndarray]) -> list[str]:
+    """The parts that drive somewhere on the way, by more than a rounding; works: their virtual work
+    (p,)."""
+    largest = max((float(np.abs(work).max()) for work in works.values()), default=0.0)
+    return [part for part, work in works.items() if work.max() > DRIVES * largest]
 
 
 def led_curves(scene, responses: Iterable[Any]) -> Any:
@@ -215,7 +226,9 @@ class _Way:
             i = int(np.argmax(margin <= margin.min() + 1e-12 * (1.0 + abs(margin.min()))))
             place, least = float(at[i]), float(margin[i])
             ends = at[max(i - 1, 0)], at[min(i + 1, len(at) - 1)]
-            at = np.unique(np.append(np.linspace(*ends, 2 * FINER + 1), place))
+            # From the place on either side, so that it stands once: next to itself, but for a
+            # rounding, it would end the next distance.
+            at = np.unique(np.linspace(place, ends, FINER + 1))
         return place, least
 
 

@@ -101,13 +101,15 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
     monkeypatch.setattr(scalars, "Limit", Kept)
     bench = SimpleNamespace(
         unit=np.array([[0.0, 0.0], [0.9, 0.1], [0.25, -0.5], [0.8, 0.8], [-1.0, 1.0]]),
-        numbers=np.array([[1.0], [np.nan], [np.nan], [np.nan], [2.0]]),
+        numbers=np.array([[1.0, 1.0], [np.nan, 1.0], [np.nan, 1.0], [np.nan, 1.0], [2.0, 1.0]]),
         nominal=np.array([0.0, 0.0]),
         experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True, True]))),
     )
-    found = limits.judged(bench, [None], [limits.Asked("there", 0, "happens", 1.0)])
-    assert found.largest[:2] == (0.5, 0)
-    np.testing.assert_array_equal(found.fails, [0.25, -0.5])
+    there, low = limits.Asked("there", 0, "happens", 1.0), limits.Asked("low", 1, "at_most", 3.0)
+    for asked in ([there], [low, there], [there, low]):
+        found = limits.judged(bench, [None] * 2, asked)
+        assert found.largest[:2] == (0.5, asked.index(there)), "the limit that the run breaks"
+        np.testing.assert_array_equal(found.fails, [0.25, -0.5])
 
 
 @pytest.mark.parametrize(

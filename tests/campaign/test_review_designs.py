@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -84,6 +85,20 @@ def test_factors_of_a_spring_out_take_one_of_several_springs_that_drive(tmp_path
         load_config(path)
 
 
+@pytest.mark.parametrize("rest", [0, -90])
+def test_a_spring_that_only_resists_is_none_of_several_that_drive(tmp_path, rest):
+    """So that factors of a spring that is out are not for it, at rest at the start or before."""
+    text = (DESIGNS / "flap.yaml").read_text()
+    at = text.index("right: {type: torsion spring")
+    text = text[:at] + text[at:].replace("rest: 180 deg", f"rest: {rest} deg", 1)
+    (tmp_path / "flap.yaml").write_text(text)
+    one = MARGIN | {"standard": NASA, "evidence": "spring out", "without": [RIGHT]}
+    scene = yaml.safe_load((DESIGNS / "z.yaml").read_text())["scene"]
+    path = config(tmp_path, margins={"m": one}, scene=scene | {"file": "flap.yaml"})
+    with pytest.raises(ConfigError, match="right is out; allowed: other evidence"):
+        load_config(path)
+
+
 @pytest.mark.parametrize(
     ("more", "end", "travel"),
     [
@@ -113,6 +128,32 @@ def test_settings_of_ones_own_are_told_with_those_of_the_standard():
     scene.classes |= {(kinds["Friction"], 0): "TL", (kinds["TorsionSpring"], 1): "HM"}
     found = mechanism.weaker_classes(scene, response)
     assert found == ["right as HM for S", "rub as TL for FR"]
+
+
+def test_springs_that_drive_are_those_that_drive_somewhere():
+    """Two that open the flap all the way, one more that drives on the first part of it only, and
+    two that resist, one of them at rest at the start, where it drives by a rounding; friction and
+    the harness drive nowhere. Parts that are out count, too."""
+    scene, definition, _ = of({})
+    for rest in (1.0, 0.0, -0.5):
+        scene.add_torsion_spring(0, 0.01, rest)
+    first = "torsion spring hinge"
+    intact = parse("m", definition, scene)
+    run = margins.led_curves(scene, [intact])
+    for out in ([], [LEFT], ["rub"]):
+        own = definition | {"without": out}
+        experiment = SimpleNamespace(
+            responses={"m": own}, intervals=["k"], nominal=(0.1,), nominal_scene=scene
+        )
+        found = mechanism.margin_of(
+            experiment, [scene], parse("m", own, scene), {"argmin": {"k": 0.09}},
+            lambda values, response: run,
+        )  # fmt: skip
+        assert found["springs"] == [LEFT, RIGHT, first]
+        assert found["drives"] == sorted([LEFT, RIGHT, first])
+        assert found["without"] == out and found["at"] == {"k": 0.09}
+        every = {LEFT, RIGHT, "rub", "wires", *(first + n for n in ("", " #2", " #3"))}
+        assert {row["part"] for row in found["budget"]["rows"]} == every - set(out)
 
 
 def rows_of(text):

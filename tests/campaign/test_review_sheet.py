@@ -96,7 +96,12 @@ ROWS = {
         least(travel=None), "4.7.5.3", EVERY, "partly analysed: met from 0 to 1.5 rad; no latch"),
     "beyond the end": (least(last=1.6), "4.7.5.3", EVERY, "met in all"),
     "part of it fails": (least(-0.1, 0.2, last=0.1), "4.7.5.3", EVERY, "not met in all"),
-    "another stands": (least(stand=["g"]), "4.7.5.3", EVERY, "partly analysed"),
+    "another stands": (
+        least(stand=["g"]), "4.7.5.3", EVERY,
+        "partly analysed: met from 0 to 1.5 rad; g, which stands, is not led"),
+    "two others stand": (
+        least(stand=["f", "g"]), "4.7.5.3", EVERY,
+        "partly analysed: met from 0 to 1.5 rad; f, g, which stand, are not led"),
     "factors of tests": (
         least(evidence="measurement"), "4.7.5.3", EVERY, "met in all of the box, by analysis, if "
         "tests have shown"),
@@ -138,6 +143,9 @@ ROWS = {
     # clearance
     "wide enough": (
         one(10, 11, units="m", **GAP), CLEAR, "",
+        "met in all of the box, by analysis: three times its tolerance is 3.06 m"),
+    "hardly three times": (
+        one(3.08, 4.08, units="m", **GAP), CLEAR, "",
         "met in all of the box, by analysis: three times its tolerance is 3.06 m"),
     "less than three times": (
         one(2, 3, units="m", **GAP), CLEAR, "",
@@ -338,6 +346,16 @@ def test_parts_at_the_worst_place_add_up_to_the_margin():
     assert f"T = {drives:g} N m" in budget["sum"] and f"Tmin = {required_:g} N m" in budget["sum"]
     assert budget["sum"].endswith(f"= {drives / required_ - 1:g}.")
     assert "k = 0.09 N m/rad" in budget["title"] and "6 March 2009" in budget["title"]
+
+
+def test_a_margin_is_told_to_four_digits_and_what_it_is_of_to_six():
+    (budget,) = budgets_of(sheets.facts_of(margins={"m_least": margin(
+        budget={"opening": 1.23456789, "margin": 2 / 3, "drives": 1.0, "required": 0.6, "rows": [
+            {"part": "s", "class_": "S", "moment": 1.23456789, "factor": 1.0, "weighted": 2 / 3},
+        ]})}))  # fmt: skip
+    assert budget["sum"].endswith("T/Tmin − 1 = 0.6667.")
+    assert "at 1.235 rad" in budget["title"]
+    assert budget["rows"] == [("s", "S, springs", "drives", "1.23457", "1", "0.666667")]
 
 
 def test_of_runs_that_start_apart_the_positions_are_told_to_be_the_nominal_ones():

@@ -80,6 +80,27 @@ def test_a_border_that_finer_runs_confirm_does_not_move():
     assert found == (0.0, 0.0)
 
 
+@pytest.mark.parametrize("inside", [0, 3, 4, 5, 8, 16, 40])
+@pytest.mark.parametrize("outside", [0, 2, 4, 8, 21])
+def test_runs_beside_a_border_are_made_again_the_nearest_first(inside, outside):
+    """On either side the four nearest ones, then four of the next four, of the next eight and so
+    on, until a side has no more; never a round of none."""
+    happens = np.arange(inside + outside) < inside
+    rng = np.random.default_rng(inside + outside)
+    size = rng.permutation(inside + outside).astype(float)
+    rounds = list(borders._farther(size, happens))
+    assert all(len(rows) for rows in rounds)
+    for side in (happens, ~happens):
+        order = np.flatnonzero(side)[np.argsort(size[side])]
+        taken = [list(rows[side[rows]]) for rows in rounds]
+        expected, first, last = [], 0, 4
+        while len(expected) < len(rounds):
+            expected.append(list(order[first:last][:: max(1, (last - first) // 4)]))
+            first, last = last, 2 * last
+        assert taken == expected
+        assert first >= len(order), "the farthest are among them"
+
+
 def test_a_border_moves_to_where_finer_runs_cease_to_differ():
     """Of what happens above x = 0, and by finer runs above 0.3: twice the certainty there, as the
     rest of the way counts as much again."""

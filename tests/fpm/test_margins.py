@@ -1,6 +1,7 @@
 """Margins over a travel, as standards have them, against closed forms."""
 
 import os
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -266,6 +267,99 @@ def test_every_class_has_its_factors():
     for standard in STANDARDS.values():
         for factors in (standard.drives, *standard.resists.values()):
             assert factors.keys() == CLASSES.keys()
+
+
+def ecss(I, S, HM, FR, HY, HA, HD, TD, TL):
+    """Tmin of ECSS-E-ST-33-01C 4.7.5.3, by theory."""
+    return 2 * (1.1 * I + 1.2 * S + 1.5 * HM + 3 * FR + 3 * HY + 3 * HA + 3 * HD) + 1.25 * TD + TL
+
+
+def ecss_measured(I, S, HM, FR, HY, HA, HD, TD, TL):
+    """The same with factors by measurement; that of adhesion has none."""
+    rubs = 1.5 * FR + 1.5 * HY + 1.5 * HA + 3 * HD
+    return 2 * (1.1 * I + 1.2 * S + 1.2 * HM + rubs) + 1.25 * TD + TL
+
+
+def sums(fixed, variable, acceleration):
+    """What is required by NASA-STD-5017B eq. 4-1, of three factors."""
+    return lambda I, S, HM, FR, HY, HA, HD, TD, TL: (
+        fixed * (I + S + HM + TL) + variable * (FR + HY + HA + HD) + acceleration * TD
+    )
+
+
+REQUIRED = {
+    ("ecss-e-st-33-01c", "theory"): ecss,
+    ("ecss-e-st-33-01c", "measurement"): ecss_measured,
+    ("nasa-std-5017b", "analysis"): sums(1.5, 3.0, 1.25),
+    ("nasa-std-5017b", "development test"): sums(1.35, 2.5, 1.15),
+    ("nasa-std-5017b", "acceptance test"): sums(1.25, 2.0, 1.1),
+    ("nasa-std-5017b", "spring out"): sums(1.0, 1.0, 1.0),
+    # a static margin of 100 %, a dynamic one of 25 %
+    ("aiaa-s-114", "analysis"): sums(2.0, 2.0, 1.25),
+}
+
+
+def test_factors_are_those_of_the_formulas_of_the_standards():
+    """Class by class: of one N m of it alone, all other classes being zero."""
+    assert list(REQUIRED) == [(name, how) for name, one in STANDARDS.items() for how in one.resists]
+    for (name, how), required in REQUIRED.items():
+        for class_ in CLASSES:
+            alone = dict.fromkeys(CLASSES, 0.0) | {class_: 1.0}
+            factor = STANDARDS[name].resists[how][class_]
+            assert factor == pytest.approx(required(**alone), rel=1e-12), (name, how, class_)
+
+
+def test_what_drives_counts_by_the_standard():
+    """A spring 0.8 and inertia 0.9 times by ECSS, a motor and a load whole, friction, hysteresis,
+    harness and adhesion never."""
+    whole = dict.fromkeys(CLASSES, 0.0) | {"S": 1.0, "I": 1.0, "HM": 1.0, "TL": 1.0}
+    weighed = {"ecss-e-st-33-01c": whole | {"S": 0.8, "I": 0.9}}
+    for name, standard in STANDARDS.items():
+        assert standard.drives == weighed.get(name, whole), name
+
+
+@pytest.mark.parametrize(
+    ("more", "words", "first", "last"),
+    [
+        ({}, ", from each run's start", 0.0, 1.0),
+        ({"from": "stow"}, ", from each run's start", 0.0, 1.0),
+        ({"from": 0.2}, "", 0.2, 1.0),
+        ({"from": "0.2 rad", "to": "stow"}, "", 0.2, 0.0),
+    ],
+)
+def test_what_a_margin_lies_over_says_whether_each_run_has_its_own_start(more, words, first, last):
+    definition = {"margin": "h1", "to": 1.0, "standard": "aiaa-s-114"} | more
+    along = responses.parse("m", definition, panel()).along
+    assert along == (f"opening of h1{words}", "rad", first, last)
+
+
+def given(way, *parts):
+    """A response of parts and a run that has them: each part's class of factors, drive and resist,
+    and its moment as a function of the opening."""
+    led = margins.Led(("h",), float(way[0]), float(way[-1]))
+    labels = [(margins.WORK, led.label(f"part {i}")) for i in range(len(parts))]
+    columns = ((margins.OPENING, led.label()), *labels)
+    numbers = (way, *(moment(way) + 0 * way for *_, moment in parts))
+    factors = ((0.0, 1.0), *((drive, resist, "S") for drive, resist, _ in parts))
+    response = SimpleNamespace(columns=columns, factors=factors)
+    return response, SimpleNamespace(columns=dict(zip(columns, numbers, strict=True)))
+
+
+@pytest.mark.parametrize("count", [5, 31, 46])
+def test_the_least_margin_between_positions_is_as_exact_as_it_is_sought(count):
+    """Where a part stops to drive and another begins, no position lies: |x - at| + 0.5 to 1."""
+    way = np.linspace(0.0, 2.0, count)
+    exact = np.diff(way).max() / margins.FINER**margins.ZOOMS
+    for at in np.random.default_rng(count).uniform(0.0, 2.0, 100):
+        bend = ((1.0, 0.0, lambda x, at=at: x - at), (1.0, 0.0, lambda x, at=at: at - x))
+        response, run = given(way, *bend, (1.0, 0.0, lambda x: 0.5), (0.0, 1.0, lambda x: -1.0))
+        least, place = margins.least(response, run)
+        assert abs(place - at) <= exact, at
+        assert least == pytest.approx(-0.5, abs=2 * exact), at
+        # a parabola, so flat that the place is known to a millionth only
+        bowl = (1.0, 0.0, lambda x, at=at: 1.0 + (x - at) ** 2)
+        least, place = margins.least(*given(way, bowl, (0.0, 1.0, lambda x: -1.0)))
+        assert (least, place) == pytest.approx((0.0, at), abs=2e-6), at
 
 
 def test_a_margin_of_nothing_is_not_below_it_by_rounding():

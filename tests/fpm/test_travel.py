@@ -6,12 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hinged import hinged
+from scipy.optimize import brentq
 
 import fpm
 from fpm import structures
+from fpm.assembly.conditions import Places
 from fpm.elements import Friction, RigidFriction, SyncLoop, TableSpring
 from fpm.errors import SceneError
 from fpm.travel import STRAIN, lead, parts_of
+from fpm.travel.acting import Acting
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
 
@@ -91,6 +94,56 @@ def test_two_panels_with_a_synchronising_loop():
     assert work["torsion spring h1"] + work["torsion spring h2"] == pytest.approx(drives, rel=1e-4)
     assert work["friction h1"] + work["friction h2"] == pytest.approx(-0.08, rel=1e-4)
     assert np.abs(work["loop belt"]).max() < 1e-4
+
+
+def test_the_stiffness_of_a_cable_is_that_of_its_length():
+    """In a scene of 8 m, of which the size is not 1: EA/rest along it, tension/length across."""
+    scene = fpm.Scene("stay")
+    wall, end = (int(scene.add_particles((x, 0, 0), 1.0, 1.0)[0]) for x in (0.0, 8.0))
+    scene.fix(wall)
+    ends = [(wall, (0.0, 0.0, 0.0)), (end, (8.0, 0.0, 0.0))]
+    scene.add_cable("stay", ends, EA=30.0, rest=6.0)
+    forces, slopes = Acting(scene, scene.cables).tried(Places(scene.position, scene.frame))
+    assert forces[6:9] == pytest.approx([-10.0, 0, 0])
+    assert slopes.toarray()[6:9, 6:9] == pytest.approx(np.diag([5.0, 1.25, 1.25]), abs=1e-6)
+
+
+@pytest.mark.parametrize("unit", [1.0, 20.0])
+def test_a_joint_that_springs_and_a_cable_hold_goes_by_their_balance(unit):
+    """The second of two panels hangs between a spring, a cable and its weight; its rate decides the
+    works of all. In lengths of any size: the moments are the same."""
+    size, pull, weight, k = unit, 3.0, 0.4, 0.5
+    scene = fpm.Scene("chain")
+    wall, first, second = (
+        int(scene.add_particles((x * size, 0, 0), 2.0, 0.1)[0]) for x in (0.0, 0.5, 1.5)
+    )
+    scene.fix(wall)
+    scene.add_hinge("h1", (wall, first), (0, 0, 0), (0, 0, 1), opening=0.0)
+    scene.add_hinge("h2", (first, second), (size, 0, 0), (0, 0, 1), opening=0.0)
+    scene.add_torsion_spring(1, k, 0.3)
+    ends = [(wall, (size, 2.0 * size, 0.0)), (second, (2.0 * size, 0.0, 0.0))]
+    scene.add_cable("stay", ends, EA=pull / size, rest=1.5 * size)
+    scene.gravity = (0, -weight / (2.0 * 0.5 * size), 0)
+
+    def energies(one, two):  # of the spring, the cable and the weight, by lengths of 1
+        heights = 0.5 * np.sin(one) + np.sin(one) + 0.5 * np.sin(one + two)
+        tip = np.cos(one) + np.cos(one + two), np.sin(one) + np.sin(one + two)
+        stretch = np.hypot(1 - tip[0], 2 - tip[1]) / 1.5 - 1
+        return np.array([k * (two - 0.3) ** 2 / 2, pull * 1.5 * max(stretch, 0) ** 2 / 2,
+                         2 * weight * heights])  # fmt: skip
+
+    def slope(of, at, step=1e-5):
+        return (of(at + step) - of(at - step)) / (2 * step)
+
+    def balanced(one):
+        return brentq(lambda two: slope(lambda x: energies(one, x).sum(), two), -2, 2, xtol=1e-13)
+
+    found = lead(scene, "h1", 0.0, 0.6, positions=7)
+    expected = [slope(lambda x: -energies(x, balanced(x)), one, 1e-4) for one in found.opening]
+    names = ("torsion spring h2", "cable stay", "weight 0")
+    works = np.array([found.work[name] for name in names]).T
+    assert works == pytest.approx(np.array(expected), rel=1e-4, abs=1e-5)
+    assert np.abs(works).max(axis=0).min() > 0.05, "each of them does work"
 
 
 def test_an_opening_that_leaves_others_free_is_refused():

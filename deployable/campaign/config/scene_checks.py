@@ -37,7 +37,7 @@ from deployable.intervals import IntervalError, check_spline_runs, held_out_poin
 from deployable.intervals.scalars.requirements import ENDS
 from fpm.errors import meant
 from fpm.files.outcome import eventful
-from fpm.reading.margins import read_label, travel_of
+from fpm.reading.margins import driving, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.variables import numbers
 from fpm.solver.pack import topology
@@ -192,7 +192,8 @@ def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> l
     """Whether a margin by the factors of a spring that is out is without one, of several."""
     if "spring out" not in curve.about:
         return []
-    springs = [name for name in springs_of(experiment.nominal_scene) if work[name].max() > 0]
+    drive = driving(work)
+    springs = [name for name in springs_of(experiment.nominal_scene) if name in drive]
     out = list(experiment.responses[curve.name].get("without", ()))
     if len(springs) > 1 and len(out) == 1 and out[0] in springs:
         return []

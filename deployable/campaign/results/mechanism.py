@@ -73,12 +73,12 @@ def margin_of(
     worst = tuple(experiment.nominal) if None in worst else worst
     curves, label = led(worst, response), response.columns[0][1]
     budget = margins.torque_budget(response, curves)
-    drives = {
-        margins.read_label(of)[1]
-        for found in (curves, led(tuple(experiment.nominal), response))
-        for (name, of), work in found.columns.items()
-        if name == margins.WORK and np.max(work) > 0
-    }
+    drives = set()
+    for found in (curves, led(tuple(experiment.nominal), response)):
+        drives |= set(margins.driving({
+            margins.read_label(of)[1]: work
+            for (name, of), work in found.columns.items() if name == margins.WORK
+        }))  # fmt: skip
     stowed = margins.read_label(label)[0].first is None
     starts = [hinge.opening for s in scenes for hinge in s.hinges if hinge.name == openings[0]]
     on = {i for i, hinge in enumerate(nominal.hinges) if hinge.name in openings}

@@ -423,7 +423,8 @@ class _Sheet:
         led = {name for other in self._margins.values() if other["standard"] == margin["standard"]
                for name in other["openings"]}  # fmt: skip
         if stand := [name for name in margin["stand"] if name not in led]:
-            reasons.append(f"{', '.join(stand)}, which stand{'s' * (len(stand) == 1)}, is not led")
+            is_not = "stands, is not" if len(stand) == 1 else "stand, are not"
+            reasons.append(f"{', '.join(stand)}, which {is_not} led")
         if margin["weaker"]:
             reasons.append(f"the structure's file counts {', '.join(margin['weaker'])}")
         return reasons

@@ -78,6 +78,9 @@ AGREES = 0.2
 share of itself; beyond, it is halved, as it may have come upon another assembly of the same joints.
 """
 
+MOST_HALVED = 1000
+"""Motions that are halved on a whole way at most; a jump takes some 300, with positions about it."""
+
 BEHIND = 1e-4
 """Share of the way by which what only resists has come straight to a position."""
 
@@ -437,6 +440,7 @@ class _Path:
         self._free = self._moving(self.places)
         self.tangent = np.zeros(len(self._scales))
         self._tangents: list[np.ndarray] = []
+        self._halved = 0
         self._jumps: list[float] = []  # openings at which it left its way
         self._opened = [float(hinge.opening) for hinge in scene.hinges]
         self._ease = self.balance.ease(self.places, self._scales)
@@ -459,6 +463,12 @@ class _Path:
                 raise
         self.places, self.opening, self.tangent, self._impulses, self._opened = before
         self._tangents = tangents
+        self._halved += 1
+        if self._halved > MOST_HALVED:
+            raise SceneError(
+                f"opening {self.name}", f"{value:.6g}", "a way on which motions agree with the "
+                "rates at their ends; here they jump from place to place"
+            )  # fmt: skip
         self.to(0.5 * (before[1] + value), depth + 1)
         self.to(value, depth + 1)
 

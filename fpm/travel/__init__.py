@@ -79,7 +79,7 @@ share of itself; beyond, it is halved, as it may have come upon another assembly
 """
 
 MOST_HALVED = 1000
-"""Motions that are halved on a whole way at most; a jump takes some 300, with positions about it."""
+"""Motions that are halved on a whole way at most; a jump takes some 300, with those about it."""
 
 BEHIND = 1e-4
 """Share of the way by which what only resists has come straight to a position."""

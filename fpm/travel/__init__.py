@@ -18,7 +18,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -53,6 +53,10 @@ POSITIONS = 31
 
 CLOSE = 1e-6
 """By how much what is interpolated may miss at a tested position, as a share of all that acts."""
+
+CLOSE_IN_BEARINGS = 1e-4
+"""The same of bearings: where joints hold twice what others hold, as out of the plane of a planar
+loop, their forces are known to some 1e-5 only (rounding over the 1e-10 by which joints give)."""
 
 LEAST = 1e-6
 """Share of the most that acts anywhere, below which nothing is told apart."""
@@ -175,6 +179,7 @@ def lead(
         """By how much values are not as expected, in shares of what may be."""
         off, acts = np.abs(values - expected), np.abs(values[:works]).sum()
         most = CLOSE * max(acts, LEAST * largest)
+        off[len(parts) : works] *= CLOSE / CLOSE_IN_BEARINGS
         heavy = off[works + 1] / (10 * CLOSE * values[works + 1])
         strained = off[works] / (distance * abs(last - first) * most)
         return max(off[:works].max(initial=0.0) / most, heavy, strained * (distance > RESOLVED))
@@ -183,7 +188,7 @@ def lead(
     for place in np.linspace(0.0, 1.0, count):
         found.add(float(place))
     if positions is None:
-        _add_bends(scene, found, works + 2, len(rubbing))
+        _add_bends(scene, found, works + 2)
         largest = max(np.abs(values[:works]).sum() for values in found.values) + TINY
         if not found.refine(missed):
             raise SceneError(
@@ -199,14 +204,16 @@ def lead(
     return Travel(first + way * (last - first), work, inertia)
 
 
-def _add_bends(scene, found: Places, openings: int, rubbing: int) -> None:
+def _add_bends(scene, found: Places, openings: int) -> None:
     """Add the places at which elements bend, and at which joints that rub turn back.
 
-    openings: the first column of the values that is one; behind them as many rates as `rubbing`.
+    openings: the first column of the values that is one; behind them are rates of joints that rub.
     """
     bends = [(openings + hinge, angle) for hinge, angle in sorted(set(_bends(scene)))]
     rates = openings + len(scene.hinges)
-    bends += [(rates + i, 0.0) for i in range(rubbing)]
+    sizes = np.abs(np.array(found.values)[:, rates:]).max(axis=0)
+    moving = np.flatnonzero(sizes > NEAR * sizes.max(initial=0.0))  # what rests turns by rounding
+    bends += [(rates + int(i), 0.0) for i in moving]
     for column, angle in bends:
         for ends in list(pairwise(found.at)):
             off = [found.add(place)[column] - angle for place in ends]
@@ -550,6 +557,16 @@ class _Path:
         motion = SimpleNamespace(velocity=shift, spin=turn)
         return [float(rate_at(self.places, self.scene.hinges[h], motion)) for h in hinges]
 
+    def _opens(self, hinge: Any) -> np.ndarray:
+        """By how much an opening goes with each degree of freedom (6n,), as it is here."""
+        way = np.zeros((len(self.scene.mass), 2, 3))
+        for particle, kind, axis in product(hinge.particles, range(2), range(3)):
+            unit = np.zeros_like(way)
+            unit[particle, kind, axis] = 1.0
+            motion = SimpleNamespace(velocity=unit[:, 0], spin=unit[:, 1])
+            way[particle, kind, axis] = rate_at(self.places, hinge, motion)
+        return way.ravel()
+
     def in_bearings(self, friction: np.ndarray) -> list[float]:
         """Virtual work of the friction by the forces of joints: all of a hinge's, those across a
         slide, in the balance with all friction; `friction` (6n,): that of what else only resists.
@@ -563,10 +580,8 @@ class _Path:
             return []
         hinges = [self.scene.hinges[number] for number in self.scene.bearings]
         rates = np.array(self.rates(list(self.scene.bearings)))
-        held = conditions_of(self.scene, [hinge.name for hinge in hinges])
-        ways = _rows(held, self.places)[-len(hinges) :].toarray()
-        pushes = [-lever * np.sign(way @ self.tangent) * way
-                  for lever, way in zip(levers, ways, strict=True)]  # fmt: skip
+        pushes = [-lever * np.sign(rate) * self._opens(hinge)
+                  for lever, rate, hinge in zip(levers, rates, hinges, strict=True)]  # fmt: skip
         none = np.zeros(len(self._weight))
         first, *more = (self._solve(forces, none)[1] for forces in (friction, *pushes))
         of, joints = self._conditions, np.array(self._conditions.joint)
@@ -595,7 +610,8 @@ class _Path:
 
     def _locks(self, hinges: Sequence[Any], forces: np.ndarray) -> None:
         """Raise SceneError: the bearing with the largest force locks itself."""
-        name = hinges[int(np.argmax(forces))].name
+        levers = np.array(list(self.scene.bearings.values()))
+        name = hinges[int(np.argmax(levers * forces))].name
         raise SceneError(
             f"bearing {name}", f"locked where opening {self.name} is {self.opening:.6g}",
             "a way on which no bearing's friction presses its joint harder than it is pushed "

@@ -1,6 +1,7 @@
 """An opening led slowly: the virtual work of what acts, against closed forms and against kinematics
 that is worked out here."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -338,6 +339,26 @@ def test_bearings_rub_by_forces_in_the_balance_with_their_friction():
         assert found.work["bearing rail"] == pytest.approx(-mu * expected * np.abs(rate), rel=1e-6)
 
 
+def test_the_couple_of_a_bearing_acts_about_its_hinge_however_far_that_has_turned():
+    """The piston's bearing at the wrist, of lever m = mu r: with the force F along x from the load
+    P and N across it, the rod's balance about the pin is P l sin a - N l cos a = m |(P, N)|, or
+    with the other sign where the rod turns back."""
+    text = CRANK.replace("{type: bearing, joint: rail, mu: mu}",
+                         "{type: bearing, joint: wrist, mu: mu, radius: 100 mm}")  # fmt: skip
+    scene = structures.loads(text).build(push=4.0, mu=0.4, t0=10.0)
+    found = lead(scene, "main", np.radians(10), np.radians(170))
+    angle, lever = found.opening, 0.04
+    sine = 0.2 * np.sin(angle) / ROD
+    turn = -0.2 * np.cos(angle) / (ROD * np.sqrt(1 - sine**2))  # of the rod, against the ground
+    force = np.full_like(angle, 4.0)
+    for _ in range(100):
+        couple = lever * force * np.sign(turn)
+        across = (4.0 * ROD * sine - couple) / (ROD * np.sqrt(1 - sine**2))
+        force = np.hypot(4.0, across)
+    expected = -lever * force * np.abs(turn)
+    assert found.work["bearing wrist"] == pytest.approx(expected, rel=1e-4, abs=1e-9)
+
+
 @pytest.mark.parametrize(("mu", "locks"), [(0.29, False), (0.31, True)])
 def test_a_way_on_which_a_bearing_locks_itself_is_refused(mu, locks):
     """The rod's largest slope to the rail is 0.48/sqrt(0.5^2 - 0.48^2) = 3.43 = 1/0.2917."""
@@ -351,3 +372,30 @@ def test_a_way_on_which_a_bearing_locks_itself_is_refused(mu, locks):
         slope = sine / np.sqrt(1 - sine**2)
         expected = 4.0 * slope / (1 - mu * slope)
         assert found.work["bearing rail"] == pytest.approx(-mu * expected * np.abs(rate), rel=1e-5)
+
+
+@pytest.mark.slow
+def test_a_planar_loop_with_bearings_is_led_alike_however_it_lies_in_space():
+    """Out of its plane forces are not determined, and rounding turns with the axes."""
+    axes = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    axes[:, 2] *= np.linalg.det(axes)
+    flat = CRANK.replace(
+        "  guide:", "  round: {type: bearing, joint: wrist, mu: mu, radius: 9 mm}\n  guide:"
+    )
+    turned = flat
+    for name, x, y in (("A", "r*cos(t0)", "r*sin(t0)"),
+                       ("B", "r*cos(t0) + sqrt((0.5 m)**2 - (r*sin(t0))**2)", "0 m")):  # fmt: skip
+        place = ", ".join(f"({a:.17g})*({x}) + ({b:.17g})*({y})" for a, b in axes[:, :2])
+        turned = re.sub(rf"  {name}: \[.*\]", f"  {name}: [{place}]", turned)
+    z, x = (str([float(a) for a in axes[:, i]]) for i in (2, 0))
+    turned = turned.replace("axis: z", f"axis: {z}").replace("axis: x", f"axis: {x}")
+    force = ", ".join(f"({a:.17g})*push" for a in axes[:, 0])
+    turned = turned.replace("force: [push, 0, 0]", f"force: [{force}]")
+    works = []
+    for text in (flat, turned):
+        scene = structures.loads(text).build(push=4.0, mu=0.3, rub=0.5)
+        way = lead(scene, "main", np.radians(10), np.radians(200))
+        at = np.radians(np.linspace(11, 199, 40))
+        works.append([np.interp(at, way.opening, way.work[name]) for name in
+                      ("bearing rail", "bearing wrist", "dry", "spring")])  # fmt: skip
+    np.testing.assert_allclose(works[1], works[0], atol=2e-3)

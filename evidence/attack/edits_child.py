@@ -42,9 +42,9 @@ def numbers_in(path: Path) -> dict[str, str]:
 
 
 def words(error: Exception, results: Path) -> str:
-    """Those of an error, wherever the results and things in memory are."""
+    """Those of an error, wherever the results and things in memory are, in whichever process."""
     text = f"{type(error).__name__}: {error}".replace(str(results), "")
-    return re.sub("0x[0-9a-f]+", "", text)
+    return re.sub(r"0x[0-9a-f]+|-\d+\.part", "", text)
 
 
 def run_whole(campaigns: list, results: Path) -> dict:

@@ -538,7 +538,7 @@ def test_bounds_of_a_margin_over_five_parameters(tmp_path):
         "design": {"method": "smolyak", "order": 2},
         "responses": {"open": {"opening": "h"}},
         "margins": {"m": {"along": "h", "to": "90 deg", "standard": ECSS,
-                          "classes": {"spring h": "HA"}}},
+                          "classes": {"wires": "HA"}}},
         "review": ECSS,
     }  # fmt: skip
     campaign.run(config, tmp_path, tell=lambda text: None)

@@ -91,7 +91,7 @@ def margin_of(
         "openings": list(openings),
         "without": left_out(response),
         "stand": list(definition.get("stand", ())),
-        "starts_vary": stowed and np.ptp(starts) > SAME,
+        "starts_vary": bool(stowed and np.ptp(starts) > SAME),
         "first": along.first,
         "last": along.last,
         "unit": along.unit,

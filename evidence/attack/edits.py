@@ -166,7 +166,8 @@ class Edits:
         return {
             "simulated": old["simulated"],
             "changed": not new["numbers"].items() <= self.base["numbers"].items(),
-            "stale": _apart(old, new),
+            # A program that fails where a folder is, or is not, there yet left nothing old.
+            "stale": [] if _only_failed(old, new) else _apart(old, new),
         }
 
     def session(
@@ -232,6 +233,12 @@ class Edits:
             for name in _apart(new, twice):
                 old["numbers"].pop(name, None), new["numbers"].pop(name, None)
         return [old, new]
+
+
+def _only_failed(old: dict, new: dict) -> bool:
+    """Whether nothing comes from scratch but an error, and runs that were there were made again."""
+    fails = set(new["numbers"]) == {"failed"}
+    return fails and bool(old["simulated"]) and all(old["simulated"].values())
 
 
 def _apart(one: dict, other: dict) -> list[str]:

@@ -427,6 +427,34 @@ def _turned(first: np.ndarray, last: np.ndarray) -> np.ndarray:
     return axis * (np.arctan2(sine, cosine) / np.maximum(sine, TINY))[:, None]
 
 
+def _forces_with_friction(
+    base: Sequence[np.ndarray], slopes: Sequence[np.ndarray]
+) -> tuple[np.ndarray, bool]:
+    """The forces F (b,) N in bearings with their own friction, and whether there are such forces.
+
+    F_i = |base_i + slopes_i F|, base_i (r,) being the force in joint i without the bearings'
+    friction, slopes_i (r, b) how it goes with theirs. The solution is followed by Newton's method
+    from no friction on; where its equations become singular, a bearing locks itself.
+    """
+    forces = np.array([np.linalg.norm(x) for x in base])
+    for share in np.linspace(0.0, 1.0, 1 + SHARES)[1:]:
+        for _ in range(ROUNDS):
+            borne = [x + share * c @ forces for x, c in zip(base, slopes, strict=True)]
+            size = np.array([np.linalg.norm(x) for x in borne])
+            jacobian = np.eye(len(size)) - share * np.stack([
+                x @ c / max(f, TINY) for x, c, f in zip(borne, slopes, size, strict=True)
+            ])  # fmt: skip
+            if np.linalg.det(jacobian) < LOCKED:
+                return forces, False
+            change = np.linalg.solve(jacobian, size - forces)
+            forces = np.maximum(forces + change, 0.0)
+            if np.abs(change).max() <= 1e-10 * forces.max(initial=TINY):
+                break
+        else:
+            return forces, False
+    return forces, True
+
+
 class _Path:
     """Where a scene is on its way, `places`, with the motion `tangent` (6n,) per unit of the
     opening."""
@@ -468,7 +496,7 @@ class _Path:
         except MisfitError:
             if jumped or not tangents or value == before[1] or depth == HALVINGS:
                 raise
-        self.places, self.opening, self.tangent, self._impulses, self._opened = before
+        self.restore(before)
         self._tangents = tangents
         self._halved += 1
         if self._halved > MOST_HALVED:
@@ -571,9 +599,7 @@ class _Path:
         """Virtual work of the friction by the forces of joints: all of a hinge's, those across a
         slide, in the balance with all friction; `friction` (6n,): that of what else only resists.
 
-        Each force goes linearly with the frictions, F = |f + sum_j c_j mu_j F_j|; the solution is
-        followed from no friction on. SceneError where friction presses its joint harder than it is
-        pushed, so that there is none: self-locking.
+        SceneError where friction presses its joint harder than it is pushed: self-locking.
         """
         levers = np.array(list(self.scene.bearings.values()))
         if not len(levers):
@@ -584,39 +610,21 @@ class _Path:
                   for lever, rate, hinge in zip(levers, rates, hinges, strict=True)]  # fmt: skip
         none = np.zeros(len(self._weight))
         first, *more = (self._solve(forces, none)[1] for forces in (friction, *pushes))
-        of, joints = self._conditions, np.array(self._conditions.joint)
-        own = [(joints == hinge.joint) & (of.how != NORMAL) for hinge in hinges]
+        joints, pushing = np.array(self._conditions.joint), self._conditions.how != NORMAL
+        own = [(joints == hinge.joint) & pushing for hinge in hinges]
         for rows in own:
             rows[-self._leading :] = False
         base = [(self._weight * (self._impulses + first))[rows] for rows in own]
         slopes = [np.stack([(self._weight * each)[rows] for each in more], axis=1) for rows in own]
-        forces = np.array([np.linalg.norm(x) for x in base])
-        for share in np.linspace(0.0, 1.0, 1 + SHARES)[1:]:
-            for _ in range(ROUNDS):
-                borne = [x + share * c @ forces for x, c in zip(base, slopes, strict=True)]
-                size = np.array([np.linalg.norm(x) for x in borne])
-                jacobian = np.eye(len(size)) - share * np.stack([
-                    x @ c / max(f, TINY) for x, c, f in zip(borne, slopes, size, strict=True)
-                ])  # fmt: skip
-                if np.linalg.det(jacobian) < LOCKED:
-                    self._locks(hinges, forces)
-                change = np.linalg.solve(jacobian, size - forces)
-                forces = np.maximum(forces + change, 0.0)
-                if np.abs(change).max() <= 1e-10 * forces.max(initial=TINY):
-                    break
-            else:
-                self._locks(hinges, forces)
+        forces, solved = _forces_with_friction(base, slopes)
+        if not solved:
+            name = hinges[int(np.argmax(levers * forces))].name
+            raise SceneError(
+                f"bearing {name}", f"locked where opening {self.name} is {self.opening:.6g}",
+                "a way on which no bearing's friction presses its joint harder than it is pushed "
+                "(self-locking): less `mu`, or a way that ends before"
+            )  # fmt: skip
         return [*(-levers * forces * np.abs(rates))]
-
-    def _locks(self, hinges: Sequence[Any], forces: np.ndarray) -> None:
-        """Raise SceneError: the bearing with the largest force locks itself."""
-        levers = np.array(list(self.scene.bearings.values()))
-        name = hinges[int(np.argmax(levers * forces))].name
-        raise SceneError(
-            f"bearing {name}", f"locked where opening {self.name} is {self.opening:.6g}",
-            "a way on which no bearing's friction presses its joint harder than it is pushed "
-            "(self-locking): less `mu`, or a way that ends before"
-        )  # fmt: skip
 
     def check(self) -> None:
         """SceneError unless the opening decides the motion of everything else."""

@@ -50,15 +50,14 @@ def pytest_make_collect_report(collector: pytest.Collector):
 
 
 ABSENT = "not installed", "in the extra", "could not import"
-LEFT_OUT = "slurm", "ParaView", "is not set"
-"""What CI does not install: a cluster, whose tests wait for minutes, a library of 140 MB, and peers
-that need environments of their own, which variables name."""
+LEFT_OUT = "is not set"
+"""What CI does not install: peers that need environments of their own, which variables name."""
 
 
 def _installed(report):
     """With MAY_SKIP=no, as CI has it, a test that is skipped for what could be installed fails."""
     if report.skipped and isinstance(report.longrepr, tuple) and os.environ.get("MAY_SKIP") == "no":
         reason = report.longrepr[2]
-        if any(a in reason for a in ABSENT) and not any(name in reason for name in LEFT_OUT):
+        if any(a in reason for a in ABSENT) and LEFT_OUT not in reason:
             report.outcome, report.longrepr = "failed", f"{reason}: CI has to install it"
     return report

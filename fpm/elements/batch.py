@@ -192,7 +192,7 @@ class Batch:
         rows, ones = [self.rows.of[kind] for kind, _ in watching], np.ones(self.width)
         return World(
             state=self.stack(n, at.STATE, _state),
-            kept=self.blank(n, at.STATE),
+            start_state=self.blank(n, at.STATE),
             particles=self.stack(n, at.PARTICLE, _particles),
             free=self.integers([] if any(kind.moves_free for kind in self.kinds) else self.free),
             curve_start=self.integers(np.cumsum([0, *lengths])),
@@ -208,7 +208,7 @@ class Batch:
             most=np.array(
                 [w.most * (size[0, 0] if w.of_size else ones) for _, w in watching]
             ).reshape(-1, self.width),
-            always=np.array([watch.always for _, watch in watching], bool),
+            unconditional=np.array([watch.unconditional for _, watch in watching], bool),
             watch_rows=self.integers(((r.start, r.stop) for r in rows), 2),
             rows=self._rows,
             undecided=self.integers([0]),

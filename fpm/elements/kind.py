@@ -43,7 +43,7 @@ class Watch(NamedTuple):
 
     name: str
     most: float
-    always: bool
+    unconditional: bool
     failure: Callable[[dict[str, float]], tuple[str, str]]
     of_size: bool = False
     unbalanced: Callable[[str], str] | None = None

@@ -85,10 +85,10 @@ class Outcome(Curves):
         return to_dataset(self, responses, attributes, parameters)
 
 
-def columns_of(recorded: Mapping[str, Recorded]) -> dict[Column, np.ndarray]:
+def columns_of(records: Mapping[str, Recorded]) -> dict[Column, np.ndarray]:
     """The columns (t,) of what was recorded along a dimension."""
     return {
-        (name, label): found.values[:, i]
-        for name, found in recorded.items()
-        for i, label in enumerate(found.labels)
+        (name, label): record.values[:, i]
+        for name, record in records.items()
+        for i, label in enumerate(record.labels)
     }

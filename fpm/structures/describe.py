@@ -25,7 +25,7 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
     scene = found.build()
     cost, mobility = report.cost(scene, duration), report.mobility(scene)
     rows = [[name, *_row(p, name == found.mesh)] for name, p in found.parameters.items()]
-    before = scene.assembly.stated if scene.assembly else [h.opening for h in scene.hinges]
+    before = scene.assembly.openings if scene.assembly else [h.opening for h in scene.hinges]
     joints = [f"{h.name} ({_opening(h, was)})" for h, was in zip(scene.hinges, before, strict=True)]
     joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
     points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]

@@ -311,7 +311,7 @@ class _Work:
         slips the way that its joint goes there, which may have turned back on the way before."""
         for share in (1.0, 0.5) if self.drags else ():
             for each in self.acting:
-                each.forces(places.moved(-share * behind))
+                each.forces(places.displace(-share * behind))
 
     def along(self, places: At, tangent: np.ndarray) -> float:
         """Virtual work: the least of its elements', or the difference to the other one."""
@@ -534,7 +534,7 @@ class _Path:
         step, conditions = value - self.opening, self._held(value)
         weights = AHEAD[len(self._tangents) - 1] if self._tangents else []
         ahead = sum(w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True))
-        places = self.places.moved(step * ahead) if self._tangents else self.places
+        places = self.places.displace(step * ahead) if self._tangents else self.places
         settled = False
         for _ in range(ROUNDS):
             solve, gradient = self._equations(places, conditions, self._ease)
@@ -544,7 +544,7 @@ class _Path:
             if not np.isfinite(largest):
                 break
             share = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
-            places = places.moved(share * self._scales * motion)
+            places = places.displace(share * self._scales * motion)
             self._impulses = self._impulses + share * change
             before, settled = settled, largest <= NEAR and np.abs(lacks).max(initial=0.0) <= NEAR
             if before and settled:

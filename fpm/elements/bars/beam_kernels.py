@@ -107,7 +107,7 @@ def chord_of(part, state, e):
 
 
 @kernel
-def forces(part, world, now):
+def forces(part, world, timing):
     """End forces and moments of all elements.
 
     The chord of the next element is found beside the forces of each: its root and quotient take

@@ -25,7 +25,7 @@ class Viscous(NamedTuple):
 
 
 @hook(Viscous)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Tensions against the rates of the lengths, extrapolated as those of dampers are; what they
     take, by the trapezium rule, is what leapfrog does (losses_kernels.py)."""
     state, past = world.state, part.past
@@ -37,8 +37,8 @@ def forces(part, world, now):
         last = load(past, e, RATE)
         rate = last
         grown = length - load(past, e, LENGTH)
-        if now.time > 0.0:
-            half = grown * (1.0 / now.step)
+        if timing.time > 0.0:
+            half = grown * (1.0 / timing.step)
             rate = 1.5 * half - 0.5 * last
             store(past, e, RATE, half)
         tension = load(part.damping, e, 0) * rate

@@ -144,9 +144,9 @@ def pull_on(part, c, after, turn, slack):
 
 
 @kernel
-def find_tensions(part, world, now, c):
+def find_tensions(part, world, timing, c):
     """Measure cable c, let it slip, and find the tension of every stretch."""
-    length, rest = lay(part, world.state, c), unstrained_now(part, world, now, c)
+    length, rest = lay(part, world.state, c), unstrained_now(part, world, timing, c)
     before, after = load(part.now, c, LONGER), length - rest
     reeled = rest - load(part.now, c, UNSTRAINED)
     store(part.now, c, LONGER_BEFORE, before)
@@ -162,25 +162,25 @@ def find_tensions(part, world, now, c):
 
 
 @hook(RubbingCables)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Pull all points towards their neighbours, each stretch with its own tension."""
     for c in range(part.curve.shape[0]):
         if part.rubs[c]:
-            find_tensions(part, world, now, c)
+            find_tensions(part, world, timing, c)
         else:
-            find_pull(part, world, now, c)
+            find_pull(part, world, timing, c)
         pull_points(part, world.state, c)
 
 
 @kernel
 def gain(part, j, soft):
     """Mean over the step of the energy that leaves stretch j with a metre that comes."""
-    now, before = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
-    return 0.5 * (now + before) + 0.25 * soft * (now * now + before * before)
+    tension, last = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
+    return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
 
 @hook(RubbingCables)
-def work_before(part, world, now):
+def work_before(part, world, timing):
     """Work of the winches, and what friction took, over the step up to now."""
     given, lost = load(world.accounts, 0, part.account), load(world.accounts, 0, part.lost)
     for c in range(part.curve.shape[0]):

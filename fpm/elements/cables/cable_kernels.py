@@ -76,11 +76,11 @@ def lay(part, state, c):
 
 
 @kernel
-def unstrained_now(part, world, now, c):
+def unstrained_now(part, world, timing, c):
     """Unstrained length of cable c."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
-        rest = rest - curve_value(world, part.curve[c], now.time) * load(part.cables, c, REEL)
+        rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
     return rest
 
 
@@ -98,13 +98,13 @@ def missing(after, before):
 
 
 @kernel
-def find_pull(part, world, now, c):
+def find_pull(part, world, timing, c):
     """Measure cable c, and find the force with which it pulls."""
     length = lay(part, world.state, c)
     store(part.now, c, LONGER_BEFORE, load(part.now, c, LONGER))
     store(part.now, c, UNSTRAINED_BEFORE, load(part.now, c, UNSTRAINED))
     store(part.now, c, WINCH_BEFORE, load(part.now, c, WINCH))
-    rest = unstrained_now(part, world, now, c)
+    rest = unstrained_now(part, world, timing, c)
     after, before = length - rest, load(part.now, c, LONGER_BEFORE)
     stiffness = load(part.cables, c, EA) / rest
     pull = stiffness * (where_negative(after, 0.0, after) + missing(after, before))
@@ -131,15 +131,15 @@ def pull_points(part, state, c):
 
 
 @hook(Cables)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Pull all points of the cables towards their neighbours."""
     for c in range(part.curve.shape[0]):
-        find_pull(part, world, now, c)
+        find_pull(part, world, timing, c)
         pull_points(part, world.state, c)
 
 
 @hook(Cables)
-def note_events(part, world, now):
+def note_events(part, world, timing):
     """Note the cables that turned tight or slack since the last step."""
     for c in range(part.curve.shape[0]):
         after = load(part.now, c, LONGER) - TAUT * load(part.now, c, UNSTRAINED)
@@ -149,7 +149,7 @@ def note_events(part, world, now):
             for s in range(part.now.shape[2]):
                 last = part.now[c, LONGER_BEFORE, s] - TAUT * part.now[c, UNSTRAINED_BEFORE, s]
                 this = part.now[c, LONGER, s] - TAUT * part.now[c, UNSTRAINED, s]
-                note_crossing(part.log, s, c, last, this, now)
+                note_crossing(part.log, s, c, last, this, timing)
 
 
 @kernel
@@ -160,7 +160,7 @@ def work_of_winch(part, c):
 
 
 @hook(Cables)
-def work_before(part, world, now):
+def work_before(part, world, timing):
     """Work of the winches over the step up to now."""
     given = load(world.accounts, 0, part.account)
     for c in range(part.curve.shape[0]):

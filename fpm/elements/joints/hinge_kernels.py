@@ -73,10 +73,10 @@ from fpm.kernels.vectors import (
 
 
 @hook(Hinges)
-def prepare(part, world, now):
+def prepare(part, world, timing):
     """Kick the particles of all hinges, and aim the impulses; all forces must be summed."""
     clear(part.sums)
-    prepare_bodies(world, part, now.kick)
+    prepare_bodies(world, part, timing.kick)
     prepare_matrices(part)
     if part.supported:
         prepare_supports(part)
@@ -166,7 +166,7 @@ def ask(part, state, h, rate):
 
 
 @hook(Hinges)
-def move(part, world, now):
+def move(part, world, timing):
     """Move the particles of all hinges by a step, and close the hinges at its end.
 
     What the last round leaves open is watched.
@@ -174,14 +174,14 @@ def move(part, world, now):
     state, ends, open_ = world.state, part.ends, part.open
     b, w = part.body_scratch, part.hinge_scratch
     open_[:] = True
-    rate = 1.0 / now.step
+    rate = 1.0 / timing.step
     for n in range(ROUNDS):
         for h in range(w.shape[0]):
             if open_[h]:
                 on = ends[2 * h], ends[2 * h + 1]
                 if n > 0:
                     restore(b, (2 * h, 2 * h + 1), state, on)
-                move_bodies(state, world.particles, on, now.step)
+                move_bodies(state, world.particles, on, timing.step)
         for h in range(w.shape[0]):
             if open_[h]:
                 ask(part, state, h, rate)
@@ -192,7 +192,7 @@ def move(part, world, now):
         left = False
         for h in range(w.shape[0]):
             if open_[h]:
-                far = distance(w, h, now.step, load(world.size, 0, 0))
+                far = distance(w, h, timing.step, load(world.size, 0, 0))
                 open_[h] = any_negative(far)
                 if open_[h] and n + 1 == ROUNDS:
                     open_[h] = False
@@ -205,22 +205,22 @@ def move(part, world, now):
         if not left:
             break
     for h in range(w.shape[0]):
-        nudge(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, now.step)
+        nudge(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, timing.step)
         count_hinge(part.sums, part, h, ALL)
 
 
 @hook(Hinges)
-def look_back(part, world, now):
+def look_back(part, world, timing):
     """Close the hinges half a step before the start as well (joint_kernels.py)."""
-    kept, ends, b = world.kept, part.ends, part.body_scratch
+    kept, ends, b = world.start_state, part.ends, part.body_scratch
     part.open[:] = True
     for h in range(part.hinge_scratch.shape[0]):
         on = ends[2 * h], ends[2 * h + 1]
-        put3(kept, on, X, get3(kept, on, X) - now.step * get3(kept, on, V))
+        put3(kept, on, X, get3(kept, on, X) - timing.step * get3(kept, on, V))
         axes = frame(kept, on)
         back = -1.0 * get3(world.particles, on, HALF)
         put_turned(kept, on, axes, half_turn(to_local(axes, get3(kept, on, P)), back))
-        ask(part, kept, h, 0.5 / now.step)
+        ask(part, kept, h, 0.5 / timing.step)
     find_impulses(part)
     for h in range(part.hinge_scratch.shape[0]):
         on, rows = (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1)
@@ -257,16 +257,16 @@ report_gaps(Hinges, opened)
 
 
 @hook(Hinges)
-def record_step(part, world, row, now):
+def record_step(part, world, row, timing):
     """Record the constraint forces of the step, where they are counted."""
-    record_sums(part.sums, part.forces, row, now)
+    record_sums(part.sums, part.forces, row, timing)
 
 
 @kernel
-def record_sums(sums, forces, row, now):
+def record_sums(sums, forces, row, timing):
     """The sums as forces."""
     if sums is not None:
         count = sums.shape[0]
         for h in range(count):
             for k in range(SUMS):
-                store(forces, row * count + h, k, (1.0 / now.kick) * load(sums, h, k))
+                store(forces, row * count + h, k, (1.0 / timing.kick) * load(sums, h, k))

@@ -73,10 +73,10 @@ from fpm.kernels.vectors import (
 
 
 @hook(Joints)
-def prepare(part, world, now):
+def prepare(part, world, timing):
     """Kick the bodies of all joints, and aim the impulses; all forces must be summed."""
     clear(part.sums)
-    kick_bodies(part, world.state, now.kick)
+    kick_bodies(part, world.state, timing.kick)
     find_rows(part, world.state)
     build(part)
     factorise(part)
@@ -222,16 +222,16 @@ def nudge(part, state, s, step):
 
 
 @hook(Joints)
-def move(part, world, now):
+def move(part, world, timing):
     """Move the bodies of all joints by a step, and close the joints at its end.
 
     What the last round leaves open is watched.
     """
     state, rows = world.state, part.rows
-    inverse_step = 1.0 / now.step
+    inverse_step = 1.0 / timing.step
     most = coarse(1.0, load(world.size, 0, 0))
     for n in range(ROUNDS):
-        move_bodies(part, state, n > 0, now.step)
+        move_bodies(part, state, n > 0, timing.step)
         far = 0.0 * load(state, 0, X) + 1.0
         for j in range(part.types.shape[0]):
             gap2, tilt2 = find_gaps(part, state, j)
@@ -252,12 +252,12 @@ def move(part, world, now):
             push_where_far(part, state, s, far)
         count_joints(part, far)
     for s in range(part.on.shape[0]):
-        nudge(part, state, s, now.step)
+        nudge(part, state, s, timing.step)
     count_joints(part, ALL)
 
 
 @hook(Joints)
-def look_back(part, world, now):
+def look_back(part, world, timing):
     """Close the joints half a step before the start as well.
 
     The impulses of the first kick also close gaps of the third order in the step. As those of all
@@ -266,10 +266,10 @@ def look_back(part, world, now):
     a step before the start as well, mu, belong to them, and the impulses of both kicks are twice
     those of the first less mu.
     """
-    move_back(part, world.kept, now.step)
+    move_back(part, world.start_state, timing.step)
     for j in range(part.types.shape[0]):
-        find_gaps(part, world.kept, j)
-    close_before(part, world.kept, now.step)
+        find_gaps(part, world.start_state, j)
+    close_before(part, world.start_state, timing.step)
 
 
 @kernel
@@ -303,25 +303,25 @@ def close_before(part, kept, step):
 
 
 @hook(Joints)
-def work_after(part, world, now):
+def work_after(part, world, timing):
     """Work of what drives bodies, against the impulses of the joints on them."""
     state, b = world.state, part.body_scratch
     total = 0.0 * load(state, 0, X)
     for s in range(part.on.shape[0]):
         if part.driven[s]:
             i = part.on[s]
-            v = (1.0 / now.step) * (get3(state, i, X) - get3(b, s, OLD_X))
+            v = (1.0 / timing.step) * (get3(state, i, X) - get3(b, s, OLD_X))
             axes = frame(state, i)
             first = cross(get3(b, s, OLD_D2), get3(b, s, OLD_D3))
             turned = cross(first, axes[0]) + cross(get3(b, s, OLD_D2), axes[1])
             turned = turned + cross(get3(b, s, OLD_D3), axes[2])
-            spin = (0.5 / now.step) * turned
+            spin = (0.5 / timing.step) * turned
             force, moment = get3(b, s, ALL_FORCE), get3(b, s, ALL_MOMENT)
             # An impulse acts over the half steps before and after an instant, the first one only
             # after: what it did before is due at the instant, which is recorded already.
             work = -1.0 * (dot(force, v) + dot(moment, spin))
             due = 0.0 * work
-            if now.kick == now.step:
+            if timing.kick == timing.step:
                 due = dot(force, get3(b, s, LAST_V)) + dot(moment, get3(b, s, LAST_SPIN))
                 work, due = 0.5 * work, -0.5 * due
             total = total + work + due
@@ -346,13 +346,13 @@ report_gaps(Joints, find_gaps)
 
 
 @hook(Joints)
-def record_step(part, world, row, now):
+def record_step(part, world, row, timing):
     """Record the constraint forces of the step, where they are counted."""
-    record_sums(part.sums, part, row, now)
+    record_sums(part.sums, part, row, timing)
 
 
 @kernel
-def record_sums(sums, part, row, now):
+def record_sums(sums, part, row, timing):
     """The sums as forces, in the order of the scene.
 
     Of moments only those about axes about which a body may turn.
@@ -363,7 +363,7 @@ def record_sums(sums, part, row, now):
             force = 0.0 * get3(rows, 0, ALONG)
             first, second = force, force
             for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
-                impulse = (1.0 / now.kick) * load(sums, r, 0)
+                impulse = (1.0 / timing.kick) * load(sums, r, 0)
                 force = force + impulse * get3(rows, r, ALONG)
                 first = first + impulse * get3(rows, r, TURN1)
                 second = second + impulse * get3(rows, r, TURN2)

@@ -48,15 +48,15 @@ class RigidFrictions(NamedTuple):
 
 
 @hook(RigidFrictions)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Brake what slips. A blow of the step before still counts, whose rest comes in this one."""
     blow = load(part.turns.blow, 0, 0)
     store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
     for i in range(part.on.shape[0]):
         h = part.on[i]
-        if now.time > 0.0:
+        if timing.time > 0.0:
             store(part.past, i, EARLIER, load(part.past, i, LAST))
-            store(part.past, i, LAST, half_rate(part.openings, h, now))
+            store(part.past, i, LAST, half_rate(part.openings, h, timing))
         held = load(part.turns.state, part.turn[i], HOLDS)
         brake = -1.0 * load(part.state, i, WAY) * load(part.numbers, i, 0)
         brake = where_negative(held, 0.0, brake)
@@ -70,7 +70,7 @@ account(RigidFrictions, WORKS, -1.0)
 
 
 @kernel
-def turning(part, i, now):
+def turning(part, i, timing):
     """Share of the kick until an opening stands, and how far (rad) it goes still until then.
 
     Its rate would fall in this kick to one below zero. If it fell so before, it stands at the
@@ -81,17 +81,17 @@ def turning(part, i, now):
     last = where_negative(last, 0.0, last)
     fall = last - way * load(part.turns.state, part.turn[i], RATE)
     fell = way * load(part.past, i, EARLIER) - last
-    vertex = 0.5 * now.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
-    sudden = 0.5 * now.kick * last * last / fall
+    vertex = 0.5 * timing.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
+    sudden = 0.5 * timing.kick * last * last / fall
     blow = fell - 0.5 * fall
     share = last / fall
-    if now.time > 0.0:
+    if timing.time > 0.0:
         share = where_negative(blow, 0.5 + load(part.turns.blow, 0, 0), share)
     return share, where_negative(-last, where_negative(blow, sudden, vertex), 0.0)
 
 
 @hook(RigidFrictions)
-def decide(part, world, now):
+def decide(part, world, timing):
     """Let go where more is needed than it bears, turn round or stick where it comes to stand.
 
     What would turn round is braked until it stands and pushed the other way from then on; if it
@@ -101,31 +101,31 @@ def decide(part, world, now):
     for i in range(part.on.shape[0]):
         t, left = part.turn[i], load(part.state, i, LEFT)
         held, way = load(part.turns.state, t, HOLDS), load(part.state, i, WAY)
-        over = load(part.numbers, i, 0) - absolute(needed_by(part, i, now))
+        over = load(part.numbers, i, 0) - absolute(needed_by(part, i, timing))
         back = where_negative(held, 1.0, way * load(part.turns.state, t, RATE))
         changed = left - (CHANGES - 0.5)
         slips = where_negative(held, over, 1.0)
         turns = where_negative(changed, 1.0, back)
         sticks = where_negative(changed, where_negative(left - 1.5, 1.0, back), 1.0)
         if any_negative(slips) or any_negative(turns) or any_negative(sticks):
-            change(part, world, now, i, slips, turns, sticks)
+            change(part, world, timing, i, slips, turns, sticks)
 
 
 @kernel
-def needed_by(part, i, now):
+def needed_by(part, i, timing):
     """Moment (N m) that held element i in this step."""
-    return (1.0 / now.kick) * load(part.turns.state, part.turn[i], NEEDED)
+    return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], NEEDED)
 
 
 @kernel
-def slipping(part, i, full, now):
+def slipping(part, i, full, timing):
     """Moment (N m) with which it lets go in this step, from how it was held to the full one.
 
     Of a load that grows, both are the same to the first order. A blow comes amid the kick, or a
     share of the step after (before) that: what the next kick (the last) had too little of being
     held, this one has.
     """
-    if now.time == 0.0:
+    if timing.time == 0.0:
         return full
     after = load(part.turns.blow, 0, 0)
     mean = (0.5 - after) * full + (0.5 + after) * load(part.state, i, WORKS + HELD_BY)
@@ -134,16 +134,16 @@ def slipping(part, i, full, now):
 
 
 @kernel
-def change(part, world, now, i, slips, turns, sticks):
+def change(part, world, timing, i, slips, turns, sticks):
     """Let go, turn or stick in the lanes in which these are below zero."""
     t, h, most = part.turn[i], part.on[i], load(part.numbers, i, 0)
     way, before = load(part.state, i, WAY), load(part.state, i, BRAKE)
-    sign = where_negative(needed_by(part, i, now), -1.0, 1.0)
-    share, ahead = turning(part, i, now)
-    brake = where_negative(slips, slipping(part, i, sign * most, now), before)
+    sign = where_negative(needed_by(part, i, timing), -1.0, 1.0)
+    share, ahead = turning(part, i, timing)
+    brake = where_negative(slips, slipping(part, i, sign * most, timing), before)
     brake = where_negative(turns, (1.0 - 2.0 * share) * way * most, brake)
     brake = where_negative(sticks, 0.0, brake)
-    push(part.openings, world.state, h, now.kick * (brake - before))
+    push(part.openings, world.state, h, timing.kick * (brake - before))
     store(part.state, i, BRAKE, brake)
     store(part.state, i, WAY, where_negative(slips, -sign, where_negative(turns, -way, way)))
     held = where_negative(slips, 1.0, load(part.turns.state, t, HOLDS))
@@ -158,10 +158,10 @@ def change(part, world, now, i, slips, turns, sticks):
 
 
 @hook(RigidFrictions)
-def work_after(part, world, now):
+def work_after(part, world, timing):
     """What it loses in the half step up to now by the moments of this step."""
     for i in range(part.on.shape[0]):
-        moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], now)
+        moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
         late = moment - load(part.state, i, TOLD)
         tell_late(part.openings.told, part.openings, part.on[i], late)
         end_work_of(part, world, i, moment, WORKS, -1.0)

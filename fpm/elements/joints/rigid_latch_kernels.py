@@ -64,22 +64,22 @@ account(RigidLatches, WORKS, -1.0)
 
 
 @hook(RigidLatches)
-def prepare(part, world, now):
+def prepare(part, world, timing):
     """Keep the rates of the step before."""
-    if now.time > 0.0:
+    if timing.time > 0.0:
         for i in range(part.on.shape[0]):
-            store(part.past, i, LAST, half_rate(part.openings, part.on[i], now))
+            store(part.past, i, LAST, half_rate(part.openings, part.on[i], timing))
 
 
 @kernel
-def foreseen(part, i, now):
+def foreseen(part, i, timing):
     """Opening (rad) of latch i at the end of the step."""
     rate = load(part.turns.state, part.turn[i], RATE)
-    return load(part.openings.angles, part.on[i], NOW) + now.step * rate
+    return load(part.openings.angles, part.on[i], NOW) + timing.step * rate
 
 
 @hook(RigidLatches)
-def decide(part, world, now):
+def decide(part, world, timing):
     """Catch the openings that would come by in this step.
 
     It looks on from where it looked to in the step before: what comes about otherwise, in the last
@@ -87,53 +87,53 @@ def decide(part, world, now):
     """
     for i in range(part.on.shape[0]):
         t = part.turn[i]
-        before, after = load(part.state, i, SEEN), foreseen(part, i, now)
+        before, after = load(part.state, i, SEEN), foreseen(part, i, timing)
         store(part.state, i, AHEAD, after)
         reach = reached(part, i, before, after)
         open_ = 0.5 - load(part.state, i, CAUGHT) - load(part.state, i, NEWS)
         if any_negative(where_negative(open_, 1.0, reach)):
-            end = now.time + now.step
+            end = timing.time + timing.step
             for s in range(part.state.shape[2]):
                 if part.state[i, CAUGHT, s] + part.state[i, NEWS, s] == 0.0:
                     seen, ahead = part.state[i, SEEN, s], part.state[i, AHEAD, s]
-                    pass_by(part, i, s, seen, ahead, part.past[i, LAST, s], end, now.step)
+                    pass_by(part, i, s, seen, ahead, part.past[i, LAST, s], end, timing.step)
                     if part.state[i, CAUGHT, s] > 0.0:
                         part.turns.state[t, HOLDS, s] = -1.0
                         part.turns.state[t, TARGET, s] = part.state[i, PLACE, s]
-                        share = (part.state[i, WHEN, s] - now.time) / now.step
+                        share = (part.state[i, WHEN, s] - timing.time) / timing.step
                         part.turns.blow[0, 0, s] = share
                         world.undecided[0] = 1
 
 
 @hook(RigidLatches)
-def work_after(part, world, now):
+def work_after(part, world, timing):
     """What they lose in the half step up to now by the impulses of this step, and these.
 
     The impulse of catching is that of the two steps which share it, less what the moment of the
     third gives in the time since.
     """
-    end_work(part, world, now, WORKS, -1.0)
+    end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.on.shape[0]):
-        moment = moment_of(part.turns, part.turn[i], now)
-        impulse = now.kick * moment
+        moment = moment_of(part.turns, part.turn[i], timing)
+        impulse = timing.kick * moment
         store(part.state, i, MOMENT, moment)
         store(part.state, i, IMPULSE, load(part.state, i, IMPULSE) + impulse)
         age = load(part.state, i, AGE) + load(part.state, i, CAUGHT)
         store(part.state, i, AGE, age)
-        store(part.state, i, SEEN, foreseen(part, i, now))
-        since = now.time - 0.5 * now.step - load(part.state, i, WHEN)
+        store(part.state, i, SEEN, foreseen(part, i, timing))
+        since = timing.time - 0.5 * timing.step - load(part.state, i, WHEN)
         blow = where_negative(age - 2.5, impulse, -1.0 * since * moment)
         blow = where_negative(age - 3.5, blow, 0.0)
         store(part.state, i, IMPACT, load(part.state, i, IMPACT) + blow)
 
 
 @hook(RigidLatches)
-def record_step(part, world, row, now):
+def record_step(part, world, row, timing):
     """Moment, impulse up to now, rate when it caught, and the impulse of catching."""
     count = part.on.shape[0]
     for i in range(count):
         at, moment = row * count + i, load(part.state, i, MOMENT)
-        ahead = 0.5 * now.step * moment  # of the kick from now on
+        ahead = 0.5 * timing.step * moment  # of the kick from now on
         store(part.track, at, 0, moment)
         store(part.track, at, 1, load(part.state, i, IMPULSE) - ahead)
         store(part.track, at, 2, load(part.state, i, RATE_THERE))

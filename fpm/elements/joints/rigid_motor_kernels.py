@@ -36,14 +36,14 @@ class RigidMotors(NamedTuple):
 
 
 @hook(RigidMotors)
-def prepare(part, world, now):
+def prepare(part, world, timing):
     """Where the openings have to be at the end of the step."""
     for i in range(part.on.shape[0]):
         if not part.by_rate[i]:
-            bend = bend_after(world, part.curve[i], now.time)
-            if bend < now.step:
-                store(part.turns.blow, 0, 0, bend / now.step)
-        way = travel(world, part.curve[i], part.by_rate[i], now.time + now.step)
+            bend = bend_after(world, part.curve[i], timing.time)
+            if bend < timing.step:
+                store(part.turns.blow, 0, 0, bend / timing.step)
+        way = travel(world, part.curve[i], part.by_rate[i], timing.time + timing.step)
         target = load(part.numbers, i, START) + way * load(part.numbers, i, BY)
         store(part.turns.state, part.turn[i], TARGET, target)
 
@@ -52,13 +52,13 @@ account(RigidMotors, WORKS, 1.0)
 
 
 @hook(RigidMotors)
-def work_after(part, world, now):
+def work_after(part, world, timing):
     """Work of half of the moments of this step, on that way."""
-    end_work(part, world, now, WORKS, 1.0)
+    end_work(part, world, timing, WORKS, 1.0)
 
 
 @hook(RigidMotors)
-def record_step(part, world, row, now):
+def record_step(part, world, row, timing):
     """The moments."""
     count = part.on.shape[0]
     for i in range(count):

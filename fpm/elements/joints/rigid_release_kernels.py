@@ -38,13 +38,13 @@ class RigidReleases(NamedTuple):
 
 
 @hook(RigidReleases)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Let go where it is due; what is left of the moment then."""
     for i in range(part.on.shape[0]):
         t = part.turn[i]
         held = load(part.turns.state, t, HOLDS)
-        ago = let_go(part, now, i)
-        if now.time == 0.0:
+        ago = let_go(part, timing, i)
+        if timing.time == 0.0:
             ago = 0.0 * held - 1.0
         ago = where_negative(held, ago, -1.0)
         left = (0.5 - ago) * load(part.state, i, WORKS + HELD_BY)
@@ -62,9 +62,9 @@ account(RigidReleases, WORKS, -1.0)
 
 
 @hook(RigidReleases)
-def work_after(part, world, now):
+def work_after(part, world, timing):
     """The same by the impulses of this step."""
-    end_work(part, world, now, WORKS, -1.0)
+    end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.on.shape[0]):
         both = load(part.state, i, WORKS + HELD_BY) + load(part.state, i, LEFT)
         store(part.state, i, WORKS + HELD_BY, both)

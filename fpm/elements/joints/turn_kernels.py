@@ -77,9 +77,9 @@ def give(world, account, work):
 
 
 @kernel
-def moment_of(turns, t, now):
-    """Moment (N m) on the second particle by which opening t was held at now.time."""
-    return (1.0 / now.kick) * load(turns.state, t, TURN_IMPULSE)
+def moment_of(turns, t, timing):
+    """Moment (N m) on the second particle by which opening t was held at timing.time."""
+    return (1.0 / timing.kick) * load(turns.state, t, TURN_IMPULSE)
 
 
 @kernel
@@ -101,7 +101,7 @@ def account(arrays, first, sign):
     """
 
     @hook(arrays)
-    def work_before(part, world, now):
+    def work_before(part, world, timing):
         """Half of the work of the moments of the step before, on the way up to now."""
         for i in range(part.on.shape[0]):
             work = work_on(part.openings, part.on[i], load(part.state, i, first + HELD_BY))
@@ -117,10 +117,10 @@ def account(arrays, first, sign):
 
 
 @kernel
-def end_work(part, world, now, first, sign):
+def end_work(part, world, timing, first, sign):
     """The other half, of the moments of this step (`work_after`)."""
     for i in range(part.on.shape[0]):
-        moment = moment_of(part.turns, part.turn[i], now)
+        moment = moment_of(part.turns, part.turn[i], timing)
         tell_late(part.openings.told, part.openings, part.on[i], moment)
         end_work_of(part, world, i, moment, first, sign)
 
@@ -135,17 +135,17 @@ def end_work_of(part, world, i, moment, first, sign):
 
 
 @hook(TurnedJoints)
-def prepare(part, world, now):
+def prepare(part, world, timing):
     """Kick the bodies of all joints; all forces must be summed."""
     clear(part.sums)
-    kick_bodies(part, world.state, now.kick)
+    kick_bodies(part, world.state, timing.kick)
     world.undecided[0] = 1
     for t in range(part.turn_at.shape[0]):
         store(part.turns.state, t, TURN_IMPULSE, 0.0)
 
 
 @hook(TurnedJoints)
-def solve(part, world, now):
+def solve(part, world, timing):
     """Find the impulses of all joints, with the openings that are held now."""
     find_rows(part, world.state)
     build(part)
@@ -154,7 +154,7 @@ def solve(part, world, now):
     for t in range(part.turn_at.shape[0]):
         j = part.turn_at[t]
         r, gap = part.pattern.first[j], held_gap(part, world.state, j)
-        store(part.rows, r, OFF, load(part.rows, r, OFF) + (1.0 / now.step) * gap)
+        store(part.rows, r, OFF, load(part.rows, r, OFF) + (1.0 / timing.step) * gap)
     find_impulses(part, -1.0)
     tell_rates(part, world.state)
 
@@ -192,23 +192,23 @@ def velocity(part, state, s, point):
 
 
 @hook(TurnedJoints)
-def move(part, world, now):
+def move(part, world, timing):
     """Push the bodies, move them by a step, and close the joints at its end."""
     push_all(part, world.state)
-    joint_kernels.move(part, world, now)
+    joint_kernels.move(part, world, timing)
 
 
 @hook(TurnedJoints)
-def look_back(part, world, now):
+def look_back(part, world, timing):
     """The same before the start: a held opening was where its way, reflected at its rate, began."""
-    state, kept, b = world.state, world.kept, part.body_scratch
+    state, kept, b = world.state, world.start_state, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
         twice = get3(kept, i, P) + get3(state, i, P)  # that at the start
         if not part.driven[s]:
             twice = times(get3(part.bodies, s, TURNS), symmetric(get6(b, s, INVERSE), twice))
         put3(b, s, SPIN, twice)
-    move_back(part, kept, now.step)
+    move_back(part, kept, timing.step)
     for j in range(part.types.shape[0]):
         find_gaps(part, kept, j)
     for t in range(part.turn_at.shape[0]):
@@ -219,8 +219,8 @@ def look_back(part, world, now):
         rate = dot(get3(part.rows, r, ALONG), v - get3(state, second, V))
         rate = rate + dot(get3(part.rows, r, TURN1), get3(b, one, SPIN))
         rate = rate - dot(get3(part.rows, r, TURN2), get3(b, two, SPIN))
-        store(part.rows, r, OFF, load(part.rows, r, OFF) + now.step * rate)
-    close_before(part, kept, now.step)
+        store(part.rows, r, OFF, load(part.rows, r, OFF) + timing.step * rate)
+    close_before(part, kept, timing.step)
 
 
 for _name in ("work_after", "work_due", "record_step"):

@@ -30,7 +30,7 @@ class Contacts(NamedTuple):
 
 
 @hook(Contacts)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments that open the hinges whose faces overlap."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
@@ -40,7 +40,7 @@ def forces(part, world, now):
 
 
 @hook(Contacts)
-def note_events(part, world, now):
+def note_events(part, world, timing):
     """Note the contacts that shut or opened since the last step."""
     angles = part.openings.angles
     for c in range(part.on.shape[0]):
@@ -50,7 +50,7 @@ def note_events(part, world, now):
         if any_negative(after * before):
             for s in range(angles.shape[2]):
                 last, this = angles[h, BEFORE, s] + TOUCH, angles[h, NOW, s] + TOUCH
-                note_crossing(part.log, s, c, last, this, now)
+                note_crossing(part.log, s, c, last, this, timing)
 
 
 @hook(Contacts)

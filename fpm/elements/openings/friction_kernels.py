@@ -56,7 +56,7 @@ def bend_at(points, start, i, most, psi):
 
 
 @kernel
-def bend_by_force(borne, state, i, now):
+def bend_by_force(borne, state, i, timing):
     """By how much more it bends by the joint's force, now and a step ago; at first as stated.
 
     Where friction relieves its own joint by more than itself (beyond the angle of self-locking, led
@@ -65,8 +65,8 @@ def bend_by_force(borne, state, i, now):
     """
     before = load(state, i, MOST)
     most = before
-    if now.time > 0.0:
-        result = load(borne.share, i, 0) * force_of(borne, i, now)
+    if timing.time > 0.0:
+        result = load(borne.share, i, 0) * force_of(borne, i, timing)
         change = before - load(state, i, EARLIER)
         answer = result - load(state, i, BORNE)
         steep = (answer + STEEP * change) * change  # < 0: the answer is steep, and the other way
@@ -80,13 +80,13 @@ def bend_by_force(borne, state, i, now):
 
 
 @kernel
-def bends_now(borne, part, i, psi, earlier, now):
+def bends_now(borne, part, i, psi, earlier, timing):
     """By how much bristle i bends before it slips, now and a step ago."""
     first = load(part.numbers, i, BEND)
     most = bend_at(part.points, part.start, i, first, psi)
     before = bend_at(part.points, part.start, i, first, earlier)
     if borne is not None:
-        by_force = bend_by_force(borne, part.state, i, now)
+        by_force = bend_by_force(borne, part.state, i, timing)
         most, before = most + by_force[0], before + by_force[1]
     return most, before
 
@@ -111,7 +111,7 @@ def watch_lock(part, i, bent, most, slips):
 
 
 @hook(Frictions)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments of the bristles; those that would bear too much slip.
 
     On the way into slipping the forces of both steps do not do the work of the way between; `edge`
@@ -121,8 +121,8 @@ def forces(part, world, now):
         h, last = part.on[i], load(part.state, i, BENT)
         stiffness, foot = load(part.numbers, i, STIFFNESS), load(part.state, i, FOOT)
         psi, earlier = load(part.openings.angles, h, NOW), load(part.openings.angles, h, BEFORE)
-        most, before = bends_now(part.borne, part, i, psi, earlier, now)
-        rate = follow_rate(part.openings, part.past, i, h, now)
+        most, before = bends_now(part.borne, part, i, psi, earlier, timing)
+        rate = follow_rate(part.openings, part.past, i, h, timing)
         trial = psi - foot
         sign = where_negative(trial, -1.0, 0.0 * trial + 1.0)
         slips = most - absolute(trial)  # < 0 where it does

@@ -48,7 +48,7 @@ class Latches(NamedTuple):
 
 
 @kernel
-def watch(part, i, h, now):
+def watch(part, i, h, timing):
     """Catch the opening of latch i in the lanes where it has come by in this step."""
     angles = part.openings.angles
     reach = reached(part, i, load(angles, h, BEFORE), load(angles, h, NOW))
@@ -56,7 +56,7 @@ def watch(part, i, h, now):
         for s in range(angles.shape[2]):
             if part.state[i, CAUGHT, s] == 0.0:
                 before, after = angles[h, BEFORE, s], angles[h, NOW, s]
-                pass_by(part, i, s, before, after, part.past[i, RATE, s], now.time, now.step)
+                pass_by(part, i, s, before, after, part.past[i, RATE, s], timing.time, timing.step)
 
 
 @kernel
@@ -125,25 +125,25 @@ def hold(part, i, rate):
 
 
 @hook(Latches)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments of the latches that hold, those that have just caught among them."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
-        if now.time > 0.0:
-            watch(part, i, h, now)
-        rate = follow_rate(part.openings, part.past, i, h, now)
+        if timing.time > 0.0:
+            watch(part, i, h, timing)
+        rate = follow_rate(part.openings, part.past, i, h, timing)
         way = load(part.state, i, WAY)
         spring, damper = hold(part, i, way * rate)
         moment = way * (spring + damper)
         turn(part.openings, world.state, h, moment)
         lose(world, part.account, part.openings, part.past, i, h, way * damper)
-        given = 0.5 * now.step * (moment + load(part.state, i, MOMENT))
+        given = 0.5 * timing.step * (moment + load(part.state, i, MOMENT))
         store(part.state, i, IMPULSE, load(part.state, i, IMPULSE) + given)
         store(part.state, i, MOMENT, moment)
 
 
 @hook(Latches)
-def note_events(part, world, now):
+def note_events(part, world, timing):
     """Note the latches that caught or missed since the last step."""
     for i in range(part.on.shape[0]):
         if any_negative(0.5 - load(part.state, i, NEWS)):

@@ -30,22 +30,22 @@ class Borne(NamedTuple):
 
 
 @kernel
-def half_rate(openings, h, now):
+def half_rate(openings, h, timing):
     """Rate (rad/s) of opening h in the middle of the step up to now."""
     angles = openings.angles
-    return (load(angles, h, NOW) - load(angles, h, BEFORE)) * (1.0 / now.step)
+    return (load(angles, h, NOW) - load(angles, h, BEFORE)) * (1.0 / timing.step)
 
 
 @kernel
-def follow_rate(openings, past, i, h, now):
+def follow_rate(openings, past, i, h, timing):
     """Rate (rad/s) of opening h now, to the second order in the step, from the last two steps.
 
     The middles of the steps lie half a step and one and a half behind (Adams and Bashforth).
     """
     last = load(past, i, RATE)
     rate = last
-    if now.time > 0.0:
-        half = half_rate(openings, h, now)
+    if timing.time > 0.0:
+        half = half_rate(openings, h, timing)
         rate = 1.5 * half - 0.5 * last
         store(past, i, RATE, half)
     return rate
@@ -66,7 +66,7 @@ def lose(world, account, openings, past, i, h, moment):
 
 
 @kernel
-def force_of(borne, i, now):
+def force_of(borne, i, timing):
     """Force (N) of the joint of element i in the last step."""
     none = 0.0 * load(borne.share, i, 0)
     impulse = vector(none, none, none)
@@ -74,7 +74,8 @@ def force_of(borne, i, now):
         impulse = get3(borne.hinges, borne.lone[i], ON_TWO)
     for r in range(borne.first[i], borne.first[i] + borne.count[i]):
         impulse = impulse + load(borne.impulses, r, 0) * get3(borne.rows, r, ALONG)
-    kick = now.step if now.time > 1.5 * now.step else 0.5 * now.step  # the first is half a step
+    # The first kick is half a step.
+    kick = timing.step if timing.time > 1.5 * timing.step else 0.5 * timing.step
     return (1.0 / kick) * sqrt(dot(impulse, impulse))
 
 

@@ -46,21 +46,21 @@ class Motors(NamedTuple):
 
 
 @hook(Motors)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments towards the targets."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         for k in (MOMENT, VISCOUS):
             store(part.state, i, k + 1, load(part.state, i, k))
-        travelled = travel(world, part.curve[i], part.by_rate[i], now.time)
+        travelled = travel(world, part.curve[i], part.by_rate[i], timing.time)
         target = load(part.numbers, i, START) + travelled * load(part.numbers, i, TURN)
         off = target - load(part.openings.angles, h, NOW)
         way = target - load(part.state, i, TARGET)
-        if now.time == 0.0:
+        if timing.time == 0.0:
             way = 0.0 * off
         # The target's rate as the opening's: what it lacks at the start, the step after makes up.
-        ahead = (1.0 / now.step) * (1.5 * way - 0.5 * load(part.state, i, WAY))
-        behind = follow_rate(part.openings, part.past, i, h, now)
+        ahead = (1.0 / timing.step) * (1.5 * way - 0.5 * load(part.state, i, WAY))
+        behind = follow_rate(part.openings, part.past, i, h, timing)
         viscous = load(part.numbers, i, DAMPING) * (ahead - behind)
         moment = load(part.numbers, i, STIFFNESS) * off + viscous
         store(part.state, i, OFF, off)
@@ -72,7 +72,7 @@ def forces(part, world, now):
 
 
 @hook(Motors)
-def work_before(part, world, now):
+def work_before(part, world, timing):
     """Work of the motors over the step up to now, and what their drive trains lost.
 
     By the trapezium rule, as the moments do it on the hinges: so the balance has no error of it.

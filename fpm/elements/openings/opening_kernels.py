@@ -50,7 +50,7 @@ def is_slide(slides, h):
 
 
 @hook(Openings)
-def forces(part, world, now):
+def forces(part, world, timing):
     """No moments yet; but the kinds that act on openings follow, and need these."""
     if part.followed:
         update(part, world.state)
@@ -132,7 +132,7 @@ def tell(told, openings, h, moment):
 
 
 @hook(Openings)
-def work_before(part, world, now):
+def work_before(part, world, timing):
     """Work of every part over the step up to now."""
     work_told(part.told, part)
 
@@ -160,7 +160,7 @@ def record(part, world, row):
 
 
 @hook(Openings)
-def record_step(part, world, row, now):
+def record_step(part, world, row, timing):
     """The latter with the moments of what holds openings exactly, which are known now."""
     record_told(part.told, part, row)
 

@@ -46,10 +46,10 @@ class Releases(NamedTuple):
 
 
 @kernel
-def let_go(part, now, i):
+def let_go(part, timing, i):
     """How many steps ago release i was due to let go; below zero: not yet."""
-    late = now.time - load(part.numbers, i, TIME)
-    ago = where_negative(late, -1.0, late / now.step)
+    late = timing.time - load(part.numbers, i, TIME)
+    ago = where_negative(late, -1.0, late / timing.step)
     if part.watch[i] >= 0:
         level, angles = load(part.numbers, i, LEVEL), part.openings.angles
         after = load(angles, part.watch[i], NOW) - level
@@ -60,21 +60,21 @@ def let_go(part, now, i):
 
 
 @hook(Releases)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments of those that hold; of those that let go in this step, what is left of it."""
     for i in range(part.on.shape[0]):
         for k in (MOMENT, ENERGY):
             store(part.state, i, k + 1, load(part.state, i, k))
         h = part.on[i]
         psi = load(part.openings.angles, h, NOW)
-        ago, held = let_go(part, now, i), load(part.state, i, HELD)
-        if now.time == 0.0:
+        ago, held = let_go(part, timing, i), load(part.state, i, HELD)
+        if timing.time == 0.0:
             ago, held = 0.0 * psi - 1.0, 0.0 * psi - 1.0
         ago = where_negative(held, ago, -1.0)
         off = load(part.numbers, i, HOLD) - psi
         way = psi - load(part.openings.angles, h, BEFORE)
         then = off + where_negative(ago, 0.0, ago) * way  # when it let go, or now
-        speed = follow_rate(part.openings, part.past, i, h, now)
+        speed = follow_rate(part.openings, part.past, i, h, timing)
         moment = load(part.numbers, i, STIFFNESS) * then - load(part.numbers, i, DAMPING) * speed
         moment = moment * where_negative(ago, 1.0, 0.5 - ago)
         moment = where_negative(held, moment, 0.0)
@@ -88,18 +88,18 @@ def forces(part, world, now):
 
 
 @hook(Releases)
-def note_events(part, world, now):
+def note_events(part, world, timing):
     """Note those that let go in this step."""
     for i in range(part.on.shape[0]):
         ago = load(part.state, i, AGO)
         if any_negative(where_negative(ago, 1.0, -1.0)):
             for s in range(part.state.shape[2]):
                 if part.state[i, AGO, s] >= 0.0:
-                    note(part.log, s, now.time - now.step * part.state[i, AGO, s], i, 0.0)
+                    note(part.log, s, timing.time - timing.step * part.state[i, AGO, s], i, 0.0)
 
 
 @hook(Releases)
-def work_before(part, world, now):
+def work_before(part, world, timing):
     """What the dampers lost in the step up to now, and those that let go.
 
     That is what is no longer stored and was not done as work on the hinge either.

@@ -39,11 +39,11 @@ def overlap(part, i, when):
 
 
 @hook(Stops)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments against the overlaps."""
     for i in range(part.on.shape[0]):
         h, side = part.on[i], load(part.numbers, i, SIDE)
-        rate = side * follow_rate(part.openings, part.past, i, h, now)
+        rate = side * follow_rate(part.openings, part.past, i, h, timing)
         spring, damper = press(
             overlap(part, i, NOW),
             overlap(part, i, BEFORE),
@@ -56,7 +56,7 @@ def forces(part, world, now):
 
 
 @hook(Stops)
-def note_events(part, world, now):
+def note_events(part, world, timing):
     """Note the stops that were hit or left since the last step."""
     for i in range(part.on.shape[0]):
         after = TOUCH - overlap(part, i, NOW)
@@ -68,7 +68,7 @@ def note_events(part, world, now):
                 angle, side = stop[i, ANGLE, s], stop[i, SIDE, s]
                 last = TOUCH - side * (angles[h, BEFORE, s] - angle)
                 this = TOUCH - side * (angles[h, NOW, s] - angle)
-                note_crossing(part.log, s, i, last, this, now)
+                note_crossing(part.log, s, i, last, this, timing)
 
 
 @hook(Stops)

@@ -56,7 +56,7 @@ def pull(part, i):
 
 
 @hook(Loops)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments on both hinges that take the slip back."""
     for i in range(part.on.shape[0]):
         angles = part.openings.angles
@@ -74,7 +74,7 @@ def forces(part, world, now):
 
 
 @hook(Loops)
-def note_events(part, world, now):
+def note_events(part, world, timing):
     """Note the loops of which a strand turned slack, or both are tight again."""
     for i in range(part.on.shape[0]):
         after = where_negative(load(part.state, i, LEFT), -1.0, 1.0)
@@ -82,7 +82,7 @@ def note_events(part, world, now):
         if any_negative(after * before):
             for s in range(part.state.shape[2]):
                 last, this = part.state[i, LEFT_BEFORE, s], part.state[i, LEFT, s]
-                note_crossing(part.log, s, i, last, this, now)
+                note_crossing(part.log, s, i, last, this, timing)
 
 
 @hook(Loops)

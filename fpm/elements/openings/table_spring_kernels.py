@@ -27,7 +27,7 @@ class TableSprings(NamedTuple):
 
 
 @hook(TableSprings)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments; where a point of the table is passed, the work of the way is mended by `edge`."""
     angles = part.openings.angles
     for i in range(part.on.shape[0]):

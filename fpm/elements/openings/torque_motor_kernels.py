@@ -35,12 +35,12 @@ class TorqueMotors(NamedTuple):
 
 
 @hook(TorqueMotors)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments, less where the hinges already turn with them."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
-        speed = follow_rate(part.openings, part.past, i, h, now)
-        torque = curve_value(world, part.curve[i], now.time) * load(part.numbers, i, TORQUE)
+        speed = follow_rate(part.openings, part.past, i, h, timing)
+        torque = curve_value(world, part.curve[i], timing.time) * load(part.numbers, i, TORQUE)
         left = 1.0 - where_negative(torque, -speed, speed) / load(part.numbers, i, NO_LOAD)
         left = where_negative(left, 0.0, left)
         left = where_negative(1.0 - left, 1.0, left)
@@ -51,7 +51,7 @@ def forces(part, world, now):
 
 
 @hook(TorqueMotors)
-def work_before(part, world, now):
+def work_before(part, world, timing):
     """Work over the step up to now."""
     given = load(world.accounts, 0, part.given)
     for i in range(part.on.shape[0]):

@@ -22,7 +22,7 @@ class Springs(NamedTuple):
 
 
 @hook(Springs)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments towards the openings at rest."""
     for i in range(part.on.shape[0]):
         h = part.on[i]

@@ -43,10 +43,10 @@ def take(part, world, way):
 
 
 @hook(Damped)
-def restrain(part, world, now):
+def restrain(part, world, timing):
     """Scale momenta and forces of the joined particles, whose plain kick does the rest."""
     state = world.state
-    before, force = factors(part, now.kick)
+    before, force = factors(part, timing.kick)
     for n in range(part.joined.shape[0]):
         i = part.joined[n]
         for k in (V, P):
@@ -56,27 +56,27 @@ def restrain(part, world, now):
 
 
 @hook(Damped)
-def move(part, world, now):
+def move(part, world, timing):
     """Kick, damp and move the free particles."""
     state, particles = world.state, world.particles
-    before, force = factors(part, now.kick)
-    kick = now.kick * force
+    before, force = factors(part, timing.kick)
+    kick = timing.kick * force
     linear = 0.0 * kick
     angular = vector(linear, linear, linear)
     for n in range(part.free.shape[0]):
         i = part.free[n]
         # The kick first: of two products it is the one that is fused, as without damping.
         v = force * load(particles, i, KICK) * get3(state, i, F) + before * get3(state, i, V)
-        carry(state, i, v, now.step)
+        carry(state, i, v, timing.step)
         linear = linear + load(particles, i, MASS) * dot(v, v)
         p = kick * get3(state, i, M) + before * get3(state, i, P)
         body, half = turn(state, particles, i, p)
         angular = angular + times(body, half)
-    take(part, world, now.step * linear + 2.0 * (angular.x + angular.y + angular.z))
+    take(part, world, timing.step * linear + 2.0 * (angular.x + angular.y + angular.z))
 
 
 @hook(Damped)
-def work_after(part, world, now):
+def work_after(part, world, timing):
     """Work on the joined particles, once their joints have corrected the momenta."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
@@ -86,4 +86,4 @@ def work_after(part, world, now):
         total = total + load(particles, i, MASS) * dot(v, v)
         local = to_local(frame(state, i), get3(state, i, P))
         total = total + dot(local, times(get3(particles, i, IJ), local))
-    take(part, world, now.step * total)
+    take(part, world, timing.step * total)

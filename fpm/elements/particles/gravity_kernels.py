@@ -18,7 +18,7 @@ class Weight(NamedTuple):
 
 
 @hook(Weight)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Weight of every particle."""
     g = get3(part.acceleration, 0, 0)
     for i in range(world.state.shape[0]):

@@ -41,9 +41,9 @@ def record(part, world, row):
 
 
 @hook(Probes)
-def record_step(part, world, row, now):
+def record_step(part, world, row, timing):
     """Frames, and momenta on both sides of the instant."""
-    kept, state = world.kept, world.state
+    kept, state = world.start_state, world.state
     count = part.frames_of.shape[0]
     for n in range(count):
         i, at = part.frames_of[n], row * count + n
@@ -56,4 +56,4 @@ def record_step(part, world, row, now):
         for k, mean, change in ((V, VELOCITY, ACCELERATION), (P, MOMENTUM, CHANGE)):
             before, after = get3(kept, i, k), get3(state, i, k)
             put3(part.forces, at, mean, 0.5 * (before + after))
-            put3(part.forces, at, change, (1.0 / now.step) * (after - before))
+            put3(part.forces, at, change, (1.0 / timing.step) * (after - before))

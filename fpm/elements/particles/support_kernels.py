@@ -30,7 +30,7 @@ class Held(NamedTuple):
 
 
 @hook(Held)
-def restrain(part, world, now):
+def restrain(part, world, timing):
     """Take out forces and moments along held axes."""
     state = world.state
     for n in range(part.on.shape[0]):
@@ -40,7 +40,7 @@ def restrain(part, world, now):
 
 
 @hook(Held)
-def move(part, world, now):
+def move(part, world, timing):
     """Kick and move by a step what turns about two axes.
 
     The angular momentum about the third is such that in the middle of the step, as of all turns,
@@ -49,8 +49,10 @@ def move(part, world, now):
     state, particles = world.state, world.particles
     for n in range(part.about_two.shape[0]):
         i = part.about_two[n]
-        carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), now.step)
-        p, axis = now.kick * get3(state, i, M) + get3(state, i, P), get3(part.axis, n, 0)
+        carry(
+            state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), timing.step
+        )
+        p, axis = timing.kick * get3(state, i, M) + get3(state, i, P), get3(part.axis, n, 0)
         axes, rate = frame(state, i), get3(particles, i, HALF)
         own = to_local(axes, axis)
         soft = dot(own, times(rate, own))

@@ -197,7 +197,7 @@ def _rows_of(scene, joint: Joint) -> list[tuple]:
         particle = joint.beams[0].particle
         place = scene.position[particle] + scene.frame[particle] @ arms[0]
         pair, arms = (particle, particle), np.array([arms[0], zero])
-        axes = [np.eye(3)[AXES.index(axis)] for axis in joint.held]
+        axes = [np.eye(3)[AXES.index(axis)] for axis in joint.support_axes]
         return [(joint.name, pair, GLOBAL, axis, zero, arms, 0.0, place) for axis in axes]
     axis, reference = joint.axes[0], joint.references[0]
     third, axis2, reference2 = np.cross(axis, reference), joint.axes[1], joint.references[1]

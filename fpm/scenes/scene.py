@@ -179,7 +179,7 @@ class Scene:
         nodes (m, 2) particle indices; normal (3,) or (m, 3): a vector in the plane of the chord
         and the section's local z axis.
         """
-        self.add(Beams.between(self, nodes, section, material, normal, name))
+        self.add(Beams.create(self, nodes, section, material, normal, name))
 
     def add_link(
         self,
@@ -224,7 +224,7 @@ class Scene:
         and axis may be (2, 3), one for each particle, for fpm.assembly to bring together.
         """
         return self.add(
-            Hinge.between(self, name, particles, point, axis, references, opening, support)
+            Hinge.create(self, name, particles, point, axis, references, opening, support)
         )
 
     def add_joint(self, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> int:
@@ -234,7 +234,7 @@ class Scene:
         the second, normal to it; "prismatic": the second slides on the first along `axis`. point
         may be (2, 3), one for each particle, for fpm.assembly to bring together.
         """
-        return self.add(Joint.between(self, name, type, particles, point, axis, axis2))
+        return self.add(Joint.create(self, name, type, particles, point, axis, axis2))
 
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
         """Join two particles by a slide; returns its index, as of a hinge: it counts among those.
@@ -251,7 +251,7 @@ class Scene:
         They count among the hinges as `<name>_axis` and `<name>_other`: by which the cross turns
         against the first particle, and the second against the cross; openings (rad): at the start.
         """
-        hinges = Joint.crossed(self, name, particles, point, axis, axis2, openings)
+        hinges = Joint.universal(self, name, particles, point, axis, axis2, openings)
         return min(self.add(hinge) for hinge in hinges)
 
     def hold_point(self, name, particle: int, point, axes: str) -> int:
@@ -278,7 +278,7 @@ class Scene:
         at the start. A winch takes in the length `reel` (m) times a curve of time, at the first
         point. friction: coefficient at the points between the ends; None: they turn freely.
         """
-        return self.add(Cable.between(self, name, points, EA, rest, preload, reel, curve, friction))
+        return self.add(Cable.create(self, name, points, EA, rest, preload, reel, curve, friction))
 
     # -- supports, loads, drives, points ------------------------------------------------------
 

@@ -86,7 +86,7 @@ def _scaled(scene: Scene, deformations: Deformations):
 
     dofs, values, stiffness, element = deformations
     inverse = np.where(
-        np.hstack([scene.fixed[:, :3], turns_of(scene).held]),
+        np.hstack([scene.fixed[:, :3], turns_of(scene).no_turn]),
         0.0,
         1.0 / np.column_stack([np.tile(scene.mass, (3, 1)).T, scene.inertia]),
     ).ravel()

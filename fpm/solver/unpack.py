@@ -30,7 +30,7 @@ def outcome_of(
     for kind, part in zip(batch.kinds, parts, strict=True):
         for name, series in kind.recorded(part, scene, lane).items():
             series = series._replace(values=series.values[:instants])
-            records[name] = series.beside(records[name]) if name in records else series
+            records[name] = series.merge(records[name]) if name in records else series
     is_failed, failure = record.failed_step[lane] >= 0, None
     if extra and not is_failed:
         recording = Recording(batch, parts, lane, times, division.step)

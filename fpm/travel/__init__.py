@@ -610,7 +610,7 @@ class _Path:
                   for lever, rate, hinge in zip(levers, rates, hinges, strict=True)]  # fmt: skip
         none = np.zeros(len(self._weight))
         first, *more = (self._solve(forces, none)[1] for forces in (friction, *pushes))
-        joints, pushing = np.array(self._conditions.joint), self._conditions.how != NORMAL
+        joints, pushing = np.array(self._conditions.joint), self._conditions.axis_types != NORMAL
         own = [(joints == hinge.joint) & pushing for hinge in hinges]
         for rows in own:
             rows[-self._leading :] = False
@@ -677,7 +677,7 @@ class _Path:
     def _held(self, value: float) -> Conditions:
         """The conditions, the last of which hold the openings where the first has a value."""
         found, moved, count = self._conditions, value - self._start, len(self._hinges)
-        one, arms = found.one.copy(), found.arms.copy()
+        one, arms = found.axis1.copy(), found.arms.copy()
         for row, hinge, zero in zip(range(-count, 0), self._hinges, self._zeros, strict=True):
             axis, across = hinge.axes[0], hinge.references[0]
             if hinge.slides:
@@ -685,4 +685,4 @@ class _Path:
                 continue
             angle = hinge.opening + moved
             one[row] = np.cos(angle) * np.cross(axis, across) - np.sin(angle) * across
-        return found._replace(one=one, arms=arms)
+        return found._replace(axis1=one, arms=arms)

@@ -4,29 +4,29 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.joints.joint_arrays import HOLDS, NEEDED, RATE, TARGET, Turns
+from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET, Turns
 from fpm.elements.joints.turn_kernels import (
-    HELD,
     HELD_BY,
+    HOLD_FIELDS,
     account,
     end_work_of,
     moment_of,
     tell_late,
 )
-from fpm.elements.openings.losses_kernels import LOSING as EARLIER  # which holds a rate here
+from fpm.elements.openings.losses_kernels import LOSS as OLD_RATE  # which holds a rate here
 from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.losses_kernels import half_rate
-from fpm.elements.openings.opening_kernels import NOW, Openings, push, turn
+from fpm.elements.openings.opening_kernels import NEW, Openings, push, turn
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
 from fpm.kernels.vectors import kernel
 
 WORKS = 0  # of turn_kernels
-WAY = WORKS + HELD  # sign of the rate at which it slips, or slipped last
-BRAKE = WAY + 1  # moment while it slips (N m)
-TOLD = BRAKE + 1  # the same as it was before the joints were solved
-LEFT = TOLD + 1  # how often it may change its mind in this step
-STATE = LEFT + 1
+SIGN = WORKS + HOLD_FIELDS  # sign of the rate at which it slips, or slipped last
+BRAKE = SIGN + 1  # moment while it slips (N m)
+LAST_BRAKE = BRAKE + 1  # the same as it was before the joints were solved
+CHANGES_LEFT = LAST_BRAKE + 1  # how often it may change its mind in this step
+STATE = CHANGES_LEFT + 1
 
 NUMBERS = ("moment",)
 
@@ -55,14 +55,14 @@ def forces(part, world, timing):
     for i in range(part.on.shape[0]):
         h = part.on[i]
         if timing.time > 0.0:
-            store(part.past, i, EARLIER, load(part.past, i, LAST))
+            store(part.past, i, OLD_RATE, load(part.past, i, LAST))
             store(part.past, i, LAST, half_rate(part.openings, h, timing))
-        held = load(part.turns.state, part.turn[i], HOLDS)
-        brake = -1.0 * load(part.state, i, WAY) * load(part.numbers, i, 0)
-        brake = where_negative(held, 0.0, brake)
+        hold = load(part.turns.state, part.turn[i], HOLDS)
+        brake = -1.0 * load(part.state, i, SIGN) * load(part.numbers, i, 0)
+        brake = where_negative(hold, 0.0, brake)
         store(part.state, i, BRAKE, brake)
-        store(part.state, i, TOLD, brake)
-        store(part.state, i, LEFT, CHANGES)
+        store(part.state, i, LAST_BRAKE, brake)
+        store(part.state, i, CHANGES_LEFT, CHANGES)
         turn(part.openings, world.state, h, brake)
 
 
@@ -76,11 +76,11 @@ def turning(part, i, timing):
     Its rate would fall in this kick to one below zero. If it fell so before, it stands at the
     vertex of the parabola; else it is braked only now, from where it is, amid the kick.
     """
-    way = load(part.state, i, WAY)
-    last = way * load(part.past, i, LAST)
+    sign = load(part.state, i, SIGN)
+    last = sign * load(part.past, i, LAST)
     last = where_negative(last, 0.0, last)
-    fall = last - way * load(part.turns.state, part.turn[i], RATE)
-    fell = way * load(part.past, i, EARLIER) - last
+    fall = last - sign * load(part.turns.state, part.turn[i], RATE)
+    fell = sign * load(part.past, i, OLD_RATE) - last
     vertex = 0.5 * timing.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
     sudden = 0.5 * timing.kick * last * last / fall
     blow = fell - 0.5 * fall
@@ -99,14 +99,14 @@ def decide(part, world, timing):
     to let go: no impulse that it holds is more than it bears.
     """
     for i in range(part.on.shape[0]):
-        t, left = part.turn[i], load(part.state, i, LEFT)
-        held, way = load(part.turns.state, t, HOLDS), load(part.state, i, WAY)
-        over = load(part.numbers, i, 0) - absolute(needed_by(part, i, timing))
-        back = where_negative(held, 1.0, way * load(part.turns.state, t, RATE))
-        changed = left - (CHANGES - 0.5)
-        slips = where_negative(held, over, 1.0)
-        turns = where_negative(changed, 1.0, back)
-        sticks = where_negative(changed, where_negative(left - 1.5, 1.0, back), 1.0)
+        t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
+        hold, sign = load(part.turns.state, t, HOLDS), load(part.state, i, SIGN)
+        reserve = load(part.numbers, i, 0) - absolute(needed_by(part, i, timing))
+        speed = where_negative(hold, 1.0, sign * load(part.turns.state, t, RATE))
+        is_first = changes - (CHANGES - 0.5)
+        slips = where_negative(hold, reserve, 1.0)
+        turns = where_negative(is_first, 1.0, speed)
+        sticks = where_negative(is_first, where_negative(changes - 1.5, 1.0, speed), 1.0)
         if any_negative(slips) or any_negative(turns) or any_negative(sticks):
             change(part, world, timing, i, slips, turns, sticks)
 
@@ -114,7 +114,7 @@ def decide(part, world, timing):
 @kernel
 def needed_by(part, i, timing):
     """Moment (N m) that held element i in this step."""
-    return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], NEEDED)
+    return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
 
 
 @kernel
@@ -127,33 +127,33 @@ def slipping(part, i, full, timing):
     """
     if timing.time == 0.0:
         return full
-    after = load(part.turns.blow, 0, 0)
-    mean = (0.5 - after) * full + (0.5 + after) * load(part.state, i, WORKS + HELD_BY)
-    slid = -absolute(load(part.state, i, TOLD))
-    return where_negative(slid, full, mean)
+    delay = load(part.turns.blow, 0, 0)
+    mean = (0.5 - delay) * full + (0.5 + delay) * load(part.state, i, WORKS + HELD_BY)
+    is_slip = -absolute(load(part.state, i, LAST_BRAKE))
+    return where_negative(is_slip, full, mean)
 
 
 @kernel
 def change(part, world, timing, i, slips, turns, sticks):
     """Let go, turn or stick in the lanes in which these are below zero."""
     t, h, most = part.turn[i], part.on[i], load(part.numbers, i, 0)
-    way, before = load(part.state, i, WAY), load(part.state, i, BRAKE)
+    old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(needed_by(part, i, timing), -1.0, 1.0)
-    share, ahead = turning(part, i, timing)
-    brake = where_negative(slips, slipping(part, i, sign * most, timing), before)
-    brake = where_negative(turns, (1.0 - 2.0 * share) * way * most, brake)
+    share, path = turning(part, i, timing)
+    brake = where_negative(slips, slipping(part, i, sign * most, timing), last)
+    brake = where_negative(turns, (1.0 - 2.0 * share) * old * most, brake)
     brake = where_negative(sticks, 0.0, brake)
-    push(part.openings, world.state, h, timing.kick * (brake - before))
+    push(part.openings, world.state, h, timing.kick * (brake - last))
     store(part.state, i, BRAKE, brake)
-    store(part.state, i, WAY, where_negative(slips, -sign, where_negative(turns, -way, way)))
-    held = where_negative(slips, 1.0, load(part.turns.state, t, HOLDS))
-    store(part.turns.state, t, HOLDS, where_negative(sticks, -1.0, held))
-    target = load(part.openings.angles, h, NOW) + way * ahead
+    store(part.state, i, SIGN, where_negative(slips, -sign, where_negative(turns, -old, old)))
+    hold = where_negative(slips, 1.0, load(part.turns.state, t, HOLDS))
+    store(part.turns.state, t, HOLDS, where_negative(sticks, -1.0, hold))
+    target = load(part.openings.angles, h, NEW) + old * path
     target = where_negative(turns, target, load(part.turns.state, t, TARGET))
     store(part.turns.state, t, TARGET, target)
-    some = where_negative(slips, -1.0, where_negative(turns, -1.0, sticks))
-    left = load(part.state, i, LEFT)
-    store(part.state, i, LEFT, where_negative(some, left - 1.0, left))
+    is_change = where_negative(slips, -1.0, where_negative(turns, -1.0, sticks))
+    changes = load(part.state, i, CHANGES_LEFT)
+    store(part.state, i, CHANGES_LEFT, where_negative(is_change, changes - 1.0, changes))
     world.undecided[0] = 1
 
 
@@ -162,6 +162,6 @@ def work_after(part, world, timing):
     """What it loses in the half step up to now by the moments of this step."""
     for i in range(part.on.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
-        late = moment - load(part.state, i, TOLD)
-        tell_late(part.openings.told, part.openings, part.on[i], late)
+        late = moment - load(part.state, i, LAST_BRAKE)
+        tell_late(part.openings.moments, part.openings, part.on[i], late)
         end_work_of(part, world, i, moment, WORKS, -1.0)

@@ -5,17 +5,17 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.joint_arrays import TARGET, Turns
-from fpm.elements.joints.turn_kernels import HELD, HELD_BY, account, end_work
+from fpm.elements.joints.turn_kernels import HELD_BY, HOLD_FIELDS, account, end_work
 from fpm.elements.openings.opening_kernels import Openings
 from fpm.kernels.curves import bend_after, travel
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 
 NUMBERS = "start", "turn"
-START, BY = range(2)
+START, TRAVEL = range(2)
 TRACK = 1
 WORKS = 0  # of turn_kernels
-STATE = HELD
+STATE = HOLD_FIELDS
 
 
 class RigidMotors(NamedTuple):
@@ -43,8 +43,8 @@ def prepare(part, world, timing):
             bend = bend_after(world, part.curve[i], timing.time)
             if bend < timing.step:
                 store(part.turns.blow, 0, 0, bend / timing.step)
-        way = travel(world, part.curve[i], part.by_rate[i], timing.time + timing.step)
-        target = load(part.numbers, i, START) + way * load(part.numbers, i, BY)
+        distance = travel(world, part.curve[i], part.by_rate[i], timing.time + timing.step)
+        target = load(part.numbers, i, START) + distance * load(part.numbers, i, TRAVEL)
         store(part.turns.state, part.turn[i], TARGET, target)
 
 

@@ -37,8 +37,8 @@ def add_work(part, world, timing, time):
         factor = curve_value(world, part.curve[n], time)
         power = dot(get3(state, i, F), get3(part.numbers, n, LINEAR))
         total = total - factor * (power + dot(get3(state, i, M), get3(part.numbers, n, SPIN)))
-    given = load(world.accounts, 0, part.account) + 0.5 * timing.step * total
-    store(world.accounts, 0, part.account, given)
+    work = load(world.accounts, 0, part.account) + 0.5 * timing.step * total
+    store(world.accounts, 0, part.account, work)
 
 
 @hook(Drives)
@@ -79,17 +79,17 @@ def look_back(part, world, timing):
     """
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
-        none = 0.0 * get3(world.state, i, X)
-        put3(world.start_state, i, V, none)
-        put3(world.start_state, i, P, none)
-        put3(world.state, i, P, none)
+        zero = 0.0 * get3(world.state, i, X)
+        put3(world.start_state, i, V, zero)
+        put3(world.start_state, i, P, zero)
+        put3(world.state, i, P, zero)
     for n in range(part.particle.shape[0]):
         i, spin = part.particle[n], get3(part.numbers, n, SPIN)
-        after = curve_value(world, part.curve[n], 0.5 * timing.step)
-        before = 2.0 * curve_value(world, part.curve[n], 0.0) - after
-        add3(world.start_state, i, V, before * get3(part.numbers, n, LINEAR))
-        add3(world.start_state, i, P, before * spin)
-        add3(world.state, i, P, after * spin)
+        new = curve_value(world, part.curve[n], 0.5 * timing.step)
+        old = 2.0 * curve_value(world, part.curve[n], 0.0) - new
+        add3(world.start_state, i, V, old * get3(part.numbers, n, LINEAR))
+        add3(world.start_state, i, P, old * spin)
+        add3(world.state, i, P, new * spin)
 
 
 @hook(Drives)
@@ -97,14 +97,14 @@ def record_points(part, world, points, row, timing):
     """Velocities of points on driven particles, which have no momenta: those prescribed now."""
     count = world.point_on.shape[0]
     for n in range(count):
-        i, first, at = world.point_on[n], True, row * count + n
+        i, first, index = world.point_on[n], True, row * count + n
         arm = to_global(frame(world.start_state, i), get3(world.point_arm, n, 0))
         for k in range(part.particle.shape[0]):
             if part.particle[k] == i:
                 if first:
-                    put3(points, at, VELOCITY, 0.0 * get3(points, at, VELOCITY))
+                    put3(points, index, VELOCITY, 0.0 * get3(points, index, VELOCITY))
                     first = False
                 factor = curve_value(world, part.curve[k], timing.time)
                 spin = get3(part.numbers, k, SPIN)
                 v = factor * (get3(part.numbers, k, LINEAR) + cross(spin, arm))
-                add3(points, at, VELOCITY, v)
+                add3(points, index, VELOCITY, v)

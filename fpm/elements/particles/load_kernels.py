@@ -63,12 +63,12 @@ def work_after(part, world, timing):
         i = part.on[n]
         axes = frame(state, i)
         end = get3(state, i, X) + to_global(axes, get3(part.numbers, n, ARM))
-        turned = 0.5 * cross(get3(part.state, n, AXES), axes[0])
+        rotation = 0.5 * cross(get3(part.state, n, AXES), axes[0])
         for k in range(1, 3):
-            turned = turned + 0.5 * cross(get3(part.state, n, AXES + 3 * k), axes[k])
-        turned = (1.0 + (1.0 / 6.0) * dot(turned, turned)) * turned
+            rotation = rotation + 0.5 * cross(get3(part.state, n, AXES + 3 * k), axes[k])
+        rotation = (1.0 + (1.0 / 6.0) * dot(rotation, rotation)) * rotation
         factor = curve_value(world, part.curve[n], timing.time)
         factor = 0.5 * (factor + curve_value(world, part.curve[n], timing.time + timing.step))
         work = dot(get3(part.numbers, n, FORCE), end - get3(part.state, n, END))
-        total = total + factor * (work + dot(get3(part.numbers, n, MOMENT), turned))
+        total = total + factor * (work + dot(get3(part.numbers, n, MOMENT), rotation))
     store(world.accounts, 0, part.account, load(world.accounts, 0, part.account) + total)

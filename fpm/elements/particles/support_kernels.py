@@ -11,13 +11,13 @@ from fpm.kernels.rotation import frame, half_turn
 from fpm.kernels.run import carry, turn
 from fpm.kernels.vectors import dot, get3, put3, times, to_local
 
-ALONG, ABOUT = 0, 3
+LINEAR, ANGULAR = 0, 3
 
 ROUNDS = 4
 """Each leaves of the spin about the held axis a share like the angle of a step."""
 
 
-class Held(NamedTuple):
+class Supports(NamedTuple):
     """on (f,) particles held along some axes only; free (f, 6, lanes): 1 free, 0 held.
 
     about_two (t,): those that the kind moves; axis (t, 3, lanes): about which each is held.
@@ -29,17 +29,17 @@ class Held(NamedTuple):
     axis: np.ndarray
 
 
-@hook(Held)
+@hook(Supports)
 def restrain(part, world, timing):
     """Take out forces and moments along held axes."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]
-        put3(state, i, F, times(get3(part.free, n, ALONG), get3(state, i, F)))
-        put3(state, i, M, times(get3(part.free, n, ABOUT), get3(state, i, M)))
+        put3(state, i, F, times(get3(part.free, n, LINEAR), get3(state, i, F)))
+        put3(state, i, M, times(get3(part.free, n, ANGULAR), get3(state, i, M)))
 
 
-@hook(Held)
+@hook(Supports)
 def move(part, world, timing):
     """Kick and move by a step what turns about two axes.
 

@@ -203,7 +203,7 @@ _led = partial(
     probe=lambda scene, name: Probe(),
     along="along",
     cut=LED,
-    over=LED_OVER,
+    time_dim=LED_OVER,
 )
 
 VARIABLES = {

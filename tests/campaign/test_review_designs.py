@@ -117,6 +117,42 @@ def test_the_whole_travel_is_from_the_start_to_the_latch(more, end, travel):
         assert found == pytest.approx([0, np.radians(100)])
 
 
+PANEL = """
+name: panel
+parameters:
+  start: {value: 0, unit: deg, range: [-90, 90], description: opening at the start}
+  far: {value: 80, unit: deg, range: [-180, 180], description: a stop}
+  near: {value: 70, unit: deg, range: [-180, 180], description: another one}
+points: {a: [0, 0, 0], b: [1, 0, 0], c: [0, 5, 0], d: [1, 5, 0]}
+bodies:
+  sheet: {mass: 1 kg, centre: b, box: [1, 1, 0.01], points: [a]}
+  lid: {mass: 1 kg, centre: d, box: [1, 1, 0.01], points: [c]}
+joints:
+  hinge: {type: revolute, parts: [ground, sheet], at: a, axis: z, opening: start}
+  other: {type: revolute, parts: [ground, lid], at: c, axis: z}
+actions:
+  s1: {type: stop, joint: hinge, SIDE: far, stiffness: 100}
+  s2: {type: stop, joint: hinge, SIDE: near, stiffness: 100}
+  s3: {type: stop, joint: other, SIDE: 5 deg, stiffness: 100}
+"""
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("stowed", [False, True])
+def test_the_travel_of_runs_that_start_apart_is_that_of_them_all(way, stowed):
+    """From the first of their starts, or where each is led from its own, from the nominal one, to
+    the nearest stop of the hinge that is led, the farthest of all runs."""
+    side = "most" if way > 0 else "least"
+    build = structures.loads(PANEL.replace("SIDE", side).replace("5 deg", f"{5 * way} deg")).build
+    scenes = [
+        build(start=way * start, far=way * far, near=way * near)
+        for start, far, near in ((2, 80, 70), (-3, 85, 72), (1, 80, 71))
+    ]
+    along = SimpleNamespace(first=way * np.radians(1), last=way)
+    travel = mechanism.travel_of(scenes, ["hinge"], along, stowed)
+    assert np.degrees(travel) * way == pytest.approx([1 if stowed else -3, 72])
+
+
 def test_settings_of_ones_own_are_told_with_those_of_the_standard():
     own = {"factors": {"FR": 0.1}, "drives": {"S": 1}, "classes": {"rub": "TL"}}
     scene, definition, response = of(own)

@@ -102,6 +102,15 @@ ROWS = {
     "two others stand": (
         least(stand=["f", "g"]), "4.7.5.3", EVERY,
         "partly analysed: met from 0 to 1.5 rad; f, g, which stand, are not led"),
+    "all of a travel below 0": (
+        least(first=-1.5, last=0.0, travel=[-1.5, 0.0]), "4.7.5.3", EVERY,
+        "met in all of the box, by analysis"),
+    "all of it but for a rounding": (
+        least(first=-1.0 - 1e-7, last=-2.5 + 1e-7, travel=[-1.0, -2.5]), "4.7.5.3", EVERY,
+        "met in all of the box, by analysis"),
+    "all but a thousandth": (
+        least(first=-1.0, last=-2.4985, travel=[-1.0, -2.5]), "4.7.5.3", EVERY,
+        "partly analysed"),
     "factors of tests": (
         least(evidence="measurement"), "4.7.5.3", EVERY, "met in all of the box, by analysis, if "
         "tests have shown"),

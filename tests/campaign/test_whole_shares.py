@@ -121,6 +121,18 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
     assert share - open_ < 0.35 < share
 
 
+@pytest.mark.parametrize("happens", [True, False])
+def test_stretches_lead_from_the_farthest_runs_that_differ_to_the_nearest_that_does_not(happens):
+    """Eight at most, the farthest from the border first, and on their side of it."""
+    x = np.arange(24.0)
+    differ = x < 12
+    sides = np.where(x < 20, happens, not happens)
+    size = np.abs(x - 3.2)
+    first, second = borders._stretches(x[:, None], sides, differ, size)
+    assert first[:, 0].tolist() == [11, 10, 9, 8, 7, 0, 6, 1]
+    assert second[:, 0].tolist() == [12.0] * 8
+
+
 def test_a_number_that_finer_runs_lose_everywhere_leaves_all_open():
     """All runs have it, and that at an end no longer with half the step."""
     bench = ClosedBench(Closed("latch", 1, 11, 0.0), 9)

@@ -307,6 +307,22 @@ def test_limits_of_both_signs_are_an_allowable():
     assert [row["state"] for row in of(rows, "4.7.5.4.4", BEAR)] == [MET, MET]
 
 
+@pytest.mark.parametrize(
+    ("other", "state"),
+    [
+        ({"openings": ["g"]}, MET),
+        ({"openings": ["g"], "standard": NASA, "evidence": "analysis"}, PARTLY),
+        ({"openings": ["f"]}, PARTLY),
+    ],
+)
+def test_an_opening_that_stands_is_led_by_another_margin_of_the_standard(other, state):
+    stated, limits, numbers, margins = least(limits=[ZERO], stand=["g"])
+    stated, numbers = [*stated, quantity("n_least", 0.2, 0.4)], [*numbers, of_margin("n_least")]
+    rows = sheet(stated, limits, numbers, margins | {"n_least": margin("n", **other)})
+    row = next(row for row in of(rows, "4.7.5.3", EVERY) if "m_least" in row["analysed"])
+    assert row["state"] == state, row
+
+
 def test_margins_by_other_standards_stand_below():
     stated, limits, numbers, _ = least(limits=[ZERO])
     margins = {"m_least": margin(standard=NASA, evidence="analysis")}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from closed_boxes import Closed, ClosedBench, without_runs
 
-from deployable.campaign.answers import borders, requirements
+from deployable.campaign.answers import borders, limits, requirements
 from deployable.campaign.answers.ends import settle
 from deployable.campaign.answers.finer import beyond_of, finer_errors
 from deployable.campaign.answers.limits import Asked, judged
@@ -180,3 +180,32 @@ def test_what_happened_in_all_runs_is_no_proof_without_a_margin():
     assert verdict("margin", np.nan * X, X - 2, asked=never) == "all"
     assert verdict("margin", np.nan * X, X - 2, asked=never, beyond=(0.0, 1.1)) == "open"
     assert verdict("latch", np.where(X > 0, 1, np.nan)) == "some"
+
+
+@pytest.mark.parametrize(
+    ("free", "slack", "kind", "margins", "sure"),
+    [
+        ([False, False], 0.0, "largest", [0.0], True),  # one run is the whole box
+        ([True, False], 0.09, "largest", [0.0], False),
+        ([True, False], 0.11, "largest", [0.0], True),
+        ([True, True], 0.11, "event", [1.0, 1.5, 2.0], True),
+        ([True, True], 0.09, "event", [1.0, 1.5, 2.0], False),
+        ([True, True], 0.11, "event", [0.1, 0.5, 0.9], False),  # may not happen between the runs
+        ([True, True], 0.11, "event", [1.0, np.nan, 2.0], False),
+        ([True, True], np.nan, "event", [1.0, 1.5, 2.0], False),
+    ],
+)
+def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins, sure):
+    """Of the number, 0.1, and of where it exists, 0.2."""
+    number = SimpleNamespace(at=None, decider=None, kind=kind)
+    box = SimpleNamespace(free=np.array(free))
+    bench = SimpleNamespace(
+        experiment=SimpleNamespace(box=box, numbers=[number]),
+        margins=np.array(margins)[:, None],
+        unit=np.linspace(-1, 1, len(margins))[:, None],
+    )
+    limit = SimpleNamespace(kind="at_most", error=0.1, border=0.2)
+    judged = SimpleNamespace(
+        limits=[limit], asked=[SimpleNamespace(quantity=0)], worst=[(slack, None)]
+    )
+    assert limits.is_sure(bench, judged, 0) is sure

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
+import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -36,6 +39,9 @@ LATCHED = {"of": "joint_moment", "about": ("h", "latch"), "signed": True}
 IMPULSE = {"of": "latch_impulse", "about": ("a",), "signed": True}
 GAP = {"kind": "smallest", "of": "clearance"}
 TIME = {"kind": "event", "event": "latches", "places": LATCH}
+
+
+BEFORE = Path(__file__).parent / "sheets_of_before.json"
 
 
 def least(lower=0.2, upper=0.4, limits=(), error=0.01, **of_it):
@@ -196,6 +202,36 @@ ROWS = {
         least(limits=[ZERO], without=["friction h"]), "4.8.2.6", "worst combinations", "partly"),
     "tests": (least(), "4.8.2.6", "updated by tests", "not analysed"),
 }  # fmt: skip
+
+
+def sheets_of_before():
+    """All that sheets say of hand-made facts: rows that are not those of a sheet without facts,
+    heads and budgets; and of a hundred drawn campaigns digests of the same."""
+    empty = sheet()
+    texts = {}
+    for name, ((quantities, limits, numbers_, margins), *_) in ROWS.items():
+        facts = sheets.facts_of(quantities, limits, margins)
+        rows = rows_of(facts, sheets.experiment(numbers_), ECSS)
+        texts[name] = [" | ".join(row.values()) for row in rows if row not in empty]
+        texts[name] += head_of(facts, rows, ECSS)[:1]
+    facts = sheets.facts_of(margins={"m_least": margin()})
+    texts["none"] = [" | ".join(row.values()) for row in empty]
+    texts["none"] += head_of(facts, empty, ECSS)
+    for budget in budgets_of(facts):
+        texts["none"] += [budget["title"], budget["sum"], *map(" | ".join, budget["rows"])]
+    for seed in range(100):
+        quantities, limits, numbers_, margins, motion = drawn(np.random.default_rng(1000 + seed))
+        facts = sheets.facts_of(quantities, limits, margins, motion=motion)
+        rows = rows_of(facts, sheets.experiment(numbers_), ECSS)
+        text = str(([list(row.values()) for row in rows], head_of(facts, rows, ECSS)))
+        texts[f"drawn {seed}"] = [hashlib.sha256(text.encode()).hexdigest()[:16]]
+    return texts
+
+
+def test_sheets_say_what_they_said_before():
+    """`PYTHONPATH=. python tests/campaign/test_review_sheet.py` writes them anew, where a change is
+    meant."""
+    assert sheets_of_before() == json.loads(BEFORE.read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("name", ROWS)
@@ -598,3 +634,8 @@ def test_bounds_of_a_margin_over_five_parameters(tmp_path):
     page = (folder / "report.html").read_text()
     assert "What was shown of ECSS-E-ST-33-01C" in page
     assert (folder / "review.csv").read_text().count("\n") >= len(CLAUSES[ECSS])
+
+
+if __name__ == "__main__":
+    text = json.dumps(sheets_of_before(), indent=1, ensure_ascii=False)
+    BEFORE.write_text(f"{text}\n", encoding="utf-8")

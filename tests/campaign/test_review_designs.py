@@ -284,9 +284,9 @@ def test_a_reviewer_reads_which_fails_where_and_why(tmp_path):
         name: next(row for row in rows_of(text[name]) if row[0] == "4.7.5.3") for name in "xyz"
     }
     # which
-    assert "rows not met: 0; undecided: 2 (4.7.5.4.3 t_lock, 4.8.2.6)" in text["x"]
+    assert "rows: 0 not met; 2 undecided (4.7.5.4.3 t_lock, 4.8.2.6)" in text["x"]
     assert margin["x"][4] == "met in all of the box, by analysis"
-    assert margin["y"][4].startswith("not met in all of the box, but in at least")
+    assert margin["y"][4].startswith("not met in a part of the box; at least")
     assert margin["z"][4].startswith("partly analysed: met from 0 to 1.047 rad; the travel is 0 to")
     assert "by own factors (HA 1.5 for 6)" in text["z"]
     # where

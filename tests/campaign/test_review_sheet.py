@@ -411,10 +411,12 @@ def test_parts_at_the_worst_place_add_up_to_the_margin():
 
 def test_a_margin_is_told_to_four_digits_and_what_it_is_of_to_six():
     (budget,) = budgets_of(sheets.facts_of(margins={"m_least": margin(
-        budget={"opening": 1.23456789, "margin": 2 / 3, "drives": 1.0, "required": 0.6, "rows": [
+        budget={"opening": 1.23456789, "margin": 2 / 3, "drives": 1.0000012, "required": 2 / 3,
+                "rows": [
             {"part": "s", "class_": "S", "moment": 1.23456789, "factor": 1.0, "weighted": 2 / 3},
         ]})}))  # fmt: skip
     assert budget["sum"].endswith("T/Tmin − 1 = 0.6667.")
+    assert budget["sum"].startswith("T = 1 N m (") and "Tmin = 0.666667 N m" in budget["sum"]
     assert "at 1.235 rad" in budget["title"]
     assert budget["rows"] == [("s", "S, springs", "drives", "1.23457", "1", "0.666667")]
 

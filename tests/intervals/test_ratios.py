@@ -1,10 +1,15 @@
 """Bounds of ratios, as margins are, over five parameters, against ten thousand evaluations."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from datasets_for_tests import samples_of
 
 from deployable.intervals import Box, bounds_dataset, make_design
+from deployable.intervals.estimates import ErrorEstimate
+from deployable.intervals.ranges import Range
+from deployable.intervals.ratios import ratios_of
 
 WAY = np.linspace(0.0, np.pi / 2, 31)
 NOMINAL = np.array([0.1, np.pi, 0.003, 0.005, 0.02])
@@ -64,3 +69,17 @@ def test_beside_a_ratio_what_is_none_has_the_bounds_that_it_has_alone():
     assert together["argmin"].values[0, :, 0] == pytest.approx(0.1)
     assert together["upper"].values[2] == pytest.approx(1.5 * (1 + WAY) - 1, rel=0.05)
     assert together["upper"].values[3] == pytest.approx(998.0)
+
+
+def test_the_error_of_a_ratio_is_that_at_either_end():
+    share, off = np.array([[0.5]]), np.array([[0.01]])
+    samples = SimpleNamespace(ratios=np.array([True]))
+    place = np.zeros((1, 1, 1))
+    found = Range(share, share + 0.1, share, share + 0.1, place - 1, place + 1)
+    bounds, error = ratios_of(samples, found, ErrorEstimate(off, 2 * off, 0 * off))
+    assert (bounds.lower, bounds.upper) == (pytest.approx(1 / 0.6 - 2), pytest.approx(0.0))
+    assert (bounds.argmin, bounds.argmax) == (1.0, -1.0)
+    assert error.total == pytest.approx(1 / 0.49 - 1 / 0.5)
+    assert error.held_out == pytest.approx(1 / 0.48 - 1 / 0.5) and error.decay == 0.0
+    wide = ErrorEstimate(off, 0.7 * off / off, 0 * off)  # to beyond a share of none
+    assert ratios_of(samples, found, wide)[1].held_out == pytest.approx(1000 - 2)

@@ -28,6 +28,7 @@ Springs, cables, gravity and loads act from the start of a run, not before.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,7 +37,6 @@ from fpm.assembly.elastic import Elastic, elastic_of
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.openings.opening import opening_at
 from fpm.errors import SceneError
-from fpm.scenes.scene import Assembly, Scene
 
 ROUNDS = 60
 """Most rounds; where the misfit is some percent it takes five to ten."""
@@ -71,7 +71,21 @@ class MisfitError(SceneError):
     """Parts that cannot be forced together."""
 
 
-def assemble(scene: Scene, hold: Sequence[str] = ()) -> None:
+class Assembly(NamedTuple):
+    """What forced a scene together: the strain energy that is left (J); the joint that was farthest
+    open, by a gap (m) and an angle (rad) between directions that should agree; rounds; the openings
+    (rad, of slides m) of the hinges before, as they were stated.
+    """
+
+    energy: float
+    joint: str
+    gap: float
+    tilt: float
+    rounds: int
+    stated: tuple[float, ...]
+
+
+def assemble(scene, hold: Sequence[str] = ()) -> None:
     """Force the parts of a scene together at its joints, and leave it in balance and at rest.
 
     The scene's positions and frames become those of the assembled structure, and `scene.assembly`

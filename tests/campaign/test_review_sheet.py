@@ -30,7 +30,7 @@ from deployable.campaign.results.review import (
     head_of,
     rows_of,
 )
-from deployable.campaign.text.templates import environment, summary_text
+from deployable.campaign.results.templates import environment, summary_text
 
 LATCH, OTHER = ("latch a",), ("latch a", "latch b")
 STRESS = {"of": "stress", "about": ("bar",)}

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fpm.elements.fields import Index, Word, stated
+from fpm.elements.fields import Index, Word, specs
 from fpm.elements.kind import Kind
 from fpm.errors import did_you_mean, likely
 from fpm.reading.standards import CLASSES
@@ -93,7 +93,7 @@ def key_of(kind: type[Kind], name: str, left_out: str = "", **changes: Any) -> K
 
     left_out: what it means where the key is left out, which the field does not allow by itself.
     """
-    field = stated(kind)[name]
+    field = specs(kind)[name]
     default = {f.name: f.default for f in fields(kind)}[name]
     default = REQUIRED if default is MISSING else default
     if isinstance(field, Index) and field.of == "hinges":
@@ -134,7 +134,7 @@ def acting(
     without: fields that are none; left_out: what some mean where they are left out, which the field
     does not allow by itself; more: further keys, or others of fields.
     """
-    names = [name for name in stated(kind) if name not in without]
+    names = [name for name in specs(kind) if name not in without]
     found = {name: key_of(kind, name, (left_out or {}).get(name, "")) for name in names}
     keys = {"joint": found.pop("hinge")} if "hinge" in found else {}
     keys |= {**{name: key for name, key in more.items() if name not in found}, **found, **more}

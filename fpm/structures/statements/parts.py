@@ -106,7 +106,8 @@ def bar(build, it):
     scene, before = build.scene, len(build.scene.beams)
     nodes = lay(scene, it, points, directions, up)
     if it.strain or it.curvature is not None:
-        scene.beams[before:] = [b.strained(it.strain, it.curvature) for b in scene.beams[before:]]
+        beams = scene.beams[before:]
+        scene.beams[before:] = [b.with_strain(it.strain, it.curvature) for b in beams]
     particles = dict(zip(names, nodes, strict=True))
     for point, holder in (it.carries or {}).items():
         if holder.name not in particles:

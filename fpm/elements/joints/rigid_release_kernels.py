@@ -11,13 +11,13 @@ import numpy as np
 from fpm.elements.joints.joint_arrays import HOLDS, Turns
 from fpm.elements.joints.turn_kernels import HELD_BY, account, end_work
 from fpm.elements.openings.opening_kernels import Openings, turn
-from fpm.elements.openings.release_kernels import STEPS_SINCE, let_go, note_events
+from fpm.elements.openings.release_kernels import STEPS, let_go, note_events
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store, where_negative
 from fpm.kernels.world import Log
 
 WORKS = 0  # of turn_kernels, up to AGO, where all releases have it
-REST_MOMENT = STEPS_SINCE + 1  # moment that was left then (N m)
+REST_MOMENT = STEPS + 1  # moment that was left then (N m)
 STATE = REST_MOMENT + 1
 
 NUMBERS = "time", "level"  # which come first of all releases
@@ -49,7 +49,7 @@ def forces(part, world, timing):
         steps = where_negative(hold, steps, -1.0)
         moment = (0.5 - steps) * load(part.state, i, WORKS + HELD_BY)
         moment = where_negative(steps, 0.0, moment)
-        store(part.state, i, STEPS_SINCE, steps)
+        store(part.state, i, STEPS, steps)
         store(part.state, i, REST_MOMENT, moment)
         store(part.turns.state, t, HOLDS, where_negative(steps, hold, 1.0))
         turn(part.openings, world.state, part.on[i], moment)

@@ -7,10 +7,11 @@ like all other forces, to the second order in the step. Conditions that others i
 solver gives them: of all impulses that keep the joints closed the smallest.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from fpm.assembly.conditions import Places, conditions_of
 from fpm.elements import kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge
@@ -126,3 +127,56 @@ def _is_ground(scene: Scene, particle: int) -> bool:
     on_bars = any(particle in beams.nodes for beams in scene.beams)
     has_role = on_bars or particle in scene.bodies.values() or particle in Drive.moved(scene)
     return bool(scene.fixed[particle].all()) and not has_role
+
+
+DEPENDENT = 1e-9
+"""Share of the largest singular value of conditions, below which these depend on others."""
+
+
+def why_undetermined(scene: Scene, response: Any) -> str:
+    """Why a response (`fpm.reading.responses.Response`) of the force or moment of a joint or
+    support is not determined, and what to do, as a sentence; empty where it is."""
+    name = response.subjects[0] if response.subjects else ""
+    if response.kind.startswith("constraint_"):
+        joints = {name}
+    elif response.kind.startswith("reaction_"):
+        joints = {f"{holder}{end}" for holder in reactions_of(scene)[name].holders
+                  for end in ("", SUPPORT)}  # fmt: skip
+    else:
+        return ""
+    if not joints & undetermined(scene):
+        return ""
+    return (
+        f"conditions of {name} depend on those of other joints of rigid parts, so that only the "
+        "sum of their forces is determined: let a part between them be elastic, or take joints "
+        "with fewer conditions"
+    )
+
+
+def undetermined(scene: Scene) -> set[str]:
+    """Names of joints and supports whose forces the motion does not determine, at the start.
+
+    Their conditions depend on those of others, with no elastic part between them: as in a planar
+    loop of rigid bodies on hinges. Sums of such forces are determined, each one is not.
+    """
+    from scipy.sparse.csgraph import connected_components
+
+    conditions = conditions_of(scene)
+    names, free = np.array(conditions.joint), ~scene.fixed.ravel()
+    size = float(np.ptp(scene.position, axis=0).max()) or 1.0
+    scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
+    places = Places(scene.position, scene.frame)
+    rows = conditions.jacobian(places).multiply(scales).tocsc()
+    rows = (rows[:, np.flatnonzero(free)].multiply(conditions.weight(size)[:, None])).tocsr()
+    joints: set[str] = set()
+    count, groups = connected_components(abs(rows) @ abs(rows).T, directed=False)
+    for group in range(count):
+        own = np.flatnonzero(groups == group)
+        block = rows[own][:, np.unique(rows[own].indices)].toarray()
+        if not block.size:
+            continue  # between parts that are held
+        vectors, sizes, _ = np.linalg.svd(block)
+        rank = int((sizes > DEPENDENT * sizes.max(initial=0.0)).sum())
+        shares = np.linalg.norm(vectors[:, rank:], axis=1)
+        joints.update(names[own][shares > np.sqrt(DEPENDENT)].tolist())
+    return joints

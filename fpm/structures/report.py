@@ -94,7 +94,7 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
         block[:3, :3], block[3:, 3:] = np.eye(3), np.eye(3) / size
         block[:3, 3:] = -np.cross(np.eye(3), arm) / size
     motion = motion.reshape(6 * count, 6 * len(moving))
-    slopes, _ = rules.derivatives(Places(scene.position, scene.frame), np.zeros(len(rules.joint)))
+    slopes = rules.jacobian(Places(scene.position, scene.frame))
     joints = size * rules.weight(size)[:, None] * (slopes @ motion)
     fixed = np.argwhere(scene.fixed & ~is_fixed[:, None])
     dofs = fixed @ (6, 1)

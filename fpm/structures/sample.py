@@ -134,7 +134,7 @@ def _finish(build: Builder, model: Model) -> None:
         _note(build, 0, f"bodies: {error.key}", error)
     parts = [entry for entry in model.entries if entry.statement.group in PARTS]
     for entry in parts if len(parts) > 1 else ():
-        particles = build.made("parts", entry.name).particles
+        particles = build.get("parts", entry.name).particles
         if not (build.joints_of.keys() & particles.tolist() or scene.fixed[particles].any()):
             build.problems.say(
                 entry.line, f"{entry.key}: nothing joins it to anything; allowed: parts with a "

@@ -1,6 +1,7 @@
 """Numbers of answers in words and budgets."""
 
 import json
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,6 +15,7 @@ from deployable.campaign.answers.choice import deciding, design_points
 from deployable.campaign.answers.ends import _ends
 from deployable.campaign.cli import main
 from deployable.campaign.config import sections
+from deployable.campaign.config.check import load_config
 from deployable.campaign.report.page import render
 from deployable.campaign.report.read import from_results
 from deployable.campaign.results.facts import (
@@ -22,8 +24,8 @@ from deployable.campaign.results.facts import (
     mark_constant,
     quantity_errors,
 )
+from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import interval, measured, number, quantity, share
-from deployable.campaign.text.templates import sentence
 from deployable.intervals import Box
 from deployable.intervals.scalars.surrogate import Extremes
 
@@ -238,7 +240,7 @@ def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, mon
     path = tmp_path / "mine.yaml"
     path.write_text(yaml.safe_dump(raw), encoding="utf-8")
     assert main(["check", str(path)]) == 0
-    text = f"Mesh and step decide BD, top: {why}"
+    text = f"Not determined by the model: BD, top: {why}"
     assert f"{path}: {text}" in capsys.readouterr().out
     campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
     folder = tmp_path / raw["campaign"]
@@ -249,10 +251,29 @@ def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, mon
     }  # fmt: skip
     lines = (folder / "summary.md").read_text().splitlines()
     assert f"{text}." in lines
-    marked = [line for line in lines if "; mesh and step decide it |" in line]
+    marked = [line for line in lines if "; not determined |" in line]
     assert [line.split(" | ")[0][2:5] for line in marked] == ["top", "BD"]
     data = from_results(folder)
     assert render(data).count("nothing softens it: state a <code>stiffness</code>") >= 2
+
+
+def test_forces_that_rigid_joints_share_are_not_determined(tmp_path):
+    """In whatever way a quantity is of them; an opening is."""
+    config = {
+        "campaign": "c",
+        "scene": {"file": str(Path(__file__).parents[2] / "config/structures/nfourbar.yaml")},
+        "solver": {"duration": 0.1, "instants": 11},
+        "intervals": {"mass": {"relative": 0.1}},
+        "responses": {
+            "force": {"constraint_force": "bay1.pin", "component": "z"},
+            "opening": {"opening": "bay1.pin"},
+        },
+        "quantities": {"last": {"final": "force"}, "most": {"largest": "opening"}},
+    }
+    (tmp_path / "c.yaml").write_text(yaml.safe_dump(config), encoding="utf-8")
+    doubts = load_config([tmp_path / "c.yaml"]).experiment.doubts
+    assert doubts.keys() == {"force", "last"}
+    assert "bay1.pin depend on those of other joints" in doubts["force"]
 
 
 def facts_of_two(**changed):

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from closed_boxes import Closed, ClosedBench, without_runs
 
-from deployable.campaign.answers import borders, requirements
+from deployable.campaign.answers import borders, limits, requirements
 from deployable.campaign.answers.ends import settle
 from deployable.campaign.answers.finer import beyond_of, finer_errors
 from deployable.campaign.answers.limits import Asked, judged
 from deployable.intervals import Box
 from deployable.intervals.designs import scan_points
-from deployable.intervals.scalars import Limit, Occurrence, share_of_box
+from deployable.intervals.scalars import Limit, Occurrence, fit_scalar, share_of_box
 
 HAPPENS = Asked("there", 0, "happens", 1.0)
 BEYOND_THE_ERROR = 3.0
@@ -121,6 +121,18 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
     assert share - open_ < 0.35 < share
 
 
+@pytest.mark.parametrize("happens", [True, False])
+def test_stretches_lead_from_the_farthest_runs_that_differ_to_the_nearest_that_does_not(happens):
+    """Eight at most, the farthest from the border first, and on their side of it."""
+    x = np.arange(24.0)
+    differ = x < 12
+    sides = np.where(x < 20, happens, not happens)
+    size = np.abs(x - 3.2)
+    first, second = borders._stretches(x[:, None], sides, differ, size)
+    assert first[:, 0].tolist() == [11, 10, 9, 8, 7, 0, 6, 1]
+    assert second[:, 0].tolist() == [12.0] * 8
+
+
 def test_a_number_that_finer_runs_lose_everywhere_leaves_all_open():
     """All runs have it, and that at an end no longer with half the step."""
     bench = ClosedBench(Closed("latch", 1, 11, 0.0), 9)
@@ -168,3 +180,65 @@ def test_what_happened_in_all_runs_is_no_proof_without_a_margin():
     assert verdict("margin", np.nan * X, X - 2, asked=never) == "all"
     assert verdict("margin", np.nan * X, X - 2, asked=never, beyond=(0.0, 1.1)) == "open"
     assert verdict("latch", np.where(X > 0, 1, np.nan)) == "some"
+
+
+@pytest.mark.parametrize(
+    ("free", "slack", "kind", "margins", "sure"),
+    [
+        ([False, False], 0.0, "largest", [0.0], True),  # one run is the whole box
+        ([True, False], 0.09, "largest", [0.0], False),
+        ([True, False], 0.11, "largest", [0.0], True),
+        ([True, True], 0.11, "event", [1.0, 1.5, 2.0], True),
+        ([True, True], 0.09, "event", [1.0, 1.5, 2.0], False),
+        ([True, True], 0.11, "event", [0.1, 0.5, 0.9], False),  # may not happen between the runs
+        ([True, True], 0.11, "event", [1.0, np.nan, 2.0], False),
+        ([True, True], np.nan, "event", [1.0, 1.5, 2.0], False),
+    ],
+)
+def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins, sure):
+    """Of the number, 0.1, and of where it exists, 0.2."""
+    number = SimpleNamespace(at=None, decider=None, kind=kind)
+    box = SimpleNamespace(free=np.array(free))
+    bench = SimpleNamespace(
+        experiment=SimpleNamespace(box=box, numbers=[number]),
+        margins=np.array(margins)[:, None],
+        unit=np.linspace(-1, 1, len(margins))[:, None],
+    )
+    limit = SimpleNamespace(kind="at_most", error=0.1, border=0.2)
+    judged = SimpleNamespace(
+        limits=[limit], asked=[SimpleNamespace(quantity=0)], worst=[(slack, None)]
+    )
+    assert limits.is_sure(bench, judged, 0) is sure
+
+
+@pytest.mark.parametrize(
+    ("kind", "level", "odd", "share", "place"),
+    [
+        ("at_most", 0.7, [], 0.5, 0.7003),  # a little beyond the border, from the nominal 0.4
+        ("at_most", 0.7, [(0.55, 0.75), (0.95, 0.96)], 0.25, 0.55),  # the nearest run that fails
+        ("at_most", 0.7, [(0.95, 0.96)], 0.5, 0.7003),
+        ("at_most", 0.7, [(0.45, 0.7)], 0.5, 0.7003),  # just at the limit, which keeps it
+        ("at_least", -0.3, [], 0.5, -0.3007),
+        ("at_most", 1.5, [], 1.0, None),
+        ("at_most", 1.5, [(-0.6, 1.6), (0.8, 1.7)], 2 / 3, 0.8),
+    ],
+)
+def test_the_largest_box_ends_at_the_nearest_failure(kind, level, odd, share, place):
+    """Of y = x over [-1, 1], where some runs are otherwise: by the surrogate or by a run."""
+    x = np.linspace(-1, 1, 9)[:, None]
+    surrogate = fit_scalar(x, x[:, 0])
+    points = np.concatenate([x, np.array(odd).reshape(-1, 2)[:, :1]])
+    numbers = np.concatenate([x, np.array(odd).reshape(-1, 2)[:, 1:]])
+    box = SimpleNamespace(free=np.array([True]))
+    bench = SimpleNamespace(
+        experiment=SimpleNamespace(box=box), nominal=np.array([0.4]), unit=points, numbers=numbers
+    )
+    found = judged(bench, [surrogate], [Asked("r", 0, kind, level)])
+    assert found.largest[0] == pytest.approx(share, abs=1e-5)
+    if place is None:
+        assert found.fails is None and found.largest[1:] == (None, None)
+    else:
+        assert found.fails == pytest.approx([place], abs=1e-4) and found.largest[1] == 0
+        assert found.places[-1] is found.fails
+    expected = level - numbers[:, 0] if kind == "at_most" else numbers[:, 0] - level
+    assert found.slack[0] == pytest.approx(expected)

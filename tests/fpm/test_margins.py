@@ -217,6 +217,13 @@ def test_every_run_is_led_from_its_own_start():
         assert margins.least(response, run) == pytest.approx((0.1 * 0.3 / 0.02 - 1, -0.2))
 
 
+def test_a_scene_that_starts_where_it_is_led_to_names_the_opening():
+    led = margins.Led(("h1",), None, 0.25)
+    assert margins.travel_of(hung(0.2), led).opening[-1] == pytest.approx(0.25)
+    with pytest.raises(SceneError, match=r"opening h1 = '0.25 at the start'.*another one"):
+        margins.travel_of(hung(0.25), led)
+
+
 def hung(start):
     scene = hinged(start)
     scene.add_torsion_spring(0, 0.1, -0.5)

@@ -39,6 +39,7 @@ from deployable.campaign.errors import CampaignError, HeldConfigError
 from deployable.campaign.provenance import made_by
 from fpm import SceneError, structures
 from fpm.files.outcome import eventful
+from fpm.reading.constraint_forces import why_undetermined
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.shocks import doubt
 from fpm.structures.reading import read_text
@@ -218,12 +219,17 @@ class Experiment:
 
     @cached_property
     def doubts(self) -> dict[str, str]:
-        """Of responses, and quantities that are peaks of them, that mesh and step alone decide, by
-        name: why, and what to do (fpm.reading.shocks)."""
-        peaks = [(q.name, q.response) for q in self.numbers if q.is_peak]
-        named = [*((curve.name, curve) for curve in self.curves), *peaks]
-        found = {name: doubt(self.nominal_scene, response) for name, response in named}
-        return {name: why for name, why in found.items() if why}
+        """Of responses, and quantities of them, that the model does not determine, by name: why,
+        and what to do. Peaks are those of shocks that mesh and step alone decide
+        (fpm.reading.shocks), all are those of joints that others make redundant."""
+        curves = [(curve.name, curve, True) for curve in self.curves]
+        quantities = [(q.name, q.response, q.is_peak) for q in self.numbers if q.response]
+        reasons = {
+            name: (doubt(self.nominal_scene, response) if peak else "")
+            or why_undetermined(self.nominal_scene, response)
+            for name, response, peak in curves + quantities
+        }
+        return {name: reason for name, reason in reasons.items() if reason}
 
     @property
     def warnings(self) -> list[str]:

@@ -33,7 +33,7 @@ def _vtk(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
 
 
 def _glb(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
-    from deployable.campaign.export.glb import write_glb
+    from deployable.campaign.pictures.glb import write_glb
 
     return [write_glb(chosen.motion(frames), folder / f"{chosen.name}.glb")]
 

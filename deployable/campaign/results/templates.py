@@ -1,4 +1,4 @@
-"""What is said of a campaign, as templates over the facts of `results/facts.py`."""
+"""What is said of a campaign, as templates over the facts of `facts`."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def met_text(row: Mapping[str, Any]) -> str:
 
 
 def doubts(facts: Mapping[str, Any]) -> list[str]:
-    """Sentences that say which responses and quantities mesh and step decide, and why."""
+    """Sentences that say which responses and quantities the model does not determine, and why."""
     rows = (*facts["responses"], *facts["quantities"])
     return doubt_texts({row["name"]: row["doubt"] for row in rows if "doubt" in row})
 
@@ -89,7 +89,7 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
     names: dict[str, list[str]] = {}
     for name, why in doubts.items():
         names.setdefault(why, []).append(name)
-    return [f"Mesh and step decide {', '.join(own)}: {why}" for why, own in names.items()]
+    return [f"Not determined by the model: {', '.join(own)}: {why}" for why, own in names.items()]
 
 
 def sentence(name: str, *facts: Any) -> str:

@@ -1,0 +1,285 @@
+"""The path of an assembly whose opening is led: one step after the other, on one branch."""
+
+from collections.abc import Sequence
+from copy import copy
+from itertools import product
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from fpm.assembly import FARTHEST, MisfitError, linearised
+from fpm.assembly.conditions import NORMAL, Conditions, conditions_of
+from fpm.assembly.conditions import Places as At
+from fpm.elements.openings.opening import opening_at, rate_at
+from fpm.errors import SceneError
+from fpm.travel.balance import ROUNDS, TINY, Balance, forces_with_friction
+
+NEAR = 1e-8
+"""Last motion of the rounds at a position, as a share of the size, or turn (rad). The way on is
+that before it, where bars may be strained by as much, which stiffens thin ones in bending."""
+
+AHEAD = ([1], [3, -1], [23, -16, 5], [55, -59, 37, -9])
+"""Weights of the last motions, by how many there are, in that to the next position (Adams and
+Bashforth)."""
+
+AGREES = 0.2
+"""By how much a motion between two positions may differ from the mean of the rates at both, as a
+share of itself; beyond, it is halved, as it may have come upon another assembly of the same joints.
+"""
+
+MOST_HALVED = 1000
+"""Motions that are halved on a whole way at most; a jump takes some 300, with those about it."""
+
+HALVINGS = 14
+"""How often a motion is halved at most: where two assemblies meet closer than that, it goes on
+straight."""
+
+DRIFTS = 1e-9
+"""Share of the largest rate of a condition, in a motion of the whole, below which it has none."""
+
+ALIKE = 1e-3
+"""By how much the rates of openings may differ, as a share of the largest, with other masses: where
+they differ by more, it is not the opening alone that decides the motion."""
+
+
+def _turned(first: np.ndarray, last: np.ndarray) -> np.ndarray:
+    """The rotations (n, 3) rad, below half a turn, from frames (n, 3, 3) to others."""
+    turn = last @ first.transpose(0, 2, 1)
+    skew = 0.5 * (turn - turn.transpose(0, 2, 1))
+    axis = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
+    sine, cosine = np.linalg.norm(axis, axis=1), 0.5 * (turn.trace(axis1=1, axis2=2) - 1)
+    return axis * (np.arctan2(sine, cosine) / np.maximum(sine, TINY))[:, None]
+
+
+class Path:
+    """Where a scene is on its way, `places`, with the motion `tangent` (6n,) per unit of the
+    opening."""
+
+    def __init__(self, scene, openings: Sequence[str], stand: Sequence[str]):
+        self.scene, self.name = scene, openings[0]
+        by_name = {hinge.name: hinge for hinge in scene.hinges}
+        self._hinges, self.balance = [by_name[name] for name in openings], Balance(scene)
+        self.opening = self._start = float(self._hinges[0].opening)
+        self.places = At(scene.position.copy(), scene.frame.copy())
+        self._conditions = conditions_of(scene, [*stand, *openings])
+        self._leading = len(stand) + len(openings)
+        self._zeros = self._conditions.gaps(self.places)[-len(openings) :]
+        self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
+        self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
+        self._weight = self._conditions.weight(self._size)
+        self._impulses = np.zeros(len(self._weight))
+        self._free = self._moving(self.places)
+        self.tangent = np.zeros(len(self._scales))
+        self._tangents: list[np.ndarray] = []
+        self._halved = 0
+        self._jumps: list[float] = []  # openings at which it left its way
+        self._opened = [float(hinge.opening) for hinge in scene.hinges]
+        self._ease = self.balance.ease(self.places, self._scales)
+
+    def to(self, value: float, depth: int = 0) -> None:
+        """Lead the opening to a value, by as many steps as it takes to stay on one way;
+        MisfitError where it cannot be."""
+        before, tangents = self.state(), self._tangents
+        jumped = any(min(before[1], value) <= place <= max(before[1], value)
+                     for place in self._jumps)  # fmt: skip
+        try:
+            self._step(value)
+            if jumped or not tangents or value == before[1] or self._stays(before, tangents):
+                return
+            if depth == HALVINGS:  # whatever lies between, it jumps here
+                self._jumps.append(value)
+                return
+        except MisfitError:
+            if jumped or not tangents or value == before[1] or depth == HALVINGS:
+                raise
+        self.restore(before)
+        self._tangents = tangents
+        self._halved += 1
+        if self._halved > MOST_HALVED:
+            raise SceneError(
+                f"opening {self.name}", f"{value:.6g}", "a way on which motions agree with the "
+                "rates at their ends; here they jump from place to place"
+            )  # fmt: skip
+        self.to(0.5 * (before[1] + value), depth + 1)
+        self.to(value, depth + 1)
+
+    def _stays(self, before: tuple, tangents: Sequence[np.ndarray]) -> bool:
+        """Whether a motion agrees with the rates at both of its ends, and the assembly is the same
+        one: where two meet, the conditions' derivatives have the other orientation on the other."""
+        step = self.opening - before[1]
+        shift = self.places.position - before[0].position
+        turn = _turned(before[0].frame, self.places.frame)
+        moved = np.stack([shift, turn], axis=1).ravel() / self._scales
+        rates = 0.5 * step * (tangents[0] + self.tangent) / self._scales
+        size = max(np.abs(moved).max(), np.abs(rates).max())
+        if np.abs(moved - rates).max() > AGREES * size + NEAR:
+            return False
+        first, last = (self._derivatives(places) for places in (before[0], self.places))
+        if first.shape[0] >= first.shape[1]:
+            first, last = first.T, last.T
+        sign = np.linalg.slogdet(first @ last.T)[0]
+        return sign >= 0
+
+    def _derivatives(self, places: At) -> np.ndarray:
+        """Derivatives (c, f) of the conditions, scaled."""
+        rows = self._conditions.jacobian(places).multiply(self._scales).tocsc()[:, self._free]
+        return self._weight[:, None] * rows.toarray()
+
+    def _step(self, value: float) -> None:
+        """Lead the opening to a value at once; MisfitError where it cannot be."""
+        step, conditions = value - self.opening, self._held(value)
+        weights = AHEAD[len(self._tangents) - 1] if self._tangents else []
+        ahead = sum(w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True))
+        places = self.places.displace(step * ahead) if self._tangents else self.places
+        settled = False
+        for _ in range(ROUNDS):
+            solve, gradient = self._equations(places, conditions, self._ease)
+            lacks = -self._weight * conditions.gaps(places)
+            motion, change = solve(-gradient, lacks)
+            largest = np.abs(motion).max(initial=0.0)
+            if not np.isfinite(largest):
+                break
+            share = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
+            places = places.displace(share * self._scales * motion)
+            self._impulses = self._impulses + share * change
+            before, settled = settled, largest <= NEAR and np.abs(lacks).max(initial=0.0) <= NEAR
+            if before and settled:
+                self.places, self.opening, self.tangent = places, value, self._motion(solve)
+                self._solve = solve
+                self._tangents = [self.tangent, *(self._tangents[:3] if step else [])]
+                self.balance.follow(places)
+                return
+        raise MisfitError(
+            f"opening {self.name}", f"{value:.6g}", "openings to which it can be led, the joints "
+            "closed and all else in balance; other openings that nothing decides may `stand`"
+        )  # fmt: skip
+
+    def state(self) -> tuple:
+        """Where it is, to which `restore` brings it back."""
+        return self.places, self.opening, self.tangent, self._impulses, self._opened
+
+    def restore(self, state: tuple) -> None:
+        """Go back to a state: the way on is then along its tangent."""
+        self._tangents = self._tangents if state[1] == self.opening else [state[2]]
+        self.places, self.opening, self.tangent, self._impulses, self._opened = state
+
+    def opened(self) -> list[float]:
+        """The openings of all hinges, on the turn that is nearest to where they were last."""
+        at, found = SimpleNamespace(**self.places._asdict()), []
+        for hinge, last in zip(self.scene.hinges, self._opened, strict=True):
+            value = opening_at(at, hinge)
+            turns = 0.0 if hinge.slides else round((last - value) / (2 * np.pi))
+            found.append(value + 2 * np.pi * turns)
+        for hinge in self._hinges:  # exactly
+            found[self.scene.hinges.index(hinge)] = hinge.opening + self.opening - self._start
+        self._opened = found
+        return found
+
+    def rates(self, hinges: Sequence[int]) -> list[float]:
+        """Rates of the openings of hinges per unit of the one that is led."""
+        shift, turn = self.tangent.reshape(-1, 2, 3).transpose(1, 0, 2)
+        motion = SimpleNamespace(velocity=shift, spin=turn)
+        return [float(rate_at(self.places, self.scene.hinges[h], motion)) for h in hinges]
+
+    def _opens(self, hinge: Any) -> np.ndarray:
+        """By how much an opening goes with each degree of freedom (6n,), as it is here."""
+        way = np.zeros((len(self.scene.mass), 2, 3))
+        for particle, kind, axis in product(hinge.particles, range(2), range(3)):
+            unit = np.zeros_like(way)
+            unit[particle, kind, axis] = 1.0
+            motion = SimpleNamespace(velocity=unit[:, 0], spin=unit[:, 1])
+            way[particle, kind, axis] = rate_at(self.places, hinge, motion)
+        return way.ravel()
+
+    def in_bearings(self, friction: np.ndarray) -> list[float]:
+        """Virtual work of the friction by the forces of joints: all of a hinge's, those across a
+        slide, in the balance with all friction; `friction` (6n,): that of what else only resists.
+
+        SceneError where friction presses its joint harder than it is pushed: self-locking.
+        """
+        levers = np.array(list(self.scene.bearings.values()))
+        if not len(levers):
+            return []
+        hinges = [self.scene.hinges[number] for number in self.scene.bearings]
+        rates = np.array(self.rates(list(self.scene.bearings)))
+        pushes = [-lever * np.sign(rate) * self._opens(hinge)
+                  for lever, rate, hinge in zip(levers, rates, hinges, strict=True)]  # fmt: skip
+        none = np.zeros(len(self._weight))
+        first, *more = (self._solve(forces, none)[1] for forces in (friction, *pushes))
+        joints, pushing = np.array(self._conditions.joint), self._conditions.axis_types != NORMAL
+        own = [(joints == hinge.joint) & pushing for hinge in hinges]
+        for rows in own:
+            rows[-self._leading :] = False
+        base = [(self._weight * (self._impulses + first))[rows] for rows in own]
+        slopes = [np.stack([(self._weight * each)[rows] for each in more], axis=1) for rows in own]
+        forces, solved = forces_with_friction(base, slopes)
+        if not solved:
+            name = hinges[int(np.argmax(levers * forces))].name
+            raise SceneError(
+                f"bearing {name}", f"locked where opening {self.name} is {self.opening:.6g}",
+                "a way on which no bearing's friction presses its joint harder than it is pushed "
+                "(self-locking): less `mu`, or a way that ends before"
+            )  # fmt: skip
+        return [*(-levers * forces * np.abs(rates))]
+
+    def check(self) -> None:
+        """SceneError unless the opening decides the motion of everything else."""
+        scene, uneven = self.scene, np.linspace(1.0, 3.0, len(self.scene.mass))
+        self.scene = copy(scene)
+        self.scene.mass, self.scene.inertia = scene.mass * uneven, scene.inertia / uneven[:, None]
+        solve = self._equations(self.places, self._held(self.opening), self._ease)[0]
+        self.scene = scene
+        rows = conditions_of(scene, [hinge.name for hinge in scene.hinges]).jacobian(self.places)
+        rates = rows[-len(scene.hinges) :] @ np.stack([self.tangent, self._motion(solve)], axis=1)
+        if np.abs(np.diff(rates)).max() > ALIKE * np.abs(rates).max():
+            raise SceneError(
+                f"opening {self.name}", "(not the only freedom)", "an opening that decides the "
+                "motion of all others, by joints, springs or loops; let others `stand`"
+            )  # fmt: skip
+
+    def _moving(self, places: At) -> np.ndarray:
+        """Degrees of freedom that are not held. Where the whole may drift as it is, some of the
+        heaviest particle are: what acts between parts does the same work whichever of them moves.
+        """
+        from scipy.linalg import qr
+
+        held, off = self.scene.fixed.ravel().copy(), places.position - places.position.mean(axis=0)
+        drift = np.zeros((len(off), 6, 6))
+        drift[:, :3, :3] = drift[:, 3:, 3:] = np.eye(3)
+        drift[:, :3, 3:] = np.cross(np.eye(3), off[:, None] / self._size).swapaxes(1, 2)
+        drift = drift.reshape(-1, 6)  # lengths by the size
+        rows = self._conditions.jacobian(places).multiply(self._scales).tocsr()
+        ruled_out = np.vstack([self._weight[:, None] * (rows @ drift), drift[held]])
+        _, sizes, ways = np.linalg.svd(ruled_out)
+        free = ways[np.sum(sizes > DRIFTS * sizes.max(initial=1.0)) :]
+        if len(free):
+            first = 6 * int(np.argmax(self.scene.mass))
+            pivots = qr(free @ drift[first : first + 6].T, pivoting=True, mode="r")[1]
+            held[first + pivots[: len(free)]] = True
+        return np.flatnonzero(~held)
+
+    def _equations(self, places, conditions, ease):
+        return linearised(
+            self.scene, places, conditions, self.balance, self._impulses, self._scales, self._free,
+            self._weight, ease,
+        )  # fmt: skip
+
+    def _motion(self, solve) -> np.ndarray:
+        """The motion (6n,) per unit of the opening."""
+        lacks = np.zeros(len(self._weight))
+        lacks[-len(self._hinges) :] = [-1.0 if hinge.slides else 1.0 for hinge in self._hinges]
+        return self._scales * solve(np.zeros(len(self._scales)), self._weight * lacks)[0]
+
+    def _held(self, value: float) -> Conditions:
+        """The conditions, the last of which hold the openings where the first has a value."""
+        found, moved, count = self._conditions, value - self._start, len(self._hinges)
+        one, arms = found.axis1.copy(), found.arms.copy()
+        for row, hinge, zero in zip(range(-count, 0), self._hinges, self._zeros, strict=True):
+            axis, across = hinge.axes[0], hinge.references[0]
+            if hinge.slides:
+                arms[row, 0] += (moved - zero) * axis
+                continue
+            angle = hinge.opening + moved
+            one[row] = np.cos(angle) * np.cross(axis, across) - np.sin(angle) * across
+        return found._replace(axis1=one, arms=arms)

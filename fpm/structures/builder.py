@@ -52,8 +52,8 @@ class Builder:
     """One sample in the making; `sample.build` adds to it statement by statement.
 
     scene: complete when no problem was found; numbers: all named numbers in SI units; size (m): the
-    largest extent of the structure; joined: the joints at each particle; hold(builder): hinges that
-    are held while parts are forced together, None where they are not.
+    largest extent of the structure; joints_of: the joints at each particle; hold(builder): hinges
+    that are held while parts are forced together, None where they are not.
     """
 
     hold: Callable[["Builder"], list[int]] | None = None

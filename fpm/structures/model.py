@@ -63,8 +63,8 @@ class Sheet(NamedTuple):
 class Model:
     """All statements of a file. `entries`: in the order in which they are built; `points`: names.
 
-    table: the file; given: its parameters (text_file.Given); counts: values of those that are whole
-    numbers. What is wrong is noted in `problems`, and left out.
+    table: the file; inputs: its parameters (text_file.GivenParameter); counts: values of the
+    whole ones. What is wrong is noted in `problems`, and left out.
     """
 
     def __init__(self, table: Node, inputs: Mapping[str, Any], counts: Mapping, problems: Problems):

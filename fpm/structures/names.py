@@ -22,7 +22,7 @@ NEIGHBOURS = ("next", "previous")
 class Context:
     """Where something is written: in the file, or in one unit of a repeat.
 
-    prefix: "" or `bay3.`; around: the prefixes of the neighbours, None at a row's end; ends: the
+    prefix: "" or `bay3.`; adjacent: the prefixes of the neighbours, None at a row's end; ends: the
     prefixes of all repeats' first and last units, by `bay.first` and `bay.last`.
     """
 

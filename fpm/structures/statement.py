@@ -46,7 +46,7 @@ class Statement:
     group: the file's key; type: the entry's `type`, "" in groups of one kind; keys: what it takes,
     by name; build(build, it): puts one into the scene of a Builder and returns what others get that
     refer to it, `it` having the full `name` and the values of all keys; SceneError for what cannot
-    be. about: what it is, as docs/structures.md says.
+    be. text: what it is, as docs/structures.md says.
     """
 
     group: str

@@ -310,7 +310,7 @@ FORMS = {
     "vector": (_vector, ("component",)),
     "section": (_section, ("at", "component")),
     "bar": (_bar, ()),
-    "bars": (partial(_pair, what="bars", known=bars.bars_of), ()),
+    "bars": (partial(_pair, noun="bars", names_of=bars.bars_of), ()),
 }
 """How definitions name columns of variables, and the other keys that it takes."""
 
@@ -334,18 +334,18 @@ def _energies(scene: Scene) -> Iterable[str]:
 
 
 KINDS = {
-    "distance": Kind(partial(_pair, what="points", known=_points, column=False), _distance,
+    "distance": Kind(partial(_pair, noun="points", names_of=_points, column=False), _distance,
                      positive=True),
     "position": Kind(partial(_vector, names=_points, unit="m"), partial(_of_point, 0),
                      ("component",)),
     "velocity": Kind(partial(_vector, names=_points, unit="m s-1"), partial(_of_point, 1),
                      ("component",)),
     "opening": Kind(partial(_opening, unit="rad", words="opening")),
-    "tension": Kind(partial(_by_name, unit="N", text="tension of cable {}", known=_cables,
+    "tension": Kind(partial(_by_name, unit="N", text="tension of cable {}", names=_cables,
                             variable="cable_tension"), positive=True),
     # Sums of squares; the kinetic energy is a product of velocities half a step apart
     # (`fpm.kernels.record`), which can differ in sign.
-    "energy": Kind(partial(_by_name, unit="J", text="{} energy", known=_energies),
+    "energy": Kind(partial(_by_name, unit="J", text="{} energy", names=_energies),
                    lambda response, run: run.energies[response.subjects[0]],
                    positive=("strain", "spring", "contact")),
     **{name: Kind(_latch, shock=name == "latch_moment") for name in SERIES},

@@ -170,7 +170,7 @@ def test_what_has_no_stiffness_holds_exactly():
     scene = loads(rigid).build(stow=15.0)
     (drive,) = RigidMotor.of(scene)
     assert scene.hinges[drive.hinge].name == "root"
-    assert [drive.at(scene, t) for t in (0.0, 1.0)] == pytest.approx(np.radians([15.0, 45.0]))
+    assert [drive.target(scene, t) for t in (0.0, 1.0)] == pytest.approx(np.radians([15.0, 45.0]))
 
 
 def test_a_motor_may_prescribe_its_rate():
@@ -182,7 +182,7 @@ actions:
     (motor,) = scene.kinds[RigidMotor]
     openings = {0.0: 0.0, 0.5: 0.0625, 1.0: 0.25, 3.0: 1.25, 4.0: 1.5, 9.0: 1.5}
     for time, opening in openings.items():
-        assert motor.at(scene, time) == pytest.approx(opening, abs=1e-15)
+        assert motor.target(scene, time) == pytest.approx(opening, abs=1e-15)
     for new, said in (("rate: 0.5 rad/s, turn: 1 rad, ", "not both"), ("", "or a `rate`")):
         assert len(refused(text, "rate: 0.5 rad/s, ", new, said)) == 1
 

@@ -79,7 +79,7 @@ def scans() -> Iterator:
         yield bounds_dataset(samples(box, design, 0), design, model="scan")
     values = RNG.normal(size=(30, 2, 5)).round(1)
     one, other = (
-        Running.of(values[part], np.arange(30)[part]) for part in (slice(12), slice(12, 30))
+        Running.of_runs(values[part], np.arange(30)[part]) for part in (slice(12), slice(12, 30))
     )
     yield from (one.merged(other), other.merged(one), other.merged(None), quarter_ends(30))
 
@@ -138,7 +138,7 @@ def scalars() -> Iterator:
         for one in found:
             yield one.evaluate(trial), one.error, one.usual_error, one.occurrence.open
             border = one.occurrence
-            yield border.certainty(trial), border.doubt(trial), border.between(4)
+            yield border.certainty(trial), border.doubt(trial), border.infill_points(4)
             yield one.somewhere(*part) is None, one.nowhere(*part) is None
             if not border.mixed:  # a search that ends at a border is as good as its last step
                 wide = one.range(), one.range(*part)

@@ -28,7 +28,7 @@ def moved(bench: Bench, q: int, occurrence: Any, finest: Plan) -> tuple[float, f
     margins change; 0 where they have none."""
     happens = np.isfinite(bench.numbers[:, q])
     if occurrence.mixed:
-        certain, told = occurrence.certainty(bench.unit), occurrence.told
+        certain, told = occurrence.certainty(bench.unit), occurrence.run_certainty
     elif np.isfinite(bench.margins[:, q]).all():
         certain, told = bench.margins[:, q], lambda numbers, margins: margins
     else:

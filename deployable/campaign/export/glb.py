@@ -148,11 +148,9 @@ def _mesh(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
     span = float(np.ptp(motion["position"].values, axis=(0, 1)).max()) or 1.0
     cables, ends = solid.cables, solid.cables.stretches
     if len(ends):
-        primitives.append(
-            _strands(solid.cable_points[0][ends], cables.on[ends], 0.002 * span, CABLE, buffer)
-            | {"material": 1}
-        )
-        of = np.repeat(cables.of[ends[:, 0]], _STRAND)
+        points, joints = solid.cable_points[0][ends], cables.particle[ends]
+        primitives.append(_strands(points, joints, 0.002 * span, CABLE, buffer) | {"material": 1})
+        of = np.repeat(cables.cable[ends[:, 0]], _STRAND)
         primitives[-1]["attributes"]["_OF"] = buffer.add(of, target=_VERTEX)
     if motion.sizes["hinge"]:
         half = solid.thickness or 0.02 * span

@@ -33,7 +33,7 @@ def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
     places, entries = path.with_suffix(""), []
     for frame, time in enumerate(motion["time"].values.tolist()):
         grids = {"axes": _axes(motion, solid, frame), "solid": _solid(motion, solid, frame)}
-        if len(solid.cables.of):
+        if len(solid.cables.cable):
             grids["cables"] = _cables(solid, frame)
         for part, (name, grid) in enumerate(grids.items()):
             file = places / f"{name}-{frame:04d}.vtu"
@@ -83,7 +83,7 @@ def _solid(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
 def _cables(solid: Solid, frame: int) -> tuple:
     """Points, cells, data of points and of cells: the cables' straight stretches as lines."""
     cables = solid.cables
-    of = cables.of[cables.stretches[:, 0]]
+    of = cables.cable[cables.stretches[:, 0]]
     data = {"tension": cables.tension[frame][of], "cable": of}
     return solid.cable_points[frame], [(_LINE, cables.stretches)], {}, data
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-CLEAN = ("deployable/intervals", "deployable/campaign/pictures")
+CLEAN = ("deployable/intervals", "deployable/campaign/pictures", "deployable/campaign/report")
 """Folders and files that are held to it."""
 
 WORDS = """

@@ -65,7 +65,7 @@ def _add_export(export: argparse.ArgumentParser) -> None:
         "what", metavar="RUN",
         help="folder of a campaign's results, a campaign's config, or a structure's file or name",
     )  # fmt: skip
-    kinds = "; ".join(f"{name}: {kind.about}" for name, kind in KINDS.items())
+    kinds = "; ".join(f"{name}: {kind.summary}" for name, kind in KINDS.items())
     export.add_argument("--to", required=True, choices=KINDS, help=kinds)
     export.add_argument("--run", default="nominal", help="of a folder: nominal, or a run's id")
     export.add_argument(

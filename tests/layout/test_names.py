@@ -6,7 +6,12 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-CLEAN = ("deployable/intervals", "deployable/campaign/pictures", "deployable/campaign/report")
+CLEAN = (
+    "deployable/campaign/export",
+    "deployable/intervals",
+    "deployable/campaign/pictures",
+    "deployable/campaign/report",
+)
 """Folders and files that are held to it."""
 
 WORDS = """

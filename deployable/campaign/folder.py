@@ -15,9 +15,9 @@ ROUND_FILES = ("plan.json", "samples.nc", "surrogate.nc", "bounds.nc", "sensitiv
 PICTURES = ("png", "pdf", "svg")
 
 
-def _file(name: str, about: str) -> Any:
+def _file(name: str, text: str) -> Any:
     """The path of a file or folder by its name, which a docstring describes."""
-    return property(lambda folder: folder / name, doc=about)
+    return property(lambda folder: folder / name, doc=text)
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Folder:
         return self.figures / "campaign"
 
     @property
-    def written(self) -> tuple[Path, ...]:
+    def stage_folders(self) -> tuple[Path, ...]:
         """All folders that stages write to, but for those of runs, which their stores sweep."""
         return self.path, self.figures, self.overviews, self / "batches", self.motions
 

@@ -7,10 +7,20 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 CLEAN = (
-    "deployable/campaign/export",
     "deployable/intervals",
+    "deployable/campaign/export",
     "deployable/campaign/pictures",
     "deployable/campaign/report",
+    "deployable/campaign/text",
+    "deployable/campaign/commands.py",
+    "deployable/campaign/contents.py",
+    "deployable/campaign/errors.py",
+    "deployable/campaign/files.py",
+    "deployable/campaign/folder.py",
+    "deployable/campaign/new.py",
+    "deployable/campaign/outside.py",
+    "deployable/campaign/provenance.py",
+    "deployable/campaign/stopping.py",
 )
 """Folders and files that are held to it."""
 

@@ -22,7 +22,7 @@ from deployable.campaign.config.sections import (
     trust,
 )
 from deployable.campaign.errors import CampaignError, of_files
-from deployable.campaign.files import OPENED, check_results, refuse_links, results_of
+from deployable.campaign.files import HISTORY, check_results, refuse_links, results_of
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import Tell
@@ -63,13 +63,13 @@ class Stage:
         sections = {name: arguments[name] for name in self.sections}
         try:
             refuse_links(folder.whole)
-            for place in folder.written:
+            for place in folder.stage_folders:
                 sweep(place)
             facts = {"basis": self.basis(sections), **plan_of(folder, self.takes)}
             with results_of(facts):
                 self.work(folder, tell, **arguments)
         except SceneError as error:  # of the structure that the results name
-            place = OPENED[-1] if OPENED else folder.path
+            place = HISTORY[-1] if HISTORY else folder.path
             raise CampaignError(f"{place}: {error}; run the campaign again") from error
         except (OSError, RuntimeError) as error:
             told = of_files(error, folder.path)

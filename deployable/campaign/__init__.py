@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from deployable.campaign.config.check import check_config, load_config
     from deployable.campaign.errors import CampaignError, ConfigError
-    from deployable.campaign.workflow import run
+    from deployable.campaign.stages.workflow import run
 
 __all__ = ["CampaignError", "ConfigError", "check_config", "load_config", "run"]
 
@@ -28,7 +28,7 @@ _HOMES = {
     "ConfigError": "deployable.campaign.errors",
     "check_config": "deployable.campaign.config.check",
     "load_config": "deployable.campaign.config.check",
-    "run": "deployable.campaign.workflow",
+    "run": "deployable.campaign.stages.workflow",
 }
 
 

@@ -11,7 +11,7 @@ from deployable.campaign.config.check import check_config
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.stages import STAGES
-from deployable.campaign.workflow import Workflow
+from deployable.campaign.stages.workflow import Workflow
 from evidence.attack.ledger import Ledger
 from evidence.attack.victim import Victim, broken_in, read_bounds, results_in, silent
 

@@ -251,8 +251,7 @@ NOTHING = {"numbers": {}, "simulated": {}}
 
 ROOMS = (
     "fpm/", "structure/", "deployable/intervals/", "deployable/campaign/config/",
-    "deployable/campaign/plan/", "deployable/campaign/runs/", "deployable/campaign/results/samples",
-    "deployable/campaign/results/kept_extremes",
+    "deployable/campaign/plan/", "deployable/campaign/runs/", "deployable/campaign/samples/",
 )  # fmt: skip
 """Where something decides about runs, or what is kept of them."""
 

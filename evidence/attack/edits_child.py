@@ -74,7 +74,7 @@ def run(raws: list[dict], results: Path) -> dict:
         from deployable.campaign.config.check import check_config
         from deployable.campaign.folder import Folder
         from deployable.campaign.plan.plan import read_plan
-        from deployable.campaign.results import kept_extremes, samples
+        from deployable.campaign.samples import kept_extremes, samples
         from deployable.campaign.stages import STAGES
 
         for raw in raws:

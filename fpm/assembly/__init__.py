@@ -28,6 +28,7 @@ Springs, cables, gravity and loads act from the start of a run, not before.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,7 +37,6 @@ from fpm.assembly.elastic import Elastic, elastic_of
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.openings.opening import opening_at
 from fpm.errors import SceneError
-from fpm.scenes.scene import Assembly, Scene
 
 ROUNDS = 60
 """Most rounds; where the misfit is some percent it takes five to ten."""
@@ -71,7 +71,21 @@ class MisfitError(SceneError):
     """Parts that cannot be forced together."""
 
 
-def assemble(scene: Scene, hold: Sequence[str] = ()) -> None:
+class Assembly(NamedTuple):
+    """What forced a scene together: the strain energy that is left (J); the joint that was farthest
+    open, by a gap (m) and an angle (rad) between directions that should agree; rounds; the openings
+    (rad, of slides m) of the hinges before, as they were stated.
+    """
+
+    energy: float
+    joint: str
+    gap: float
+    tilt: float
+    rounds: int
+    stated: tuple[float, ...]
+
+
+def assemble(scene, hold: Sequence[str] = ()) -> None:
     """Force the parts of a scene together at its joints, and leave it in balance and at rest.
 
     The scene's positions and frames become those of the assembled structure, and `scene.assembly`
@@ -259,21 +273,20 @@ def linearised(
     Rows and columns are scaled so that the largest entries are about one; ease: μ times the largest
     mass (N m), that share of the largest stiffness if it is not given.
     """
-    from scipy.sparse import bmat, diags, identity
+    from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 
     count = len(scales)
     gradient, stiffness = elastic.derivatives(places)
     rows, curvature = conditions.derivatives(places, weight * impulses)
     stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
-    own, mass = diags(scales), masses(scene, places)
-    stiffness, mass = own @ stiffness @ own, own @ mass @ own
+    stiffness, mass = (_scaled(each, scales, scales) for each in (stiffness, masses(scene, places)))
     largest = abs(stiffness).max() if stiffness.nnz else 0.0
     if ease is None:
         ease = share * largest if largest > 0 else 1.0
     unit = max(largest, ease)
     inner = (stiffness / unit + mass * (ease / unit / mass.max())).tocsc()[free][:, free]
-    rows = (diags(weight) @ rows @ own).tocsc()[:, free]
+    rows = _scaled(rows, weight, scales)[:, free]
     matrix = bmat([[inner, rows.T], [rows, -EASE * identity(len(weight))]], format="csc")
     try:
         solver = splu(matrix)
@@ -290,14 +303,27 @@ def linearised(
     return solve, gradient
 
 
+def _scaled(matrix, rows: np.ndarray, columns: np.ndarray):
+    """A sparse matrix with its rows and columns times factors, in columns."""
+    matrix = matrix.tocsc(copy=True)
+    own = np.repeat(columns, np.diff(matrix.indptr))
+    matrix.data = matrix.data * rows[matrix.indices] * own
+    return matrix
+
+
 def masses(scene, places: Places):
     """Masses and inertias (6n, 6n) in global axes."""
-    from scipy.sparse import block_diag, coo_matrix
+    from scipy.sparse import coo_array
 
-    blocks = []
-    for mass, inertia, frame in zip(scene.mass, scene.inertia, places.frame, strict=True):
-        blocks += [coo_matrix(mass * np.eye(3)), coo_matrix(frame * inertia @ frame.T)]
-    return block_diag(blocks, format="csc")
+    blocks = np.zeros((len(scene.mass), 2, 3, 3))
+    blocks[:, 0] = scene.mass[:, None, None] * np.eye(3)
+    blocks[:, 1] = places.frame * scene.inertia[:, None] @ places.frame.transpose(0, 2, 1)
+    dofs = np.arange(6 * len(blocks)).reshape(-1, 2, 3)
+    rows, columns = np.broadcast_arrays(dofs[..., None], dofs[:, :, None])
+    shape = (dofs.size, dofs.size)
+    matrix = coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=shape).tocsc()
+    matrix.eliminate_zeros()
+    return matrix
 
 
 def _reopened(scene, hinge):

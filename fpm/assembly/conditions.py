@@ -35,19 +35,24 @@ class Places(NamedTuple):
         """Those of some particles (k,)."""
         return Places(self.position[particles], self.frame[particles])
 
-    def nudged(self, direction: int) -> "Places":
-        """After an infinitely small shift (direction 0 to 2) or turn (3 to 5), which is complex."""
-        if direction < 3:
-            return self._replace(position=self.position + 1j * STEP * np.eye(3)[direction])
-        turn = np.cross(np.eye(3)[direction - 3], np.eye(3)).T
-        return self._replace(frame=self.frame + 1j * STEP * (turn @ self.frame))
+    def nudged(self, first: int) -> "Places":
+        """Places (12, n, ...), which are complex: from direction `first` on after an infinitely
+        small shift along each axis and turn about each."""
+        position = np.tile(self.position.astype(complex), (12, 1, 1))
+        frame = np.tile(self.frame.astype(complex), (12, 1, 1, 1))
+        position[first : first + 3] += 1j * STEP * np.eye(3)[:, None]
+        turns = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(0, 2, 1)
+        frame[first + 3 : first + 6] += 1j * STEP * (turns[:, None] @ self.frame)
+        return Places(position, frame)
 
 
 def slopes(function, first: Places, second: Places) -> np.ndarray:
-    """Derivatives (e, k, 12) of function(first, second) -> (e, k), by the motions of both."""
-    ends = [(first.nudged(d), second) for d in range(6)]
-    ends += [(first, second.nudged(d)) for d in range(6)]
-    return np.stack([function(*pair).imag / STEP for pair in ends], axis=-1)
+    """Derivatives (e, k, 12) of function(first, second) -> (..., e, k), by the motions of both.
+
+    The function has no absolute values and the like: its arguments are complex.
+    """
+    values = function(first.nudged(0), second.nudged(6))
+    return np.moveaxis(values.imag / STEP, 0, -1)
 
 
 def gathered(blocks: np.ndarray, pairs: np.ndarray, count: int):
@@ -105,27 +110,28 @@ class Conditions(NamedTuple):
 
     def derivatives(self, places: Places, impulses: np.ndarray):
         """Sparse rows (c, 6n) of the derivatives, and those (6n, 6n) of their sum with impulses."""
+        blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(places))
+        return self.jacobian(places), gathered(blocks, self.pairs, len(places.position))
+
+    def jacobian(self, places: Places):
+        """Derivatives, sparse (c, 6n), by the motions of all particles."""
         from scipy.sparse import coo_array
 
-        ends, count = self._ends(places), 6 * len(places.position)
-        rows = self._rows(*ends)
+        rows = self._rows(*self._ends(places))
         number = np.repeat(np.arange(len(rows)), 12)
-        shape = (len(rows), count)
         entries = (rows.ravel(), (number, dofs_of(self.pairs).ravel()))
-        blocks = impulses[:, None, None] * slopes(self._rows, *ends)
-        curvature = gathered(blocks, self.pairs, len(places.position))
-        return coo_array(entries, shape=shape).tocsc(), curvature
+        return coo_array(entries, shape=(len(rows), 6 * len(places.position))).tocsc()
 
     def _ends(self, places: Places) -> tuple[Places, Places]:
         return places.of(self.pairs[:, 0]), places.of(self.pairs[:, 1])
 
     def _parts(self, first: Places, second: Places):
         """Direction, that of the second, arms of both in global axes, and the way between."""
-        turned = np.einsum("cij,cj->ci", first.frame, self.one)
+        turned = np.einsum("...cij,cj->...ci", first.frame, self.one)
         one = np.where((self.how == ALONG)[:, None], self.one, turned)
-        two = np.einsum("cij,cj->ci", second.frame, self.two)
+        two = np.einsum("...cij,cj->...ci", second.frame, self.two)
         arms = [
-            np.einsum("cij,cj->ci", end.frame, self.arms[:, k])
+            np.einsum("...cij,cj->...ci", end.frame, self.arms[:, k])
             for k, end in enumerate((first, second))
         ]
         there = self.second[:, None]
@@ -138,19 +144,20 @@ class Conditions(NamedTuple):
         return np.sum(one * other, axis=1, keepdims=True)
 
     def _rows(self, first: Places, second: Places) -> np.ndarray:
-        """Derivatives (c, 12) by the motions of both particles."""
+        """Derivatives (..., c, 12) by the motions of both particles."""
         one, two, arms, way = self._parts(first, second)
         normal, carried = (self.how == NORMAL)[:, None], (self.how == CARRIED)[:, None]
         there, turn = self.second[:, None], np.cross(one, two)
         shift = np.where(normal, 0.0, one)
         own = np.cross(arms[0], one) + np.where(carried, np.cross(one, way), 0.0)
-        return np.hstack(
+        return np.concatenate(
             [
                 shift,
                 np.where(normal, turn, own),
                 -there * shift,
                 np.where(normal, -turn, -there * np.cross(arms[1], one)),
-            ]
+            ],
+            axis=-1,
         )
 
 

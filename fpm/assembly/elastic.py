@@ -68,18 +68,18 @@ class Elastic(NamedTuple):
 
     def _shape(self, first: Places, second: Places) -> Shape:
         chord = second.position - first.position
-        length = np.sqrt(np.sum(chord * chord, axis=1))
-        chord = chord / length[:, None]
+        length = np.sqrt(np.sum(chord * chord, axis=-1))
+        chord = chord / length[..., None]
         axes = np.concatenate(
             [
-                np.einsum("eij,ekj->eki", end.frame, own)
+                np.einsum("...eij,ekj->...eki", end.frame, own)
                 for end, own in ((first, self.axes[:, :2]), (second, self.axes[:, 2:]))
             ],
-            axis=1,
+            axis=-2,
         )
-        a2, a3, b2, b3 = axes.transpose(1, 0, 2)
-        twist = 0.5 * (np.sum(b2 * a3, axis=1) - np.sum(b3 * a2, axis=1))
-        return Shape(chord, length, axes, np.einsum("ei,eki->ek", chord, axes), twist)
+        a2, a3, b2, b3 = np.moveaxis(axes, -2, 0)
+        twist = 0.5 * (np.sum(b2 * a3, axis=-1) - np.sum(b3 * a2, axis=-1))
+        return Shape(chord, length, axes, np.einsum("...ei,...eki->...ek", chord, axes), twist)
 
     def _modes(self, first: Places, second: Places) -> np.ndarray:
         """What is strained of each element (e, 6), half of whose squares is its energy: stretch,
@@ -89,24 +89,25 @@ class Elastic(NamedTuple):
         turns = sines * (1 + sines**2 / 6)
         modes = [np.sqrt(axial) * (length - rest), np.sqrt(torsion) * twist]
         for plane, stiff in enumerate(bending):
-            one, two = turns[:, plane], turns[:, 2 + plane]
+            one, two = turns[..., plane], turns[..., 2 + plane]
             modes += [np.sqrt(1.5 * stiff) * (one + two), np.sqrt(0.5 * stiff) * (one - two)]
-        return np.stack(modes, axis=1)
+        return np.stack(modes, axis=-1)
 
     def _gradient(self, first: Places, second: Places) -> np.ndarray:
-        """Derivatives (e, 12) of each element's energy by the motions of its ends."""
+        """Derivatives (..., e, 12) of each element's energy by the motions of its ends."""
         n, length, axes, sines, t = self._shape(first, second)
         rest, axial, in_2, in_3, torsion = self.stiffness.T
         turns = sines * (1 + sines**2 / 6)
         stiff = np.stack([in_2, in_3, in_2, in_3], axis=1)
-        by_sine = stiff * (2 * turns + turns[:, [2, 3, 0, 1]]) * (1 + sines**2 / 2)
-        at = by_sine[:, :, None] * axes
-        ga, gb = at[:, 0] + at[:, 1], at[:, 2] + at[:, 3]
-        along = axial * (length - rest) - np.sum(by_sine * sines, axis=1) / length
-        force = (ga + gb) / length[:, None] + along[:, None] * n  # on the first
-        a2, a3, b2, b3 = axes.transpose(1, 0, 2)
-        twist = (0.5 * torsion * t)[:, None] * (np.cross(a3, b2) - np.cross(a2, b3))
-        return np.hstack([-force, twist - np.cross(n, ga), force, -twist - np.cross(n, gb)])
+        by_sine = stiff * (2 * turns + turns[..., [2, 3, 0, 1]]) * (1 + sines**2 / 2)
+        at = by_sine[..., None] * axes
+        ga, gb = at[..., 0, :] + at[..., 1, :], at[..., 2, :] + at[..., 3, :]
+        along = axial * (length - rest) - np.sum(by_sine * sines, axis=-1) / length
+        force = (ga + gb) / length[..., None] + along[..., None] * n  # on the first
+        a2, a3, b2, b3 = np.moveaxis(axes, -2, 0)
+        twist = (0.5 * torsion * t)[..., None] * (np.cross(a3, b2) - np.cross(a2, b3))
+        ends = [-force, twist - np.cross(n, ga), force, -twist - np.cross(n, gb)]
+        return np.concatenate(ends, axis=-1)
 
 
 class Unstressed(NamedTuple):

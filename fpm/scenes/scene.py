@@ -8,7 +8,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -40,20 +40,6 @@ class Link:
 
     particles: np.ndarray
     triad: np.ndarray
-
-
-class Assembly(NamedTuple):
-    """What forced a scene together: the strain energy that is left (J); the joint that was farthest
-    open, by a gap (m) and an angle (rad) between directions that should agree; rounds; the openings
-    (rad, of slides m) of the hinges before, as they were stated.
-    """
-
-    energy: float
-    joint: str
-    gap: float
-    tilt: float
-    rounds: int
-    stated: tuple[float, ...]
 
 
 _EYE = np.eye(3)
@@ -92,7 +78,7 @@ class Scene:
         self.frame = np.zeros((0, 3, 3))
         self.unstrained: np.ndarray | None = None  # frames (n, 3, 3) without strain; None: `frame`
         self.unstrained_position: np.ndarray | None = None  # and positions (n, 3); None: `position`
-        self.assembly: Assembly | None = None  # what forced it together (assembly)
+        self.assembly: Any = None  # what forced it together, an fpm.assembly.Assembly
         self.velocity = np.zeros((0, 3))
         self.spin = np.zeros((0, 3))
         self.mass = np.zeros(0)

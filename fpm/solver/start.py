@@ -100,7 +100,7 @@ def check_masses(scene: Scene) -> None:
 def _rows(scene: Scene, conditions: Conditions):
     """Sparse rows (c, 6n) of conditions at the start."""
     places = Places(scene.position, scene.frame)
-    return conditions.derivatives(places, np.zeros(len(conditions.joint)))[0]
+    return conditions.jacobian(places)
 
 
 def _scaled(scene: Scene, rows):

@@ -43,11 +43,6 @@ ALIKE = 1e-3
 they differ by more, it is not the opening alone that decides the motion."""
 
 
-def jacobian(conditions: Conditions, places: At):
-    """Derivatives, sparse (c, 6n), of conditions."""
-    return conditions.derivatives(places, np.zeros(len(conditions.joint)))[0]
-
-
 def _turned(first: np.ndarray, last: np.ndarray) -> np.ndarray:
     """The rotations (n, 3) rad, below half a turn, from frames (n, 3, 3) to others."""
     turn = last @ first.transpose(0, 2, 1)
@@ -128,7 +123,7 @@ class Path:
 
     def _derivatives(self, places: At) -> np.ndarray:
         """Derivatives (c, f) of the conditions, scaled."""
-        rows = jacobian(self._conditions, places).multiply(self._scales).tocsc()[:, self._free]
+        rows = self._conditions.jacobian(places).multiply(self._scales).tocsc()[:, self._free]
         return self._weight[:, None] * rows.toarray()
 
     def _step(self, value: float) -> None:
@@ -235,7 +230,7 @@ class Path:
         self.scene.mass, self.scene.inertia = scene.mass * uneven, scene.inertia / uneven[:, None]
         solve = self._equations(self.places, self._held(self.opening), self._ease)[0]
         self.scene = scene
-        rows = jacobian(conditions_of(scene, [hinge.name for hinge in scene.hinges]), self.places)
+        rows = conditions_of(scene, [hinge.name for hinge in scene.hinges]).jacobian(self.places)
         rates = rows[-len(scene.hinges) :] @ np.stack([self.tangent, self._motion(solve)], axis=1)
         if np.abs(np.diff(rates)).max() > ALIKE * np.abs(rates).max():
             raise SceneError(
@@ -254,7 +249,7 @@ class Path:
         drift[:, :3, :3] = drift[:, 3:, 3:] = np.eye(3)
         drift[:, :3, 3:] = np.cross(np.eye(3), off[:, None] / self._size).swapaxes(1, 2)
         drift = drift.reshape(-1, 6)  # lengths by the size
-        rows = jacobian(self._conditions, places).multiply(self._scales).tocsr()
+        rows = self._conditions.jacobian(places).multiply(self._scales).tocsr()
         ruled_out = np.vstack([self._weight[:, None] * (rows @ drift), drift[held]])
         _, sizes, ways = np.linalg.svd(ruled_out)
         free = ways[np.sum(sizes > DRIFTS * sizes.max(initial=1.0)) :]

@@ -10,7 +10,7 @@ from deployable import campaign
 from deployable.campaign.cli import main
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import make_plan
-from deployable.campaign.workflow import Workflow
+from deployable.campaign.stages.workflow import Workflow
 from evidence.attack import victim
 from evidence.attack.victim import silent
 

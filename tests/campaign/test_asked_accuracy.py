@@ -19,7 +19,7 @@ from deployable.campaign.plan.accuracy import _places, added
 from deployable.campaign.plan.decide import Cost, Standing
 from deployable.campaign.plan.plan import Round, Rounds
 from deployable.campaign.results.facts import _accuracy
-from deployable.campaign.text.templates import sentence
+from deployable.campaign.results.templates import sentence
 
 
 @pytest.fixture

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from deployable import campaign
+from deployable.campaign.answers.estimate import runs_there
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.estimate import runs_there
 from fpm.files.trajectory import read_curves
 from fpm.kernels import sources
 from fpm.reading.variables import VARIABLES

@@ -18,11 +18,11 @@ from deployable.campaign.config.sections import Jobs, scene_type
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.plan.plan import make_plan
 from deployable.campaign.results.facts import SOFT
-from deployable.campaign.results.samples import gather
+from deployable.campaign.results.templates import sentence
 from deployable.campaign.runs import batch as batches
 from deployable.campaign.runs.batch import Simulation, clocks, run_batch
-from deployable.campaign.runs.progress import duration_text
-from deployable.campaign.text.templates import sentence
+from deployable.campaign.samples.samples import gather
+from deployable.campaign.text.numbers import duration_text
 from fpm.files.trajectory import read_curves
 
 KEEP = ["trajectories", "responses"]

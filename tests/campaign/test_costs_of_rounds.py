@@ -11,7 +11,7 @@ import xarray as xr
 from deployable.campaign.answers.finer import PLACES
 from deployable.campaign.config.check import check_config
 from deployable.campaign.plan.accuracy import _halved, _standing, first_plan, next_plan
-from deployable.campaign.plan.estimate import run_seconds
+from deployable.campaign.plan.jobs import run_seconds
 from deployable.campaign.plan.plan import Round
 from fpm.files.sealed import whole_file
 

@@ -13,10 +13,10 @@ from opening_panel import PANEL, exact_time, panel, run
 from deployable import campaign
 from deployable.campaign.answers.choice import doubted
 from deployable.campaign.cli import main
-from deployable.campaign.commands import UNMET
+from deployable.campaign.cli.commands import UNMET
 from deployable.campaign.config.sections import Choose
 from deployable.campaign.folder import Folder
-from deployable.campaign.text.templates import sentence
+from deployable.campaign.results.templates import sentence
 from deployable.intervals.scalars import Choice
 
 LATEST = float(1.01 * exact_time(0.1))

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 import fpm
+from deployable.campaign.answers.estimate import estimate
 from deployable.campaign.config.check import load_config
-from deployable.campaign.plan.estimate import LANES, estimate, run_seconds
+from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import choose_step
 from fpm.scenes.effort import machine
 

@@ -14,8 +14,8 @@ import pytest
 
 from deployable.campaign.cli import main
 from deployable.campaign.folder import Folder
+from deployable.campaign.results.templates import summary_text
 from deployable.campaign.text.numbers import escaped
-from deployable.campaign.text.templates import summary_text
 from fpm.files.sealed import check, seal, unsealed
 
 EVIL = (

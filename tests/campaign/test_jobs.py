@@ -12,7 +12,7 @@ import pytest
 
 from deployable.campaign.config.check import check_config
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.plan.estimate import (
+from deployable.campaign.plan.jobs import (
     CORES,
     batch_count,
     job_megabytes,

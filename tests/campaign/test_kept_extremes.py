@@ -15,14 +15,14 @@ from harm import harm_file
 from deployable import campaign
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.errors import ConfigError
-from deployable.campaign.plan.estimate import batch_count
+from deployable.campaign.plan.jobs import batch_count
 from deployable.campaign.plan.plan import make_plan
 from deployable.campaign.report.read import from_results
-from deployable.campaign.results import kept_extremes, samples
 from deployable.campaign.results.which import MOST_FITTED, fitted_rows
 from deployable.campaign.runs import batch, extremes
 from deployable.campaign.runs.batch import run_batch
 from deployable.campaign.runs.store import open_store
+from deployable.campaign.samples import kept_extremes, samples
 
 SAMPLES = 22
 

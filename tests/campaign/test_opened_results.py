@@ -19,12 +19,12 @@ from deployable.campaign.config.models import FigureChoice
 from deployable.campaign.config.sections import as_json
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import csv_text, open_dataset, open_netcdf, refuse_links
+from deployable.campaign.files.outside import _library
 from deployable.campaign.folder import Folder
-from deployable.campaign.outside import _library
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.figures import save
 from deployable.campaign.stages import STAGES
-from deployable.campaign.workflow import Workflow, run
+from deployable.campaign.stages.workflow import Workflow, run
 from fpm.files.sealed import DamagedError, check, seal, unsealed
 
 PAGE = ["--config", as_json(figures=FigureChoice())]

@@ -10,8 +10,9 @@ import pytest
 
 import fpm
 from deployable import campaign
-from deployable.campaign.plan.estimate import _rounded, estimate, size_text
+from deployable.campaign.answers.estimate import _rounded, estimate
 from deployable.campaign.runs.progress import Progress, Teller, warm_up
+from deployable.campaign.text.numbers import size_text
 from fpm import structures
 from fpm.scenes.effort import compile_seconds
 

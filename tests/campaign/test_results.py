@@ -18,13 +18,13 @@ from deployable import campaign
 from deployable.campaign.config.sections import BoundsChoice
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
-from deployable.campaign.report import make_motions
+from deployable.campaign.report import draw_nominal, make_motions
 from deployable.campaign.results.bounds import analyse
 from deployable.campaign.results.facts import _foretold
-from deployable.campaign.results.figures import draw_envelopes, draw_nominal
+from deployable.campaign.results.figures import draw_envelopes
 from deployable.campaign.results.summary import summarise
+from deployable.campaign.results.templates import sentence, summary_text
 from deployable.campaign.text.numbers import pretty
-from deployable.campaign.text.templates import sentence, summary_text
 from fpm.files.sealed import unsealed
 from fpm.scenes.scene_type import SceneType
 

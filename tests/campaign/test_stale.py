@@ -12,7 +12,7 @@ from deployable import campaign
 from deployable.campaign import provenance, stages
 from deployable.campaign.folder import Folder
 from deployable.campaign.stages import STAGES, Stage
-from deployable.campaign.workflow import Workflow
+from deployable.campaign.stages.workflow import Workflow
 from evidence.attack.edits import CAMPAIGNS, Edits
 from evidence.attack.victim import RAW, results_in
 from fpm.kernels.sources import TOLD

@@ -18,7 +18,7 @@ from deployable.campaign.config.sections import Campaign, as_json, from_data, pl
 from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.plan.plan import make_plan
 from deployable.campaign.runs.batch import check_structure
-from deployable.campaign.workflow import Workflow
+from deployable.campaign.stages.workflow import Workflow
 
 ROOT = Path(__file__).parents[2]
 

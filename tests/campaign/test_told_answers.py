@@ -24,8 +24,8 @@ from deployable.campaign.results.facts import (
     mark_constant,
     quantity_errors,
 )
+from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import interval, measured, number, quantity, share
-from deployable.campaign.text.templates import sentence
 from deployable.intervals import Box
 from deployable.intervals.scalars.surrogate import Extremes
 

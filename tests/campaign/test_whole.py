@@ -16,7 +16,7 @@ from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.figures import envelope
-from deployable.campaign.workflow import Workflow
+from deployable.campaign.stages.workflow import Workflow
 
 ROOT = Path(__file__).parents[2]
 
@@ -185,7 +185,7 @@ def test_importing_is_cheap():
     heavy = {"numba", "xarray", "matplotlib", "pydantic", "netCDF4"}
     heavy |= {f"scipy.{name}" for name in ("linalg", "optimize", "sparse", "spatial", "stats")}
     code = (
-        "import sys; from deployable.campaign import cli, workflow; "
+        "import sys, deployable.campaign.cli, deployable.campaign.stages.workflow; "
         f"sys.exit(repr({heavy} & set(sys.modules)))"
     )
     done = subprocess.run(

@@ -12,7 +12,7 @@ import xarray as xr
 from deployable import campaign
 from deployable.campaign.answers import finer
 from deployable.campaign.folder import Folder
-from deployable.campaign.text.templates import sentence
+from deployable.campaign.results.templates import sentence
 from deployable.intervals import Box
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from deployable.campaign.export.glb import glb_of, write_glb
+from deployable.campaign.pictures.glb import glb_of, write_glb
 from deployable.campaign.pictures.solid import FACES, solid_of_motion
 
 pygltflib = pytest.importorskip("pygltflib", reason="reads glTF; in the extra `test`")

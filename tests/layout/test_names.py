@@ -8,19 +8,18 @@ import pytest
 ROOT = Path(__file__).parents[2]
 CLEAN = (
     "deployable/intervals",
-    "deployable/campaign/export",
-    "deployable/campaign/pictures",
-    "deployable/campaign/report",
-    "deployable/campaign/text",
-    "deployable/campaign/commands.py",
-    "deployable/campaign/contents.py",
+    "deployable/campaign/cli/commands.py",
+    "deployable/campaign/cli/new.py",
     "deployable/campaign/errors.py",
-    "deployable/campaign/files.py",
+    "deployable/campaign/export",
+    "deployable/campaign/files",
     "deployable/campaign/folder.py",
-    "deployable/campaign/new.py",
-    "deployable/campaign/outside.py",
+    "deployable/campaign/pictures",
     "deployable/campaign/provenance.py",
+    "deployable/campaign/report",
+    "deployable/campaign/results/templates.py",
     "deployable/campaign/stopping.py",
+    "deployable/campaign/text",
 )
 """Folders and files that are held to it."""
 

@@ -14,7 +14,7 @@ from deployable.campaign.report import from_results, make_motions
 from deployable.campaign.report.data import FURTHER, RunVerdicts
 from deployable.campaign.report.failing import meets, panels
 from deployable.campaign.report.page import render
-from deployable.campaign.text.templates import sentence, summary_text
+from deployable.campaign.results.templates import sentence, summary_text
 
 
 @pytest.fixture(scope="module")

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 import xarray
 
-from deployable.campaign.export.glb import glb_of
+from deployable.campaign.pictures.glb import glb_of
 from deployable.campaign.report import from_results, write_page
 from deployable.campaign.report.data import MOST_LINES
 from deployable.campaign.report.motions import MOST_MOVING, how_many_move, shown_runs
 from deployable.campaign.report.pack import thinned
 from deployable.campaign.report.page import render
 from deployable.campaign.results.facts import grade
+from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import coded, measured, number, spread, unbroken
-from deployable.campaign.text.templates import sentence
 
 
 def text_of(data):

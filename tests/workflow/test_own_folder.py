@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from deployable.campaign import shipped
+from deployable.campaign.cli.new import CAMPAIGN, make_folder, starts
 from deployable.campaign.config.check import load_config
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.new import CAMPAIGN, make_folder, starts
 
 ROOT = Path(__file__).parents[2]
 ODD = ("with space", "größe Ω", "b{race}s")

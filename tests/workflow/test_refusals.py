@@ -6,7 +6,7 @@ import pytest
 
 from deployable.campaign.config.loader import look
 from deployable.campaign.errors import ConfigError
-from deployable.campaign.workflow import Workflow
+from deployable.campaign.stages.workflow import Workflow
 
 GOOD = """\
 campaign: mine

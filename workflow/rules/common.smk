@@ -25,8 +25,8 @@ os.environ.update(
 
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import ROUND_FILES
-from deployable.campaign.plan.estimate import CORES
-from deployable.campaign.workflow import Workflow
+from deployable.campaign.plan.jobs import CORES
+from deployable.campaign.stages.workflow import Workflow
 
 # Snakemake formats the whole path of an environment, so that braces in it are to be doubled.
 ENVIRONMENT = "../envs/campaign.yaml"

@@ -1,18 +1,17 @@
 """The checks of a config that need the scene: names, ranges, consistency, responses, quantities,
-solver, requirements and choices, and whether the disk has room."""
+solver, requirements and choices."""
 
 from __future__ import annotations
 
 import itertools
-import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import fpm
+from deployable.campaign.config.disk import LISTED, room_problems
 from deployable.campaign.config.models import Aim, Config
 from deployable.campaign.config.read import show
 from deployable.campaign.config.resolve import (
@@ -32,7 +31,6 @@ from deployable.campaign.config.sections import (
     scene_type,
     steps_problems,
 )
-from deployable.campaign.plan.estimate import bytes_of_run, size_text
 from deployable.intervals import IntervalError, check_spline_runs, held_out_points
 from deployable.intervals.scalars.requirements import ENDS
 from fpm.errors import meant
@@ -45,9 +43,6 @@ from fpm.travel import springs_of
 
 CHOSEN = ("design", "bounds", "held_out")
 """Keys that a config with `accuracy` must not have: it chooses what they say."""
-
-LISTED = 100_000
-"""Runs up to which nobody asks whether the disk has room for them."""
 
 
 def resolve(config: Config, given: Mapping) -> tuple[Campaign | None, list[str]]:
@@ -351,17 +346,4 @@ def keep_problems(campaign: Campaign) -> list[str]:
                 "needs every run; allowed: responses or trajectories"
             ]
         return []
-    return _room_problems(campaign) if design.samples > LISTED and design.method == "scan" else []
-
-
-def _room_problems(campaign: Campaign) -> list[str]:
-    """Whether the disk of the working folder has room for a large scan."""
-    each, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
-    samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
-    if samples * each <= room:
-        return []
-    return [
-        f"design.samples: {samples} runs with jobs.keep {keep} take about "
-        f"{size_text(samples * each)}, and the disk has {size_text(room)}; allowed: at most "
-        f"{int(room / each)}, or jobs.keep extremes"
-    ]
+    return room_problems(campaign) if design.samples > LISTED and design.method == "scan" else []

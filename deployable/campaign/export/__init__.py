@@ -33,7 +33,7 @@ def _vtk(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
 
 
 def _glb(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
-    from deployable.campaign.export.glb import write_glb
+    from deployable.campaign.pictures.glb import write_glb
 
     return [write_glb(run.motion(frames), folder / f"{run.name}.glb")]
 

@@ -19,7 +19,7 @@ from deployable import intervals
 from deployable.campaign.config.sections import Experiment, Solver
 from deployable.campaign.files import open_dataset
 from deployable.campaign.plan.decide import Cost, Standing
-from deployable.campaign.plan.estimate import LANES, run_seconds
+from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep, choose_step, make_plan
 from deployable.intervals.scalars import fit_scalar
 

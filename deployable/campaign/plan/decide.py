@@ -13,7 +13,7 @@ from functools import cached_property
 
 from deployable.campaign.config.sections import Accuracy
 from deployable.campaign.plan.plan import Rounds
-from deployable.campaign.runs.progress import duration_text
+from deployable.campaign.text.numbers import duration_text
 
 Shares = Mapping[str, Mapping[str, float]]
 

@@ -6,7 +6,7 @@
     step, step_limit (s), limiting_element, steps_per_instant, assembly_energy (J), mechanics
     runs      [{id, role, unit (k), values (k)}], one a line; role is node, nominal or held_out
     packed    in the place of these, where they are many: {count, role, unit}, the arrays (count) of
-              indices into `runs.ROLES`, one byte each, and (count, k) of little-endian doubles, in
+              indices into `ROLES`, one byte each, and (count, k) of little-endian doubles, in
               base64; the values follow from the box
     adaptive  of a round: the `rounds` before it, all `points` so far, and whether the tolerance is
               `met`: null unless this is the plan after the last round, which has no new runs; and
@@ -36,10 +36,10 @@ from deployable.campaign.config.sections import (
     plain_data,
     steps_problems,
 )
-from deployable.campaign.contents import reading
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import read_json, write_result
-from deployable.campaign.plan.runs import ROLES, RUN_ID, Run, Runs, namer, values_of
+from deployable.campaign.files.contents import ROLES, RUN_ID, reading
+from deployable.campaign.plan.runs import Run, Runs, namer, values_of
 from deployable.intervals import held_out_points
 from fpm.files.sealed import DamagedError
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -12,10 +11,8 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.sections import Experiment, digest
+from deployable.campaign.files.contents import ROLES
 
-ROLES = ("nominal", "node", "held_out", "further")
-RUN_ID = re.compile("[0-9a-f]{16}")
-"""Pattern of the names of runs, after which files are called."""
 _REMEMBERED = 1 << 17  # names
 
 

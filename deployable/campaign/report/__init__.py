@@ -9,7 +9,7 @@ from deployable.campaign.report.data import (
     Run,
     Work,
 )
-from deployable.campaign.report.motions import make_motions
+from deployable.campaign.report.motions import draw_nominal, make_motions
 from deployable.campaign.report.page import write_page
 from deployable.campaign.report.read import from_results
 
@@ -21,6 +21,7 @@ __all__ = [
     "Response",
     "Run",
     "Work",
+    "draw_nominal",
     "from_results",
     "make_motions",
     "write_page",

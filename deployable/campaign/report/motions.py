@@ -11,7 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from deployable.campaign.config.sections import Experiment
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.files import open_dataset, open_netcdf
 from deployable.campaign.folder import Folder
+from deployable.campaign.pictures.moments import draw_moments
+from deployable.campaign.results.figures import save
 from deployable.campaign.results.which import ids, keeps_extremes, nominal_row
 from fpm.files.sealed import DamagedError, check
 
@@ -49,7 +54,6 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
     value of each response where its bounds differ most, at most `MOST_MOVING` in all. A scan
     without a nominal run begins with its first run.
     """
-    from deployable.campaign.files import open_dataset
 
     folder = Path(folder)
     with (
@@ -140,7 +144,6 @@ def motions_of(samples: xarray.Dataset, runs: Sequence[ShownRun], frames: int = 
     Of runs whose curves are not in `samples.nc` it has them: ``curves`` (response, instant), and
     ``impact`` (event, 3): time, index into ``eventful``, 1 if it closes.
     """
-    from deployable.campaign.config.sections import Experiment
     from fpm.motions.motion import whole_motion
 
     experiment = Experiment.read(samples.attrs["config"])
@@ -179,7 +182,6 @@ def _own_curves(experiment: Any, outcome: Any) -> dict:
 def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
     """The whole motion of the run at a place among the samples: the one that is there, or else made
     again."""
-    from deployable.campaign.files import open_dataset
 
     folder = Path(folder)
     with open_dataset(folder / "samples.nc") as samples:
@@ -198,8 +200,6 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
 
     None if they could not be made again as they were, since the structure or the mechanics changed.
     """
-    from deployable.campaign.config.sections import Experiment
-    from deployable.campaign.files import open_dataset
     from deployable.campaign.results.bounds import write_dataset
 
     folder = Path(folder)
@@ -219,3 +219,24 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
         except DamagedError:  # which is no longer shown, and so never made again
             path.unlink()
     return paths
+
+
+def draw_nominal(folder: Folder, count: int) -> None:
+    """Draw `count` moments of the nominal run of a sampled campaign as `moments` into its folder of
+    overviews. Raises `CampaignError` where the run cannot be made again.
+    """
+    with open_netcdf(folder.samples) as samples:
+        experiment = Experiment.read(samples.config)
+        row, mechanics = nominal_row(samples) or 0, samples.mechanics
+        (name,) = ids(samples, [row])
+    if experiment.mechanics != mechanics:
+        raise CampaignError(
+            f"the structure or the mechanics have changed since {folder.path} was made, so that "
+            "it cannot be drawn; run the campaign first"
+        )
+    try:
+        with open_netcdf(folder.motions / f"{name}.nc") as motion:
+            figure = draw_moments(motion, count)
+    except (FileNotFoundError, DamagedError):
+        figure = draw_moments(motion_of(folder.path, row), count)
+    save(figure, folder.overviews / "moments")

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.export.glb import glb_of
+from deployable.campaign.pictures.glb import glb_of
 from deployable.campaign.report.data import MovingRun, PageData, Response
 from deployable.campaign.results.facts import LARGE
 from deployable.campaign.text.numbers import pretty

@@ -15,8 +15,8 @@ from deployable.campaign.pictures.view import View
 from deployable.campaign.report.data import PageData
 from deployable.campaign.report.failing import lines, panels, prices
 from deployable.campaign.report.pack import compressed, packed
+from deployable.campaign.results.templates import environment
 from deployable.campaign.text.numbers import pretty
-from deployable.campaign.text.templates import environment
 
 if TYPE_CHECKING:
     import xarray

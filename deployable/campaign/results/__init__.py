@@ -1,1 +1,1 @@
-"""What a campaign tells: samples of all runs, bounds, figures, and a summary."""
+"""What a campaign tells: bounds, figures, facts, and a summary by templates over these."""

@@ -1,5 +1,5 @@
 """All that is said of a campaign, as plain numbers: what `summary.json` holds, and from which the
-templates of `text/` make the summary and the page."""
+templates beside make the summary and the page."""
 
 from __future__ import annotations
 

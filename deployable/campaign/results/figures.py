@@ -11,15 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.config.sections import Experiment
-from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_netcdf, result_file
-from deployable.campaign.folder import PICTURES, Folder
+from deployable.campaign.folder import PICTURES
 from deployable.campaign.pictures.colours import BARS, BLUE, RED
 from deployable.campaign.results.facts import LARGE, along_of, known_error
-from deployable.campaign.results.which import ids, nominal_row
 from deployable.campaign.text.numbers import pretty
-from fpm.files.sealed import DamagedError
 
 LOWER = {"color": BLUE, "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
 UPPER = {"color": RED, "linestyle": (0, (5, 1, 1, 1)), "linewidth": 1.1, "label": "upper bound"}
@@ -159,31 +155,6 @@ def shares(data: Any, width: float = 7.0) -> Any:
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=8, fontsize=8, frameon=False)
     return figure
-
-
-def draw_nominal(folder: Folder, count: int) -> None:
-    """Draw `count` moments of the nominal run of a sampled campaign as `moments` into its folder of
-    overviews. Raises `CampaignError` where the run cannot be made again.
-    """
-    with open_netcdf(folder.samples) as samples:
-        experiment = Experiment.read(samples.config)
-        row, mechanics = nominal_row(samples) or 0, samples.mechanics
-        (name,) = ids(samples, [row])
-    if experiment.mechanics != mechanics:
-        raise CampaignError(
-            f"the structure or the mechanics have changed since {folder.path} was made, so that "
-            "it cannot be drawn; run the campaign first"
-        )
-    from deployable.campaign.pictures.moments import draw_moments
-
-    try:
-        with open_netcdf(folder.motions / f"{name}.nc") as motion:
-            figure = draw_moments(motion, count)
-    except (FileNotFoundError, DamagedError):
-        from deployable.campaign.report.motions import motion_of
-
-        figure = draw_moments(motion_of(folder.path, row), count)
-    save(figure, folder.overviews / "moments")
 
 
 def _over(data: Any, i: int) -> tuple[np.ndarray, str]:

@@ -18,7 +18,7 @@ from deployable.campaign.results.review import (
     head_of,
     rows_of,
 )
-from deployable.campaign.text.templates import summary_text
+from deployable.campaign.results.templates import summary_text
 
 
 def summarise(

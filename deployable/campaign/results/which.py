@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.sections import Experiment
-from deployable.campaign.plan.runs import ROLES, namer
+from deployable.campaign.files.contents import ROLES
+from deployable.campaign.plan.runs import namer
 
 
 @dataclass(frozen=True)

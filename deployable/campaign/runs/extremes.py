@@ -25,8 +25,8 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.contents import reading
 from deployable.campaign.files import whole_file
+from deployable.campaign.files.contents import reading
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs import results as common
 from deployable.intervals.samples import Running

@@ -10,6 +10,7 @@ from contextlib import suppress
 from typing import Any, TextIO
 
 import fpm
+from deployable.campaign.text.numbers import duration_text
 from fpm.scenes.effort import compile_seconds
 
 PAUSE = 5.0
@@ -76,15 +77,6 @@ class Progress:
             self.tell.move(text, last)
         else:
             self.tell(text)
-
-
-def duration_text(seconds: float) -> str:
-    """`95` s as `1 min 35 s`."""
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    if hours:
-        return f"{hours} h {minutes} min"
-    return f"{minutes} min {rest} s" if minutes else f"{rest} s"
 
 
 def warm_up(scene: Any, tell: Tell, record: Sequence = ()) -> None:

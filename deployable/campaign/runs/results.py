@@ -13,7 +13,7 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.outside import refuse_outside
+from deployable.campaign.files.outside import refuse_outside
 from deployable.campaign.plan.runs import Run, Runs
 from fpm.files.sealed import DamagedError, check
 from fpm.files.trajectory import Column

@@ -22,9 +22,9 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.config.sections import Experiment
-from deployable.campaign.contents import reading
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import whole_file
+from deployable.campaign.files.contents import reading
 from deployable.campaign.plan.runs import Run, Runs
 from deployable.campaign.runs import results as common
 from deployable.campaign.runs.extremes import Extremes

@@ -8,10 +8,10 @@ from deployable.campaign.answers.finer import check_bounds, finer_parts
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.bounds import analyse
-from deployable.campaign.results.kept_extremes import gather as gather_extremes
-from deployable.campaign.results.samples import gather
 from deployable.campaign.runs.progress import Tell
 from deployable.campaign.runs.store import unpack
+from deployable.campaign.samples.kept_extremes import gather as gather_extremes
+from deployable.campaign.samples.samples import gather
 
 
 def work(

@@ -7,8 +7,7 @@ from typing import Any
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import check_results, read_json
 from deployable.campaign.folder import Folder
-from deployable.campaign.report import from_results, make_motions, write_page
-from deployable.campaign.results.figures import draw_nominal
+from deployable.campaign.report import draw_nominal, from_results, make_motions, write_page
 from deployable.campaign.runs.progress import Tell
 from deployable.campaign.stages import ANSWERS, FRAMES, SAMPLES
 

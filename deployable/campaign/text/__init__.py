@@ -1,1 +1,1 @@
-"""What is said of a campaign: numbers as people write them, and templates over its facts."""
+"""How values are written: numbers as people write them, and quantities in words."""

@@ -174,3 +174,21 @@ def position(row: Mapping[str, Any], time: float) -> str:
         length = axis["last"] - axis["first"]
         return quantity(axis["first"] + length * time / axis["duration"], axis["unit"], 4)
     return quantity(time, "s", 4)
+
+
+def duration_text(seconds: float) -> str:
+    """`95` s as `1 min 35 s`."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes} min"
+    return f"{minutes} min {rest} s" if minutes else f"{rest} s"
+
+
+def size_text(size: float) -> str:
+    """A number of bytes as people write it: `5.5 MB`."""
+    for unit in ("kB", "MB"):
+        size /= 1000
+        if size < 1000:
+            return f"{size:.2g} {unit}" if size < 10 else f"{size:.0f} {unit}"
+    return f"{size / 1000:.3g} GB"

@@ -1,4 +1,4 @@
-"""What is said of a campaign, as templates over the facts of `results/facts.py`."""
+"""What is said of a campaign, as templates over the facts of `facts`."""
 
 from __future__ import annotations
 

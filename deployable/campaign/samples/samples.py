@@ -17,7 +17,7 @@
                                   does not happen; only in campaigns that have quantities
     quantity, quantity_units, quantity_long_name (quantity)
 
-With `keep: extremes` (`campaign.results.kept_extremes`) there are no values, and the variables of
+With `keep: extremes` (`campaign.samples.kept_extremes`) there are no values, and the variables of
 runs are as small as can be.
 
 No variable is named after a response, so that a response may have any name. This file is all that

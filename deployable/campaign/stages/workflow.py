@@ -16,7 +16,7 @@ from deployable.campaign.config.sections import Campaign, as_json, count_runs, s
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_dataset, read_json
 from deployable.campaign.folder import PICTURES, Folder
-from deployable.campaign.plan.estimate import batch_count, job_megabytes, job_minutes
+from deployable.campaign.plan.jobs import batch_count, job_megabytes, job_minutes
 from deployable.campaign.plan.plan import read_plan, read_step
 from deployable.campaign.provenance import check_code, program_digest
 from deployable.campaign.runs.progress import Tell, Teller

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import fpm
+from deployable.campaign.answers.estimate import estimate, runs_there
+from deployable.campaign.cli.new import make_folder, starts
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.keys import table
 from deployable.campaign.config.read import whole
@@ -16,11 +18,9 @@ from deployable.campaign.errors import CampaignError, ConfigError, of_files
 from deployable.campaign.export import COLOURS, KINDS, choose, export
 from deployable.campaign.files import read_json, unforeseen
 from deployable.campaign.folder import CAMPAIGN, Folder
-from deployable.campaign.new import make_folder, starts
 from deployable.campaign.pictures.still import SUFFIXES, write_structure
-from deployable.campaign.plan.estimate import estimate, runs_there
-from deployable.campaign.text.templates import doubt_texts
-from deployable.campaign.workflow import run
+from deployable.campaign.results.templates import doubt_texts
+from deployable.campaign.stages.workflow import run
 
 UNMET = 3
 """Exit status of `run --require` where not all of the box meets all requirements."""

@@ -1,6 +1,6 @@
 """Gather what `keep: extremes` left of all runs of a plan into one file, `samples.nc`.
 
-It has the variables of `campaign.results.samples`, but for those of every run's curves:
+It has the variables of `campaign.samples.samples`, but for those of every run's curves:
 
     dims   run, response, time, parameter, event, quarter
     lower, upper (quarter, response, time)          least and largest value in a quarter of the runs
@@ -27,11 +27,11 @@ from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import result_file
 from deployable.campaign.plan.plan import Plan
 from deployable.campaign.plan.runs import Runs
-from deployable.campaign.results import samples
 from deployable.campaign.runs.batch import make_again
 from deployable.campaign.runs.extremes import CURVES, EVENTS, Share
 from deployable.campaign.runs.progress import Tell
 from deployable.campaign.runs.store import open_store
+from deployable.campaign.samples import samples
 from deployable.intervals.samples import Running, quarter_ends
 
 _CHUNK_RUNS = 4096

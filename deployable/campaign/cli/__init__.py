@@ -58,7 +58,7 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     if not is_stage:
-        import_module("deployable.campaign.commands").add_to(commands, command)
+        import_module("deployable.campaign.cli.commands").add_to(commands, command)
     for name, stage in STAGES.items():
         one = command(commands, name, stage.about, _run_stage)
         one.set_defaults(stage=stage)

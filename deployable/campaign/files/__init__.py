@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import Any
 
 from deployable.campaign.config.sections import Experiment
-from deployable.campaign.contents import data_of, experiment_of, reading
 from deployable.campaign.errors import CampaignError
+from deployable.campaign.files.contents import data_of, experiment_of, reading
+from deployable.campaign.files.outside import refuse_outside
 from deployable.campaign.folder import Folder
-from deployable.campaign.outside import refuse_outside
 from deployable.campaign.provenance import check_code, dated
 from fpm.files.sealed import DamagedError, check, check_content, read_bytes, whole_file
 

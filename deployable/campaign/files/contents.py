@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache, lru_cache
@@ -16,8 +17,11 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment, steps_problems
 from deployable.campaign.errors import CampaignError, HeldConfigError
-from deployable.campaign.plan.runs import ROLES, RUN_ID
 from fpm.files.sealed import DamagedError
+
+ROLES = ("nominal", "node", "held_out", "further")
+RUN_ID = re.compile("[0-9a-f]{16}")
+"""Pattern of the names of runs, after which files are called."""
 
 _BOX = """@text: config campaign config_hash mechanics scene
 text parameter: parameter box_units
@@ -233,7 +237,7 @@ _PROVENANCE = {**_TEXTS, "required": ["program", "commit", "processor"]}
 
 @cache
 def _schema() -> dict:
-    text = Path(__file__).parent / "results" / "summary.schema.json"
+    text = Path(__file__).parents[1] / "results" / "summary.schema.json"
     return json.loads(text.read_text(encoding="utf-8"))
 
 

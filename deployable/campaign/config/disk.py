@@ -1,0 +1,47 @@
+"""What the runs of a campaign take on disk, and whether that has room."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from deployable.campaign.config.sections import Campaign, Experiment
+from deployable.campaign.text.numbers import size_text
+
+LISTED = 100_000
+"""Runs up to which nobody asks whether the disk has room for them."""
+
+
+_OTHER_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
+_EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
+
+
+def bytes_of_run(campaign: Campaign) -> float:
+    """Bytes that a run takes on disk, about, in its own file and in samples.nc."""
+    experiment = campaign.experiment
+    instants, responses = experiment.solver.instants, len(experiment.responses)
+    if campaign.jobs.keep == "extremes":
+        numbers = 2 * len(experiment.quantities) + 2 * len(experiment.intervals)
+        return 8.0 * numbers + 2 * _EVENTS_BYTES
+    if campaign.jobs.keep == "responses":
+        return 8.0 * instants * responses
+    return 8.0 * instants * (recorded(experiment) + responses)
+
+
+def recorded(experiment: Experiment) -> int:
+    """Curves of a trajectory, but for the responses."""
+    scene = experiment.nominal_scene
+    return 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + len(experiment.record)
+
+
+def room_problems(campaign: Campaign) -> list[str]:
+    """Whether the disk of the working folder has room for a large scan."""
+    each, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
+    samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
+    if samples * each <= room:
+        return []
+    return [
+        f"design.samples: {samples} runs with jobs.keep {keep} take about "
+        f"{size_text(samples * each)}, and the disk has {size_text(room)}; allowed: at most "
+        f"{int(room / each)}, or jobs.keep extremes"
+    ]

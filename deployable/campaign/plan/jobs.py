@@ -1,0 +1,87 @@
+"""What the jobs of a campaign ask of a queue, and how many they are."""
+
+from __future__ import annotations
+
+import math
+import os
+
+from deployable.campaign.config.disk import recorded
+from deployable.campaign.config.sections import Campaign, Experiment
+from deployable.campaign.plan.plan import TimeStep, choose_step
+from fpm.scenes import effort
+
+LANES = 8
+"""Runs that are integrated side by side; fewer take as long."""
+
+JOB_STARTING = 5.0
+"""Minutes of a job beside its runs, at most: starting, and compiling the time loop once."""
+
+PROGRAM, PROCESS = 600.0, 150.0
+"""Megabytes of a job with its libraries and while it compiles, and of each process beside it."""
+
+
+def run_seconds(experiment: Experiment, time: TimeStep) -> float:
+    """Seconds of a core for a run, one of eight side by side.
+
+    Of a core as `fpm.scenes.effort` has them, whichever this one is: what rounds may spend depends
+    on it.
+    """
+    instants = experiment.solver.instants
+    return effort.run_seconds(
+        experiment.nominal_scene, time.steps_per_instant * (instants - 1), instants
+    )
+
+
+def runs_in_job(campaign: Campaign) -> int:
+    """Most runs in a job that takes `jobs.minutes`: whole groups, one at least for each process."""
+    jobs = campaign.jobs
+    fitting = 60.0 * jobs.minutes * jobs.processes / seconds_of_run(campaign)
+    return max(1, jobs.processes, int(fitting / jobs.group)) * jobs.group
+
+
+def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> int:
+    """Minutes to ask a queue for, for a job of so many runs: twice the estimate, and what it takes
+    to start and to compile. Where the mesh is sought, all the time that it may take.
+
+    time: the step of their plan, if there is one; to find it takes longer.
+    """
+    if campaign.experiment.is_sought:
+        minutes = campaign.experiment.accuracy.minutes
+    else:
+        minutes = math.ceil(runs / LANES) * LANES * seconds_of_run(campaign, time) / 60.0
+    return math.ceil(JOB_STARTING + 2.0 * minutes / campaign.jobs.processes)
+
+
+def job_megabytes(campaign: Campaign) -> int:
+    """Memory to ask a queue for, for a job: a program for each process, which holds a group of runs
+    as they are written and the next as they are recorded."""
+    experiment, jobs = campaign.experiment, campaign.jobs
+    run = 8 * experiment.solver.instants * (recorded(experiment) + len(experiment.responses))
+    return math.ceil(PROGRAM + jobs.processes * (PROCESS + 2.0 * jobs.group * run / 1e6))
+
+
+def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
+    """Seconds of a core that a run takes among others side by side: the config's, or estimated.
+
+    time: as for `job_minutes`.
+    """
+    experiment = campaign.experiment
+    known = campaign.jobs.run_seconds
+    return known or effort.machine() * run_seconds(experiment, time or choose_step(experiment))
+
+
+CORES = "DEPLOYABLE_INTERVALS_CORES"
+"""Environment variable with the cores of the machine on which a workflow was started: jobs on other
+machines must find as many batches."""
+
+
+def batch_count(campaign: Campaign, runs: int) -> int:
+    """Number of batches that runs are shared among."""
+    if campaign.jobs.minutes:
+        return -(-runs // runs_in_job(campaign))
+    if campaign.jobs.nodes_per_job != "auto":
+        return -(-runs // campaign.jobs.nodes_per_job)
+    cores = int(os.environ.get(CORES, 0)) or os.cpu_count() or 1
+    count = min(-(-runs // 512), max(8, cores, min(-(-runs // 4096), 64)))
+    # As many for each core, so that none waits for the last job of another.
+    return count - count % cores if count > cores else count

@@ -1,0 +1,1 @@
+"""The responses of all runs of a plan, gathered into `samples.nc`."""

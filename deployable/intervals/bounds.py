@@ -74,26 +74,26 @@ def bounds_dataset(
     check_options(f"option of model {model}", kind, options)
     data = read_samples(samples, responses)
     by_shares = data.ratios.any() and kind is not MODELS["scan"]
-    fitted = kind(shares_of(data) if by_shares else data, design, **options)
-    bounds = fitted.range()
-    error = fitted.error(bounds, window)
+    fit = kind(shares_of(data) if by_shares else data, design, **options)
+    bounds = fit.range()
+    error = fit.error(bounds, window)
     if by_shares:
         bounds, error = ratios_of(data, bounds, error)
     least = _least(data)
     lack = np.maximum(least[:, None] - bounds.inner_lower, 0.0)
     bounds = raised(bounds, least[:, None])
-    attributes = {**samples.attrs, "held_out_runs": len(fitted.tested), "bounds_kind": fitted.kind}
+    attributes = {**samples.attrs, "held_out_runs": len(fit.test_rows), "bounds_kind": fit.kind}
     if design is not None:
         attributes |= {"design_method": design.method, "design_order": list(design.order)}
-    variables = _curves(data, fitted, bounds, error, by_shares)
-    for name, values in _numbers(data, bounds, error.total, lack, fitted.tested).items():
+    variables = _curves(data, fit, bounds, error, by_shares)
+    for name, values in _numbers(data, bounds, error.total, lack, fit.test_rows).items():
         long_name, unit = _NUMBERS[name]
         attrs = {"long_name": long_name} | ({"units": unit} if unit else {})
         variables[name] = ("response", values, attrs)
     return xr.Dataset(
-        variables | fitted.variables(),
+        variables | fit.variables(),
         coords=data.coordinates(),
-        attrs=attributes | fitted.attributes,
+        attrs=attributes | fit.attributes,
     )
 
 
@@ -152,7 +152,7 @@ def _least(samples: Samples) -> np.ndarray:
 
 
 def _numbers(
-    samples: Samples, bounds: Range, error: np.ndarray, lack: np.ndarray, tested: np.ndarray
+    samples: Samples, bounds: Range, error: np.ndarray, lack: np.ndarray, test_rows: np.ndarray
 ) -> dict[str, np.ndarray]:
     """The summary numbers (n,) of the responses, from their range, its estimated error (n, T) and
     by how much (n, T) the model falls below what is possible."""
@@ -160,9 +160,9 @@ def _numbers(
     area = np.trapezoid(width, time)
     numbers = _largest("largest_width", width, time)
     numbers["gap_share_of_width"] = share_of(bounds.gap, time, area)
-    if len(tested):
+    if len(test_rows):
         sides = zip(
-            bounds.lower, bounds.upper, np.moveaxis(samples.values[tested], 1, 0), strict=True
+            bounds.lower, bounds.upper, np.moveaxis(samples.values[test_rows], 1, 0), strict=True
         )
         runs = [compare_runs(*side) for side in sides]
         numbers |= {name: np.array([run[name] for run in runs]) for name in runs[0]}
@@ -191,18 +191,18 @@ def add_errors(
     axes = ("response", "time")
     curves = {"surrogate": bounds["error"].values}
     curves |= {name: widen(time, np.abs(values), window) for name, values in parts.items()}
-    added = {}
+    variables = {}
     for name, values in curves.items():
-        added[f"error_{name}"] = (axes, values, {"long_name": f"part of the error: {name}"})
+        variables[f"error_{name}"] = (axes, values, {"long_name": f"part of the error: {name}"})
         text = f"error of the {name}, as a share of the width"
         attrs = {"long_name": text, "units": "1"}
-        added[f"share_{name}"] = ("response", share_of(values, time, area), attrs)
+        variables[f"share_{name}"] = ("response", share_of(values, time, area), attrs)
     total = np.sum(list(curves.values()), axis=0)
     numbers = {"error": total} | _largest("largest_error", total, time)
     numbers["error_share_of_width"] = share_of(total, time, area)
     for name, values in numbers.items():
-        added[name] = (bounds[name].dims, values, bounds[name].attrs)
-    return bounds.assign(added).assign_attrs(error_parts=list(curves))
+        variables[name] = (bounds[name].dims, values, bounds[name].attrs)
+    return bounds.assign(variables).assign_attrs(error_parts=list(curves))
 
 
 def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarray:

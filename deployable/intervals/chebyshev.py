@@ -164,8 +164,8 @@ class Surrogate:
         cross_indices[:, direction] = 0
         weights = product_basis(np.asarray(unit, dtype=float)[None], cross_indices)[0]
         line = np.zeros((int(self.degrees[direction]) + 1, *self.coefficients.shape[1:]))
-        scaled = weights.reshape(-1, *[1] * (self.coefficients.ndim - 1)) * self.coefficients
-        np.add.at(line, self.multi_indices[:, direction], scaled)
+        terms = weights.reshape(-1, *[1] * (self.coefficients.ndim - 1)) * self.coefficients
+        np.add.at(line, self.multi_indices[:, direction], terms)
         return line
 
 

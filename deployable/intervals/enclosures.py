@@ -91,7 +91,7 @@ _WORK = 60_000  # numbers in all the patches that an instant may use on average
 
 
 def tighten(
-    dense: np.ndarray, attained: np.ndarray, outer: np.ndarray, tolerance: np.ndarray
+    dense: np.ndarray, inner: np.ndarray, outer: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Tighten an upper bound of max p over [-1, 1]^k.
 
@@ -99,7 +99,7 @@ def tighten(
     ----------
     dense
         Chebyshev coefficients (n_1 + 1, ..., n_k + 1, T).
-    attained, outer, tolerance
+    inner, outer, tolerance
         (T): a value that p attains, an upper bound, and the gap at which to stop.
 
     Returns
@@ -110,21 +110,21 @@ def tighten(
     degrees = np.array(dense.shape[:-1]) - 1
     size = int(np.prod(degrees + 1))
     outer = outer.copy()
-    value = np.full(len(attained), -np.inf)
-    argument = np.zeros((len(attained), len(degrees)))
+    value = np.full(len(inner), -np.inf)
+    argument = np.zeros((len(inner), len(degrees)))
     if degrees.max() > MAX_DEGREE or size > MAX_TENSOR:
         return outer, value, argument
-    todo = np.flatnonzero(outer - attained > tolerance)
+    todo = np.flatnonzero(outer - inner > tolerance)
     step = max(_MEMORY // (8 * size), 1)
     for start in range(0, len(todo), step):
         part = todo[start : start + step]
-        tightened = _subdivide(dense[..., part], attained[part], tolerance[part], degrees)
-        outer[part] = np.minimum(outer[part], tightened[0])
-        value[part], argument[part] = tightened[1], tightened[2]
+        enclosure = _subdivide(dense[..., part], inner[part], tolerance[part], degrees)
+        outer[part] = np.minimum(outer[part], enclosure[0])
+        value[part], argument[part] = enclosure[1], enclosure[2]
     return outer, value, argument
 
 
-def _subdivide(dense, attained, tolerance, degrees):
+def _subdivide(dense, inner, tolerance, degrees):
     """Branch and bound over patches (..., P); `owner` (P) is the instant of each."""
     k, total = len(degrees), dense.shape[-1]
     patches, size = dense, np.abs(dense)
@@ -133,8 +133,8 @@ def _subdivide(dense, attained, tolerance, degrees):
         size = _apply(np.abs(_from_chebyshev(int(n))), size, j)
     rounding = 4 * np.finfo(float).eps * (degrees + 1).sum()
     slack = rounding * size.reshape(-1, total).max(axis=0)
-    best, argument = attained.copy(), np.zeros((total, k))
-    improved = np.zeros(total, dtype=bool)
+    best, argument = inner.copy(), np.zeros((total, k))
+    is_improved = np.zeros(total, dtype=bool)
     closed_bound = np.full(total, -np.inf)
     owner = np.arange(total)
     centre, half = np.zeros((total, k)), np.ones((total, k))
@@ -147,7 +147,7 @@ def _subdivide(dense, attained, tolerance, degrees):
         corner = patches[vertices].reshape(len(signs), -1)
         vertex = corner.argmax(axis=0)
         top = corner[vertex, np.arange(len(owner))]
-        _record(best, argument, improved, owner, top, centre + half * signs[vertex])
+        _record(best, argument, is_improved, owner, top, centre + half * signs[vertex])
         bound = patches.reshape(-1, len(owner)).max(axis=0)
         is_open = bound > best[owner] + tolerance[owner]
         budget -= len(owner)
@@ -166,18 +166,18 @@ def _subdivide(dense, attained, tolerance, degrees):
             patches, owner = patches[..., keep], owner[keep]
             centre, half = centre[keep], half[keep]
         patches, owner, centre, half = _halve(patches, owner, centre, half, degrees)
-    outer = np.maximum(np.maximum(closed_bound, best), attained) + slack
-    return outer, np.where(improved, best, -np.inf), argument
+    outer = np.maximum(np.maximum(closed_bound, best), inner) + slack
+    return outer, np.where(is_improved, best, -np.inf), argument
 
 
-def _record(best, argument, improved, owner, top, points):
+def _record(best, argument, is_improved, owner, top, points):
     """Keep vertex values that beat the best ones known."""
     better = top > best[owner]
     owner, top, points = owner[better], top[better], points[better]
     np.maximum.at(best, owner, top)
     won = top == best[owner]
     argument[owner[won]] = points[won]
-    improved[owner[won]] = True
+    is_improved[owner[won]] = True
 
 
 def _halve(patches, owner, centre, half, degrees):
@@ -194,9 +194,9 @@ def _halve(patches, owner, centre, half, degrees):
         block, middle, width = patches[..., columns], centre[columns], half[columns].copy()
         width[:, j] /= 2
         for matrix, sign in zip(_halves(int(degrees[j])), (-1, 1), strict=True):
-            shifted = middle.copy()
-            shifted[:, j] += sign * width[:, j]
-            parts.append((_apply(matrix, block, j), owner[columns], shifted, width))
+            new_middle = middle.copy()
+            new_middle[:, j] += sign * width[:, j]
+            parts.append((_apply(matrix, block, j), owner[columns], new_middle, width))
     return tuple(np.concatenate([p[i] for p in parts], axis=-1 if i == 0 else 0) for i in range(4))
 
 
@@ -204,8 +204,8 @@ def _apply(matrix: np.ndarray, tensor: np.ndarray, axis: int) -> np.ndarray:
     """Multiply `tensor` along `axis` by `matrix` (m, n)."""
     shape = tensor.shape
     rows = int(np.prod(shape[:axis], dtype=int))
-    folded = tensor.reshape(rows, shape[axis], -1)
-    return np.matmul(matrix, folded).reshape(*shape[:axis], len(matrix), *shape[axis + 1 :])
+    blocks = tensor.reshape(rows, shape[axis], -1)
+    return np.matmul(matrix, blocks).reshape(*shape[:axis], len(matrix), *shape[axis + 1 :])
 
 
 @cache

@@ -55,7 +55,7 @@ def share_outside(runs: int, confidence: float | None = None) -> float:
     return float(scipy.special.betaincinv(2, runs - 1, confidence))
 
 
-def continued(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
+def richardson_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
     """Error (...) of what changes by so much (...) when its mesh or step is halved: the sum of what
     all halvings after it change, if each changes `ratio` (...) times less than the one before
     (Richardson, Phil. Trans. R. Soc. A 210 (1911) 307): 2**p of the order p. A ratio that is not
@@ -67,10 +67,10 @@ def continued(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray
     return change * ratio / (ratio - 1)
 
 
-def ratio_of(previous: np.ndarray, following: np.ndarray) -> np.ndarray:
+def refinement_ratio(change: np.ndarray, finer_change: np.ndarray) -> np.ndarray:
     """The ratio (...) of the sizes (...) of two changes; NaN where both are zero or not known."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.divide(previous, following)
+        return np.divide(change, finer_change)
 
 
 @dataclass(frozen=True)
@@ -113,8 +113,8 @@ def decay_estimate(
         return np.zeros(c.shape[1:])
     if len(indices) == np.prod(degrees + 1):
         return sum(_tail(indices[:, j], c) for j in np.flatnonzero(degrees))
-    scaled = indices / np.where(degrees > 0, degrees, 1)
-    level = np.minimum(np.ceil(scaled.sum(axis=1) * degrees.max() - 1e-9), degrees.max())
+    fractions = indices / np.where(degrees > 0, degrees, 1)
+    level = np.minimum(np.ceil(fractions.sum(axis=1) * degrees.max() - 1e-9), degrees.max())
     return _tail(level.astype(int), c)
 
 
@@ -146,11 +146,11 @@ def overruled(
         return decay
     terms, own = np.array(next_two), surrogate.multi_indices
     alias = np.linalg.lstsq(product_basis(points, own), product_basis(points, terms), rcond=None)[0]
-    resolved = product_basis(unit, terms) - product_basis(unit, own) @ alias
-    size = np.linalg.svd(resolved, compute_uv=False)
+    residual_basis = product_basis(unit, terms) - product_basis(unit, own) @ alias
+    size = np.linalg.svd(residual_basis, compute_uv=False)
     if size[-1] < _INDEPENDENT * size[0]:
         return decay
-    coefficients = np.linalg.pinv(resolved) @ residuals.reshape(len(unit), -1)
+    coefficients = np.linalg.pinv(residual_basis) @ residuals.reshape(len(unit), -1)
     size_sum = np.abs(coefficients).sum(axis=0).reshape(decay.shape)
     size_sum = np.maximum(size_sum, np.abs(residuals).max(axis=0))
     return np.minimum(decay, MAX_TAIL_RATIO * widen(time, size_sum, window))

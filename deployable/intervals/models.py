@@ -34,14 +34,14 @@ class Model:
     ----------
     kind
         What its bounds are; "enclosed ..." or "attained ..." where they are a model's range.
-    tested
+    test_rows
         Indices of the runs that were not fitted, and test it.
     attributes
         What else a bounds dataset tells of it.
     """
 
     kind: str
-    tested: np.ndarray = np.zeros(0, dtype=int)
+    test_rows: np.ndarray = np.zeros(0, dtype=int)
     attributes: dict
 
     def __init__(self, samples: Samples, design: Design | None) -> None:
@@ -75,7 +75,7 @@ class PolynomialModel(Model):
 
     def __init__(self, samples: Samples, design: Design, *, tolerance: float = 1e-3) -> None:
         self.samples, self.tolerance = samples, tolerance
-        self.tested = other_runs(samples.unit, design.points)
+        self.test_rows = other_runs(samples.unit, design.points)
         self.design = design
         self.surrogate = fit(design, samples.values[match_points(design.points, samples.unit)])
         self.attributes = {"design_runs": design.runs}
@@ -85,8 +85,8 @@ class PolynomialModel(Model):
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
         samples, surrogate = self.samples, self.surrogate
-        unit, time = samples.unit[self.tested], samples.time
-        residuals = samples.values[self.tested] - surrogate.evaluate(unit)
+        unit, time = samples.unit[self.test_rows], samples.time
+        residuals = samples.values[self.test_rows] - surrogate.evaluate(unit)
         decay = decay_estimate(surrogate, time, window)
         decay = overruled(surrogate, self.design.points, unit, residuals, decay, time, window)
         return error_estimate(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
@@ -112,17 +112,17 @@ class ScanModel(Model):
         self.unit, total = samples.unit, None
         totals = []
         for quarter in samples.quarters():
-            total = quarter.merged(total) if quarter else total
+            total = quarter.merge(total) if quarter else total
             totals.append(total)
         self.total = total
         self.growth, self.growth_quarter = (_growth(part, total) for part in totals[1:3])
-        drawn = len(self.unit) - _count_chosen(samples)
+        draws = len(self.unit) - _count_chosen(samples)
         self.attributes = {
             "design_runs": len(self.unit),
             "error_kind": "growth of the bounds from the first half of the samples to all",
-            "drawn_runs": drawn,
-            "share_outside": share_outside(drawn),
-            "share_outside_95": share_outside(drawn, 0.95),
+            "drawn_runs": draws,
+            "share_outside": share_outside(draws),
+            "share_outside_95": share_outside(draws, 0.95),
         }
 
     def range(self) -> Range:

@@ -100,17 +100,17 @@ def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
     )
 
 
-def _tighten(c, surrogate, outer, attained, argument, close):
+def _tighten(c, surrogate, outer, inner, argument, close):
     """Tighter upper bound, and the attained value and argument, which subdivision may better."""
     dense = Surrogate(c, surrogate.multi_indices).dense()
-    outer, value, vertices = tighten(dense, attained, outer, close)
-    better = np.flatnonzero(value > attained)
+    outer, value, vertices = tighten(dense, inner, outer, close)
+    better = np.flatnonzero(value > inner)
     if len(better):
-        attained, argument = attained.copy(), argument.copy()
-        climbed, points = climb(c[:, better], surrogate.multi_indices, vertices[better])
-        attained[better] = np.maximum(value[better], climbed)
-        argument[better] = np.where((climbed > value[better])[:, None], points, vertices[better])
-    return outer, attained, argument
+        inner, argument = inner.copy(), argument.copy()
+        tops, points = climb(c[:, better], surrogate.multi_indices, vertices[better])
+        inner[better] = np.maximum(value[better], tops)
+        argument[better] = np.where((tops > value[better])[:, None], points, vertices[better])
+    return outer, inner, argument
 
 
 _MAX_GRID = 1024
@@ -146,8 +146,8 @@ def sample_points(degrees: np.ndarray) -> np.ndarray:
     if np.prod([float(len(x)) for x in nodes]) <= _MAX_GRID:
         return grid(nodes)
     generator = np.random.default_rng(0)
-    drawn = np.stack([generator.choice(x, _MAX_GRID) for x in nodes], axis=1)
-    return np.concatenate([corner_points(free), np.zeros((1, len(free))), drawn])
+    draws = np.stack([generator.choice(x, _MAX_GRID) for x in nodes], axis=1)
+    return np.concatenate([corner_points(free), np.zeros((1, len(free))), draws])
 
 
 def climb(

@@ -34,7 +34,7 @@ def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Ra
     is_ratio, own = samples.ratios[:, None], samples.ratios[:, None, None]
     ends = (bounds.upper, bounds.lower, bounds.inner_upper, bounds.inner_lower)
     old = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
-    swapped = [np.where(is_ratio, ratio(end), was) for end, was in zip(ends, old, strict=True)]
+    curves = [np.where(is_ratio, ratio(end), was) for end, was in zip(ends, old, strict=True)]
     places = [
         np.where(own, mirror, point)
         for mirror, point in ((bounds.argmax, bounds.argmin), (bounds.argmin, bounds.argmax))
@@ -46,7 +46,7 @@ def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Ra
         return np.where(is_ratio, np.maximum(*changes), part)
 
     errors = (at_ends(part) for part in (error.total, error.held_out, error.decay))
-    return Range(*swapped, *places), ErrorEstimate(*errors)
+    return Range(*curves, *places), ErrorEstimate(*errors)
 
 
 def ratio(share: np.ndarray) -> np.ndarray:

@@ -99,23 +99,23 @@ def seek_points(
     spacing = 2.0 * len(spline.points) ** (-1.0 / max(int(free.sum()), 1))
     trial = trial[_far_mask(trial, spline.points, 0.1 * spacing)]
     low, high = values.min(axis=0), values.max(axis=0)
-    promised = np.empty((len(trial), *low.shape), dtype=np.float32)
+    forecast = np.empty((len(trial), *low.shape), dtype=np.float32)
     for start in range(0, len(trial), 1024):
-        promised[start : start + 1024] = spline.evaluate(trial[start : start + 1024])
-    indices, new_low, new_high = _greedy(promised, low, high, trial, count, 0.1 * spacing)
+        forecast[start : start + 1024] = spline.evaluate(trial[start : start + 1024])
+    indices, new_low, new_high = _greedy(forecast, low, high, trial, count, 0.1 * spacing)
     growth = np.zeros(len(width))
     growth[width > 0] = np.maximum(low - new_low, new_high - high).mean(axis=1)
     return trial[indices], growth
 
 
-def _greedy(promised, low, high, trial, count, distance):
+def _greedy(forecast, low, high, trial, count, distance):
     """Indices of the best points, and the bounds with them; a gain only shrinks as others come."""
     low, high = low.copy(), high.copy()
 
     def gain(i):
-        return float((np.maximum(promised[i] - high, 0) + np.maximum(low - promised[i], 0)).sum())
+        return float((np.maximum(forecast[i] - high, 0) + np.maximum(low - forecast[i], 0)).sum())
 
-    heap = [(-gain(i), i) for i in range(len(promised))]
+    heap = [(-gain(i), i) for i in range(len(forecast))]
     heapq.heapify(heap)
     indices: list[int] = []
     while heap and len(indices) < count:
@@ -127,7 +127,7 @@ def _greedy(promised, low, high, trial, count, distance):
             heapq.heappush(heap, (-new_gain, i))
         elif _far_mask(trial[i : i + 1], trial[indices], distance)[0]:
             indices.append(i)
-            low, high = np.minimum(low, promised[i]), np.maximum(high, promised[i])
+            low, high = np.minimum(low, forecast[i]), np.maximum(high, forecast[i])
     return indices, low, high
 
 

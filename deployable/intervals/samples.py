@@ -60,7 +60,7 @@ class Running:
             numbers[high[0]],
         )
 
-    def merged(self, rival: Running | None) -> Running:
+    def merge(self, rival: Running | None) -> Running:
         """Those of both streams."""
         if rival is None:
             return self
@@ -152,7 +152,7 @@ class Samples:
                 values = self.read(slice(start, stop))
                 if not np.isfinite(values).all():
                     raise IntervalError("samples", "not finite", "finite responses in every run")
-                running = Running.of_runs(values, np.arange(start, stop)).merged(running)
+                running = Running.of_runs(values, np.arange(start, stop)).merge(running)
             yield running
 
     def coordinates(self) -> dict:

@@ -114,10 +114,10 @@ def sensitivity_dataset(
 
 def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
     """What the polynomial misses runs by that it was not fitted to, (n, T), widened in time."""
-    tested = other_runs(data.unit, design.points)
-    if not len(tested):
+    test_rows = other_runs(data.unit, design.points)
+    if not len(test_rows):
         return decay_estimate(surrogate, data.time)
-    residuals = np.abs(data.values[tested] - surrogate.evaluate(data.unit[tested]))
+    residuals = np.abs(data.values[test_rows] - surrogate.evaluate(data.unit[test_rows]))
     return widen(data.time, residuals.max(axis=0))
 
 

@@ -112,13 +112,13 @@ class Polyharmonic:
 
     def weights(self, values: np.ndarray) -> np.ndarray:
         """Weights (N + m, T) of the runs and linear functions, from values (N, T)."""
-        rotated = self._rotate(values)
-        if len(rotated) > self._extra:
-            rotated[self._extra :] = scipy.linalg.cho_solve(
-                (self._root, True), rotated[self._extra :]
+        coords = self._rotate(values)
+        if len(coords) > self._extra:
+            coords[self._extra :] = scipy.linalg.cho_solve(
+                (self._root, True), coords[self._extra :]
             )
-        rotated[: self._extra] = 0.0
-        weights = self._rotate(rotated, inverse=True)
+        coords[: self._extra] = 0.0
+        weights = self._rotate(coords, inverse=True)
         rest = self._rotate(values - self._cubes @ weights)[: self._extra]
         return np.concatenate(
             [weights, scipy.linalg.solve_triangular(self._triangle[: self._extra], rest)]

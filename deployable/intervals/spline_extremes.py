@@ -164,9 +164,9 @@ def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
         height, *rest = _derivatives(spline, flat[:, columns], trial)
         better = height > value[columns]
         radius[columns] *= np.where(better, 2.0, 0.25)
-        gained = columns[better]
-        x[gained], value[gained] = trial[better], height[better]
-        slope[gained], curvature[gained] = (r[better] for r in rest)
+        winners = columns[better]
+        x[winners], value[winners] = trial[better], height[better]
+        slope[winners], curvature[winners] = (r[better] for r in rest)
     return value, x
 
 

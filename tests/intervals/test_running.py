@@ -26,7 +26,7 @@ def test_neither_order_nor_grouping_changes_a_bit(size):
     parts = [slice(first, first + size) for first in range(0, 60, size)]
     found = None
     for part in DRAW.permutation(len(parts)):
-        found = Running.of_runs(VALUES[parts[part]], runs[parts[part]]).merged(found)
+        found = Running.of_runs(VALUES[parts[part]], runs[parts[part]]).merge(found)
     assert same(found, whole)
     np.testing.assert_array_equal(whole.low, VALUES.min(axis=0))
     np.testing.assert_array_equal(whole.high_run, VALUES.argmax(axis=0))  # the first of several

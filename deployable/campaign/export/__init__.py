@@ -71,7 +71,7 @@ KINDS = {
 }
 
 
-MOVING = ("gif", "webp")
+MOVIES = ("gif", "webp")
 COLOURS = ("bars", "stress")
 """By what moving pictures are coloured."""
 
@@ -89,8 +89,8 @@ def export(
     `CampaignError` where a kind has no such colours.
     """
     form = KINDS[kind]
-    if colour != "bars" and kind not in MOVING:
-        raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVING)}")
+    if colour != "bars" and kind not in MOVIES:
+        raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVIES)}")
     if run.folder:
         extras = ("quantities.nc",) * (kind == "csv" and run.folder.quantities.exists())
         check_results(run.folder, ("samples.nc", *form.takes, *extras))

@@ -81,8 +81,8 @@ def runs(folder: Folder) -> list[list]:
 def quantities(folder: Folder) -> list[list]:
     """The intervals of a campaign's quantities and where their ends are, a row each."""
     with open_netcdf(folder.quantities) as file:
-        named = _headings(file, "parameter", "box_units")
-        ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in named]
+        headings = _headings(file, "parameter", "box_units")
+        ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in headings]
         rows = [["quantity", "units", *_INTERVAL, *ends]]
         for i, name in enumerate(file["quantity"][:]):
             numbers = [file[key][i] for key in _INTERVAL]

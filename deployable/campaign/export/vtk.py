@@ -38,9 +38,9 @@ def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
         for part, (name, grid) in enumerate(grids.items()):
             file = places / f"{name}-{frame:04d}.vtu"
             write_text(file, grid_text(*grid, time))
-            named = quoteattr(f"{places.name}/{file.name}")
+            file_name = quoteattr(f"{places.name}/{file.name}")
             entries.append(
-                f'<DataSet timestep="{time!r}" part="{part}" name="{name}" file={named}/>'
+                f'<DataSet timestep="{time!r}" part="{part}" name="{name}" file={file_name}/>'
             )
     collection = "\n".join(["<Collection>", *entries, "</Collection>"])
     write_text(path, _file("Collection", collection))
@@ -65,11 +65,11 @@ def _axes(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
         "bar": solid.bar[bars], "radius": radius, "section_size": width,
         "section_y": y, "section_z": z,
     }  # fmt: skip
-    padded = {  # cells that are no elements have no strain
+    cell_data = {  # cells that are no elements have no strain
         name: np.concatenate([values, np.zeros((len(vertices), *values.shape[1:]), values.dtype)])
         for name, values in cells.items()
     }
-    return position, [(_LINE, nodes), (_VERTEX, vertices[:, None])], points, padded
+    return position, [(_LINE, nodes), (_VERTEX, vertices[:, None])], points, cell_data
 
 
 def _solid(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
@@ -110,10 +110,10 @@ def grid_text(
     points (n, 3) m; cells: VTK's number of a type, and its cells (m, k) as indices of points;
     arrays by name, one row for a point and for a cell; time in s.
     """
-    connected = np.concatenate([nodes.ravel() for _, nodes in cells]).astype(np.int64)
+    connectivity = np.concatenate([nodes.ravel() for _, nodes in cells]).astype(np.int64)
     sizes = np.concatenate([np.full(len(nodes), nodes.shape[1]) for _, nodes in cells])
     kinds = np.concatenate([np.full(len(nodes), kind, np.uint8) for kind, nodes in cells])
-    shape = {"connectivity": connected, "offsets": sizes.cumsum(), "types": kinds}
+    shape = {"connectivity": connectivity, "offsets": sizes.cumsum(), "types": kinds}
     body = [
         "<FieldData>", _array("TimeValue", np.array([time]), ' NumberOfTuples="1"'), "</FieldData>",
         f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(kinds)}">',

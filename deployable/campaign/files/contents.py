@@ -83,7 +83,7 @@ _SCALING = {"scale_factor", "add_offset", "missing_value", "valid_min", "valid_m
             "_Unsigned"}  # fmt: skip
 """Attributes by which libraries make other numbers, or none, of those that are in a file."""
 
-_ROOM, _PACKED = 1 << 28, 200
+_ROOM, _MAX_EXPANSION = 1 << 28, 200
 """Bytes that a file's numbers may take in memory, or as many times those that it takes itself."""
 
 _LONGEST, _LARGEST = 2000, 1e300
@@ -146,7 +146,7 @@ def _check_sizes(file: Any, size: int) -> None:
             raise ValueError(f"its variable {name} has {', '.join(sorted(names))}, as none has")
         item_bytes = 64 if variable.dtype is str else variable.dtype.itemsize
         total += item_bytes * math.prod(map(int, variable.shape))
-    if total > max(_ROOM, _PACKED * size):
+    if total > max(_ROOM, _MAX_EXPANSION * size):
         raise ValueError(f"its {size} bytes would be {total:.3g} in memory")
 
 
@@ -178,10 +178,10 @@ def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> N
         raise ValueError(f"its variable {name} holds {variable.dtype}, not {kind}s")
     if not is_text and variable.size * variable.dtype.itemsize > _ALL:
         return
-    values, filled = variable[:], getattr(variable, "_FillValue", np.nan)  # if it can be read
+    values, fill_value = variable[:], getattr(variable, "_FillValue", np.nan)  # if it can be read
     if is_text and max(map(len, values.ravel())) > _LONGEST:
         raise ValueError(f"its variable {name} has a text of more than {_LONGEST} characters")
-    if kind == "known" and not ((np.abs(values) < _LARGEST) & (values != filled)).all():
+    if kind == "known" and not ((np.abs(values) < _LARGEST) & (values != fill_value)).all():
         raise ValueError(f"its variable {name} has values that are no numbers, or too large")
 
 

@@ -196,8 +196,8 @@ def _pins(motion: xarray.Dataset, half: float) -> tuple[np.ndarray, np.ndarray]:
         np.multiply.outer([-half, half], motion["hinge_axis"].values) + motion["hinge_arm"].values
     )
     first = motion.isel(time=0)
-    rotated = np.einsum("hij,ehj->hei", first["frame"].values[particles[:, 0]], ends)
-    return first["position"].values[particles] + rotated, np.repeat(particles, 2, axis=1)
+    offsets = np.einsum("hij,ehj->hei", first["frame"].values[particles[:, 0]], ends)
+    return first["position"].values[particles] + offsets, np.repeat(particles, 2, axis=1)
 
 
 def _strands(

@@ -18,8 +18,8 @@ def telling_moments(motion: Any, count: int) -> np.ndarray:
     the root of the mean square of all particles' steps.
     """
     time, position = values_in(motion, "time"), values_in(motion, "position")
-    closing = values_in(motion, "contact_event_closing") == 1
-    closures = values_in(motion, "contact_event_time")[closing]
+    is_closing = values_in(motion, "contact_event_closing") == 1
+    closures = values_in(motion, "contact_event_time")[is_closing]
     last = int(np.abs(time - closures.min()).argmin()) if len(closures) else len(time) - 1
     last = max(last, 1)
     steps = np.sqrt(np.square(np.diff(position[: last + 1], axis=0)).sum(axis=2).mean(axis=1))

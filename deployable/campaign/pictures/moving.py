@@ -40,8 +40,8 @@ def write_moving(
     """
     from PIL import Image
 
-    drawn = frames(motion, view or View(), width, by_stress)
-    images = [Image.fromarray(frame) for frame in drawn]
+    pictures = frames(motion, view or View(), width, by_stress)
+    images = [Image.fromarray(frame) for frame in pictures]
     frame_ms = round(1000 * SECONDS / len(images))
     durations = [frame_ms] * (len(images) - 1) + [frame_ms + round(1000 * HOLD)]
     if path.suffix == ".gif":  # one palette for all, so that nothing flickers
@@ -86,14 +86,14 @@ def frames(
     for moment, time in enumerate(motion["time"].values):
         if len(solid.nodes):
             own = None if colours is None else colours[moment]
-            drawn = [paint_solid(ax, solid, moment, view, own)]
-            drawn.append(paint_cables(ax, solid, moment, view))
+            artists = [paint_solid(ax, solid, moment, view, own)]
+            artists.append(paint_cables(ax, solid, moment, view))
         else:
-            drawn = ax.plot(*(view.page @ solid.position[moment].T), "o", color="black")
+            artists = ax.plot(*(view.page @ solid.position[moment].T), "o", color="black")
         clock.set_text(f"{time:.2f} s")
         canvas.draw()
         yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
-        for artist in drawn:
+        for artist in artists:
             artist.remove()
 
 
@@ -106,8 +106,8 @@ def _palette(images: list) -> Any:
     sheet = Image.new("RGB", (width, height * len(sample)), "white")
     for i, image in enumerate(sample):
         sheet.paste(image, (0, i * height))
-    quantized = sheet.quantize(128, dither=Image.Dither.NONE)
-    colours = np.array(quantized.getpalette()).reshape(-1, 3)
+    palette_image = sheet.quantize(128, dither=Image.Dither.NONE)
+    colours = np.array(palette_image.getpalette()).reshape(-1, 3)
     colours[(colours > 244).all(axis=1)] = 255  # paper stays white
     palette = Image.new("P", (1, 1))
     palette.putpalette(colours.ravel().tolist())

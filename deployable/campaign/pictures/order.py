@@ -49,8 +49,8 @@ def _overlapping_pairs(flat: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray,
     low, high = flat.min(axis=1), flat.max(axis=1)
     is_apart = (low[:, None] >= high).any(axis=2)
     i, j = np.nonzero(np.triu(~(is_apart | is_apart.T), 1))
-    place, shared = _places(flat[i], flat[j])
-    i, j, place = i[shared], j[shared], place[shared]
+    place, overlap = _places(flat[i], flat[j])
+    i, j, place = i[overlap], j[overlap], place[overlap]
     planes = _planes(flat, depth)
     homogeneous = np.concatenate([place, np.ones((len(place), 1))], axis=1)
     nearer = ((planes[i] - planes[j]) * homogeneous).sum(axis=1)
@@ -76,8 +76,8 @@ def _places(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarr
     counts = np.concatenate([_is_inside(first, second), _is_inside(second, first), cuts], axis=1)
     total = counts.sum(axis=1)
     place = (points * counts[..., None]).sum(axis=1) / np.maximum(total, 1)[:, None]
-    shared = _is_inside(place[:, None], first)[:, 0] & _is_inside(place[:, None], second)[:, 0]
-    return place, shared & (total > 2)
+    overlap = _is_inside(place[:, None], first)[:, 0] & _is_inside(place[:, None], second)[:, 0]
+    return place, overlap & (total > 2)
 
 
 def _is_inside(points: np.ndarray, face: np.ndarray) -> np.ndarray:

@@ -28,9 +28,9 @@ def paint_solid(
 
     faces, shades = visible_faces(solid, moment, view, colours)
     edges = 0.7 * shades
-    drawn = PolyCollection(faces, facecolors=shades, edgecolors=edges, linewidths=0.25)
-    ax.add_collection(drawn, autolim=False)
-    return drawn
+    collection = PolyCollection(faces, facecolors=shades, edgecolors=edges, linewidths=0.25)
+    ax.add_collection(collection, autolim=False)
+    return collection
 
 
 def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
@@ -43,9 +43,9 @@ def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
     if cables.tension is not None:
         taut = cables.tension[moment][cables.cable[cables.stretches[:, 0]]] > 0
         styles = ["solid" if pulls else (0, (3, 2)) for pulls in taut]
-    drawn = LineCollection(lines, colors=CABLE, linewidths=0.9, linestyles=styles)
-    ax.add_collection(drawn, autolim=False)
-    return drawn
+    collection = LineCollection(lines, colors=CABLE, linewidths=0.9, linestyles=styles)
+    ax.add_collection(collection, autolim=False)
+    return collection
 
 
 def visible_faces(

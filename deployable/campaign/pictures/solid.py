@@ -72,8 +72,8 @@ class Solid:
     @cached_property
     def corners(self) -> np.ndarray:
         """Corners (t, m, 8, 3) of the elements, m: four at the first end, four at the second."""
-        rotated = np.einsum("tmeij,mecj->tmeci", self.frame[:, self.nodes], self.sections)
-        corners = rotated + self.position[:, self.nodes, None, :]
+        offsets = np.einsum("tmeij,mecj->tmeci", self.frame[:, self.nodes], self.sections)
+        corners = offsets + self.position[:, self.nodes, None, :]
         return corners.reshape(len(corners), len(self.nodes), 8, 3)
 
     @cached_property

@@ -155,8 +155,8 @@ class PageData:
     @property
     def unfitted(self) -> tuple[int, ...]:
         """Indices of the runs that no surrogate was fitted to; the nominal run is among them."""
-        fitted = {run.id for run in self.runs if run.role in ("node", FURTHER)}
-        return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted)
+        fitted_ids = {run.id for run in self.runs if run.role in ("node", FURTHER)}
+        return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted_ids)
 
     @property
     def lines(self) -> list[int]:

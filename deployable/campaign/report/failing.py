@@ -74,8 +74,8 @@ def _panel(data: PageData, unit: list, runs: np.ndarray, i: int, j: int | None) 
     rest = [k for k in range(len(unit)) if share > 0 and k not in (i, j)]
     is_near = np.all([in_part[k] for k in rest], axis=0) if rest else np.full(len(unit[i]), True)
     y_values = np.full(len(is_near), 0.5) if j is None else unit[j]
-    framed = in_part[i] & (True if j is None else in_part[j]) & (share > 0)
-    runs = runs[~(framed & ~is_near & ~data.verdicts.met)[runs]]
+    in_frame = in_part[i] & (True if j is None else in_part[j]) & (share > 0)
+    runs = runs[~(in_frame & ~is_near & ~data.verdicts.met)[runs]]
     marks = zip(unit[i][runs], y_values[runs], data.verdicts.met[runs], is_near[runs], strict=True)
     feasible = zip(ends[i], (0.0, 1.0) if j is None else ends[j], strict=True)
     return Panel(

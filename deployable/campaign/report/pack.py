@@ -131,7 +131,7 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
 
 
 def _runs(data: PageData) -> list[dict[str, Any]]:
-    drawn = {0, *(moving.run for moving in data.moving)}
+    visible_runs = {0, *(mover.run for mover in data.moving)}
     return [
         {
             "id": run.id,
@@ -140,7 +140,7 @@ def _runs(data: PageData) -> list[dict[str, Any]]:
             "events": [
                 {"time": e.time, "contact": e.contact, "closing": e.closing}
                 for e in run.events
-                if len(data.runs) <= MOST_TOLD or i in drawn
+                if len(data.runs) <= MOST_TOLD or i in visible_runs
             ],
         }
         for i, run in enumerate(data.runs)
@@ -181,8 +181,8 @@ def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str,
     value, happens = surrogate.formulas()
     ends = {key: end if np.isfinite(end) else None
             for key, end in (("least", surrogate.least), ("latest", surrogate.latest))}  # fmt: skip
-    named = {"name": row["name"], "unit": pretty(row["units"]), "error": row["error"]}
-    return {**named, "words": row.get("words", row["long_name"]), **ends,
+    fields = {"name": row["name"], "unit": pretty(row["units"]), "error": row["error"]}
+    return {**fields, "words": row.get("words", row["long_name"]), **ends,
             "value": table(value), "there": table(happens)}  # fmt: skip
 
 
@@ -197,9 +197,9 @@ def _line(data: PageData, run: int, keep: np.ndarray, arrays: _Arrays) -> dict[s
     return {"run": run, "curves": [arrays.add(c[keep], "f4") for c in data.runs[run].curves]}
 
 
-def _motion(moving: Sequence[MovingRun], frames: int | None, arrays: _Arrays) -> dict[str, Any]:
+def _motion(movers: Sequence[MovingRun], frames: int | None, arrays: _Arrays) -> dict[str, Any]:
     """The moving runs as glTF files, and what their colours have in common."""
-    clips = [m.motion for m in moving]
+    clips = [m.motion for m in movers]
     if frames:
         indices = (np.linspace(0, m.sizes["time"] - 1, frames).round().astype(int) for m in clips)
         clips = [m.isel(time=np.unique(index)) for m, index in zip(clips, indices, strict=True)]

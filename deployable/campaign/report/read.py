@@ -65,8 +65,8 @@ def from_results(folder: str | Path) -> PageData:
     runs = tuple(replace(run, curves=own.get(i)) for i, run in enumerate(runs))
     if keeps_extremes(samples):
         return replace(data, runs=runs)
-    drawn = {*data.lines, *(moving.run for moving in data.moving)} - own.keys()
-    return replace(data, runs=_with_curves(runs, rows, folder / "samples.nc", drawn))
+    drawn_runs = {*data.lines, *(mover.run for mover in data.moving)} - own.keys()
+    return replace(data, runs=_with_curves(runs, rows, folder / "samples.nc", drawn_runs))
 
 
 def _load(path: Path, omit: str = "") -> xarray.Dataset:
@@ -134,12 +134,12 @@ def _runs(samples: xarray.Dataset, rows: np.ndarray) -> tuple[Run, ...]:
 
 
 def _with_curves(
-    runs: tuple[Run, ...], rows: np.ndarray, path: Path, drawn: Iterable[int]
+    runs: tuple[Run, ...], rows: np.ndarray, path: Path, indices: Iterable[int]
 ) -> tuple[Run, ...]:
-    """The runs, those `drawn` with their curves: a scan may have more than fit into memory."""
+    """The runs, those at `indices` with their curves: a scan may have more than fit into memory."""
     new_runs = list(runs)
     with open_netcdf(path) as samples:
-        for run in sorted(drawn):
+        for run in sorted(indices):
             new_runs[run] = replace(runs[run], curves=samples["values"][rows[run]])
     return tuple(new_runs)
 
@@ -224,8 +224,8 @@ def _work(folder: Path, run_counts: Mapping[str, int]) -> tuple[Work, ...]:
     total = np.sum([m["seconds"] for m in manifests], axis=0)
     solver = np.sum([m["seconds_integrating"] for m in manifests], axis=0)
     runs = sum(m["simulated"] for m in manifests)
-    uncounted = run_counts.get("further", 0) + run_counts.get("choice", 0)
-    rest = f", {uncounted} for quantities and choice not counted" if uncounted else ""
+    extra_runs = run_counts.get("further", 0) + run_counts.get("choice", 0)
+    rest = f", {extra_runs} for quantities and choice not counted" if extra_runs else ""
     return (
         Work(f"Integrating {runs} runs{rest}", *solver.tolist()),
         Work("Starting, compiling or loading the kernels, writing", *(total - solver).tolist()),

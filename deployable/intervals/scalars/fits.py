@@ -21,12 +21,12 @@ from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 
 _HIGHEST = 12  # degree of a polynomial
 _RESIDUAL = 1e-3  # of the width, by which a polynomial may miss a run
-_CORRECTED = 2000  # runs for which that is corrected
+_MAX_KRIGED = 2000  # runs for which that is corrected
 _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing tests it
 
 
 @dataclass(frozen=True)
-class Corrected:
+class Kriging:
     """A polynomial, and what it leaves of runs at unit points (N, k), which fades with the distance
     from them, within `length`: kriging of the rest with an exponential covariance, whose extreme
     values are at runs, so that noise does not swing beyond them."""
@@ -63,7 +63,7 @@ class Fit:
     values: np.ndarray
     left_out: np.ndarray
     kind: str
-    function: Surrogate | Spline | Corrected
+    function: Surrogate | Spline | Kriging
 
     @property
     def error(self) -> float:
@@ -114,13 +114,13 @@ def _through_runs(fit: Fit) -> Fit:
     """A polynomial with what it leaves of the runs, where that is worth telling: what was simulated
     is not foretold otherwise."""
     points, rest = fit.points, fit.values - fit.evaluate(fit.points)
-    correctable = len(points) <= _CORRECTED
+    correctable = len(points) <= _MAX_KRIGED
     if not correctable or np.abs(rest).max() <= _RESIDUAL * np.ptp(fit.values):
         return fit
     directions = max(int((np.ptp(points, axis=0) > 0).sum()), 1)
     length = 2.0 * len(points) ** (-1.0 / directions)  # about how far apart runs are
     weights = np.linalg.solve(_fading(points, points, length), rest[:, None])
-    return replace(fit, function=Corrected(fit.function, points, weights, length))
+    return replace(fit, function=Kriging(fit.function, points, weights, length))
 
 
 def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
@@ -136,9 +136,9 @@ def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
         if (solution := least_squares(basis, values, 1e-9)) is None:
             break
         coefficients, leverage = solution
-        tested = leverage < _LEVERAGE
+        is_tested = leverage < _LEVERAGE
         rest = values - basis @ coefficients
-        left_out = np.where(tested, rest / np.where(tested, 1 - leverage, 1.0), np.inf)
+        left_out = np.where(is_tested, rest / np.where(is_tested, 1 - leverage, 1.0), np.inf)
         if len(points) == 1 and not free.any():
             left_out = np.zeros(1)  # a box without width has one run, and nothing to be tested
         kind = f"polynomial of degree {degree}"

@@ -44,7 +44,7 @@ class Occurrence:
     happens: np.ndarray
 
     @property
-    def mixed(self) -> bool:
+    def is_mixed(self) -> bool:
         """Whether it happens in some runs and not in others."""
         return bool(self.happens.any() and not self.happens.all())
 
@@ -56,14 +56,14 @@ class Occurrence:
         """A function (P) of unit coordinates (P, k) that is below 0 where it does not happen, and
         open where its size is below `doubt`; infinite where all runs agree."""
         unit = np.asarray(unit, dtype=float)
-        if not self.mixed:
+        if not self.is_mixed:
             return np.full(len(unit), np.inf if self.happens.all() else -np.inf)
         return self._border(unit)
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
         """Size (P) of the certainty at unit coordinates (P, k) up to which the runs leave open what
         happens."""
-        if not self.mixed:
+        if not self.is_mixed:
             return np.zeros(len(unit))
         certain = self._certain
         nearest = [
@@ -88,7 +88,7 @@ class Occurrence:
         """Unit points (at most `count`, k) where it is open whether it happens, as far from all
         runs and each other as can be, for runs that would narrow down where the border is."""
         points = np.zeros((0, self.points.shape[1]))
-        if not self.mixed:
+        if not self.is_mixed:
             return points
         places = self._open_places()
         gaps = scipy.spatial.cKDTree(self.points).query(places)[0] if len(places) else np.zeros(0)
@@ -104,12 +104,12 @@ class Occurrence:
         spread[:, ~self._free] = self.points[0, ~self._free]
         spread = np.concatenate([spread, self.points])
         certain = self.certainty(spread) / self._scale
-        happening, lacking = spread[certain > max(_LEVELS)], spread[certain < min(_LEVELS)]
-        if not len(happening) or not len(lacking):
+        highs, lows = spread[certain > max(_LEVELS)], spread[certain < min(_LEVELS)]
+        if not len(highs) or not len(lows):
             return spread[:0]
-        lacking, border_points = lacking[scipy.spatial.cKDTree(lacking).query(happening)[1]], []
+        lows, border_points = lows[scipy.spatial.cKDTree(lows).query(highs)[1]], []
         for level in _LEVELS:
-            high, low = happening, lacking
+            high, low = highs, lows
             for _ in range(20):
                 middle = (high + low) / 2
                 happens = (self.certainty(middle) >= level * self._scale)[:, None]
@@ -128,34 +128,34 @@ class Occurrence:
 
     def _border(self, unit: np.ndarray) -> np.ndarray:
         """The smoothest function that tells the runs apart."""
-        points, weights = self._bearing
+        points, weights = self._support_vectors
         return _matern(unit, points) @ weights
 
     def formula(self) -> Formula:
         """The certainty as a table, where the runs do not agree."""
-        points, weights = self._bearing
+        points, weights = self._support_vectors
         k = points.shape[1]
         constant, scales = np.zeros((1, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
         return Formula(constant, np.zeros(1), points, scales, weights, "matern")
 
     @cached_property
-    def _bearing(self) -> tuple[np.ndarray, np.ndarray]:
+    def _support_vectors(self) -> tuple[np.ndarray, np.ndarray]:
         """Unit points (n, k) and weights (n) of that function, by its dual: the least |L' a - b|
         with a >= 0, where L L' is the kernel with the runs' signs and L b = 1."""
-        points, signs = self._deciding()
+        points, signs = self._training_runs()
         kernel = _matern(points, points) * signs * signs[:, None]
         root = scipy.linalg.cholesky(kernel + _NOISE * np.eye(len(points)), lower=True)
         bound = scipy.linalg.solve_triangular(root, np.ones(len(points)), lower=True)
         weights, _ = scipy.optimize.nnls(root.T, bound, maxiter=100 * len(points))
-        bearing = weights > 0
-        return points[bearing], (weights * signs)[bearing]
+        is_support = weights > 0
+        return points[is_support], (weights * signs)[is_support]
 
     @cached_property
     def _certain(self) -> np.ndarray:
         """Size (N) of the border's function at the runs, below 0 on its wrong side."""
         return np.where(self.happens, 1.0, -1.0) * self._border(self.points)
 
-    def _deciding(self) -> tuple[np.ndarray, np.ndarray]:
+    def _training_runs(self) -> tuple[np.ndarray, np.ndarray]:
         """Unit points (n, k) and signs (n) of the runs that a border is fitted to."""
         rows = distinct(self.points)
         if len(rows) > _MOST:

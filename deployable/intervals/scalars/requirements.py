@@ -173,27 +173,27 @@ def largest_share(
     be broken beyond it, and the unit point (k) where: the nearest one, in shares of the box.
     """
 
-    def broken(share: float) -> tuple[float, int, np.ndarray] | None:
+    def first_violation(share: float) -> tuple[float, int, np.ndarray] | None:
         worst = [(*limit.worst(*sub_box(nominal, share)), i) for i, limit in enumerate(limits)]
         slack, point, i = min(worst, key=lambda row: row[0])
         return None if slack >= 0 else (slack, i, point)
 
-    worst_limit = broken(1.0)
+    worst_limit = first_violation(1.0)
     if worst_limit is None:
         return 1.0, None, None
     low, high = 0.0, 1.0
-    if (at_nominal := broken(0.0)) is not None:
+    if (at_nominal := first_violation(0.0)) is not None:
         return 0.0, at_nominal[1], at_nominal[2]
     for _ in range(steps):
         middle = 0.5 * (low + high)
-        if (violation := broken(middle)) is None:
+        if (violation := first_violation(middle)) is None:
             low = middle
         else:
             high, worst_limit = middle, violation
     return low, worst_limit[1], worst_limit[2]
 
 
-_GRID, _ZOOMED, _ZOOMS, _SPREAD = 33, 7, 22, 128
+_GRID, _ZOOM_GRID, _ZOOMS, _SPREAD = 33, 7, 22, 128
 
 # From choices (c) to the corners (k each), in unit coordinates, of the box that they leave.
 BoxOf = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -270,7 +270,7 @@ def best_choice(
     ends = np.array(ranges, dtype=float)
     wide = ends[:, 1] > ends[:, 0]
     if len(ends) <= 2:
-        count = _GRID if len(ends) == 1 else _ZOOMED + 6
+        count = _GRID if len(ends) == 1 else _ZOOM_GRID + 6
         sizes = [count if free else 1 for free in wide]
         lines = [np.linspace(*end, size) for end, size in zip(ends, sizes, strict=True)]
         places = np.array(list(itertools.product(*lines)))
@@ -285,7 +285,7 @@ def best_choice(
     first = [judge(place, goals, limits, box) for place in places]
     best = min(first, key=order)
     reach = (ends[:, 1] - ends[:, 0]) * (1.5 / len(places) ** (1 / len(ends)))
-    steps = np.linspace(-1.0, 1.0, _ZOOMED if len(ends) == 1 else 3)
+    steps = np.linspace(-1.0, 1.0, _ZOOM_GRID if len(ends) == 1 else 3)
     for _ in range(_ZOOMS):
         for offset in itertools.product(*[steps if free else [0.0] for free in wide]):
             place = np.clip(best.values + reach * offset, ends[:, 0], ends[:, 1])

@@ -161,7 +161,7 @@ class ScalarSurrogate:
     def formulas(self) -> tuple[Formula | None, Formula | bool]:
         """What the fit tells, None where there is none; and what is not below 0 where there is a
         number, or whether there is one everywhere."""
-        sure = not self.occurrence.mixed
+        sure = not self.occurrence.is_mixed
         return (
             None if self.fit is None else self.fit.formula(),
             bool(self.occurrence.happens.all()) if sure else self.occurrence.formula(),
@@ -204,7 +204,7 @@ class ScalarSurrogate:
 
     def _place(self, lower: np.ndarray, upper: np.ndarray, happens: bool) -> np.ndarray | None:
         lower, upper = self._part(lower, upper)
-        if not self.occurrence.mixed:
+        if not self.occurrence.is_mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None
         certainty, points = self.occurrence.certainty, self.occurrence.points
         value, point = extreme(certainty, 1.0 if happens else -1.0, lower, upper, points, climbs=1)
@@ -247,7 +247,7 @@ def _occurrence(
     margin: np.ndarray | None,
 ) -> Occurrence:
     by_runs = Occurrence(points, happens)
-    if not by_runs.mixed:
+    if not by_runs.is_mixed:
         return by_runs
     borders = [by_runs]
     if margin is not None and np.isfinite(margin).all():

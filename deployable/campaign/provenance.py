@@ -39,15 +39,15 @@ def program_digest() -> str:
 def made_by(structure: str) -> str:
     """Digest of all code that decides what is kept of runs of a structure, itself of this digest:
     their names depend on it."""
-    text = f"{structure} {PROGRAM.digest(only=RUN_CODE, but=LOG_CODE)}"
+    text = f"{structure} {PROGRAM.digest(include=RUN_CODE, exclude=LOG_CODE)}"
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def check_code(rescan: bool = False) -> None:
-    """fpm.errors.ChangedError where the program's files were not those that were imported; rescan:
+def check_code(reread: bool = False) -> None:
+    """fpm.errors.ChangedError where the program's files were not those that were imported; reread:
     or are not any more."""
-    PROGRAM.check(rescan)
-    sources.MECHANICS.check(rescan)
+    PROGRAM.check(reread)
+    sources.MECHANICS.check(reread)
 
 
 @cache

@@ -131,7 +131,7 @@ class Path:
         step, conditions = value - self.opening, self._held(value)
         weights = AHEAD[len(self._tangents) - 1] if self._tangents else []
         ahead = sum(w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True))
-        places = self.places.moved(step * ahead) if self._tangents else self.places
+        places = self.places.displace(step * ahead) if self._tangents else self.places
         settled = False
         for _ in range(ROUNDS):
             solve, gradient = self._equations(places, conditions, self._ease)
@@ -141,7 +141,7 @@ class Path:
             if not np.isfinite(largest):
                 break
             share = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
-            places = places.moved(share * self._scales * motion)
+            places = places.displace(share * self._scales * motion)
             self._impulses = self._impulses + share * change
             before, settled = settled, largest <= NEAR and np.abs(lacks).max(initial=0.0) <= NEAR
             if before and settled:
@@ -207,7 +207,7 @@ class Path:
                   for lever, rate, hinge in zip(levers, rates, hinges, strict=True)]  # fmt: skip
         none = np.zeros(len(self._weight))
         first, *more = (self._solve(forces, none)[1] for forces in (friction, *pushes))
-        joints, pushing = np.array(self._conditions.joint), self._conditions.how != NORMAL
+        joints, pushing = np.array(self._conditions.joint), self._conditions.axis_types != NORMAL
         own = [(joints == hinge.joint) & pushing for hinge in hinges]
         for rows in own:
             rows[-self._leading :] = False
@@ -274,7 +274,7 @@ class Path:
     def _held(self, value: float) -> Conditions:
         """The conditions, the last of which hold the openings where the first has a value."""
         found, moved, count = self._conditions, value - self._start, len(self._hinges)
-        one, arms = found.one.copy(), found.arms.copy()
+        one, arms = found.axis1.copy(), found.arms.copy()
         for row, hinge, zero in zip(range(-count, 0), self._hinges, self._zeros, strict=True):
             axis, across = hinge.axes[0], hinge.references[0]
             if hinge.slides:
@@ -282,4 +282,4 @@ class Path:
                 continue
             angle = hinge.opening + moved
             one[row] = np.cos(angle) * np.cross(axis, across) - np.sin(angle) * across
-        return found._replace(one=one, arms=arms)
+        return found._replace(axis1=one, arms=arms)

@@ -213,7 +213,7 @@ def run(
 def _check_memory(campaign: Campaign) -> None:
     """Refuse a program or a structure that was edited since: numbers would be those of before."""
     try:
-        check_code(rescan=True)
+        check_code(reread=True)
         held, scene = campaign.experiment.scene_type, campaign.experiment.scene
         if scene_type(scene.name, scene.file).digest != held.digest:
             raise ChangedError(scene.file or scene.name)

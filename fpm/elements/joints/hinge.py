@@ -196,7 +196,7 @@ class Hinge(JointBase):
             ends=batch.integers(cls.moved(batch.scene)),
             bodies=batch.stack(2 * h, arrays.BODY, lone(_bodies)),
             hinges=batch.stack(h, arrays.HINGE, lone(_places)),
-            held=batch.integers(axes, 3),
+            fixed_axes=batch.integers(axes, 3),
             supported=bool(np.any(axes)),
             body_scratch=batch.blank(2 * h, arrays.BODY_SCRATCH),
             hinge_scratch=batch.blank(h, arrays.HINGE_SCRATCH),

@@ -211,7 +211,7 @@ class Joint(JointBase):
             slots=slots.ravel(),
             sides=batch.stack(2 * len(joints), arrays.SIDE, lambda s: _sides(s, order)),
             places=batch.stack(len(joints), 3, lambda s: places_of(s, cls.of(s))[order]),
-            held=batch.integers([held_axes(j.support_axes) for j in joints], 3),
+            fixed_axes=batch.integers([held_axes(j.support_axes) for j in joints], 3),
             on=batch.integers(bodies),
             is_driven=batch.integers(p in driven_set for p in bodies),
             bodies=batch.stack(len(bodies), arrays.BODY, lambda s: _bodies(s, bodies)),

@@ -52,7 +52,7 @@ class InstabilityError(RuntimeError):
         self.time, self.element, self.step, self.limit = time, element, step, limit
         self.balance, self.scale, self.cause = balance, scale, cause
         self.largest, self.words, self.remedy = largest or {}, words, remedy
-        found = (
+        text = (
             f"the energy balance is off by {balance:.3g} J of {scale:.3g} J"
             if isfinite(balance)
             else "numbers are no longer finite"
@@ -67,11 +67,11 @@ class InstabilityError(RuntimeError):
                 "other, by lengths or axes that do not fit"
             )
         if words is not None and isfinite(balance):
-            found, remedy = words
+            text, remedy = words
         if step > limit:
             remedy = f"use a step below {limit:.4g} s (solver.step: auto takes one)"
         super().__init__(
-            f"unstable at t = {time:.6g} s: {found}"
+            f"unstable at t = {time:.6g} s: {text}"
             f"{f', worst in element {element}' if element != 'none' else ''}; "
             f"step {step:.4g} s, stable limit {limit:.4g} s; {remedy}"
         )
@@ -83,26 +83,26 @@ class InstabilityError(RuntimeError):
         )  # fmt: skip
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
+def did_you_mean(name: str, names: Iterable[str]) -> str:
     """`" (did you mean x?)"` when a known name is close, or colon or point are missing behind one;
     else an empty string."""
-    known = list(known)
+    names = list(names)
     head, sign, value = re.match(r"(\w*)([ :]?)(.*)", name, re.DOTALL).groups()
     if name[:1].isdigit():
         return " (a number has a point, not a comma, as in 1.5)"
-    if sign and value and head in known:
+    if sign and value and head in names:
         missing = "colon" if sign == " " else "space behind the colon"
         return f" (a {missing} is missing: `{head}: {value.strip()}`)"
-    meant = likely(name, known)
-    return f" (did you mean {meant}?)" if meant else ""
+    guess = likely(name, names)
+    return f" (did you mean {guess}?)" if guess else ""
 
 
-def likely(name: str, known: Iterable[str]) -> str:
+def likely(name: str, names: Iterable[str]) -> str:
     """The known name that is close, or another word for the same; "" where none is."""
-    known = list(known)
-    close = [other for other in known if other.lower() == name.lower()]
-    close += [word for word in _WORDS.get(name.lower(), "").split() if word in known]
-    close += difflib.get_close_matches(name, known, n=1)
+    names = list(names)
+    close = [word for word in names if word.lower() == name.lower()]
+    close += [word for word in _WORDS.get(name.lower(), "").split() if word in names]
+    close += difflib.get_close_matches(name, names, n=1)
     return close[0] if close else ""
 
 
@@ -130,24 +130,24 @@ _FOREIGN = {
 """Units that are none here, as so many of others."""
 
 
-def meant(text: str, with_unit: bool = True) -> str:
+def number_hint(text: str, with_unit: bool = True) -> str:
     """`" (did you mean x?)"` for a text that is no number here: a percentage, a comma, a power, a
     unit that is not known (or none is allowed); else an empty string."""
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
-    found = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
-    number, unit = (float(found[1]), (found[2] or "").replace("^", "")) if found else (0.0, "")
+    match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
+    number, unit = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")
     word = ""
     if unit == "%":
         word = f"{number / 100:.9g}"
-    elif unit not in ("", "s") and found and not with_unit:
+    elif unit not in ("", "s") and match and not with_unit:
         return " (a number alone, in the unit of what it is for)"
-    elif found and not with_unit:
+    elif match and not with_unit:
         word = f"{number:.9g}"
     elif unit in _FOREIGN:
         factor, name = _FOREIGN[unit]
         word = f"{number * factor:.9g} {name}"
     elif "^" in text:
-        word = f"{found[1]} {unit}" if found else text.replace("^", "**")
-    elif found and comma != text.strip():
+        word = f"{match[1]} {unit}" if match else text.replace("^", "**")
+    elif match and comma != text.strip():
         word = comma
     return f" (did you mean {word}?)" if word else ""

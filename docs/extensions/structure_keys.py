@@ -1,6 +1,6 @@
 """The list of keys at the end of docs/structures.md, from the statements of the language."""
 
-from fpm.structures.keys import REQUIRED
+from fpm.structures.keys import NO_VALUE
 from fpm.structures.model import overall
 from fpm.structures.statement import Statement
 from fpm.structures.statements import STATEMENTS
@@ -34,7 +34,7 @@ def _if(other: str, own: str, quote: str = "") -> str:
 def _default(value: object) -> str:
     """A default as the file would have it."""
     match value:
-        case _ if value is REQUIRED:
+        case _ if value is NO_VALUE:
             return "required"
         case None:
             return ""

@@ -53,19 +53,19 @@ def bars_of(scene: Scene) -> dict[str, Bar]:
     groups: dict[str, list[Beams]] = {}
     for beams in scene.beams:
         groups.setdefault(bar_of(beams.name), []).append(beams)
-    return {name: Bar(name, tuple(found)) for name, found in groups.items()}
+    return {name: Bar(name, tuple(group)) for name, group in groups.items()}
 
 
 def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, np.ndarray]]:
     """Of both ends of the elements of a group: positions (t, m, 3) m, and axes y and z of their
     sections as the particles there carry them (t, m, 3, 2). place(particle) gives positions (t, 3)
     m, axes(particle) frames (t, 3, 3)."""
-    start, found = scene.frame if scene.unstrained is None else scene.unstrained, []
+    start, ends = scene.frame if scene.unstrained is None else scene.unstrained, []
     for nodes, square in zip(beams.nodes.T, beams.end_axes(), strict=True):
         frames = np.stack([axes(int(p)) for p in nodes], axis=1)
         own = frames @ (start[nodes].transpose(0, 2, 1) @ square)
-        found.append((np.stack([place(int(p)) for p in nodes], axis=1), own))
-    return found
+        ends.append((np.stack([place(int(p)) for p in nodes], axis=1), own))
+    return ends
 
 
 class Bends(NamedTuple):
@@ -82,11 +82,11 @@ class Bends(NamedTuple):
 
 def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
     """Of the elements of a group; place and axes as for `ends_of`."""
-    (first, *own), (second, *other) = ends_of(scene, beams, place, axes)
-    chord, own = second - first, own + other
+    (first, *own), (second, *axes2) = ends_of(scene, beams, place, axes)
+    chord, own = second - first, own + axes2
     length = np.linalg.norm(chord, axis=2)
     chord = chord / length[:, :, None]
-    sines = [np.einsum("tmi,tmik->tmk", chord, each) for each in own]
+    sines = [np.einsum("tmi,tmik->tmk", chord, axes_of_end) for axes_of_end in own]
     return Bends(length, chord, sines, [s * (1.0 + s**2 / 6.0) for s in sines], own)
 
 
@@ -99,41 +99,41 @@ def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
         stiffness * (2.0 * angles[k] + angles[1 - k]) * (1.0 + 0.5 * sines[k] ** 2) for k in (0, 1)
     ]
     pulls = [np.einsum("tmk,tmik->tmi", c, e) for c, e in zip(by_sine, own, strict=True)]
-    across = (pulls[0] + pulls[1]) / length[:, :, None]
-    along = axial * (length - beams.length) - np.einsum("tmi,tmi->tm", across, chord)
-    force = across + along[:, :, None] * chord
-    (a2, a3), (b2, b3) = (np.moveaxis(each, 3, 0) for each in own)
+    shear = (pulls[0] + pulls[1]) / length[:, :, None]
+    axial_force = axial * (length - beams.length) - np.einsum("tmi,tmi->tm", shear, chord)
+    force = shear + axial_force[:, :, None] * chord
+    (a2, a3), (b2, b3) = (np.moveaxis(axes2, 3, 0) for axes2 in own)
     turn = 0.5 * np.einsum("tmi,tmi->tm", b2 - a2, a3 + b3)  # the axes of either end are normal
     torsion = (0.5 * twist * turn)[:, :, None] * (np.cross(a3, b2) - np.cross(a2, b3))
     moments = [np.cross(chord, pulls[0]) - torsion, -np.cross(chord, pulls[1]) - torsion]
     start = scene.frame if scene.unstrained is None else scene.unstrained
-    found = []
+    end_values = []
     for nodes, moment in zip(beams.nodes.T, moments, strict=True):
         frames = np.stack([axes(int(p)) for p in nodes], axis=1)
         section = frames @ (start[nodes].transpose(0, 2, 1) @ beams.triad)
-        found.append([np.einsum("tmi,tmik->tmk", v, section) for v in (force, moment)])
-    return Sections(*(np.stack(ends, axis=2) for ends in zip(*found, strict=True)))
+        end_values.append([np.einsum("tmi,tmik->tmk", v, section) for v in (force, moment)])
+    return Sections(*(np.stack(ends, axis=2) for ends in zip(*end_values, strict=True)))
 
 
 def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
     """Of all elements of a bar."""
-    found = [sections(scene, beams, place, axes) for beams in bar.groups]
-    return Sections(*(np.concatenate(arrays, axis=1) for arrays in zip(*found, strict=True)))
+    groups = [sections(scene, beams, place, axes) for beams in bar.groups]
+    return Sections(*(np.concatenate(arrays, axis=1) for arrays in zip(*groups, strict=True)))
 
 
-def at_share(bar: Bar, found: Sections, share: float) -> tuple[np.ndarray, np.ndarray]:
+def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np.ndarray]:
     """Force (t, 3) N and moment (t, 3) N m at a share of a bar's length, from 0 to 1.
 
     Where two elements meet it is their mean.
     """
     ends = bar.ends
     lengths = np.diff(ends, prepend=0.0)
-    along = share * ends[-1]
-    near = 1e-9 * ends[-1]
-    touched = np.flatnonzero((along <= ends + near) & (along >= ends - lengths - near))
-    parts = np.clip((along - ends[touched] + lengths[touched]) / lengths[touched], 0.0, 1.0)
-    weights = np.stack([1.0 - parts, parts], axis=1) / len(touched)
-    force, moment = (np.einsum("teki,ek->ti", each[:, touched], weights) for each in found)
+    position = share * ends[-1]
+    margin = 1e-9 * ends[-1]
+    elements = np.flatnonzero((position <= ends + margin) & (position >= ends - lengths - margin))
+    parts = np.clip((position - ends[elements] + lengths[elements]) / lengths[elements], 0.0, 1.0)
+    weights = np.stack([1.0 - parts, parts], axis=1) / len(elements)
+    force, moment = (np.einsum("teki,ek->ti", values[:, elements], weights) for values in sections)
     return force, moment
 
 

@@ -17,24 +17,24 @@ MOST_PAIRS = 1 << 20
 
 def clearance(scene: Scene, first: Bar, second: Bar, place, axes) -> np.ndarray:
     """Shortest distance (t,) m of two bars; place and axes as for `bars.sections`."""
-    one, two = (_lines(scene, bar, place, axes) for bar in (first, second))
-    count, pairs = len(one[0]), one[0].shape[1] * two[0].shape[1]
+    lines1, lines2 = (_lines(scene, bar, place, axes) for bar in (first, second))
+    count, pairs = len(lines1[0]), lines1[0].shape[1] * lines2[0].shape[1]
     size = max(1, MOST_PAIRS // pairs)
     parts = [slice(k, k + size) for k in range(0, count, size)]
-    return np.concatenate([_shortest(*(x[part] for x in (*one, *two))) for part in parts])
+    return np.concatenate([_shortest(*(x[part] for x in (*lines1, *lines2))) for part in parts])
 
 
 def _lines(scene: Scene, bar: Bar, place, axes) -> tuple[np.ndarray, ...]:
     """Of the elements of a bar: start and end (t, m, 3), and what their sections take along their
     axes y and z, as vectors (t, m, 2, 3), with radii (t, m) of round ones."""
-    found = []
+    lines = []
     for beams in bar.groups:
         (start, own), (end, _) = ends_of(scene, beams, place, axes)
         y, z = half_sizes(beams.section)
         is_round = beams.section.outline == "round"
         sides = own.swapaxes(2, 3) * (0.0 if is_round else np.array([[y], [z]]))
-        found.append((start, end, sides, np.full(start.shape[:2], y if is_round else 0.0)))
-    return tuple(np.concatenate(arrays, axis=1) for arrays in zip(*found, strict=True))
+        lines.append((start, end, sides, np.full(start.shape[:2], y if is_round else 0.0)))
+    return tuple(np.concatenate(arrays, axis=1) for arrays in zip(*lines, strict=True))
 
 
 def _shortest(a, b, sides_one, radius_one, c, d, sides_two, radius_two) -> np.ndarray:
@@ -42,12 +42,12 @@ def _shortest(a, b, sides_one, radius_one, c, d, sides_two, radius_two) -> np.nd
     a, b = a[:, :, None], b[:, :, None]
     c, d = c[:, None], d[:, None]
     line = nearest(a, b, c, d)
-    apart = np.linalg.norm(line, axis=-1)
-    way = line / np.maximum(apart, 1e-300)[..., None]
-    taken = radius_one[:, :, None] + radius_two[:, None]
-    taken = taken + np.abs(np.einsum("tmki,tmni->tmnk", sides_one, way)).sum(axis=-1)
-    taken = taken + np.abs(np.einsum("tnki,tmni->tmnk", sides_two, way)).sum(axis=-1)
-    return (apart - taken).min(axis=(1, 2))
+    distance = np.linalg.norm(line, axis=-1)
+    direction = line / np.maximum(distance, 1e-300)[..., None]
+    widths = radius_one[:, :, None] + radius_two[:, None]
+    widths = widths + np.abs(np.einsum("tmki,tmni->tmnk", sides_one, direction)).sum(axis=-1)
+    widths = widths + np.abs(np.einsum("tnki,tmni->tmnk", sides_two, direction)).sum(axis=-1)
+    return (distance - widths).min(axis=(1, 2))
 
 
 def nearest(a, b, c, d) -> np.ndarray:
@@ -57,21 +57,21 @@ def nearest(a, b, c, d) -> np.ndarray:
     """
     u, v, w = b - a, d - c, c - a
 
-    def to_segment(point, start, way):
-        share = np.sum((point - start) * way, axis=-1) / np.sum(way * way, axis=-1)
-        return start + np.clip(share, 0.0, 1.0)[..., None] * way - point
+    def to_segment(point, start, chord):
+        share = np.sum((point - start) * chord, axis=-1) / np.sum(chord * chord, axis=-1)
+        return start + np.clip(share, 0.0, 1.0)[..., None] * chord - point
 
     uu, vv, uv = (np.sum(p * q, axis=-1) for p, q in ((u, u), (v, v), (u, v)))
     uw, vw = np.sum(u * w, axis=-1), np.sum(v * w, axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         det = uu * vv - uv * uv
         s, t = (uw * vv - vw * uv) / det, (uw * uv - vw * uu) / det
-    inside = (det > 1e-12 * uu * vv) & (s > 0) & (s < 1) & (t > 0) & (t < 1)
-    s, t = np.where(inside, s, 0.0)[..., None], np.where(inside, t, 0.0)[..., None]
-    across = w + t * v - s * u  # where not inside: from a to c, which is not shorter
-    ways = [across, to_segment(a, c, v), to_segment(b, c, v), -to_segment(c, a, u),
+    is_inside = (det > 1e-12 * uu * vv) & (s > 0) & (s < 1) & (t > 0) & (t < 1)
+    s, t = np.where(is_inside, s, 0.0)[..., None], np.where(is_inside, t, 0.0)[..., None]
+    line = w + t * v - s * u  # where not inside: from a to c, which is not shorter
+    lines = [line, to_segment(a, c, v), to_segment(b, c, v), -to_segment(c, a, u),
             -to_segment(d, a, u)]  # fmt: skip
-    shape = np.broadcast_shapes(*(way.shape for way in ways))
-    ways = np.stack([np.broadcast_to(way, shape) for way in ways])
-    best = np.sum(ways**2, axis=-1).argmin(axis=0)
-    return np.take_along_axis(ways, best[None, ..., None], axis=0)[0]
+    shape = np.broadcast_shapes(*(vector.shape for vector in lines))
+    lines = np.stack([np.broadcast_to(vector, shape) for vector in lines])
+    best = np.sum(lines**2, axis=-1).argmin(axis=0)
+    return np.take_along_axis(lines, best[None, ..., None], axis=0)[0]

@@ -42,12 +42,12 @@ def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndar
     About axes about which the second does not turn it is the opposite of that on the first.
     """
     point = point_of(run, joint)
-    one, two = (run.place(beam.particle) for beam in joint.beams)
-    found = sides.about_two - np.cross(point - two, sides.on_two)
-    other = np.cross(point - one, sides.on_one) - sides.about_one
+    place1, place2 = (run.place(beam.particle) for beam in joint.beams)
+    opposite = sides.about_two - np.cross(point - place2, sides.on_two)
+    moment = np.cross(point - place1, sides.on_one) - sides.about_one
     second = joint.beams[1].particle
     turns = ~run.scene.fixed[second, 3:] | (second in Drive.moved(run.scene))
-    return np.where(turns, found, other)
+    return np.where(turns, opposite, moment)
 
 
 def on_particle(run: Recording, particle: int) -> tuple[np.ndarray, np.ndarray]:
@@ -57,13 +57,13 @@ def on_particle(run: Recording, particle: int) -> tuple[np.ndarray, np.ndarray]:
         for k, beam in enumerate(joint.beams):
             if beam.particle != particle:
                 continue
-            on, sign = ((sides.on_one, -1.0), (sides.on_two, 1.0))[k]
-            force = force + on
+            joint_force, sign = ((sides.on_one, -1.0), (sides.on_two, 1.0))[k]
+            force = force + joint_force
             if len(joint.beams) == 1:
-                moment = moment + np.cross(run.arm(beam), on)
+                moment = moment + np.cross(run.arm(beam), joint_force)
                 continue
             lever = point_of(run, joint) - run.place(particle)
-            moment = moment + np.cross(lever, on) + sign * couple_on_two(run, joint, sides)
+            moment = moment + np.cross(lever, joint_force) + sign * couple_on_two(run, joint, sides)
     return force, moment
 
 
@@ -80,16 +80,16 @@ def reactions_of(scene: Scene) -> dict[str, Reaction]:
     """Supports and drives by name, points on particles that are held or driven, and hinges whose
     point is held; of the same name the first counts."""
     holding = {joint.name: joint for joint in Joint.of(scene) if len(joint.beams) == 1}
-    held = scene.fixed.any(axis=1)
-    found = {}
+    is_fixed = scene.fixed.any(axis=1)
+    reactions = {}
     for name, beam in {**scene.points, **scene.supports}.items():
         holders = (name,) if name in holding and name in scene.supports else ()
-        if held[beam.particle] or holders:
-            found[name] = Reaction(beam, holders, bool(held[beam.particle]))
+        if is_fixed[beam.particle] or holders:
+            reactions[name] = Reaction(beam, holders, bool(is_fixed[beam.particle]))
     for hinge in scene.hinges:
         if hinge.support:
-            found.setdefault(hinge.name, Reaction(hinge.beams[0], (hinge.name,), False))
-    return found
+            reactions.setdefault(hinge.name, Reaction(hinge.beams[0], (hinge.name,), False))
+    return reactions
 
 
 def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -101,32 +101,32 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
     What is held altogether and is neither on a bar nor a body with a name is the ground: it has no
     weight (`Kind.weight`).
     """
-    scene, found = run.scene, reactions_of(run.scene)[name]
-    particle = found.beam.particle
+    scene, support = run.scene, reactions_of(run.scene)[name]
+    particle = support.beam.particle
     force, moment = np.zeros((2, len(run.time), 3))
     for joint, sides in run.joints:
-        if joint.name in found.holders and len(joint.beams) == 2:
+        if joint.name in support.holders and len(joint.beams) == 2:
             force = force + (sides.on_one + sides.on_two)
-        elif joint.name.removesuffix(SUPPORT) in found.holders and len(joint.beams) == 1:
+        elif joint.name.removesuffix(SUPPORT) in support.holders and len(joint.beams) == 1:
             force = force + sides.on_one
-    if found.particle:
+    if support.particle:
         fixed = scene.fixed[particle]
         terms = run.inertia(particle), run.force(particle), on_particle(run, particle)
-        held, turned = (a - b - c for a, b, c in zip(*terms, strict=True))
-        held, turned = held * fixed[:3], turned * fixed[3:]
+        reaction_force, couple = (a - b - c for a, b, c in zip(*terms, strict=True))
+        reaction_force, couple = reaction_force * fixed[:3], couple * fixed[3:]
         if _is_ground(scene, particle):
             weights = [kind.weight(scene, particle, run.time) for kind in kinds_of([scene])]
-            held = held + sum(weights)
-        force = force + held
-        moment = turned - np.cross(run.arm(found.beam), held)
+            reaction_force = reaction_force + sum(weights)
+        force = force + reaction_force
+        moment = couple - np.cross(run.arm(support.beam), reaction_force)
     return force, moment
 
 
 def _is_ground(scene: Scene, particle: int) -> bool:
     """Whether a particle stands for what does not move."""
     on_bars = any(particle in beams.nodes for beams in scene.beams)
-    other = on_bars or particle in scene.bodies.values() or particle in Drive.moved(scene)
-    return bool(scene.fixed[particle].all()) and not other
+    has_role = on_bars or particle in scene.bodies.values() or particle in Drive.moved(scene)
+    return bool(scene.fixed[particle].all()) and not has_role
 
 
 DEPENDENT = 1e-9
@@ -136,11 +136,11 @@ DEPENDENT = 1e-9
 def why_undetermined(scene: Scene, response: Any) -> str:
     """Why a response (`fpm.reading.responses.Response`) of the force or moment of a joint or
     support is not determined, and what to do, as a sentence; empty where it is."""
-    name = response.about[0] if response.about else ""
+    name = response.subjects[0] if response.subjects else ""
     if response.kind.startswith("constraint_"):
         joints = {name}
     elif response.kind.startswith("reaction_"):
-        joints = {f"{held}{end}" for held in reactions_of(scene)[name].holders
+        joints = {f"{holder}{end}" for holder in reactions_of(scene)[name].holders
                   for end in ("", SUPPORT)}  # fmt: skip
     else:
         return ""
@@ -175,8 +175,8 @@ def undetermined(scene: Scene) -> set[str]:
         block = rows[own][:, np.unique(rows[own].indices)].toarray()
         if not block.size:
             continue  # between parts that are held
-        left, sizes, _ = np.linalg.svd(block)
+        vectors, sizes, _ = np.linalg.svd(block)
         rank = int((sizes > DEPENDENT * sizes.max(initial=0.0)).sum())
-        shares = np.linalg.norm(left[:, rank:], axis=1)
+        shares = np.linalg.norm(vectors[:, rank:], axis=1)
         joints.update(names[own][shares > np.sqrt(DEPENDENT)].tolist())
     return joints

@@ -18,12 +18,12 @@ SPREAD = 2
 impulse of one that holds exactly comes in the step that it happens in and the next, and a velocity
 at an instant is the mean of half a step before and after."""
 
-APART = 5
+MIN_STEPS = 5
 """Steps that two events are apart, at least, if two instants shall lie between them that neither
 touches: a step before the later one, SPREAD after the earlier one, and up to one to the first."""
 
 
-def value_at(curves: Curves, response: Response, at: float, event: bool) -> float:
+def value_at(curves: Curves, response: Response, instant: float, event: bool) -> float:
     """A response of a run at a time (s), or just before the event then.
 
     By the cubic at most through the nearest instants that no other event parts from that time, or
@@ -33,46 +33,46 @@ def value_at(curves: Curves, response: Response, at: float, event: bool) -> floa
     time, step, values = curves.time, curves.step, response.evaluate(curves)
     times = np.sort(curves.events[:, 0])
     if event:  # those that a few steps cannot tell apart are one
-        at = float(times[np.searchsorted(times, at - APART * step)])
-    after = times[np.searchsorted(times, at, side="left" if event else "right") :]
-    before = times[times < at] if event else times[times <= at]
-    until = np.inf if not len(after) else after[0] - step
-    since = -np.inf if not len(before) else before[-1] + SPREAD * step
+        instant = float(times[np.searchsorted(times, instant - MIN_STEPS * step)])
+    later_events = times[np.searchsorted(times, instant, side="left" if event else "right") :]
+    past_events = times[times < instant] if event else times[times <= instant]
+    upper = np.inf if not len(later_events) else later_events[0] - step
+    lower = -np.inf if not len(past_events) else past_events[-1] + SPREAD * step
     rounding = 1e-6 * step  # of times
-    near = np.flatnonzero((time >= since - rounding) & (time <= until + rounding))
-    if event and (found := _continued(curves, response, near[-5:], at)) is not None:
-        return found
-    if len(near) > 1:
-        middle = np.searchsorted(time[near], at, side="left")
-        return cubic_through(time[near], values[near], middle + 1)(at)
+    indices = np.flatnonzero((time >= lower - rounding) & (time <= upper + rounding))
+    if event and (value := _continued(curves, response, indices[-5:], instant)) is not None:
+        return value
+    if len(indices) > 1:
+        middle = np.searchsorted(time[indices], instant, side="left")
+        return cubic_through(time[indices], values[indices], middle + 1)(instant)
     if event:
-        return values[max(np.searchsorted(time, until + rounding, side="right") - 1, 0)]
-    return np.interp(at, time, values)
+        return values[max(np.searchsorted(time, upper + rounding, side="right") - 1, 0)]
+    return np.interp(instant, time, values)
 
 
 def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynomial.Polynomial:
     """The cubic through the four instants up to `last`, or the nearest four that there are."""
     stop = min(max(last + 1, 4), len(time))
-    near = slice(max(stop - 4, 0), stop)
-    return np.polynomial.Polynomial.fit(time[near], values[near], len(time[near]) - 1)
+    window = slice(max(stop - 4, 0), stop)
+    return np.polynomial.Polynomial.fit(time[window], values[window], len(time[window]) - 1)
 
 
-def _continued(curves: Curves, response: Response, near, at: float) -> float | None:
-    """A response at a time after the instants `near`, by what it is made of and the rates of that.
+def _continued(curves: Curves, response: Response, rows, t: float) -> float | None:
+    """A response at a time after the instants `rows`, by what it is made of and the rates of that.
 
     None where these are not recorded, or would not have foretold the last of five instants better
     than a cubic: what trembles between the instants, or jumps.
     """
-    found = {}
-    for name in response.about:
-        made = _with_rates(curves, response.kind, name)
-        found[name] = made and _continue(curves.time[near], made[0][near], made[1][near], at)
-    if not found or any(value is None for value in found.values()):
+    values = {}
+    for name in response.subjects:
+        curve = _with_rates(curves, response.kind, name)
+        values[name] = curve and _continue(curves.time[rows], curve[0][rows], curve[1][rows], t)
+    if not values or any(value is None for value in values.values()):
         return None
-    points = {name: (value, value) for name, value in found.items()}
-    columns = {("opening", name): value[:, 0] for name, value in found.items()}
-    then = replace(curves, time=np.array([at]), points=points, columns=columns)
-    return float(response.evaluate(then)[0])
+    points = {name: (value, value) for name, value in values.items()}
+    columns = {("opening", name): value[:, 0] for name, value in values.items()}
+    continued = replace(curves, time=np.array([t]), points=points, columns=columns)
+    return float(response.evaluate(continued)[0])
 
 
 def _with_rates(curves: Curves, kind: str, name: str) -> tuple[np.ndarray, np.ndarray] | None:
@@ -89,21 +89,21 @@ def _with_rates(curves: Curves, kind: str, name: str) -> tuple[np.ndarray, np.nd
     return values, np.stack([curves.columns[column] for column in rates], axis=1)
 
 
-def _continue(time: np.ndarray, values: np.ndarray, rates: np.ndarray, at: float):
+def _continue(time: np.ndarray, values: np.ndarray, rates: np.ndarray, t: float):
     """Values (1, k) at a time after five instants, where values and rates are (5, k); None where
     they would not have foretold the last."""
     if len(time) < 5:
         return None
     cubic = np.polynomial.polynomial.polyfit(time[:4] - time[4], values[:4], 3)[0]
-    foretold = _hermite(time[1:4], values[1:4], rates[1:4], time[4])
-    off, plain = (np.linalg.norm(value - values[4]) for value in (foretold, cubic))
+    predicted = _hermite(time[1:4], values[1:4], rates[1:4], time[4])
+    error, limit = (np.linalg.norm(value - values[4]) for value in (predicted, cubic))
     rounding = 1e-12 * np.abs(values).max()
-    return _hermite(time[2:], values[2:], rates[2:], at) if off <= plain + rounding else None
+    return _hermite(time[2:], values[2:], rates[2:], t) if error <= limit + rounding else None
 
 
-def _hermite(time: np.ndarray, values: np.ndarray, rates: np.ndarray, at: float) -> np.ndarray:
+def _hermite(time: np.ndarray, values: np.ndarray, rates: np.ndarray, instant: float) -> np.ndarray:
     """Values (1, k) at a time of the polynomials that have these values and rates (n, k)."""
     unit, powers = time[-1] - time[0], np.arange(2 * len(time))
-    away = ((time - at) / unit)[:, None]
-    rows = np.vstack([away**powers, powers * away ** np.maximum(powers - 1, 0)])
+    distance = ((time - instant) / unit)[:, None]
+    rows = np.vstack([distance**powers, powers * distance ** np.maximum(powers - 1, 0)])
     return np.linalg.solve(rows, np.vstack([values, unit * rates]))[:1]

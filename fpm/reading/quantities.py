@@ -75,9 +75,9 @@ class Quantity:
 
         ValueError where the run had more events than were kept, and it may be among the others.
         """
-        found = KINDS[self.kind].read(self, curves)
+        value = KINDS[self.kind].read(self, curves)
         # Parabolas and cubics between instants go below what can be.
-        return found if self.least is None else float(np.maximum(found, self.least))
+        return value if self.least is None else float(np.maximum(value, self.least))
 
 
 def peak(values: np.ndarray) -> float:
@@ -88,29 +88,29 @@ def peak(values: np.ndarray) -> float:
     i = int(values.argmax())
     top = float(values[i])
     if 0 < i < len(values) - 1:
-        before, after = top - values[i - 1], top - values[i + 1]
-        if before + after > 0:
-            top += float((before - after) ** 2 / (8 * (before + after)))
+        drop1, drop2 = top - values[i - 1], top - values[i + 1]
+        if drop1 + drop2 > 0:
+            top += float((drop1 - drop2) ** 2 / (8 * (drop1 + drop2)))
     return top
 
 
 def crossing(
-    time: np.ndarray, values: np.ndarray, level: float, way: str = "either", number: int = 1
+    time: np.ndarray, values: np.ndarray, level: float, direction: str = "either", number: int = 1
 ) -> float:
     """Time (s) at which values (t,) cross a level for the nth time; NaN if they do not.
 
     By the cubic through the four instants around it. A value on the level counts as below it.
     """
-    above = values > level
-    places = np.flatnonzero(above[1:] != above[:-1])
-    if way != "either":
-        places = places[above[places + 1] == (way == "rising")]
+    is_above = values > level
+    places = np.flatnonzero(is_above[1:] != is_above[:-1])
+    if direction != "either":
+        places = places[is_above[places + 1] == (direction == "rising")]
     if len(places) < number:
         return float("nan")
     return _root(time, values - level, int(places[number - 1]))
 
 
-def crossing_margin(values: np.ndarray, way: str = "either", number: int = 1) -> np.ndarray:
+def crossing_margin(values: np.ndarray, direction: str = "either", number: int = 1) -> np.ndarray:
     """How far from zero (...) values (..., t) get, at least, on each of the sides that they have to
     be on in turn to cross it for the nth time.
 
@@ -118,32 +118,32 @@ def crossing_margin(values: np.ndarray, way: str = "either", number: int = 1) ->
     """
 
     def turns(side: float, count: int) -> np.ndarray:
-        reached = np.inf
+        margin = np.inf
         for _ in range(count):
-            reached = np.maximum.accumulate(np.minimum(reached, side * values), axis=-1)
+            margin = np.maximum.accumulate(np.minimum(margin, side * values), axis=-1)
             side = -side
-        return reached[..., -1]
+        return margin[..., -1]
 
-    if way == "either":
+    if direction == "either":
         return np.maximum(turns(-1.0, number + 1), turns(1.0, number + 1))
-    return turns(-1.0 if way == "rising" else 1.0, 2 * number)
+    return turns(-1.0 if direction == "rising" else 1.0, 2 * number)
 
 
 def settling(
-    time: np.ndarray, values: np.ndarray, within: float, about: float | None = None
+    time: np.ndarray, values: np.ndarray, tolerance: float, target: float | None = None
 ) -> float:
-    """Time (s) from which on values (t,) stay within a distance of `about`, or of the last value.
+    """Time (s) from which on values (t,) stay within a distance of `target`, or of the last value.
 
     NaN if they are outside at the end; the first instant if they never are.
     """
-    off = values - (values[-1] if about is None else about)
-    outside = np.flatnonzero(np.abs(off) > within)
-    if not len(outside):
+    deviation = values - (values[-1] if target is None else target)
+    indices = np.flatnonzero(np.abs(deviation) > tolerance)
+    if not len(indices):
         return float(time[0])
-    last = int(outside[-1])
+    last = int(indices[-1])
     if last == len(time) - 1:
         return float("nan")
-    return _root(time, np.sign(off[last]) * off - within, last)
+    return _root(time, np.sign(deviation[last]) * deviation - tolerance, last)
 
 
 def _root(time: np.ndarray, values: np.ndarray, i: int) -> float:
@@ -181,8 +181,8 @@ def _place_of_smallest(quantity: Quantity, curves: Curves) -> float:
     time, values = curves.time, quantity.response.evaluate(curves)
     i, shift = int(values.argmin()), 0.0
     if 0 < i < len(values) - 1:
-        before, after = values[i - 1] - values[i], values[i + 1] - values[i]
-        shift = 0.5 * (before - after) / (before + after) if before + after > 0 else 0.0
+        rise1, rise2 = values[i - 1] - values[i], values[i + 1] - values[i]
+        shift = 0.5 * (rise1 - rise2) / (rise1 + rise2) if rise1 + rise2 > 0 else 0.0
     share = (i + shift) / (len(values) - 1)
     return float(time[0] + share * (time[-1] - time[0]))
 
@@ -191,19 +191,19 @@ def _mean(time: np.ndarray, values: np.ndarray) -> float:
     return float(np.trapezoid(values, time) / (time[-1] - time[0]))
 
 
-def _overshoot(values: np.ndarray, about: float | None) -> float:
-    about = values[-1] if about is None else about
-    way = np.sign(about - values[0])
-    return peak(way * (values - about)) if way else 0.0
+def _overshoot(values: np.ndarray, target: float | None) -> float:
+    target = values[-1] if target is None else target
+    sign = np.sign(target - values[0])
+    return peak(sign * (values - target)) if sign else 0.0
 
 
 def _value(quantity: Quantity, curves: Curves) -> float:
-    other = quantity.at if isinstance(quantity.at, Quantity) else None
-    at = other.evaluate(curves) if other else quantity.at
-    if not np.isfinite(at) or not curves.time[0] <= at <= curves.time[-1]:
+    instant = quantity.at if isinstance(quantity.at, Quantity) else None
+    time = instant.evaluate(curves) if instant else quantity.at
+    if not np.isfinite(time) or not curves.time[0] <= time <= curves.time[-1]:
         return float("nan")
-    event = other is not None and other.kind == "event"
-    return float(value_at(curves, quantity.response, at, event))
+    event = instant is not None and instant.kind == "event"
+    return float(value_at(curves, quantity.response, time, event))
 
 
 def _event(quantity: Quantity, curves: Curves) -> float:
@@ -222,13 +222,13 @@ class Kind(NamedTuple):
     """A kind of quantity, by the key that names the response (or event) that it is of.
 
     read(quantity, curves): its number; text: its long name, with `about` for the response's and
-    what else quantity_definitions puts in; needed, optional: the other keys of its definition;
+    what else quantity_definitions puts in; mandatory, optional: the other keys of its definition;
     unit: None for the response's; positive: whether it is never below 0; peak: `Quantity.is_peak`.
     """
 
     read: Callable[[Quantity, Curves], float]
     text: str
-    needed: tuple[str, ...] = ()
+    mandatory: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
     unit: str | None = None
     positive: bool = False
@@ -237,7 +237,7 @@ class Kind(NamedTuple):
     @property
     def keys(self) -> tuple[str, ...]:
         """All other keys."""
-        return self.needed + self.optional
+        return self.mandatory + self.optional
 
 
 KINDS = {

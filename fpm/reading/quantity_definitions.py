@@ -10,7 +10,7 @@ from fpm.errors import SceneError, did_you_mean
 from fpm.reading.quantities import KINDS, Quantity
 from fpm.reading.responses import Response
 
-WAYS = ("rising", "falling", "either")
+DIRECTIONS = ("rising", "falling", "either")
 
 
 def parse(
@@ -22,8 +22,8 @@ def parse(
     (`fpm.files.outcome.eventful`). Each definition is one of KINDS with its keys;
     docs/quantities.md describes them.
     """
-    known, elements = {response.name: response for response in responses}, list(elements)
-    found: dict[str, Quantity] = {}
+    by_name, elements = {response.name: response for response in responses}, list(elements)
+    quantities: dict[str, Quantity] = {}
     problems = []
 
     def refers(name: str) -> bool:
@@ -33,39 +33,39 @@ def parse(
     # Those that others refer to come first; what only follows from a wrong one is not told.
     for name in sorted(definitions, key=refers):
         try:
-            found[name] = _parse(name, definitions[name], known, elements, found)
+            quantities[name] = _parse(name, definitions[name], by_name, elements, quantities)
         except SceneError as error:
-            at = definitions[name]["at"] if refers(name) else ""
-            if at not in definitions or at in found or refers(at):
+            instant = definitions[name]["at"] if refers(name) else ""
+            if instant not in definitions or instant in quantities or refers(instant):
                 problems.append(error)
-    return [found[name] for name in definitions if name in found], problems
+    return [quantities[name] for name in definitions if name in quantities], problems
 
 
-def _parse(name, definition, responses, elements, others) -> Quantity:
+def _parse(name, definition, responses, elements, quantities) -> Quantity:
     key = f"quantities.{name}"
     kind = _kind_of(key, definition)
-    of = definition[kind]
+    target = definition[kind]
     if kind == "event":
         number = _whole(f"{key}.number", definition.get("number", 1))
-        places = _places(key, of, definition.get("of"), elements)
-        quantity = Quantity(name, kind, "s", "", number=number, event=of, places=places)
+        places = _places(key, target, definition.get("of"), elements)
+        quantity = Quantity(name, kind, "s", "", number=number, event=target, places=places)
         return _named(quantity, definition.get("of", ""))
-    response = responses[_one_of(f"{key}.{kind}", of, responses)]
+    response = responses[_one_of(f"{key}.{kind}", target, responses)]
     read = {
         **dict.fromkeys(("level", "about"), lambda key, value: _real(key, value, response.unit)),
         "within": lambda key, value: _above_zero(key, value, response.unit),
         "number": _whole,
-        "way": lambda key, value: _one_of(key, value, WAYS),
-        "at": lambda key, value: _moment(key, value, others),
+        "way": lambda key, value: _one_of(key, value, DIRECTIONS),
+        "at": lambda key, value: _moment(key, value, quantities),
     }
     fields = {field: read[field](f"{key}.{field}", definition[field])
               for field in KINDS[kind].keys if field in definition}  # fmt: skip
     unit = KINDS[kind].unit or response.unit
     if kind == "smallest_at":
         unit = response.along.unit if response.along else "s"
-    if response.along and KINDS[kind].needed:
+    if response.along and KINDS[kind].mandatory:
         allowed = "a response over time, or largest, smallest, smallest_at, mean of this one"
-        raise SceneError(f"{key}.{kind}", of, allowed)
+        raise SceneError(f"{key}.{kind}", target, allowed)
     return _named(Quantity(name, kind, unit, "", response, **fields))
 
 
@@ -75,66 +75,66 @@ def _kind_of(key: str, definition: object) -> str:
         raise SceneError(key, definition, f"exactly one of {', '.join(KINDS)}")
     kind = next(k for k in KINDS if k in definition)
     keys = KINDS[kind].keys
-    for other in definition:
-        if other != kind and other not in keys:
+    for entry in definition:
+        if entry != kind and entry not in keys:
             allowed = f"{kind} with {', '.join(keys)}" if keys else f"{kind} alone"
-            raise SceneError(f"{key}.{other}", definition[other], allowed)
-    for needed in KINDS[kind].needed:
-        if needed not in definition:
-            raise SceneError(key, definition, f"{kind} with {needed}")
+            raise SceneError(f"{key}.{entry}", definition[entry], allowed)
+    for required_key in KINDS[kind].mandatory:
+        if required_key not in definition:
+            raise SceneError(key, definition, f"{kind} with {required_key}")
     return kind
 
 
-def _places(key: str, event: object, of: object, elements: list[Eventful]) -> tuple[str, ...]:
+def _places(key: str, event: object, target: object, elements: list[Eventful]) -> tuple[str, ...]:
     """Names of the elements whose events count: all that have it, or those that are stated."""
     events = list(dict.fromkeys(e for element in elements for e in element.events))
     _one_of(f"{key}.event", event, events, "none: this scene has no events")
-    having = [element for element in elements if event in element.events]
-    places = [element.name for element in having]
-    if of is None:
+    candidates = [element for element in elements if event in element.events]
+    places = [element.name for element in candidates]
+    if target is None:
         return tuple(places)
     # An element is known by its whole name, `stop A upper`, or by that of its joint, `A`; or, of
     # one with a name of its own, by the joint that it is on.
-    chosen = [place for place in places if of == place or of in place.split(" ")[1:]]
-    on = [element.name for element in having if element.joint == of]
-    if not chosen and len(on) > 1:
-        raise SceneError(f"{key}.of", of, f"one of those on it: {', '.join(on)}")
-    return tuple(chosen or on or [_one_of(f"{key}.of", of, places)])
+    matches = [place for place in places if target == place or target in place.split(" ")[1:]]
+    joint_names = [element.name for element in candidates if element.joint == target]
+    if not matches and len(joint_names) > 1:
+        raise SceneError(f"{key}.of", target, f"one of those on it: {', '.join(joint_names)}")
+    return tuple(matches or joint_names or [_one_of(f"{key}.of", target, places)])
 
 
-def _named(quantity: Quantity, of: str = "") -> Quantity:
+def _named(quantity: Quantity, target: str = "") -> Quantity:
     """The quantity with its long name."""
-    at, places, response = quantity.at, quantity.places, quantity.response
+    time, places, response = quantity.at, quantity.places, quantity.response
     text = KINDS[quantity.kind].text.format(
         about=response.long_name if response else "",
         nth="first " if quantity.number == 1 else f"{_ordinal(quantity.number)} ",
         level=quantity.level,
         way="" if quantity.way == "either" else f" {quantity.way}",
         within=quantity.within,
-        moment=f"at {at.name}" if isinstance(at, Quantity) else f"at {at or 0.0:.6g} s",
+        moment=f"at {time.name}" if isinstance(time, Quantity) else f"at {time or 0.0:.6g} s",
         event=quantity.event,
         place=response.along.words if response and response.along else "time",
-        whose=f" of {places[0] if len(places) == 1 else of}" if of else "",
+        whose=f" of {places[0] if len(places) == 1 else target}" if target else "",
     )
     return replace(quantity, long_name=text)
 
 
 def _ordinal(number: int) -> str:
-    ending = {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
-    return f"{number}{'th' if number % 100 in (11, 12, 13) else ending}"
+    suffix = {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
+    return f"{number}{'th' if number % 100 in (11, 12, 13) else suffix}"
 
 
 # -- values of keys -------------------------------------------------------------------------------
 
 
-def _moment(key: str, at: object, others: Mapping[str, Quantity]) -> Quantity | float:
-    times = [name for name, quantity in others.items() if quantity.is_time]
-    if not isinstance(at, str):
-        return _real(key, at, "s")
-    if at not in times:
+def _moment(key: str, instant: object, quantities: Mapping[str, Quantity]) -> Quantity | float:
+    times = [name for name, quantity in quantities.items() if quantity.is_time]
+    if not isinstance(instant, str):
+        return _real(key, instant, "s")
+    if instant not in times:
         allowed = f"a time (s), or one of the quantities that are times: {', '.join(times)}"
-        raise SceneError(key, at, allowed)
-    return others[at]
+        raise SceneError(key, instant, allowed)
+    return quantities[instant]
 
 
 def _real(key: str, value: object, unit: str) -> float:
@@ -155,10 +155,10 @@ def _whole(key: str, value: object) -> int:
     return value
 
 
-def _one_of(key: str, value: object, known: Iterable[str], none: str = "one of ") -> str:
-    """The value; SceneError unless it is known, and `none` where nothing is."""
-    names = list(known)
+def _one_of(key: str, value: object, allowed: Iterable[str], empty_text: str = "one of ") -> str:
+    """The value; SceneError unless it is known, and `empty_text` where nothing is."""
+    names = list(allowed)
     if not isinstance(value, str) or value not in names:
         hint = did_you_mean(value, names) if isinstance(value, str) else ""
-        raise SceneError(key, value, f"one of {', '.join(names)}{hint}" if names else none)
+        raise SceneError(key, value, f"one of {', '.join(names)}{hint}" if names else empty_text)
     return value

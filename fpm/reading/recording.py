@@ -34,7 +34,7 @@ class Recording:
         self.time, self.step, self._lane = time, step, lane
         self._parts = dict(zip(batch.kinds, parts, strict=True))
         self.probe = Probe.of_scene(self.scene)
-        self._known: dict[Hashable, Any] = {}
+        self._memo: dict[Hashable, Any] = {}
 
     def _rows(self, array: np.ndarray, count: int) -> np.ndarray:
         """What was recorded of `count` things: (t, count, fields)."""
@@ -54,15 +54,15 @@ class Recording:
         return dict(zip(self.probe.forces, rows.swapaxes(0, 1), strict=True))
 
     @cached_property
-    def _driven(self) -> dict[int, np.ndarray]:
+    def _driven_rates(self) -> dict[int, np.ndarray]:
         """Velocity and spin (3, t, 2, 3) of driven particles half a step before the instants, at
         them, and half a step after."""
         if not Drive.of(self.scene):
             return {}
         half = 0.5 * self.step
-        ways = [[Drive.motion(self.scene, t + s) for t in self.time] for s in (-half, 0.0, half)]
-        found = np.array([[motion[1:] for motion in way] for way in ways])  # (3, t, 2, d, 3)
-        return {int(p): found[:, :, :, k] for k, p in enumerate(ways[0][0][0])}
+        motions = [[Drive.motion(self.scene, t + s) for t in self.time] for s in (-half, 0.0, half)]
+        rates = np.array([[motion[1:] for motion in row] for row in motions])  # (3, t, 2, d, 3)
+        return {int(p): rates[:, :, :, k] for k, p in enumerate(motions[0][0][0])}
 
     def place(self, particle: int) -> np.ndarray:
         """Position (t, 3) m."""
@@ -77,64 +77,66 @@ class Recording:
         """From a virtual beam's particle to its end, (t, 3) m."""
         return self.axes(beam.particle) @ beam.arm
 
-    def _of(self, particle: int, name: str) -> np.ndarray:
+    def _column(self, particle: int, name: str) -> np.ndarray:
         from fpm.elements.particles import probe_kernels
 
-        at = getattr(probe_kernels, name)
-        return self._forces[particle][:, at : at + 3]
+        column = getattr(probe_kernels, name)
+        return self._forces[particle][:, column : column + 3]
 
     def force(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
         """Force (t, 3) N and moment (t, 3) N m on a particle, but for those that hold it."""
-        return self._of(particle, "FORCE"), self._of(particle, "MOMENT")
+        return self._column(particle, "FORCE"), self._column(particle, "MOMENT")
 
     def spin(self, particle: int) -> np.ndarray:
         """Angular velocity (t, 3) rad/s."""
-        if particle in self._driven:
-            return self._driven[particle][1, :, 1]
-        spin = self._turned(particle, self._of(particle, "MOMENTUM"))
+        if particle in self._driven_rates:
+            return self._driven_rates[particle][1, :, 1]
+        spin = self._angular(particle, self._column(particle, "MOMENTUM"))
         spin[0] = self.scene.spin[particle] * ~self.scene.fixed[particle, 3:]
         return spin
 
     def velocity(self, particle: int) -> np.ndarray:
         """Velocity (t, 3) m/s."""
-        if particle in self._driven:
-            return self._driven[particle][1, :, 0]
-        velocity = self._of(particle, "VELOCITY").copy()
+        if particle in self._driven_rates:
+            return self._driven_rates[particle][1, :, 0]
+        velocity = self._column(particle, "VELOCITY").copy()
         velocity[0] = self.scene.velocity[particle]
         return velocity
 
     def acceleration(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
         """Acceleration (t, 3) m/s² and angular acceleration (t, 3) rad/s²: changes over the step
         around each instant; of driven particles, over the half step after the first."""
-        if particle in self._driven:
-            before, now, after = self._driven[particle]
-            change = (after - before) / self.step
-            change[0] = (after[0] - now[0]) / (0.5 * self.step)
+        if particle in self._driven_rates:
+            v0, v1, v2 = self._driven_rates[particle]
+            change = (v2 - v0) / self.step
+            change[0] = (v2[0] - v1[0]) / (0.5 * self.step)
             return change[:, 0], change[:, 1]
-        momentum, change = self._of(particle, "MOMENTUM"), self._of(particle, "CHANGE")
+        momentum, change = self._column(particle, "MOMENTUM"), self._column(particle, "CHANGE")
         # Euler's equation: J w' = p' - w x p.
         gyroscopic = np.cross(self.spin(particle), momentum)
-        turning = self._turned(particle, change - gyroscopic)
-        return self._of(particle, "ACCELERATION"), turning
+        turning = self._angular(particle, change - gyroscopic)
+        return self._column(particle, "ACCELERATION"), turning
 
     def _in_own_axes(self, particle: int, vector: np.ndarray, change: Callable) -> np.ndarray:
         """A vector (t, 3) after a change of its components along the particle's axes."""
         axes = self.axes(particle)
         return np.einsum("tij,tj->ti", axes, change(np.einsum("tij,ti->tj", axes, vector)))
 
-    def _turned(self, particle: int, momentum: np.ndarray) -> np.ndarray:
+    def _angular(self, particle: int, momentum: np.ndarray) -> np.ndarray:
         """Inverse inertia times (t, 3), about the axes about which the particle may turn."""
         inertia = turns_of(self.scene).inertia[particle]
-        turned = self._in_own_axes(particle, momentum, lambda local: local / inertia)
-        return turned * ~self.scene.fixed[particle, 3:]
+        rotation = self._in_own_axes(particle, momentum, lambda local: local / inertia)
+        return rotation * ~self.scene.fixed[particle, 3:]
 
     def inertia(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
         """Rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a particle as it
         moves, driven or not."""
         (change, turning), spin = self.acceleration(particle), self.spin(particle)
         own = self.scene.inertia[particle]
-        spun, turned = (self._in_own_axes(particle, v, lambda x: x * own) for v in (spin, turning))
-        return self.scene.mass[particle] * change, turned + np.cross(spin, spun)
+        momentum, moment = (
+            self._in_own_axes(particle, v, lambda x: x * own) for v in (spin, turning)
+        )
+        return self.scene.mass[particle] * change, moment + np.cross(spin, momentum)
 
     def moments(self, hinge: int) -> tuple[np.ndarray, np.ndarray]:
         """Moments (t, PARTS) N m on a hinge of that index, or forces (t, PARTS) N on a slide, and
@@ -146,25 +148,25 @@ class Recording:
     def sections(self, bar: str) -> tuple[Bar, Sections]:
         """A bar, and what the sections of its elements bear."""
 
-        def cut() -> tuple[Bar, Sections]:
-            found = bars_of(self.scene)[bar]
-            return found, sections_of(self.scene, found, self.place, self.axes)
+        def read() -> tuple[Bar, Sections]:
+            bar_data = bars_of(self.scene)[bar]
+            return bar_data, sections_of(self.scene, bar_data, self.place, self.axes)
 
-        return self.once(bar, cut)
+        return self.memoize(bar, read)
 
-    def once(self, key: Hashable, find: Callable[[], Any]) -> Any:
+    def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
         """What several columns are made of: found for the first of them."""
-        if key not in self._known:
-            self._known[key] = find()
-        return self._known[key]
+        if key not in self._memo:
+            self._memo[key] = find()
+        return self._memo[key]
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
         """All joints, lone hinges and others, and what they do to their sides."""
-        found = []
+        pairs = []
         for kind in (Hinge, Joint):
             if elements := kind.of(self.scene):
                 rows = self._rows(self._parts[kind].forces, len(elements)).swapaxes(0, 1)
                 sides = (Sides(*np.split(own, 4, axis=1)) for own in rows)
-                found += zip(elements, sides, strict=True)
-        return found
+                pairs += zip(elements, sides, strict=True)
+        return pairs

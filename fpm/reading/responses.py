@@ -40,7 +40,7 @@ class Response:
 
     name: str
     kind: str
-    about: tuple[str, ...]
+    subjects: tuple[str, ...]
     component: str
     unit: str
     long_name: str
@@ -59,8 +59,8 @@ class Response:
         if self.kind == "margin":
             return -1.0
         positive = KINDS[self.kind].positive
-        some = isinstance(positive, tuple) and self.about[0] in positive
-        return 0.0 if self.component == "norm" or positive is True or some else None
+        is_positive = isinstance(positive, tuple) and self.subjects[0] in positive
+        return 0.0 if self.component == "norm" or positive is True or is_positive else None
 
     def evaluate(self, run: Curves) -> np.ndarray:
         """Values (t,) of the response for one run; KeyError if it did not record its needs."""
@@ -73,13 +73,13 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
     if not isinstance(definition, Mapping) or len(set(definition) & set(KINDS)) != 1:
         raise SceneError(f"responses.{name}", definition, f"exactly one of {', '.join(KINDS)}")
     kind = next(k for k in KINDS if k in definition)
-    needed, optional = KINDS[kind].needed, KINDS[kind].optional
-    missing = [key for key in needed if key not in definition]
-    if missing or set(definition) - {kind, *needed, *optional}:
-        others = f" and {', '.join(needed)}" if needed else ""
-        more = f", perhaps with {', '.join(optional)}" if optional else ""
-        alone = "" if needed or optional else " alone"
-        raise SceneError(f"responses.{name}", dict(definition), f"{kind}{others}{more}{alone}")
+    mandatory, optional = KINDS[kind].mandatory, KINDS[kind].optional
+    missing = [key for key in mandatory if key not in definition]
+    if missing or set(definition) - {kind, *mandatory, *optional}:
+        keys = f" and {', '.join(mandatory)}" if mandatory else ""
+        options = f", perhaps with {', '.join(optional)}" if optional else ""
+        lone = "" if mandatory or optional else " alone"
+        raise SceneError(f"responses.{name}", dict(definition), f"{kind}{keys}{options}{lone}")
     return KINDS[kind].read(Definition(name, kind, definition, scene))
 
 
@@ -94,9 +94,9 @@ class Definition(NamedTuple):
     data: Mapping[str, Any]
     scene: Scene
 
-    def one_of(self, known: Iterable[str], key: str = "", value: object = None) -> str:
+    def one_of(self, choices: Iterable[str], key: str = "", value: object = None) -> str:
         """The value of a key, or of the kind, or another one; SceneError unless it is known."""
-        key, names = key or self.kind, list(known)
+        key, names = key or self.kind, list(choices)
         value = self.data[key] if value is None else value
         if not isinstance(value, str) or value not in names:
             hint = did_you_mean(value, names) if isinstance(value, str) else ""
@@ -116,105 +116,106 @@ class Definition(NamedTuple):
         """The variable of its kind."""
         return VARIABLES[self.kind]
 
-    def response(self, about: tuple[str, ...], component: str, *more: Any) -> Response:
+    def response(self, subjects: tuple[str, ...], component: str, *fields: Any) -> Response:
         """The response that it means, of the other fields of one."""
-        return Response(self.name, self.kind, about, component, *more)
+        return Response(self.name, self.kind, subjects, component, *fields)
 
 
-def _vector(it: Definition, names: Names | None = None, unit: str = "") -> Response:
+def _vector(spec: Definition, names: Names | None = None, unit: str = "") -> Response:
     """A vector along or about global axes, or its size: of a variable, or of some names."""
-    name = it.one_of((names or it.variable.names)(it.scene))
-    component = it.one_of((*AXES, "norm"), "component")
+    name = spec.one_of((names or spec.variable.names)(spec.scene))
+    component = spec.one_of((*AXES, "norm"), "component")
     own = AXES if component == "norm" else (component,)
-    what = "magnitude of the " if component == "norm" else f"{component}-component of the "
-    columns = () if names else tuple((it.kind, f"{name} {axis}") for axis in own)
-    text = f"{what}{it.kind.replace('_', ' ')} of {name}"
-    return it.response((name,), component, unit or it.variable.unit, text, columns)
+    prefix = "magnitude of the " if component == "norm" else f"{component}-component of the "
+    columns = () if names else tuple((spec.kind, f"{name} {axis}") for axis in own)
+    text = f"{prefix}{spec.kind.replace('_', ' ')} of {name}"
+    return spec.response((name,), component, unit or spec.variable.unit, text, columns)
 
 
-def _pair(it: Definition, what: str, known: Names, column: bool = True) -> Response:
+def _pair(spec: Definition, noun: str, names_of: Names, column: bool = True) -> Response:
     """Two different ones of the known names, in their order."""
-    value, names = it.data[it.kind], list(known(it.scene))
+    value, names = spec.data[spec.kind], list(names_of(spec.scene))
     if not isinstance(value, list | tuple) or len(value) != 2 or value[0] == value[1]:
-        raise SceneError(f"responses.{it.name}.{it.kind}", value, f"two different {what}")
-    pair = sorted((it.one_of(names, value=name) for name in value), key=names.index)
-    columns = ((it.kind, " to ".join(pair)),) if column else ()
-    return it.response(tuple(pair), "", "m", f"{it.kind} between {' and '.join(pair)}", columns)
+        raise SceneError(f"responses.{spec.name}.{spec.kind}", value, f"two different {noun}")
+    pair = sorted((spec.one_of(names, value=name) for name in value), key=names.index)
+    columns = ((spec.kind, " to ".join(pair)),) if column else ()
+    return spec.response(tuple(pair), "", "m", f"{spec.kind} between {' and '.join(pair)}", columns)
 
 
-def _one(it: Definition, unit: str, text: str, known: Names, variable: str = "") -> Response:
+def _by_name(spec: Definition, unit: str, text: str, names: Names, variable: str = "") -> Response:
     """A column of a variable by its label, or what has no column: an energy."""
-    name = it.one_of(known(it.scene))
+    name = spec.one_of(names(spec.scene))
     columns = ((variable, name),) if variable else ()
-    return it.response((name,), "", unit, text.format(ALL.get(name, name)), columns)
+    return spec.response((name,), "", unit, text.format(ALL.get(name, name)), columns)
 
 
-def _bar(it: Definition) -> Response:
-    known, unit = it.variable.names, it.variable.unit
-    return _one(it, unit, f"equivalent {it.kind} in {{}}", known, it.kind)
+def _bar(spec: Definition) -> Response:
+    names, unit = spec.variable.names, spec.variable.unit
+    return _by_name(spec, unit, f"equivalent {spec.kind} in {{}}", names, spec.kind)
 
 
-def _section(it: Definition) -> Response:
+def _section(spec: Definition) -> Response:
     """A component of what a section of a bar bears, or the size of both of two axes."""
-    name, share, parts = it.one_of(it.variable.names(it.scene)), it.data["at"], it.variable.parts
+    share, parts = spec.data["at"], spec.variable.parts
+    name = spec.one_of(spec.variable.names(spec.scene))
     real = isinstance(share, int | float) and not isinstance(share, bool)
     if not (real and 0 <= share <= 1):
         allowed = "a share of the bar's length, from 0 to 1"
-        raise SceneError(f"responses.{it.name}.at", share, allowed)
-    both = parts[1].removesuffix("_y")
-    component = it.one_of((*parts, both), "component")
-    own = parts[1:] if component == both else (component,)
-    what = it.kind.removeprefix("section_")
-    text = component.replace("_", " along " if what == "force" else " about ")
-    text = f"{text} {what} of {name} at {share:g} of its length"
-    columns = tuple((it.kind, f"{name} at {share:g} {each}") for each in own)
-    size = "norm" if component == both else component
-    return it.response((name, f"{share:g}"), size, it.variable.unit, text, columns)
+        raise SceneError(f"responses.{spec.name}.at", share, allowed)
+    bending = parts[1].removesuffix("_y")
+    component = spec.one_of((*parts, bending), "component")
+    own = parts[1:] if component == bending else (component,)
+    noun = spec.kind.removeprefix("section_")
+    text = component.replace("_", " along " if noun == "force" else " about ")
+    text = f"{text} {noun} of {name} at {share:g} of its length"
+    columns = tuple((spec.kind, f"{name} at {share:g} {label}") for label in own)
+    size = "norm" if component == bending else component
+    return spec.response((name, f"{share:g}"), size, spec.variable.unit, text, columns)
 
 
-def _opening(it: Definition, unit: str, words: str) -> Response:
+def _opening(spec: Definition, unit: str, words: str) -> Response:
     """An opening of a hinge or slide, or its rate."""
-    name, slides, on = it.hinge()
-    variable, unit = (SLIDES[it.kind], SLIDING[unit]) if slides else (it.kind, unit)
-    return it.response((name,), "", unit, f"{words} of {on}", ((variable, name),))
+    name, slides, place = spec.hinge()
+    variable, unit = (SLIDES[spec.kind], SLIDING[unit]) if slides else (spec.kind, unit)
+    return spec.response((name,), "", unit, f"{words} of {place}", ((variable, name),))
 
 
-def _latch(it: Definition) -> Response:
+def _latch(spec: Definition) -> Response:
     """What every run records of a latch; impacts are those of latches that hold exactly."""
-    kinds = (RigidLatch,) if it.kind == "latch_impact" else (Latch, RigidLatch)
-    latches = {latch.label(it.scene): latch for k in kinds for latch in k.of(it.scene)}
-    value, hinges = it.data[it.kind], it.scene.hinges
-    on = [label for label, latch in latches.items() if hinges[latch.hinge].name == value]
-    label = on[0] if len(on) == 1 and value not in latches else it.one_of(latches)
-    unit, _, _, text = SERIES[it.kind]
-    variable = it.kind
+    kinds = (RigidLatch,) if spec.kind == "latch_impact" else (Latch, RigidLatch)
+    latches = {latch.label(spec.scene): latch for k in kinds for latch in k.of(spec.scene)}
+    value, hinges = spec.data[spec.kind], spec.scene.hinges
+    labels = [label for label, latch in latches.items() if hinges[latch.hinge].name == value]
+    label = labels[0] if len(labels) == 1 and value not in latches else spec.one_of(latches)
+    unit, _, _, text = SERIES[spec.kind]
+    variable = spec.kind
     if hinges[latches[label].hinge].slides:
         unit, variable = SLIDING[unit], f"slide_{variable.replace('moment', 'force')}"
-    return it.response((label,), "", unit, f"{text} of latch {label}", ((variable, label),))
+    return spec.response((label,), "", unit, f"{text} of latch {label}", ((variable, label),))
 
 
 def parts_on(scene: Scene, hinge: str) -> list[str]:
     """The parts of the moment on a hinge that something in the scene has."""
     index = [h.name for h in scene.hinges].index(hinge)
     acting = (kind for kind in kinds_of([scene]) if kind.acts_as)
-    found = (k.acts_as for k in acting for e in k.of(scene) if index in e.acts_on())
-    return list(dict.fromkeys(found))
+    parts = (k.acts_as for k in acting for e in k.of(scene) if index in e.acts_on())
+    return list(dict.fromkeys(parts))
 
 
-def _moment(it: Definition) -> Response:
+def _moment(spec: Definition) -> Response:
     """The moment on a hinge, or force on a slide, by one part, or by all, or its power."""
-    name, slides, on = it.hinge()
+    name, slides, place = spec.hinge()
     variable, rate = "joint_moment", "opening_rate"
     if slides:
         variable, rate = SLIDES[variable], SLIDES[rate]
-    acting = parts_on(it.scene, name)
-    part = it.one_of((*acting, "sum"), "part", it.data.get("part", "sum"))
-    columns = tuple((variable, f"{name} {each}") for each in (acting if part == "sum" else [part]))
-    who = "all that acts" if part == "sum" else part
-    what, unit = "force" if slides else "moment", VARIABLES[variable].unit
-    if it.kind == "joint_power":
-        what, unit, columns = "power", "W", ((rate, name), *columns)
-    return it.response((name, part), "", unit, f"{what} of {who} on {on}", columns)
+    acting = parts_on(spec.scene, name)
+    part = spec.one_of((*acting, "sum"), "part", spec.data.get("part", "sum"))
+    columns = tuple((variable, f"{name} {p}") for p in (acting if part == "sum" else [part]))
+    actor = "all that acts" if part == "sum" else part
+    noun, unit = "force" if slides else "moment", VARIABLES[variable].unit
+    if spec.kind == "joint_power":
+        noun, unit, columns = "power", "W", ((rate, name), *columns)
+    return spec.response((name, part), "", unit, f"{noun} of {actor} on {place}", columns)
 
 
 SLIDES = {"opening": "slide_opening", "opening_rate": "slide_rate", "joint_moment": "joint_force"}
@@ -224,18 +225,18 @@ STORES = {"damper": None, "friction": "friction", "stop": "stop", "latch": "latc
           "release": "release", "motor": "motor"}  # fmt: skip
 """Parts of the moment on openings that lose energy, and the energy that each stores."""
 
-TAKEN = {"damping": "damping_work", "cables": "cable_friction"}
+LOSSES = {"damping": "damping_work", "cables": "cable_friction"}
 """Losses that are energies of the balance, always recorded."""
 
 
-def _loss(it: Definition) -> Response:
+def _loss(spec: Definition) -> Response:
     """Energy lost so far by one kind of element, or by all."""
-    acting = {hinge.name: parts_on(it.scene, hinge.name) for hinge in it.scene.hinges}
-    losing = [part for part in STORES if any(part in parts for parts in acting.values())]
-    kind = it.one_of(["all", *losing, *TAKEN])
+    acting = {hinge.name: parts_on(spec.scene, hinge.name) for hinge in spec.scene.hinges}
+    losses = [part for part in STORES if any(part in parts for parts in acting.values())]
+    kind = spec.one_of(["all", *losses, *LOSSES])
     columns = [("joint_work", f"{h} {kind}") for h, parts in acting.items() if kind in parts]
-    who = "everything" if kind == "all" else kind
-    return it.response((kind,), "", "J", f"energy lost by {who} so far", tuple(columns))
+    actor = "everything" if kind == "all" else kind
+    return spec.response((kind,), "", "J", f"energy lost by {actor} so far", tuple(columns))
 
 
 # -- values ---------------------------------------------------------------------------------------
@@ -249,13 +250,13 @@ def _of_columns(response: Response, run: Curves) -> np.ndarray:
     return columns[0]
 
 
-def _apart(response: Response, run: Curves) -> np.ndarray:
-    first, second = (run.points[point][0] for point in response.about)
+def _distance(response: Response, run: Curves) -> np.ndarray:
+    first, second = (run.points[point][0] for point in response.subjects)
     return np.linalg.norm(first - second, axis=1)
 
 
-def _of_point(which: int, response: Response, run: Curves) -> np.ndarray:
-    track = run.points[response.about[0]][which]
+def _of_point(index: int, response: Response, run: Curves) -> np.ndarray:
+    track = run.points[response.subjects[0]][index]
     if response.component == "norm":
         return np.linalg.norm(track, axis=1)
     return track[:, AXES.index(response.component)]
@@ -271,19 +272,19 @@ def _power(response: Response, run: Curves) -> np.ndarray:
     return rate * np.sum([np.zeros_like(rate), *columns], axis=0)
 
 
-def _lost(response: Response, run: Curves) -> np.ndarray:
+def _lost_energy(response: Response, run: Curves) -> np.ndarray:
     """Energy (t,) J lost so far: by all, an account of the balance, or what a part of the moments
     has neither done as work on the hinges nor stored."""
-    kind, energies = response.about[0], run.energies
+    kind, energies = response.subjects[0], run.energies
     if kind == "all":
-        return energies["joint_loss"] + sum(energies[name] for name in TAKEN.values())
-    if kind in TAKEN:
-        return energies[TAKEN[kind]]
-    lost = -np.sum([run.columns[column] for column in response.columns], axis=0)
+        return energies["joint_loss"] + sum(energies[name] for name in LOSSES.values())
+    if kind in LOSSES:
+        return energies[LOSSES[kind]]
+    loss = -np.sum([run.columns[column] for column in response.columns], axis=0)
     if STORES[kind]:
-        stored = energies[STORES[kind]]
-        lost = lost - (stored - stored[0])
-    return lost + energies["motor_work"] if kind == "motor" else lost
+        energy = energies[STORES[kind]]
+        loss = loss - (energy - energy[0])
+    return loss + energies["motor_work"] if kind == "motor" else loss
 
 
 # -- the table ------------------------------------------------------------------------------------
@@ -299,7 +300,7 @@ class Kind(NamedTuple):
 
     read: Callable[[Definition], Response]
     values: Callable[[Response, Curves], np.ndarray] = _of_columns
-    needed: tuple[str, ...] = ()
+    mandatory: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
     positive: bool | tuple[str, ...] = False
     shock: bool = False
@@ -316,8 +317,8 @@ FORMS = {
 
 def _as_recorded(variable: Variable) -> Kind:
     """The kind that a variable is by itself."""
-    read, needed = FORMS[variable.form]
-    return Kind(read, needed=needed, positive=variable.positive, shock=variable.shock)
+    read, mandatory = FORMS[variable.form]
+    return Kind(read, mandatory=mandatory, positive=variable.positive, shock=variable.shock)
 
 
 def _points(scene: Scene) -> Iterable[str]:
@@ -333,25 +334,25 @@ def _energies(scene: Scene) -> Iterable[str]:
 
 
 KINDS = {
-    "distance": Kind(partial(_pair, what="points", known=_points, column=False), _apart,
+    "distance": Kind(partial(_pair, what="points", known=_points, column=False), _distance,
                      positive=True),
     "position": Kind(partial(_vector, names=_points, unit="m"), partial(_of_point, 0),
                      ("component",)),
     "velocity": Kind(partial(_vector, names=_points, unit="m s-1"), partial(_of_point, 1),
                      ("component",)),
     "opening": Kind(partial(_opening, unit="rad", words="opening")),
-    "tension": Kind(partial(_one, unit="N", text="tension of cable {}", known=_cables,
+    "tension": Kind(partial(_by_name, unit="N", text="tension of cable {}", known=_cables,
                             variable="cable_tension"), positive=True),
     # Sums of squares; the kinetic energy is a product of velocities half a step apart
     # (`fpm.kernels.record`), which can differ in sign.
-    "energy": Kind(partial(_one, unit="J", text="{} energy", known=_energies),
-                   lambda it, run: run.energies[it.about[0]],
+    "energy": Kind(partial(_by_name, unit="J", text="{} energy", known=_energies),
+                   lambda response, run: run.energies[response.subjects[0]],
                    positive=("strain", "spring", "contact")),
     **{name: Kind(_latch, shock=name == "latch_moment") for name in SERIES},
     **{name: _as_recorded(variable) for name, variable in VARIABLES.items() if variable.form},
     "opening_rate": Kind(partial(_opening, unit="rad s-1", words="rate of the opening")),
     "joint_moment": Kind(_moment, _sum, optional=("part",), shock=True),
     "joint_power": Kind(_moment, _power, optional=("part",), shock=True),
-    "loss": Kind(_loss, _lost),
+    "loss": Kind(_loss, _lost_energy),
     "margin": Kind(margins.read, margins.values, ("to", "standard"), margins.OPTIONAL),
 }  # fmt: skip

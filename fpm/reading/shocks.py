@@ -22,7 +22,7 @@ def doubt(scene: Scene, response: Response) -> str:
     where they mean something."""
     jumps = KINDS[response.kind].shock
     if response.kind in ("joint_moment", "joint_power"):
-        jumps = response.about[1] in _HOLDING
+        jumps = response.subjects[1] in _HOLDING
     if not jumps:
         return ""
     if latches := [latch.label(scene) for latch in RigidLatch.of(scene)]:
@@ -32,7 +32,7 @@ def doubt(scene: Scene, response: Response) -> str:
             "bears it"
         )
     sudden = any(_sudden(scene, load) for load in Load.of(scene))
-    if scene.beams and sudden and not any(one.share for one in Viscosity.of(scene)):
+    if scene.beams and sudden and not any(viscosity.share for viscosity in Viscosity.of(scene)):
         return (
             "a load begins at once, and the wave that it sends through the bars rings in the last "
             "mode of the mesh, a quarter too high and more the finer it is: state "

@@ -34,8 +34,8 @@ def torsion_stresses(width: float, height: float, J: float) -> tuple[float, floa
     signs = (-1.0) ** ((n - 1) // 2)
     at_short = 16 * a / np.pi**2 * np.sum(signs * np.tanh(argument) / n**2)
     # The long sides are a away from the middle.
-    found = (at_long, at_short) if width <= height else (at_short, at_long)
-    return found[0] / J, found[1] / J
+    stresses = (at_long, at_short) if width <= height else (at_short, at_long)
+    return stresses[0] / J, stresses[1] / J
 
 
 def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.ndarray:
@@ -45,8 +45,8 @@ def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.nd
     torque, about_y, about_z = np.abs(np.moveaxis(moment, -1, 0))
     y, z = half_sizes(section)
     if section.outline == "round":
-        bent = y * np.hypot(about_y / section.Iy, about_z / section.Iz)
-        return von_mises(normal + bent, torque * y / section.J)
+        bending = y * np.hypot(about_y / section.Iy, about_z / section.Iz)
+        return von_mises(normal + bending, torque * y / section.J)
     by_y, by_z = about_y * z / section.Iy, about_z * y / section.Iz
     corner = normal + by_y + by_z
     if not section.outline:
@@ -64,8 +64,8 @@ def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
 def element_stress(scene: Scene, groups: Iterable[Beams], place, axes) -> np.ndarray:
     """Largest equivalent stress (t, m) Pa in each element of groups of them; place and axes as for
     `bars.sections`."""
-    found = []
+    stresses = []
     for beams in groups:
         force, moment = sections(scene, beams, place, axes)
-        found.append(equivalent(beams.section, force, moment).max(axis=2))
-    return np.concatenate(found, axis=1)
+        stresses.append(equivalent(beams.section, force, moment).max(axis=2))
+    return np.concatenate(stresses, axis=1)

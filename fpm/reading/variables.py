@@ -32,7 +32,7 @@ from fpm.scenes.scene import Scene
 PLACE = " at "  # between a bar and the share of its length
 
 
-LED = " led "  # between an opening and its travel
+LED_FROM = " led "  # between an opening and its travel
 
 
 class Variable(NamedTuple):
@@ -42,8 +42,8 @@ class Variable(NamedTuple):
     values(recording, name): (t,), or (t, parts). form: how a definition of a response names a
     column (`fpm.reading.responses.FORMS`), "" if there is no response of that name. shock: whether
     a shock makes it jump, or as large as it is short (`fpm.reading.shocks`); positive: whether it
-    is never below 0; along: with what the name of the dimension ends; cut: with what begins, in a
-    label, what is no more of the name; time_dim: the dimension of its values.
+    is never below 0; along: with what the name of the dimension ends; separator: with what begins,
+    in a label, what is no more of the name; time_dim: the dimension of its values.
     """
 
     unit: str
@@ -56,13 +56,13 @@ class Variable(NamedTuple):
     shock: bool = False
     positive: bool = False
     along: str = "of"
-    cut: str = ""
+    separator: str = ""
     time_dim: str = "time"
 
     def labels(self, scene: Scene) -> list[str]:
         """Its labels in a scene; of places on bars one in the middle, for all others, of travels
         none, for the same reason."""
-        if self.cut == LED:
+        if self.separator == LED_FROM:
             return []
         place = f"{PLACE}0.5" if self.form == "section" else ""
         names = [f"{name}{place}" for name in self.names(scene)]
@@ -75,8 +75,8 @@ class Variable(NamedTuple):
     def column(self, recording: Recording, label: str) -> np.ndarray:
         """The values (t,) of a label."""
         name, part = self.split(label)
-        found = self.values(recording, name)
-        return found[:, self.parts.index(part)] if self.parts else found
+        values = self.values(recording, name)
+        return values[:, self.parts.index(part)] if self.parts else values
 
 
 # -- points, bodies, openings ---------------------------------------------------------------------
@@ -100,16 +100,16 @@ def _hinge(scene: Scene, name: str) -> int:
 
 def _opening_rate(recording: Recording, name: str) -> np.ndarray:
     hinge = recording.scene.hinges[_hinge(recording.scene, name)]
-    one, two = hinge.particles
-    axis = recording.axes(one) @ hinge.axes[0]
+    first, second = hinge.particles
+    axis = recording.axes(first) @ hinge.axes[0]
     if not hinge.slides:
-        return np.sum(axis * (recording.spin(two) - recording.spin(one)), axis=1)
-    point = recording.place(two) + recording.arm(hinge.beams[1])
-    one, two = (
+        return np.sum(axis * (recording.spin(second) - recording.spin(first)), axis=1)
+    point = recording.place(second) + recording.arm(hinge.beams[1])
+    first, second = (
         recording.velocity(p) + np.cross(recording.spin(p), point - recording.place(p))
-        for p in (one, two)
+        for p in (first, second)
     )
-    return np.sum(axis * (two - one), axis=1)
+    return np.sum(axis * (second - first), axis=1)
 
 
 def _openings(scene: Scene, slides: bool) -> list[str]:
@@ -117,9 +117,9 @@ def _openings(scene: Scene, slides: bool) -> list[str]:
     return [hinge.name for hinge in scene.hinges if hinge.slides == slides]
 
 
-def _acting(which: int, recording: Recording, name: str) -> np.ndarray:
+def _acting(index: int, recording: Recording, name: str) -> np.ndarray:
     """Moments (t, parts) on a hinge (0), or their work (1)."""
-    return recording.moments(_hinge(recording.scene, name))[which]
+    return recording.moments(_hinge(recording.scene, name))[index]
 
 
 # -- joints and supports --------------------------------------------------------------------------
@@ -135,25 +135,25 @@ def _constraint(moment: bool, recording: Recording, name: str) -> np.ndarray:
 
 
 def _keep_reaction(scene: Scene, name: str) -> Probe:
-    found = reactions_of(scene)[name]
-    particle = found.beam.particle
+    support = reactions_of(scene)[name]
+    particle = support.beam.particle
     joints = [*Hinge.of(scene), *Joint.of(scene)]
-    joined = {p for joint in joints if particle in joint.particles for p in joint.particles}
-    frames = tuple(sorted(joined | {particle}))
-    return Probe(frames, (particle,) if found.particle else (), impulses=bool(joints))
+    particles = {p for joint in joints if particle in joint.particles for p in joint.particles}
+    frames = tuple(sorted(particles | {particle}))
+    return Probe(frames, (particle,) if support.particle else (), impulses=bool(joints))
 
 
 # -- bars -----------------------------------------------------------------------------------------
 
 
 def _keep_bars(scene: Scene, names: Iterable[str]) -> Probe:
-    known = bars.bars_of(scene)
-    return Probe(frames=tuple({p for name in names for p in known[name].particles}))
+    by_name = bars.bars_of(scene)
+    return Probe(frames=tuple({p for name in names for p in by_name[name].particles}))
 
 
-def _in_section(which: int, recording: Recording, name: str) -> np.ndarray:
+def _in_section(index: int, recording: Recording, name: str) -> np.ndarray:
     bar, _, share = name.partition(PLACE)
-    return bars.at_share(*recording.sections(bar), float(share))[which]
+    return bars.at_share(*recording.sections(bar), float(share))[index]
 
 
 def _chosen_bars(scene: Scene, name: str) -> list[str]:
@@ -161,10 +161,10 @@ def _chosen_bars(scene: Scene, name: str) -> list[str]:
 
 
 def _stress(recording: Recording, name: str) -> np.ndarray:
-    known = bars.bars_of(recording.scene)
+    table = bars.bars_of(recording.scene)
     largest = np.zeros(len(recording.time))
     for bar in _chosen_bars(recording.scene, name):
-        stress = element_stress(recording.scene, known[bar].groups, recording.place, recording.axes)
+        stress = element_stress(recording.scene, table[bar].groups, recording.place, recording.axes)
         largest = np.maximum(largest, stress.max(axis=1))
     return largest
 
@@ -175,8 +175,8 @@ def _clearance(recording: Recording, name: str) -> np.ndarray:
 
 
 def _travel(recording: Recording, name: str, variable: str) -> np.ndarray:
-    led, part = margins.read_label(name)
-    travel = recording.once(led, lambda: margins.travel_of(recording.scene, led))
+    joint, part = margins.read_label(name)
+    travel = recording.memoize(joint, lambda: margins.travel_of(recording.scene, joint))
     return margins.column_of(travel, variable, part)
 
 
@@ -195,14 +195,14 @@ _in_bar = partial(
     probe=lambda scene, name: _keep_bars(scene, [name.partition(PLACE)[0]]),
     form="section",
     shock=True,
-    cut=PLACE,
+    separator=PLACE,
 )
-_led = partial(
+_travel_variable = partial(
     Variable,
     names=lambda scene: [hinge.name for hinge in scene.hinges],
     probe=lambda scene, name: Probe(),
     along="along",
-    cut=LED,
+    separator=LED_FROM,
     time_dim=LED_OVER,
 )
 
@@ -252,7 +252,7 @@ VARIABLES = {
     ),
     "reaction_moment": _vector(
         "N m", "moment of a support or drive about its point and global axes",
-        lambda scene: [name for name, found in reactions_of(scene).items() if found.particle],
+        lambda scene: [name for name, reaction in reactions_of(scene).items() if reaction.particle],
         _keep_reaction, lambda recording, name: reaction(recording, name)[1], shock=True,
     ),
     "section_force": _in_bar(
@@ -275,15 +275,15 @@ VARIABLES = {
         lambda scene, name: _keep_bars(scene, name.split(" to ")),
         _clearance, form="bars",
     ),
-    margins.OPENING: _led(
+    margins.OPENING: _travel_variable(
         "rad", "opening (on slides in m) that is led slowly, at its positions; the last one again "
         "where others have more", values=partial(_travel, variable=margins.OPENING),
     ),
-    margins.WORK: _led(
+    margins.WORK: _travel_variable(
         "N m", "virtual work of a part for each rad (on slides in N, for each m) of an opening "
         "that is led slowly", values=partial(_travel, variable=margins.WORK),
     ),
-    margins.INERTIA: _led(
+    margins.INERTIA: _travel_variable(
         "kg m2", "inertia (on slides mass, in kg) that such an opening moves",
         values=partial(_travel, variable=margins.INERTIA),
     ),
@@ -301,13 +301,13 @@ def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
     probes = []
     for name, label in columns:
         variable = VARIABLES[name]
-        of, part = variable.split(label)
-        known = of.partition(variable.cut)[0] if variable.cut else of
-        if known not in variable.names(scene) or (part or None) not in (variable.parts or [None]):
+        subject, part = variable.split(label)
+        place = subject.partition(variable.separator)[0] if variable.separator else subject
+        if place not in variable.names(scene) or (part or None) not in (variable.parts or [None]):
             labels = variable.labels(scene)
             allowed = f"one of {', '.join(labels) or '(this scene has none)'}"
             raise SceneError(name, label, allowed + did_you_mean(label, labels))
-        probes.append(variable.probe(scene, of))
+        probes.append(variable.probe(scene, subject))
     forces = sorted({p for probe in probes for p in probe.forces})
     frames = sorted({p for probe in probes for p in probe.frames} | set(forces))
     probe = Probe(
@@ -316,9 +316,9 @@ def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
         any(probe.moments for probe in probes),
         any(probe.impulses for probe in probes),
     )
-    out = copy(scene)
-    out.kinds = {**scene.kinds, Probe: [probe]}
-    return out
+    result = copy(scene)
+    result.kinds = {**scene.kinds, Probe: [probe]}
+    return result
 
 
 def numbers(scene: Scene, columns: Iterable[Column]) -> int:
@@ -326,26 +326,26 @@ def numbers(scene: Scene, columns: Iterable[Column]) -> int:
     from fpm.elements.particles import probe_kernels
 
     probe = Probe.of_scene(prepared(scene, columns))
-    found = probe_kernels.FRAME * len(probe.frames) + probe_kernels.FORCES * len(probe.forces)
+    count = probe_kernels.FRAME * len(probe.frames) + probe_kernels.FORCES * len(probe.forces)
     joints = len(Hinge.of(scene)) + len(Joint.of(scene))
     moments = 2 * len(PARTS) * len(scene.hinges)
-    return found + SUMS * joints * probe.impulses + moments * probe.moments
+    return count + SUMS * joints * probe.impulses + moments * probe.moments
 
 
 def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Series]:
     """Columns of a run, as variables of its trajectory file."""
-    found = {}
+    series = {}
     for name, labels in _by_variable(columns).items():
         variable = VARIABLES[name]
         own = [variable.column(recording, label) for label in labels]
         rows = max(map(len, own))  # travels have positions of their own
         own = [np.pad(column, (0, rows - len(column)), mode="edge") for column in own]
-        dimension, over = f"{name}_{variable.along}", variable.time_dim
+        dimension, axis = f"{name}_{variable.along}", variable.time_dim
         values = np.stack(own, axis=1)
-        found[name] = Series(
-            values, variable.unit, variable.long_name, dimension, labels, over, sources.reading()
+        series[name] = Series(
+            values, variable.unit, variable.long_name, dimension, labels, axis, sources.reading()
         )
-    return found
+    return series
 
 
 def words(columns: Iterable[Column]) -> str:
@@ -358,7 +358,7 @@ def words(columns: Iterable[Column]) -> str:
 
 def _by_variable(columns: Iterable[Column]) -> dict[str, tuple[str, ...]]:
     """Labels by variable, each once."""
-    found: dict[str, dict[str, None]] = {}
+    by_name: dict[str, dict[str, None]] = {}
     for variable, label in columns:
-        found.setdefault(variable, {})[label] = None
-    return {variable: tuple(labels) for variable, labels in found.items()}
+        by_name.setdefault(variable, {})[label] = None
+    return {variable: tuple(labels) for variable, labels in by_name.items()}

@@ -12,7 +12,7 @@ from fpm.structures.expressions import ExpressionError
 from fpm.structures.names import Bound
 from fpm.structures.reading import Problems, SkippedError
 
-APART = 1e-9
+POINT_TOL = 1e-9
 """Points that differ by less, as a share of the structure's size, are one."""
 
 
@@ -52,8 +52,8 @@ class Builder:
     """One sample in the making; `sample.build` adds to it statement by statement.
 
     scene: complete when no problem was found; numbers: all named numbers in SI units; size (m): the
-    largest extent of the structure; joined: the joints at each particle; hold(builder): hinges that
-    are held while parts are forced together, None where they are not.
+    largest extent of the structure; joints_of: the joints at each particle; hold(builder): hinges
+    that are held while parts are forced together, None where they are not.
     """
 
     hold: Callable[["Builder"], list[int]] | None = None
@@ -63,8 +63,8 @@ class Builder:
     def __init__(self, problems: Problems):
         self.problems = problems
         self.numbers: dict[str, float] = {}
-        self.joined: dict[int, list[str]] = {}
-        self._made: dict[tuple[str, str], Any] = {}
+        self.joints_of: dict[int, list[str]] = {}
+        self._values: dict[tuple[str, str], Any] = {}
 
     def number(self, bound: Bound, key: str) -> float:
         """The value of an expression; SkippedError if what it refers to has none."""
@@ -79,29 +79,29 @@ class Builder:
 
     def point(self, name: str) -> np.ndarray:
         """Where a point is at the start, (3,) m."""
-        return self.made("points", name).position
+        return self.get("points", name).position
 
-    def keep(self, group: str, name: str, made: Any) -> None:
+    def keep(self, group: str, name: str, value: Any) -> None:
         """Keep what was built for a name."""
-        self._made[group, name] = made
+        self._values[group, name] = value
 
-    def made(self, group: str, name: str) -> Any:
+    def get(self, group: str, name: str) -> Any:
         """What was built for a name; SkippedError if it could not be."""
         try:
-            return self._made[group, name]
+            return self._values[group, name]
         except KeyError:
             raise SkippedError(name) from None
 
     def only_part_with(self, point: str, key: str) -> Part:
         """The part that has a point, and is the only one."""
-        parts = [made for (group, _), made in self._made.items() if group == "parts"]
-        found = [part for part in parts if point in part.points]
-        if len(found) != 1:
+        parts = [value for (group, _), value in self._values.items() if group == "parts"]
+        matches = [part for part in parts if point in part.points]
+        if len(matches) != 1:
             allowed = "a point that one part has, or {part: ..., at: " + f"{point}}}"
-            if found:
-                allowed += f" with one of {', '.join(part.name for part in found)}"
+            if matches:
+                allowed += f" with one of {', '.join(part.name for part in matches)}"
             self.refuse(key, point, allowed)
-        return found[0]
+        return matches[0]
 
     def refuse(self, key: str, value: object, allowed: str) -> None:
         """Raise that a value is not allowed."""

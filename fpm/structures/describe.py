@@ -20,13 +20,13 @@ from fpm.structures.plausible import opening_text, warnings
 from fpm.structures.statement import ON_SLIDES
 
 
-def describe(found: SceneType, duration: float = 1.0) -> str:
+def describe(structure: SceneType, duration: float = 1.0) -> str:
     """All that there is to know before a run, at the default values; a run lasts `duration` s."""
-    scene = found.build()
+    scene = structure.build()
     cost, mobility = report.cost(scene, duration), report.mobility(scene)
-    rows = [[name, *_row(p, name == found.mesh)] for name, p in found.parameters.items()]
-    before = scene.assembly.openings if scene.assembly else [h.opening for h in scene.hinges]
-    joints = [f"{h.name} ({_opening(h, was)})" for h, was in zip(scene.hinges, before, strict=True)]
+    rows = [[name, *_row(p, name == structure.mesh)] for name, p in structure.parameters.items()]
+    start = scene.assembly.openings if scene.assembly else [h.opening for h in scene.hinges]
+    joints = [f"{h.name} ({_opening(h, was)})" for h, was in zip(scene.hinges, start, strict=True)]
     joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
     points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
     lists = {
@@ -40,19 +40,19 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
     facts = {
         "mass": f"{report.mass(scene):.6g} kg",
         "its centre": _vector(report.centre(scene)),
-        "mobility": f"{_several(mobility.degrees, 'way')} to move: "
-        f"{_several(mobility.parts, 'moving part')}, {mobility.conditions} conditions, "
+        "mobility": f"{_count_text(mobility.degrees, 'way')} to move: "
+        f"{_count_text(mobility.parts, 'moving part')}, {mobility.conditions} conditions, "
         f"{mobility.redundant} of them redundant",
         "redundant": ", ".join(report.redundant(scene)),
         "assembled": _forced(scene) if scene.assembly is not None else "",
         "stable step": _step(cost),
-        "": _remedy(found, scene, cost),
+        "": _remedy(structure, scene, cost),
         "a run": f"{len(scene.elements)} elements, {cost.steps} steps for {duration:g} s, "
         f"{cost.element_steps:.3g} steps of elements, about {cost.seconds:.2g} s of a core "
         "(one of eight side by side)",
     }
     lines = [
-        f"{found.name}: {found.description}" if found.description else found.name,
+        f"{structure.name}: {structure.description}" if structure.description else structure.name,
         "",
         *_table([["parameter", "default", "unit", "allowed", "description"], *rows]),
         "",
@@ -65,16 +65,16 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
     return "\n".join(lines)
 
 
-def _opening(hinge: Hinge, stated: float) -> str:
+def _opening(hinge: Hinge, given_opening: float) -> str:
     """The opening of a hinge at the start, and the stated one if parts were forced to another."""
     kind = {"prismatic": "slide, ", "universal": "universal, ", "cross": "universal, "}
-    now, before = (opening_text(hinge, opening) for opening in (hinge.opening, stated))
-    other = f", stated as {before}" if now != before else ""
-    return f"{kind.get(hinge.type, '')}opening {now}{other}"
+    text, given_text = (opening_text(hinge, opening) for opening in (hinge.opening, given_opening))
+    suffix = f", stated as {given_text}" if text != given_text else ""
+    return f"{kind.get(hinge.type, '')}opening {text}{suffix}"
 
 
-def _several(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
+def _count_text(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def _step(cost: report.Cost) -> str:
@@ -84,17 +84,17 @@ def _step(cost: report.Cost) -> str:
     return f"{cost.step:.4g} s, set by {cost.element}"
 
 
-def _remedy(found: SceneType, scene: Scene, cost: report.Cost) -> str:
+def _remedy(structure: SceneType, scene: Scene, cost: report.Cost) -> str:
     """What would make the stable step longer."""
     if cost.step == np.inf:
         return ""
-    ways = [
+    changes = [
         f"{name} = {_number(value)} (x {share:.3g})"
-        for name, value, share in report.longer_steps(found, cost.step)
+        for name, value, share in report.longer_steps(structure, cost.step)
     ]
     if cost.element.startswith(ON_JOINTS) and scene.beams:
-        ways.append("`masses` with the fittings' inertia at its joint, where bars are light")
-    return f"longer with {'; '.join(ways)}" if ways else ""
+        changes.append("`masses` with the fittings' inertia at its joint, where bars are light")
+    return f"longer with {'; '.join(changes)}" if changes else ""
 
 
 ON_JOINTS = ("torsion spring ", "spring ", "latch ", "stop ", "friction ", "damper ", "release ")
@@ -103,22 +103,20 @@ ON_JOINTS = ("torsion spring ", "spring ", "latch ", "stop ", "friction ", "damp
 
 def acting(scene: Scene) -> list[str]:
     """What acts on joints, with its numbers, in the order of the joints."""
-    found = []
+    texts = []
     for kind in kinds_of([scene]):
         pairs = zip(kind.names(scene), kind.of(scene), strict=True) if kind.acts_as else ()
         for name, element in pairs:
-            if not (on := element.acts_on()):
+            if not (indices := element.acts_on()):
                 continue
-            hinges = [scene.hinges[hinge] for hinge in on]
+            hinges = [scene.hinges[hinge] for hinge in indices]
             joints = " and ".join(hinge.name for hinge in hinges)
             numbers = [*_numbers(element, scene)]
             if isinstance(element, AnyRelease) and element.watch >= 0:
-                watched = scene.hinges[element.watch]
-                numbers.append(
-                    f"until {watched.name} passes {opening_text(watched, element.level)}"
-                )
-            found.append((on[0], f"{name} ({', '.join([f'on {joints}', *numbers])})"))
-    return [text for _, text in sorted(found, key=lambda pair: pair[0])]
+                joint = scene.hinges[element.watch]
+                numbers.append(f"until {joint.name} passes {opening_text(joint, element.level)}")
+            texts.append((indices[0], f"{name} ({', '.join([f'on {joints}', *numbers])})"))
+    return [text for _, text in sorted(texts, key=lambda pair: pair[0])]
 
 
 def _numbers(element: Kind, scene: Scene) -> Iterator[str]:
@@ -141,8 +139,8 @@ def _forced(scene: Scene) -> str:
     """What forced the parts together."""
     joint, gap, tilt = scene.assembly[1:4]
     parts = [f"{gap:.4g} m"] * (gap > 0) + [f"{tilt:.4g} rad"] * (tilt > 0)
-    found = f"joint {joint} was open by {' and '.join(parts)}" if parts else "nothing was open"
-    return f"{found}; {scene.assembly.energy:.4g} J of strain energy are left"
+    text = f"joint {joint} was open by {' and '.join(parts)}" if parts else "nothing was open"
+    return f"{text}; {scene.assembly.energy:.4g} J of strain energy are left"
 
 
 def _row(parameter: Parameter, is_mesh: bool) -> list[str]:
@@ -176,8 +174,8 @@ def _cable(scene: Scene, cable: Cable) -> str:
 
 def _place(scene: Scene, beam: VirtualBeam) -> str:
     """Where a named point is at the start."""
-    at = beam.particle
-    return _vector(scene.position[at] + scene.frame[at] @ beam.arm)
+    particle = beam.particle
+    return _vector(scene.position[particle] + scene.frame[particle] @ beam.arm)
 
 
 def _vector(values: np.ndarray) -> str:

@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
-from fpm.errors import meant
+from fpm.errors import number_hint
 from fpm.structures.units import BARE, CHAIN, NUMBER, Dimension, power, product, unit
 
 LONGEST = 500
@@ -41,11 +41,11 @@ _ANGULAR = ("sin", "cos", "tan")
 
 def _interpolate(x: float, *points: float) -> float:
     """Straight between points x1, y1, x2, y2, ..., and constant beyond them."""
-    at, values = points[::2], points[1::2]
-    if any(one >= two for one, two in pairwise(at)):
+    places, values = points[::2], points[1::2]
+    if any(first >= second for first, second in pairwise(places)):
         raise ExpressionError("interpolated between places that do not increase")
-    k = min(max(bisect_right(at, x), 1), len(at) - 1)
-    share = min(max((x - at[k - 1]) / (at[k] - at[k - 1]), 0.0), 1.0)
+    k = min(max(bisect_right(places, x), 1), len(places) - 1)
+    share = min(max((x - places[k - 1]) / (places[k] - places[k - 1]), 0.0), 1.0)
     return (1.0 - share) * values[k - 1] + share * values[k]
 
 
@@ -90,7 +90,7 @@ class Expression:
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             if isinstance(error, ExpressionError):
                 raise
-            hint = meant(text)
+            hint = number_hint(text)
             if text.count("(") != text.count(")"):
                 hint = " (in brackets, put an expression with a comma into quotes or under `let`)"
             raise ExpressionError(f"not arithmetic{hint or f'; allowed: {ALLOWED}'}") from None
@@ -103,51 +103,51 @@ class Expression:
     def value(self, names: Mapping[str, float]) -> float:
         """The value in SI units; ExpressionError if it is no finite number."""
         try:
-            found = float(self._value(names))
+            number = float(self._value(names))
         except ExpressionError:
             raise
         except (ArithmeticError, ValueError):
-            found = math.nan
-        if not math.isfinite(found):
+            number = math.nan
+        if not math.isfinite(number):
             raise ExpressionError("no finite number")
-        return found
+        return number
 
-    def _quantity(self, found: re.Match) -> str:
+    def _quantity(self, match: re.Match) -> str:
         """A name for a number with a unit, which what stands beside it must leave together."""
         name = f"_{len(self._quantities)}_"
-        before, after = found["before"] or "", found["after"] or ""
-        number, chain = found["number"], found["unit"]
-        if after:
+        prefix, suffix = match["before"] or "", match["after"] or ""
+        number, chain = match["number"], match["unit"]
+        if suffix:
             raise ExpressionError(
                 f"{number} {chain}**: a power right after a unit could be of the number, too; "
                 f"allowed: a power of the unit alone as in 3 m2, or brackets as in (3 m)**2"
             )
-        if before.startswith("**"):
+        if prefix.startswith("**"):
             raise ExpressionError(f"**{number} {chain}: an exponent is a number without unit")
         measured = unit(chain)
         self._quantities[name] = measured.si(float(number)), measured.dimension
-        if before and measured.si(1.0) != 1.0:
+        if prefix and measured.si(1.0) != 1.0:
             self._divisors.add(name)
-        return f"{before} {name} "
+        return f"{prefix} {name} "
 
     # -- from a tree to functions of the names ------------------------------------------------
 
     def _compile(self, node: ast.AST) -> tuple[Value, Measure]:
         match node:
             case ast.Constant(value=number) if type(number) in (int, float):
-                found = float(str(number))  # infinite where an integer has too many digits
-                return (lambda names: found), (lambda names: BARE)
+                constant = float(str(number))  # infinite where an integer has too many digits
+                return (lambda names: constant), (lambda names: BARE)
             case ast.Name() | ast.Attribute():
                 return self._name(_dotted(node))
             case ast.UnaryOp(op=op, operand=operand) if type(op) in _OPERATORS:
-                sign, (one, measure) = _OPERATORS[type(op)], self._compile(operand)
-                return (lambda names: sign(one(names))), measure
-            case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
-                join, sides = _OPERATORS[type(op)], (self._compile(left), self._compile(right))
-                (one, first), (two, second) = sides
-                measure = self._joined(op, right, two)
+                sign, (u, measure) = _OPERATORS[type(op)], self._compile(operand)
+                return (lambda names: sign(u(names))), measure
+            case ast.BinOp(left=lhs, op=op, right=right) if type(op) in _OPERATORS:
+                join, sides = _OPERATORS[type(op)], (self._compile(lhs), self._compile(right))
+                (u, first), (w, second) = sides
+                measure = self._combine(op, right, w)
                 return (
-                    lambda names: join(one(names), two(names)),
+                    lambda names: join(u(names), w(names)),
                     lambda names: measure(first(names), second(names)),
                 )
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in _FUNCTIONS:
@@ -164,7 +164,7 @@ class Expression:
                     lambda names: function(*[value(names) for value in values]),
                     lambda names: _called(name, [measure(names) for measure in measures], zero),
                 )
-        raise ExpressionError(f"not arithmetic{meant(self.text) or f'; allowed: {ALLOWED}'}")
+        raise ExpressionError(f"not arithmetic{number_hint(self.text) or f'; allowed: {ALLOWED}'}")
 
     def _name(self, name: str) -> tuple[Value, Measure]:
         if name == "pi" or name in self._quantities:
@@ -175,7 +175,7 @@ class Expression:
         self.names.add(name)
         return operator.itemgetter(name), operator.itemgetter(name)
 
-    def _joined(self, op: ast.AST, right: ast.AST, value: Value) -> Callable[..., Dimension]:
+    def _combine(self, op: ast.AST, right: ast.AST, value: Value) -> Callable[..., Dimension]:
         """The dimension of two values joined, from theirs; value: of the right one."""
         named = any(isinstance(part, ast.Name | ast.Attribute) for part in ast.walk(right))
         divisor = right.operand if isinstance(right, ast.UnaryOp) else right
@@ -184,21 +184,21 @@ class Expression:
             case ast.Mult():
                 return product
             case ast.Div():
-                return lambda one, two: _quotient(one, two, guess)
+                return lambda u, w: _quotient(u, w, guess)
             case ast.Pow():
-                return lambda one, two: _power(one, two, None if named else value)
-        what = "added" if isinstance(op, ast.Add) else "subtracted"
-        return lambda one, two: _same((one, two), what)
+                return lambda u, w: _power(u, w, None if named else value)
+        verb = "added" if isinstance(op, ast.Add) else "subtracted"
+        return lambda u, w: _same((u, w), verb)
 
 
-def _quotient(one: Dimension, two: Dimension, guess: bool) -> Dimension:
+def _quotient(first: Dimension, second: Dimension, guess: bool) -> Dimension:
     """Refuse `1/2 deg`, meant as half a degree: other units show by what they are behind."""
-    if guess and one.bare and not any(two.powers):
+    if guess and first.bare and not any(second.powers):
         raise ExpressionError(
             "a plain number over an angle could be meant as a fraction of its unit; allowed: "
             "brackets as in (1/2)*(1 deg), a decimal as in 0.5 deg, 1/(2 deg)"
         )
-    return product(one, two, -1)
+    return product(first, second, -1)
 
 
 def _power(base: Dimension, exponent: Dimension, value: Value | None) -> Dimension:
@@ -214,29 +214,29 @@ def _power(base: Dimension, exponent: Dimension, value: Value | None) -> Dimensi
         raise ExpressionError("an exponent is no finite number") from None
 
 
-def _called(name: str, found: list[Dimension], zero: bool) -> Dimension:
+def _called(name: str, values: list[Dimension], zero: bool) -> Dimension:
     """The dimension of a function's value from those of its own; zero: of the plain number 0."""
     if name in ("abs", "min", "max"):
-        return _same(found, f"values of one {name}")
+        return _same(values, f"values of one {name}")
     if name == "interpolate":
-        _same([found[0], *found[1::2]], f"places of one {name}")
-        return _same(found[2::2], f"values of one {name}")
+        _same([values[0], *values[1::2]], f"places of one {name}")
+        return _same(values[2::2], f"values of one {name}")
     if name == "sqrt":
-        return power(found[0], 0.5)
+        return power(values[0], 0.5)
     if name == "atan2":
-        _same(found, "values of one atan2")
-    elif any(found[0].powers):
-        raise ExpressionError(f"{name} takes {NUMBER}, not {found[0]}")
-    elif name in _ANGULAR and found[0].bare and not zero:
+        _same(values, "values of one atan2")
+    elif any(values[0].powers):
+        raise ExpressionError(f"{name} takes {NUMBER}, not {values[0]}")
+    elif name in _ANGULAR and values[0].bare and not zero:
         raise ExpressionError(f"{name} takes an angle with a unit, such as 45 deg or 0.5 rad")
     return NUMBER
 
 
-def _same(found: Sequence[Dimension], what: str) -> Dimension:
+def _same(values: Sequence[Dimension], verb: str) -> Dimension:
     """The dimension that all have; a bare number goes with numbers only."""
-    if len({one.powers for one in found}) > 1:
-        raise ExpressionError(f"{' and '.join(sorted({str(d) for d in found}))} cannot be {what}")
-    return min(found, key=lambda one: one.bare)
+    if len({dimension.powers for dimension in values}) > 1:
+        raise ExpressionError(f"{' and '.join(sorted({str(d) for d in values}))} cannot be {verb}")
+    return min(values, key=lambda dimension: dimension.bare)
 
 
 def _dotted(node: ast.AST) -> str:

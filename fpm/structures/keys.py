@@ -16,11 +16,11 @@ from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError
 from fpm.structures.builder import Builder
 from fpm.structures.names import Bound, Context, Place
-from fpm.structures.reading import Node, SkippedError, among
+from fpm.structures.reading import Node, SkippedError, commas
 from fpm.structures.units import unit
 
 AXES = "xyz"
-REQUIRED = object()
+NO_VALUE = object()
 COMMA = " (an expression with a comma stands in quotes)"
 MOST = 1000
 """Largest count, or number of elements between two points."""
@@ -33,7 +33,7 @@ Value = Callable[[Builder], Any]
 class Key:
     """One key of a statement. `default`: its value when it is left out, or REQUIRED."""
 
-    default: Any = REQUIRED
+    default: Any = NO_VALUE
     text: str = ""
 
     @property
@@ -63,9 +63,9 @@ class Number(Key):
 
     @property
     def allowed(self) -> str:
-        what = {"": "a number", "rad": "an angle"}.get(self.unit, f"a value in {self.unit}")
+        noun = {"": "a number", "rad": "an angle"}.get(self.unit, f"a value in {self.unit}")
         end = f" >= {self.least:g}" if self.least is not None else ""
-        return what + (f" > {self.above:g}" if self.above is not None else end)
+        return noun + (f" > {self.above:g}" if self.above is not None else end)
 
     def sliding(self, joints):
         of_slide = SLIDING.get(self.unit, self.unit)
@@ -87,21 +87,21 @@ class Whole(Key):
     allowed = f"a whole number from 1 to {MOST}, of parameters with `whole: true`"
 
     def read(self, node, place):
-        found = _checked(
+        checked = _checked(
             place.whole(node, self.allowed), place, self.allowed,
             lambda value: value == round(value) and 1 <= value <= MOST,
         )  # fmt: skip
-        return lambda build: round(found(build))
+        return lambda build: round(checked(build))
 
 
 def _checked(bound: Bound, place: Place, allowed: str, right: Callable[[float], bool]) -> Value:
     """The value of an expression, which must be right."""
 
     def value(build: Builder) -> float:
-        found = build.number(bound, place.key)
-        if not right(found):
-            raise SceneError(place.key, found, allowed)
-        return found
+        number = build.number(bound, place.key)
+        if not right(number):
+            raise SceneError(place.key, number, allowed)
+        return number
 
     return value
 
@@ -119,8 +119,8 @@ class Vector(Key):
     def read(self, node, place):
         if len(node.items) != 3:
             place.refuse(node, self.allowed)
-        wanted = unit(self.unit).dimension
-        bounds = [place.number(item, wanted, self.allowed) for item in node.items]
+        dimension = unit(self.unit).dimension
+        bounds = [place.number(item, dimension, self.allowed) for item in node.items]
         return lambda build: np.array([build.number(bound, place.key) for bound in bounds])
 
 
@@ -136,16 +136,16 @@ class Direction(Key):
             return lambda build: axis
         if len(node.items) == 3:
             bounds = [place.number(item, None, self.allowed) for item in node.items]
-            found = [bound.dimension(place.names.numbers) for bound in bounds]
-            if len({d.powers for d in found if not d.bare}) > 1:
+            dimensions = [bound.dimension(place.names.numbers) for bound in bounds]
+            if len({d.powers for d in dimensions if not d.bare}) > 1:
                 place.refuse(node, "three numbers of one unit")
             return lambda build: self._of(
                 np.array([build.number(bound, place.key) for bound in bounds]), place
             )
         if node.entries.keys() == {"from", "to"}:
             ends = ((end, node.entries[end]) for end in ("from", "to"))
-            one, two = (place.inside(end).reference(at, "points") for end, at in ends)
-            return lambda build: self._of(build.point(two) - build.point(one), place)
+            start, stop = (place.child(end).reference(end_node, "points") for end, end_node in ends)
+            return lambda build: self._of(build.point(stop) - build.point(start), place)
         return place.refuse(node, self.allowed)
 
     def _of(self, vector: np.ndarray, place: Place) -> np.ndarray:
@@ -163,8 +163,8 @@ class Named(NamedTuple):
     number: int | None = None
 
     def __call__(self, build: Builder) -> Any:
-        made = build.made(self.group, self.name)
-        return made if self.number is None else made + self.number
+        value = build.get(self.group, self.name)
+        return value if self.number is None else value + self.number
 
 
 @dataclass(frozen=True)
@@ -199,9 +199,9 @@ class Opening(Key):
 
     @property
     def allowed(self) -> str:
-        one = " or ".join(type for type in self.types if type != "universal")
-        more = f", or of a universal one with {' or '.join(ANGLES)} behind it"
-        return f"the name of a {one} joint{more if 'universal' in self.types else ''}{self.hint}"
+        names = " or ".join(type for type in self.types if type != "universal")
+        angle = f", or of a universal one with {' or '.join(ANGLES)} behind it"
+        return f"the name of a {names} joint{angle if 'universal' in self.types else ''}{self.hint}"
 
     def read(self, node, place):
         names, angle, name = place.names, None, node
@@ -230,17 +230,17 @@ class PointOfPart(Key):
 
     def read(self, node, place):
         if node.entries.keys() == {"part", "at"}:
-            part = self.part.read(node.entries["part"], place.inside("part"))
-            point = place.inside("at").reference(node.entries["at"], "points")
-            return lambda build: (part(build), build.made("points", point))
+            part = self.part.read(node.entries["part"], place.child("part"))
+            point = place.child("at").reference(node.entries["at"], "points")
+            return lambda build: (part(build), build.get("points", point))
         if not isinstance(node.value, str):
             place.refuse(node, self.allowed)
         point = place.reference(node, "points")
-        return lambda build: (build.only_part_with(point, place.key), build.made("points", point))
+        return lambda build: (build.only_part_with(point, place.key), build.get("points", point))
 
 
 @dataclass(frozen=True)
-class Many(Key):
+class ListOf(Key):
     """A list of values of one kind, `least` to `most` of them, no two the same name.
 
     units: whether {each: REPEAT, through: [...]} may stand for those of all units of a repeat.
@@ -254,10 +254,10 @@ class Many(Key):
     @property
     def allowed(self) -> str:
         count = f"{self.least}" if self.least == self.most else f"{self.least} to {self.most}"
-        more = (
+        suffix = (
             "; or {each: a repeat, through: such a list}, which stands for those of all its units"
         )
-        return f"a list of {count}, each {self.kind.allowed}{more if self.units else ''}"
+        return f"a list of {count}, each {self.kind.allowed}{suffix if self.units else ''}"
 
     def sliding(self, joints):
         return replace(self, kind=self.kind.sliding(joints))
@@ -266,30 +266,30 @@ class Many(Key):
         right = self.units or self.least <= len(node.items) <= self.most
         if not isinstance(node.value, list) or not right:
             place.refuse(node, self.allowed)
-        found = list(self._each(node, place))
-        if len(found) < self.least:
+        values = list(self._values(node, place))
+        if len(values) < self.least:
             place.refuse(node, self.allowed)
-        if len({*found}) < len(found) and not self.units:
+        if len({*values}) < len(values) and not self.units:
             place.refuse(node, f"{self.allowed}, each once")
-        return lambda build: [one(build) for one in found]
+        return lambda build: [value(build) for value in values]
 
-    def _each(self, node: Node, place: Place) -> Iterator[Value]:
+    def _values(self, node: Node, place: Place) -> Iterator[Value]:
         if not isinstance(node.value, list):
             place.refuse(node, self.allowed)
         for item in node.items:
             if self.units and item.entries.keys() == {"each", "through"}:
-                units, at = place.context.units(), item.entries["each"]
-                if at.text not in units:
-                    place.inside("each").refuse(at, f"one of {among(units)}")
-                for prefix in units[at.text]:
-                    inside = replace(place, context=Context(place.context.ends, prefix))
-                    yield from self._each(item.entries["through"], inside)
+                units, name_node = place.context.units(), item.entries["each"]
+                if name_node.text not in units:
+                    place.child("each").refuse(name_node, f"one of {commas(units)}")
+                for prefix in units[name_node.text]:
+                    unit_place = replace(place, context=Context(place.context.ends, prefix))
+                    yield from self._values(item.entries["through"], unit_place)
             else:
                 yield self.kind.read(item, place)
 
 
 @dataclass(frozen=True)
-class Each(Key):
+class MapOf(Key):
     """A mapping from names of a group to values of one kind; its value is keyed by full names.
 
     one: whether one value for all may stand in its place.
@@ -297,25 +297,25 @@ class Each(Key):
 
     group: str = "parts"
     kind: Key | None = None
-    one: bool = False
+    single: bool = False
 
     @property
     def allowed(self) -> str:
         names = "its parts" if self.group == "parts" else f"names of `{self.group}`"
-        one = f"{self.kind.allowed}, or " if self.one else ""
-        return f"{one}a mapping from {names}, each to {self.kind.allowed}"
+        prefix = f"{self.kind.allowed}, or " if self.single else ""
+        return f"{prefix}a mapping from {names}, each to {self.kind.allowed}"
 
     def read(self, node, place):
-        if self.one and not (node.is_table and node.entries.keys() != {"from", "to"}):
+        if self.single and not (node.is_table and node.entries.keys() != {"from", "to"}):
             return self.kind.read(node, place)
         if not node.is_table:
             place.refuse(node, self.allowed)
-        found = {}
+        values = {}
         for name, entry in node.entries.items():
-            inside = place.inside(name)
-            full = inside.reference(Node(name, node.lines[name]), self.group)
-            found[full] = self.kind.read(entry, inside)
-        return lambda build: {name: one(build) for name, one in found.items()}
+            entry_place = place.child(name)
+            full = entry_place.reference(Node(name, node.lines[name]), self.group)
+            values[full] = self.kind.read(entry, entry_place)
+        return lambda build: {name: value(build) for name, value in values.items()}
 
 
 @dataclass(frozen=True)
@@ -326,11 +326,11 @@ class Assembled(Key):
 
     def read(self, node, place):
         if node.text in ("true", "false"):
-            return lambda build: (lambda made: []) if node.text == "true" else None
+            return lambda build: (lambda model: []) if node.text == "true" else None
         if node.entries.keys() != {"hold"}:
             place.refuse(node, self.allowed)
-        held = Many(kind=Opening()).read(node.entries["hold"], place.inside("hold"))
-        return lambda build: held
+        hinges = ListOf(kind=Opening()).read(node.entries["hold"], place.child("hold"))
+        return lambda build: hinges
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from fpm.scenes.scene import Scene
 from fpm.structures.expressions import ExpressionError
 from fpm.structures.keys import COMMA, MOST, Assembled, Number, Vector, Whole
 from fpm.structures.names import NEIGHBOURS, Context, Named, Names, Place
-from fpm.structures.reading import Node, Problems, SkippedError, check_keys, joined, table_at
+from fpm.structures.reading import Node, Problems, SkippedError, check_keys, dotted, table_at
 from fpm.structures.statement import PARTS, Entry, read_entry, statement
 from fpm.structures.statements import GROUPS
 from fpm.structures.units import NUMBER, unit
@@ -39,12 +39,12 @@ MOST_STATEMENTS = 20_000
         "joints that keep their opening"
     ),
 )  # fmt: skip
-def overall(build, it):
+def overall(build, args):
     """What holds for the whole structure."""
-    build.hold = it.assemble
-    scene = Scene(it.name, it.gravity, it.damping)
-    if it.viscosity:
-        scene.add(Viscosity(it.viscosity))
+    build.hold = args.assemble
+    scene = Scene(args.name, args.gravity, args.damping)
+    if args.viscosity:
+        scene.add(Viscosity(args.viscosity))
     return scene
 
 
@@ -63,17 +63,17 @@ class Sheet(NamedTuple):
 class Model:
     """All statements of a file. `entries`: in the order in which they are built; `points`: names.
 
-    table: the file; given: its parameters (text_file.Given); counts: values of those that are whole
-    numbers. What is wrong is noted in `problems`, and left out.
+    table: the file; inputs: its parameters (text_file.GivenParameter); counts: values of the
+    whole ones. What is wrong is noted in `problems`, and left out.
     """
 
-    def __init__(self, table: Node, given: Mapping[str, Any], counts: Mapping, problems: Problems):
+    def __init__(self, table: Node, inputs: Mapping[str, Any], counts: Mapping, problems: Problems):
         self.problems, self.names = problems, Names(problems)
         self.points: list[str] = []
-        for name, one in given.items():
+        for name, p in inputs.items():
             key = f"parameters.{name}"
-            if self.names.allows(name, key, one.line, number=True):
-                self.names.numbers[name] = Named(key, one.line, one.unit.dimension, one.whole)
+            if self.names.allows(name, key, p.line, number=True):
+                self.names.numbers[name] = Named(key, p.line, p.unit.dimension, p.whole)
         ends: dict[str, str] = {}
         file = Sheet(Context(ends), table, "", 0)
         sheets = [file, *self._units(table, counts, ends)]
@@ -86,10 +86,10 @@ class Model:
         self.names.sort()
         self.overall = self._overall(file)
         self.entries = list(self._entries(sheets))
-        for name, one in given.items() if not problems else ():
-            if name not in self.names.used:  # a slip of the pen
+        for name, p in inputs.items() if not problems else ():
+            if name not in self.names.uses:  # a slip of the pen
                 allowed = "nothing uses it; allowed: parameters in use"
-                problems.say(one.line, f"parameters.{name}: {allowed}")
+                problems.say(p.line, f"parameters.{name}: {allowed}")
 
     # -- repeats ------------------------------------------------------------------------------
 
@@ -106,39 +106,39 @@ class Model:
             if not self.names.allows(name, place.key, line):
                 continue
             try:
-                count = self._count(node, place.inside("count"), line, counts)
-                ring = self._is_ring(node, place.inside("arrangement"))
+                count = self._count(node, place.child("count"), line, counts)
+                ring = self._is_ring(node, place.child("arrangement"))
             except SkippedError:
                 continue
             ends[f"{name}.first"], ends[f"{name}.last"] = f"{name}1.", f"{name}{count}."
             for i in range(count):
-                beside = [j % count if ring else j for j in (i + 1, i - 1)]
-                prefixes = [f"{name}{j + 1}." if 0 <= j < count else None for j in beside]
-                around = dict(zip(NEIGHBOURS, prefixes, strict=True))
-                yield Sheet(Context(ends, f"{name}{i + 1}.", around), node, place.key, i + 1)
+                neighbours = [j % count if ring else j for j in (i + 1, i - 1)]
+                prefixes = [f"{name}{j + 1}." if 0 <= j < count else None for j in neighbours]
+                adjacent = dict(zip(NEIGHBOURS, prefixes, strict=True))
+                yield Sheet(Context(ends, f"{name}{i + 1}.", adjacent), node, place.key, i + 1)
 
     def _count(self, node: Node, place: Place, line: int, counts: Mapping[str, float]) -> int:
         """How many units there are, by parameters that are whole numbers."""
         if "count" not in node.entries:
             self.problems.say(line, f"{place.key}: missing; allowed: {Whole.allowed}")
             raise SkippedError(place.key)
-        at = node.entries["count"]
-        each = sum(len(part.entries) for part in node.entries.values())
-        most = min(MOST, MOST_STATEMENTS // max(each, 1))
-        bound = place.whole(at, Whole.allowed)
+        count_node = node.entries["count"]
+        size = sum(len(part.entries) for part in node.entries.values())
+        most = min(MOST, MOST_STATEMENTS // max(size, 1))
+        bound = place.whole(count_node, Whole.allowed)
         try:
-            found = bound.value(counts)
+            count = bound.value(counts)
         except ExpressionError:
-            found = 0
-        if found != round(found) or not 1 <= found <= most:
-            place.refuse(at, f"a whole number from 1 to {most}")
-        return round(found)
+            count = 0
+        if count != round(count) or not 1 <= count <= most:
+            place.refuse(count_node, f"a whole number from 1 to {most}")
+        return round(count)
 
     def _is_ring(self, node: Node, place: Place) -> bool:
-        given = node.entries.get("arrangement", Node("row"))
-        if given.text not in ("row", "ring"):
-            place.refuse(given, "row or ring")
-        return given.text == "ring"
+        arrangement = node.entries.get("arrangement", Node("row"))
+        if arrangement.text not in ("row", "ring"):
+            place.refuse(arrangement, "row or ring")
+        return arrangement.text == "ring"
 
     # -- names --------------------------------------------------------------------------------
 
@@ -149,31 +149,31 @@ class Model:
         for group in ("let", "points", *GROUPS):
             node = table_at(sheet.table, group, sheet.key, self.problems)
             for name, line in node.lines.items():
-                key = joined(sheet.key, group, name)
+                key = dotted(sheet.key, group, name)
                 if self.names.allows(name, key, line, number=group == "let"):
                     self._name(sheet.context.prefix, name, group, key, line)
                 if group == "joints":
-                    given = node.entries[name].entries.get("type", Node("")).text
-                    meant = given if given in GROUPS[group] else likely(given, GROUPS[group])
+                    text = node.entries[name].entries.get("type", Node("")).text
+                    type_ = text if text in GROUPS[group] else likely(text, GROUPS[group])
                     full = sheet.context.prefix + name
-                    self.names.types[full] = meant
-                    if meant == "universal":
+                    self.names.types[full] = type_
+                    if type_ == "universal":
                         angles = {f"{full}{end}": (full, k) for k, end in enumerate(ANGLES)}
                         self.names.angles.update(angles)
 
     def _name(self, prefix: str, name: str, group: str, key: str, line: int) -> None:
         """Note one name of a group."""
-        numbers, things, full = self.names.numbers, self.names.things, prefix + name
-        known = numbers if group == "let" else things.setdefault(group, {})
-        if full in known or name in known:
-            twice = f"the name {name} is defined twice; allowed: each name once"
-            self.problems.say(line, f"{key}: {twice}")
+        numbers, names_of, full = self.names.numbers, self.names.groups, prefix + name
+        lines = numbers if group == "let" else names_of.setdefault(group, {})
+        if full in lines or name in lines:
+            sentence = f"the name {name} is defined twice; allowed: each name once"
+            self.problems.say(line, f"{key}: {sentence}")
         elif group == "let":
             numbers[full] = Named(key, line)
         else:
-            known[full] = line
+            lines[full] = line
             if group in PARTS:
-                things["parts"][full] = line
+                names_of["parts"][full] = line
             if group == "points":
                 self.points.append(full)
                 length = unit("m").dimension
@@ -195,7 +195,7 @@ class Model:
             node = sheet.table.entries.get(group, Node({}))
             for name, entry in node.entries.items():
                 full = context.prefix + name
-                place = Place(joined(sheet.key, group, name), context, self.names)
+                place = Place(dotted(sheet.key, group, name), context, self.names)
                 if group == "let":
                     self._tie(place, [full], [entry])
                 elif len(entry.items) == 3:
@@ -231,12 +231,12 @@ class Model:
         for group, kinds in GROUPS.items():
             for sheet in sheets:
                 node = sheet.table.entries.get(group, Node({}))
-                for name, one in node.entries.items():
+                for name, entry_node in node.entries.items():
                     full = sheet.context.prefix + name
-                    if full not in self.names.things.get(group, {}):
+                    if full not in self.names.groups.get(group, {}):
                         continue
-                    place = Place(joined(sheet.key, group, name), sheet.context, self.names)
-                    entry = read_entry(kinds, full, one, node.lines[name], place)
+                    place = Place(dotted(sheet.key, group, name), sheet.context, self.names)
+                    entry = read_entry(kinds, full, entry_node, node.lines[name], place)
                     if entry is not None:
                         yield entry
                         continue

@@ -12,7 +12,7 @@ from keyword import iskeyword
 
 from fpm.errors import did_you_mean
 from fpm.structures.expressions import RESERVED, Expression, ExpressionError, parse
-from fpm.structures.reading import Node, Problems, SkippedError, among, joined, show
+from fpm.structures.reading import Node, Problems, SkippedError, commas, dotted, show
 from fpm.structures.units import NUMBER, Dimension, is_unit
 
 NEIGHBOURS = ("next", "previous")
@@ -22,24 +22,24 @@ NEIGHBOURS = ("next", "previous")
 class Context:
     """Where something is written: in the file, or in one unit of a repeat.
 
-    prefix: "" or `bay3.`; around: the prefixes of the neighbours, None at a row's end; ends: the
+    prefix: "" or `bay3.`; adjacent: the prefixes of the neighbours, None at a row's end; ends: the
     prefixes of all repeats' first and last units, by `bay.first` and `bay.last`.
     """
 
     ends: dict[str, str]
     prefix: str = ""
-    around: Mapping[str, str | None] = field(default_factory=dict)
+    adjacent: Mapping[str, str | None] = field(default_factory=dict)
 
-    def find(self, name: str, known: Container[str]) -> str:
+    def find(self, name: str, names: Container[str]) -> str:
         """The full name of what `name` means here; KeyError if there is no such thing.
 
         SkippedError for the neighbour of a row's last unit.
         """
         head, _, rest = name.partition(".")
-        if head in self.around:
-            neighbour = self.around[head]
+        if head in self.adjacent:
+            neighbour = self.adjacent[head]
             full = (self.prefix if neighbour is None else neighbour) + rest
-            if full not in known:
+            if full not in names:
                 raise KeyError(name)
             if neighbour is None:
                 raise SkippedError(name)
@@ -48,22 +48,22 @@ class Context:
         if f"{head}.{second}" in self.ends:
             name = self.ends[f"{head}.{second}"] + last
         for full in (self.prefix + name, name):
-            if full in known:
+            if full in names:
                 return full
         raise KeyError(name)
 
-    def seen(self, known: Iterable[str]) -> list[str]:
+    def visible(self, names: Iterable[str]) -> list[str]:
         """Those names that can be seen from here, as they are written here."""
         if not self.prefix:
-            return list(known)
+            return list(names)
         units = tuple(unit for units in self.units().values() for unit in units)
-        own = [name.removeprefix(self.prefix) for name in known if name.startswith(self.prefix)]
-        return own + [name for name in known if not name.startswith(units)]
+        own = [name.removeprefix(self.prefix) for name in names if name.startswith(self.prefix)]
+        return own + [name for name in names if not name.startswith(units)]
 
     def units(self) -> dict[str, list[str]]:
         """The prefixes of the units of all repeats, in order, by the repeats' names."""
-        lasts = {end.removesuffix(".last"): at for end, at in self.ends.items() if ".last" in end}
-        counts = {name: int(at.removeprefix(name)[:-1]) for name, at in lasts.items()}
+        lasts = {end.removesuffix(".last"): u for end, u in self.ends.items() if ".last" in end}
+        counts = {name: int(unit.removeprefix(name)[:-1]) for name, unit in lasts.items()}
         return {name: [f"{name}{i + 1}." for i in range(n)] for name, n in counts.items()}
 
 
@@ -80,10 +80,10 @@ class Bound:
 
     def dimension(self, numbers: Mapping[str, "Named"]) -> Dimension:
         """Its dimension; SkippedError if one of its names has none, being wrong itself."""
-        found = {name: numbers[full].dimension for name, full in self.full.items()}
-        if None in found.values():
+        dimensions = {name: numbers[full].dimension for name, full in self.full.items()}
+        if None in dimensions.values():
             raise SkippedError(self.expression.text)
-        return self.expression.dimension(found)
+        return self.expression.dimension(dimensions)
 
 
 @dataclass
@@ -113,10 +113,10 @@ class Names:
     def __init__(self, problems: Problems):
         self.problems = problems
         self.numbers: dict[str, Named] = {}
-        self.things: dict[str, dict[str, int]] = {"parts": {"ground": 0}}
+        self.groups: dict[str, dict[str, int]] = {"parts": {"ground": 0}}
         self.types: dict[str, str] = {}
         self.angles: dict[str, tuple[str, int]] = {}
-        self.used: set[str] = set()
+        self.uses: set[str] = set()
         self.absent: set[tuple[str, str]] = set()
         self.order: list[str] = []
 
@@ -124,28 +124,28 @@ class Names:
         """Whether something, or a number, may be called so; a problem if not."""
         reserved = name in (*NEIGHBOURS, "first", "last", "ground")
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or reserved:
-            why = "letters, digits and _ after a letter; not ground, next, previous, first, last"
+            hint = "letters, digits and _ after a letter; not ground, next, previous, first, last"
         elif number and is_unit(name):
-            why = "a name that is not a unit"
+            hint = "a name that is not a unit"
         elif name in RESERVED or iskeyword(name):
-            why = "a name that is no function and no word of Python's"
+            hint = "a name that is no function and no word of Python's"
         else:
             return True
-        self.problems.say(line, f"{key}: the name {name!r} is not allowed; allowed: {why}")
+        self.problems.say(line, f"{key}: the name {name!r} is not allowed; allowed: {hint}")
         return False
 
-    def unknown(self, line: int, key: str, name: str, known: Iterable[str], what: str) -> None:
+    def unknown(self, line: int, key: str, name: str, options: Iterable[str], noun: str) -> None:
         """Note that a name means nothing, or something else, or is that of a part of a repeat."""
-        inside = [other for other in known if other.endswith(f".{name}")]
-        group = next((g for g, names in self.things.items() if g != "parts" and name in names), "")
-        hint = did_you_mean(name, known)
-        if inside:
-            more = f" to {inside[-1]}" if len(inside) > 1 else ""
-            hint = f" (each unit has its own: {inside[0]}{more})"
+        unit_names = [full for full in options if full.endswith(f".{name}")]
+        group = next((g for g, names in self.groups.items() if g != "parts" and name in names), "")
+        hint = did_you_mean(name, options)
+        if unit_names:
+            range_text = f" to {unit_names[-1]}" if len(unit_names) > 1 else ""
+            hint = f" (each unit has its own: {unit_names[0]}{range_text})"
         elif group:
             hint = f" (it is one of `{group}`)"
-        known = among(known, more=", ...")
-        self.problems.say(line, f"{key}: there is no {what} {name!r}{hint}; allowed: {known}")
+        options = commas(options, rest=", ...")
+        self.problems.say(line, f"{key}: there is no {noun} {name!r}{hint}; allowed: {options}")
 
     def sort(self) -> None:
         """Put the numbers into an order in which they can be computed, and find their dimensions.
@@ -161,8 +161,8 @@ class Names:
                 break
             except CycleError as error:
                 ring = error.args[1][:0:-1]
-                at = ring.index(min(ring, key=[*needs].index))
-                ring = [*ring[at:], *ring[: at + 1]]
+                start = ring.index(min(ring, key=[*needs].index))
+                ring = [*ring[start:], *ring[: start + 1]]
                 number, needs[ring[0]] = self.numbers[ring[0]], ()
                 allowed = f"({' -> '.join(ring)}); allowed: names that do not lead back"
                 self.problems.say(number.line, f"{number.key}: defined by itself {allowed}")
@@ -172,18 +172,18 @@ class Names:
     def _measure(self, number: Named) -> None:
         if number.bound is None:
             return
-        text, wanted = number.bound.expression.text, number.dimension
+        text, target = number.bound.expression.text, number.dimension
         try:
-            found = number.bound.dimension(self.numbers)
+            actual = number.bound.dimension(self.numbers)
         except SkippedError:
             return
         except ExpressionError as error:
             self.problems.say(number.line, f"{number.key}: {text}: {error}")
             return
         number.whole = bool(number.bound.full) and self.is_whole(number.bound)
-        if wanted is not None and not found.fits(wanted):
-            self.problems.say(number.line, f"{number.key}: {text} is {found}; allowed: {wanted}")
-        number.dimension = wanted or found
+        if target is not None and not actual.fits(target):
+            self.problems.say(number.line, f"{number.key}: {text} is {actual}; allowed: {target}")
+        number.dimension = target or actual
 
     def is_whole(self, bound: Bound) -> bool:
         """Whether an expression depends on nothing but whole numbers."""
@@ -203,9 +203,9 @@ class Place:
         """Where to note what is wrong."""
         return self.names.problems
 
-    def inside(self, *keys: str) -> "Place":
+    def child(self, *keys: str) -> "Place":
         """The place of a key in this one."""
-        return replace(self, key=joined(self.key, *keys))
+        return replace(self, key=dotted(self.key, *keys))
 
     def refuse(self, node: Node, allowed: str) -> None:
         """Note that this place's value is not allowed, and leave out what it belongs to."""
@@ -220,30 +220,30 @@ class Place:
             expression = parse(node.text)
         except ExpressionError as error:
             self._say(node, f": {error}")
-        full, known = {}, self.names.numbers
+        full, numbers = {}, self.names.numbers
         for name in sorted(expression.names):
             try:
-                full[name] = self.context.find(name, known)
+                full[name] = self.context.find(name, numbers)
             except KeyError:
                 self.names.unknown(
-                    node.line, self.key, name, self.context.seen(known), "number called"
+                    node.line, self.key, name, self.context.visible(numbers), "number called"
                 )
         if len(full) < len(expression.names):
             raise SkippedError(self.key)
-        self.names.used.update(full.values())
+        self.names.uses.update(full.values())
         return Bound(expression, full)
 
-    def number(self, node: Node, wanted: Dimension | None, allowed: str, angle=False) -> Bound:
+    def number(self, node: Node, dimension: Dimension | None, allowed: str, angle=False) -> Bound:
         """An expression of the dimension that is wanted; an angle's unit must be said."""
         bound = self.bind(node, allowed)
         try:
-            found = bound.dimension(self.names.numbers)
+            actual = bound.dimension(self.names.numbers)
             zero = bound.expression.bare and bound.value({}) == 0
         except ExpressionError as error:
             self._say(node, f": {error}")
-        if wanted is not None and not found.fits(wanted):
-            self._say(node, f" is {found}; allowed: {allowed}")
-        if angle and found.bare and not zero:
+        if dimension is not None and not actual.fits(dimension):
+            self._say(node, f" is {actual}; allowed: {allowed}")
+        if angle and actual.bare and not zero:
             self.refuse(node, f"{allowed}, whose unit must be said, such as 90 deg or 1.5 rad")
         return bound
 
@@ -254,23 +254,23 @@ class Place:
             self.refuse(node, allowed)
         return bound
 
-    def _say(self, node: Node, what: str) -> None:
+    def _say(self, node: Node, text: str) -> None:
         """Note what is wrong with this place's value, and leave out what it belongs to."""
-        self.problems.say(node.line, f"{self.key}: {show(node.text)}{what}")
+        self.problems.say(node.line, f"{self.key}: {show(node.text)}{text}")
         raise SkippedError(self.key) from None
 
     def reference(self, node: Node, group: str) -> str:
         """The full name of something in a group."""
-        what = group.removesuffix("s")
+        noun = group.removesuffix("s")
         if not isinstance(node.value, str):
-            self.refuse(node, f"the name of a {what}")
-        known = self.names.things.get(group, {})
+            self.refuse(node, f"the name of a {noun}")
+        names = self.names.groups.get(group, {})
         try:
-            full = self.context.find(node.text, known)
+            full = self.context.find(node.text, names)
         except KeyError:
-            self.names.unknown(node.line, self.key, node.text, self.context.seen(known), what)
+            self.names.unknown(node.line, self.key, node.text, self.context.visible(names), noun)
             raise SkippedError(self.key) from None
         if (group, full) in self.names.absent:
             raise SkippedError(full)
-        self.names.used.add(f"{group}:{full}")
+        self.names.uses.add(f"{group}:{full}")
         return full

@@ -18,7 +18,7 @@ from fpm.structures import report
 MOST = 6
 """Warnings of one structure; a repeat would have one for each unit."""
 
-APART = 1000.0
+MAX_RATIO = 1000.0
 """Lengths of one bar, or of all, that are so many times each other are hardly in one unit."""
 
 USUAL = {
@@ -30,18 +30,18 @@ USUAL = {
 
 def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     """Sentences about a scene at its start; duration (s): of a run, which may be too short."""
-    found = [*_sizes(scene), *_support(scene)]
+    sentences = [*_sizes(scene), *_support(scene)]
     moving = {friction.hinge for friction in Friction.of(scene) if friction.load is not None}
-    found += [
+    sentences += [
         f"bearing of {scene.hinges[hinge].name}: without a `load` it counts in margins only"
         for hinge in sorted(scene.bearings.keys() - moving)
     ]
     for kind in (Latch, RigidLatch):
         for latch in kind.of(scene):
-            found += _latch(scene, latch, duration)
-    found = list(dict.fromkeys(found))
-    rest = len(found) - MOST
-    return found[:MOST] + [f"and {rest} more of this kind"] * (rest > 0)
+            sentences += _latch(scene, latch, duration)
+    sentences = list(dict.fromkeys(sentences))
+    rest = len(sentences) - MOST
+    return sentences[:MOST] + [f"and {rest} more of this kind"] * (rest > 0)
 
 
 def _sizes(scene: Scene) -> Iterator[str]:
@@ -50,69 +50,69 @@ def _sizes(scene: Scene) -> Iterator[str]:
     yield from _usual("largest extent", extent, "all of it") if extent else ()
     bars = bars_of(scene)
     for bar in bars.values():
-        of, length = bar.groups[0], float(bar.ends[-1])
-        yield from _usual("density", of.material.rho, f"bar {bar.name}")
-        yield from _usual("Young's modulus", of.material.E, f"bar {bar.name}")
-        wide = max(of.section.width, of.section.height)
-        thin = min(of.section.width, of.section.height)
-        if of.section.outline == "round":  # the wall's thickness, of its area
-            thin = wide / 2 - np.sqrt(max(wide**2 / 4 - of.section.A / np.pi, 0.0))
+        group, length = bar.groups[0], float(bar.ends[-1])
+        yield from _usual("density", group.material.rho, f"bar {bar.name}")
+        yield from _usual("Young's modulus", group.material.E, f"bar {bar.name}")
+        wide = max(group.section.width, group.section.height)
+        thin = min(group.section.width, group.section.height)
+        if group.section.outline == "round":  # the wall's thickness, of its area
+            thin = wide / 2 - np.sqrt(max(wide**2 / 4 - group.section.A / np.pi, 0.0))
         if wide > 3 * length:
             yield f"bar {bar.name} is {length:.4g} m long and {wide:.4g} m wide: both in metres?"
-        elif length > APART * wide > 0:
+        elif length > MAX_RATIO * wide > 0:
             yield f"bar {bar.name} is {length:.4g} m long and only {wide:.4g} m wide"
-        if wide > APART * thin > 0:
+        if wide > MAX_RATIO * thin > 0:
             yield f"bar {bar.name} is {wide:.4g} m wide and only {thin:.3g} m thick"
     lengths = {float(bar.ends[-1]): name for name, bar in bars.items()}
-    if lengths and max(lengths) > APART * min(lengths):
-        (least, one), (most, other) = min(lengths.items()), max(lengths.items())
-        yield f"bar {one} is {least:.4g} m long, bar {other} {most:.4g} m: are both in one unit?"
+    if lengths and max(lengths) > MAX_RATIO * min(lengths):
+        (least, bar1), (most, bar2) = min(lengths.items()), max(lengths.items())
+        yield f"bar {bar1} is {least:.4g} m long, bar {bar2} {most:.4g} m: are both in one unit?"
 
 
-def _usual(what: str, value: float, where: str) -> Iterator[str]:
-    least, most, unit = USUAL[what]
+def _usual(noun: str, value: float, owner: str) -> Iterator[str]:
+    least, most, unit = USUAL[noun]
     if not least <= value <= most:
-        yield f"{what} of {where}: {value:.4g} {unit}; usual: {least:g} to {most:g} {unit}"
+        yield f"{noun} of {owner}: {value:.4g} {unit}; usual: {least:g} to {most:g} {unit}"
 
 
 def _support(scene: Scene) -> Iterator[str]:
-    pushed = np.any(scene.gravity) or Load.of(scene)
-    if pushed and not (scene.fixed.any() or scene.supports):
+    is_loaded = np.any(scene.gravity) or Load.of(scene)
+    if is_loaded and not (scene.fixed.any() or scene.supports):
         yield "nothing holds it, neither a support nor a joint with the ground: it falls, or drifts"
 
 
 def _latch(scene: Scene, latch: Latch | RigidLatch, duration: float | None) -> Iterator[str]:
     """What keeps a latch from catching: a stop, springs that push away or rest before it, time."""
     hinge, name = scene.hinges[latch.hinge], latch.label(scene)
-    start, way = hinge.opening, latch.angle - hinge.opening
-    at = f"latch {name} at {opening_text(hinge, latch.angle)}"
+    start, travel = hinge.opening, latch.angle - hinge.opening
+    head = f"latch {name} at {opening_text(hinge, latch.angle)}"
     for stop in Stop.of(scene):
         side = {"above": 1, "below": -1}[stop.side]
-        if stop.hinge == latch.hinge and 0 < side * (stop.angle - start) < side * way:
-            yield f"{at} is beyond the stop at {opening_text(hinge, stop.angle)}: it cannot catch"
+        if stop.hinge == latch.hinge and 0 < side * (stop.angle - start) < side * travel:
+            yield f"{head} is beyond the stop at {opening_text(hinge, stop.angle)}: it cannot catch"
     drives = {"motor", "loop", "release"}
-    on = [(kind.acts_as, e) for kind in kinds_of([scene]) for e in kind.of(scene)
+    elements = [(kind.acts_as, e) for kind in kinds_of([scene]) for e in kind.of(scene)
           if kind.acts_as and latch.hinge in e.acts_on()]  # fmt: skip
-    pushes = [_moment(e, start) for what, e in on if what == "spring"]
-    if abs(way) < 1e-9 or not pushes or drives & {what for what, _ in on}:
+    pushes = [_moment(e, start) for role, e in elements if role == "spring"]
+    if abs(travel) < 1e-9 or not pushes or drives & {role for role, _ in elements}:
         return
     push, unit = sum(pushes), "N" if hinge.slides else "N m"
-    if push * way < 0:
+    if push * travel < 0:
         yield (
-            f"the springs on {hinge.name} push away from {at}, with {abs(push):.4g} {unit}: turn "
+            f"the springs on {hinge.name} push away from {head}, with {abs(push):.4g} {unit}: turn "
             "its `axis` around, or change their `rest`"
         )
         return
-    end = start + way
-    if all(isinstance(e, TorsionSpring) for what, e in on if what == "spring") and (
-        sum(_moment(e, end) for what, e in on if what == "spring") * way < 0
+    end = start + travel
+    if all(isinstance(e, TorsionSpring) for role, e in elements if role == "spring") and (
+        sum(_moment(e, end) for role, e in elements if role == "spring") * travel < 0
     ):
-        yield f"{at} is beyond where the springs on {hinge.name} rest: only momentum gets there"
-    least = np.sqrt(2 * abs(way) * _inertia(scene, hinge) / abs(push)) if push else np.inf
+        yield f"{head} is beyond where the springs on {hinge.name} rest: only momentum gets there"
+    least = np.sqrt(2 * abs(travel) * _inertia(scene, hinge) / abs(push)) if push else np.inf
     is_alone = not (np.any(scene.gravity) or scene.velocity.any() or scene.spin.any())
     if duration is not None and is_alone and duration < least / 2 < np.inf:
         yield (
-            f"{duration:g} s are too short for {at}: from {opening_text(hinge, start)}, the "
+            f"{duration:g} s are too short for {head}: from {opening_text(hinge, start)}, the "
             f"{abs(push):.4g} {unit} of the springs take {least:.2g} s or more"
         )
 
@@ -131,13 +131,13 @@ def _inertia(scene: Scene, hinge: Hinge) -> float:
     point = scene.position[first.particle] + scene.frame[first.particle] @ first.arm
     inverse = 0.0
     for beam in hinge.beams:
-        of = own == own[beam.particle]
-        if scene.fixed[of].all(axis=1).any():
+        body = own == own[beam.particle]
+        if scene.fixed[body].all(axis=1).any():
             continue
-        arms = np.cross(axis, scene.position[of] - point)
-        turned = np.einsum("nij,i->nj", scene.frame[of], axis) ** 2
-        turning = scene.mass[of] @ (arms**2).sum(axis=1) + (turned * scene.inertia[of]).sum()
-        inverse += 1 / float(scene.mass[of].sum() if hinge.slides else turning)
+        arms = np.cross(axis, scene.position[body] - point)
+        axes = np.einsum("nij,i->nj", scene.frame[body], axis) ** 2
+        turning = scene.mass[body] @ (arms**2).sum(axis=1) + (axes * scene.inertia[body]).sum()
+        inverse += 1 / float(scene.mass[body].sum() if hinge.slides else turning)
     return 1 / inverse if inverse else np.inf
 
 

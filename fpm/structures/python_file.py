@@ -10,7 +10,7 @@ from fpm.errors import SceneError
 from fpm.kernels.sources import own_sources
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
-from fpm.structures.opened import STATED, Build, Loader, Opened, watching
+from fpm.structures.opened import DATA_HINT, Build, FileRecord, Loader, current_record
 from fpm.structures.reading import Problem, StructureError, read_text
 
 
@@ -27,49 +27,49 @@ def load_python(path: Path) -> SceneType:
     """
     read_text(path)  # which tells what is no file, before Python waits for it
     place = path.absolute()
-    if place not in _KNOWN or not _KNOWN[place][1].is_same():
-        opened = Opened(path.resolve())
-        found = _loaded(path, opened)
-        if place in _KNOWN:
-            opened.follow(_KNOWN[place][1])
-        _KNOWN[place] = found, opened
-    found, opened = _KNOWN[place]
-    if outer := watching():
-        outer.adopt(opened)
-    return found
+    if place not in _CACHE or not _CACHE[place][1].is_same():
+        record = FileRecord(path.resolve())
+        structure = _load(path, record)
+        if place in _CACHE:
+            record.follow(_CACHE[place][1])
+        _CACHE[place] = structure, record
+    structure, record = _CACHE[place]
+    if outer := current_record():
+        outer.adopt(record)
+    return structure
 
 
-_KNOWN: dict[Path, tuple[SceneType, Opened]] = {}
+_CACHE: dict[Path, tuple[SceneType, FileRecord]] = {}
 """Structures that were loaded, and what they are made of."""
 
 
-def _loaded(path: Path, opened: Opened) -> SceneType:
-    with opened.watched():
-        module = _run(path, opened)
-        found = _built(path, module)
+def _load(path: Path, record: FileRecord) -> SceneType:
+    with record.recording():
+        module = _run(path, record)
+        structure = _build_type(path, module)
     data = getattr(module, "DATA", None)
     patterns = [] if data is None else data
     if not isinstance(patterns, list | tuple) or not all(isinstance(p, str) for p in patterns):
         _refuse(path, f"DATA: {data!r} is not allowed; allowed: a list of patterns of files")
-    content = opened.seal(data)
-    _check_imports(path, opened)
+    content = record.seal(data)
+    _check_imports(path, record)
     for pattern in patterns:
-        if not opened.files_of(pattern):
+        if not record.files_of(pattern):
             _refuse(path, f"DATA: {pattern!r} stands for no file; allowed: patterns of files")
-    if hidden := opened.hidden():
-        _refuse(path, f"{', '.join(hidden)}: {HIDDEN}; allowed: {STATED}")
-    return replace(found, function=Build(found.function, opened), content=content)
+    if hidden := record.hidden():
+        _refuse(path, f"{', '.join(hidden)}: {HIDDEN}; allowed: {DATA_HINT}")
+    return replace(structure, function=Build(structure.function, record), content=content)
 
 
 HIDDEN = "what this reads is not seen, and results are named after all that a structure reads"
 
 
-def _built(path: Path, module: ModuleType) -> SceneType:
+def _build_type(path: Path, module: ModuleType) -> SceneType:
     """The structure, built at its defaults, with the digest of no code yet."""
     parameters, build = getattr(module, "PARAMETERS", None), getattr(module, "build", None)
     mesh = getattr(module, "MESH", None)
-    known = parameters.values() if isinstance(parameters, dict) else [None]
-    if not all(isinstance(one, Parameter) for one in known):
+    values = parameters.values() if isinstance(parameters, dict) else [None]
+    if not all(isinstance(value, Parameter) for value in values):
         _refuse(path, "PARAMETERS: missing; allowed: a dict of fpm.scene_type.Parameter by name")
     if not callable(build):
         _refuse(path, "build: missing; allowed: a function of the parameters that gives a Scene")
@@ -96,12 +96,12 @@ def _built(path: Path, module: ModuleType) -> SceneType:
     )
 
 
-def _run(path: Path, opened: Opened) -> ModuleType:
+def _run(path: Path, record: FileRecord) -> ModuleType:
     """The module of a file, which may import others from beside it, now or when it builds."""
-    if (beside := str(path.resolve().parent)) not in sys.path:
-        sys.path.append(beside)  # last: none of them stands for a module that is installed
+    if (folder := str(path.resolve().parent)) not in sys.path:
+        sys.path.append(folder)  # last: none of them stands for a module that is installed
     name = f"structure_{path.stem}"
-    loader = Loader(name, str(path.resolve()), opened)
+    loader = Loader(name, str(path.resolve()), record)
     spec = importlib.util.spec_from_file_location(name, path, loader=loader)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # where dataclasses look up annotations
@@ -112,18 +112,18 @@ def _run(path: Path, opened: Opened) -> ModuleType:
     return module
 
 
-def _check_imports(path: Path, opened: Opened) -> None:
+def _check_imports(path: Path, record: FileRecord) -> None:
     """Refuse a file that has another module for one beside it, of which its digest is made."""
     folder = path.resolve().parent
-    for beside in own_sources(path) - {path.resolve()}:
-        if folder not in beside.parents:
+    for source in own_sources(path) - {path.resolve()}:
+        if folder not in source.parents:
             continue
-        parts = beside.relative_to(folder).with_suffix("").parts
+        parts = source.relative_to(folder).with_suffix("").parts
         name = ".".join(parts).removesuffix(".__init__")
-        file = getattr(opened.modules.get(name, sys.modules.get(name)), "__file__", None)
-        if file and Path(file).resolve() != beside:
+        file = getattr(record.modules.get(name, sys.modules.get(name)), "__file__", None)
+        if file and Path(file).resolve() != source:
             _refuse(
-                path, f"import {name}: is {file} already, not {beside.name} from beside it; "
+                path, f"import {name}: is {file} already, not {source.name} from beside it; "
                 "allowed: a name that no other module has"
             )  # fmt: skip
 

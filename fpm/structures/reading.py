@@ -109,30 +109,30 @@ class Problems:
 
     def __init__(self, source: str):
         self.source = source
-        self._found: dict[tuple[int, str], Problem] = {}
+        self._problems: dict[tuple[int, str], Problem] = {}
 
     def __bool__(self) -> bool:
-        return bool(self._found)
+        return bool(self._problems)
 
     def say(self, line: int, sentence: str) -> None:
         """Note a sentence, which starts with its key, about a line."""
         sentence = re.sub(r"\S{100,}", lambda word: f"{word[0][:97]}...", sentence)
-        same = re.sub(r"\d[\d.e+-]*", "", sentence) if sentence.startswith("repeat.") else sentence
-        self._found.setdefault((line, same), Problem(line, sentence))
+        text = re.sub(r"\d[\d.e+-]*", "", sentence) if sentence.startswith("repeat.") else sentence
+        self._problems.setdefault((line, text), Problem(line, sentence))
 
     def refuse(self, line: int, key: str, value: object, allowed: str) -> None:
         """Note that `key` has a value which is not allowed."""
         self.say(line, f"{key}: {show(value)} is not allowed; allowed: {allowed}")
 
-    def no_key(self, line: int, key: str, known: Iterable[str], hint: str) -> None:
+    def no_key(self, line: int, key: str, keys: Iterable[str], hint: str) -> None:
         """Note a key that means nothing; hint: what may be meant."""
-        allowed = among(known, 6 if hint else 99)
+        allowed = commas(keys, 6 if hint else 99)
         self.say(line, f"{key}: there is no such key{hint}; allowed: {allowed}")
 
     def stop(self) -> None:
         """Raise them as one StructureError, by lines, if there are any."""
-        if self._found:
-            raise StructureError(self.source, sorted(self._found.values()))
+        if self._problems:
+            raise StructureError(self.source, sorted(self._problems.values()))
 
 
 def show(value: object) -> str:
@@ -141,14 +141,14 @@ def show(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def among(names: Iterable[str], most: int = 12, more: str = ", and {} more") -> str:
+def commas(names: Iterable[str], most: int = 12, rest: str = ", and {} more") -> str:
     """Names as a list in a sentence, cut short."""
     names = list(names)
     text = ", ".join(names[:most]) or "(there is none)"
-    return text if len(names) <= most else text + more.format(len(names) - most)
+    return text if len(names) <= most else text + rest.format(len(names) - most)
 
 
-def joined(*parts: str) -> str:
+def dotted(*parts: str) -> str:
     """Keys with dots between them."""
     return ".".join(part for part in parts if part)
 
@@ -158,8 +158,8 @@ def read(text: str, problems: Problems) -> Node:
     try:
         root = yaml.compose(text, _Loader)
     except yaml.MarkedYAMLError as error:
-        mark, what = why_not_yaml(error)
-        problems.say(mark.line + 1 if mark else 0, f"this is not YAML: {what}")
+        mark, reason = why_not_yaml(error)
+        problems.say(mark.line + 1 if mark else 0, f"this is not YAML: {reason}")
     except ExcessError as error:
         problems.say(0, str(error))
     except (yaml.YAMLError, RecursionError, ValueError) as error:
@@ -186,11 +186,11 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
 
 def why_not_yaml(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
     """Where a text is not YAML, and what to do about it."""
-    what = ", ".join(part for part in (error.context, error.problem) if part)
-    for said, begins, words in _NOT_YAML:
-        if re.search(said, what):
-            return (begins and error.context_mark) or error.problem_mark, words
-    return error.problem_mark or error.context_mark, what
+    problem = ", ".join(part for part in (error.context, error.problem) if part)
+    for pattern, is_context, words in _NOT_YAML:
+        if re.search(pattern, problem):
+            return (is_context and error.context_mark) or error.problem_mark, words
+    return error.problem_mark or error.context_mark, problem
 
 
 class _Loader(yaml.BaseLoader):
@@ -223,39 +223,39 @@ def _convert(node: yaml.Node, problems: Problems, depth: int) -> Node:
         return Node(node.value.strip(), line)
     if isinstance(node, yaml.SequenceNode):
         return Node([_convert(item, problems, depth + 1) for item in node.value], line)
-    found = Node({}, line)
+    table = Node({}, line)
     for key_node, value_node in node.value:
-        at, key = key_node.start_mark.line + 1, str(key_node.value).strip()
+        key_line, key = key_node.start_mark.line + 1, str(key_node.value).strip()
         if not isinstance(key_node, yaml.ScalarNode):
-            problems.say(at, "a key is a table or a list; allowed: a name")
-        elif key in found.entries:
-            first = f"(first on line {found.lines[key]})"
-            problems.say(at, f"{key} is defined twice {first}; allowed: each name once")
+            problems.say(key_line, "a key is a table or a list; allowed: a name")
+        elif key in table.entries:
+            first = f"(first on line {table.lines[key]})"
+            problems.say(key_line, f"{key} is defined twice {first}; allowed: each name once")
         else:
-            found.entries[key] = _convert(value_node, problems, depth + 1)
-            found.lines[key] = at
-    return found
+            table.entries[key] = _convert(value_node, problems, depth + 1)
+            table.lines[key] = key_line
+    return table
 
 
 def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:
     """The table under a key; an empty one if there is none, or, with a problem, no table."""
-    found = node.entries.get(name, Node({}))
-    if not found.is_table:
-        problems.refuse(found.line, joined(key, name), found.plain, "a mapping from names")
-    return found if found.is_table else Node({})
+    table = node.entries.get(name, Node({}))
+    if not table.is_table:
+        problems.refuse(table.line, dotted(key, name), table.plain, "a mapping from names")
+    return table if table.is_table else Node({})
 
 
-def check_keys(node: Node, key: str, known: tuple[str, ...], problems: Problems) -> None:
+def check_keys(node: Node, key: str, keys: tuple[str, ...], problems: Problems) -> None:
     """Note the keys that mean nothing."""
-    for name in node.entries.keys() - set(known):
-        hint = did_you_mean(name, known)
-        problems.no_key(node.lines[name], joined(key, name), known, hint)
+    for name in node.entries.keys() - set(keys):
+        hint = did_you_mean(name, keys)
+        problems.no_key(node.lines[name], dotted(key, name), keys, hint)
 
 
-def as_meant(node: Node, known: tuple[str, ...], problems: Problems) -> Node:
+def as_meant(node: Node, keys: tuple[str, ...], problems: Problems) -> Node:
     """The table with keys that are likely others under those: told, but not what follows of it."""
-    check_keys(node, "", known, problems)
-    meant = {name: likely(name, known) for name in node.entries.keys() - set(known)}
-    names = {n: n if meant.get(n, n) in node.entries else meant[n] or n for n in node.entries}
+    check_keys(node, "", keys, problems)
+    fixes = {name: likely(name, keys) for name in node.entries.keys() - set(keys)}
+    names = {n: n if fixes.get(n, n) in node.entries else fixes[n] or n for n in node.entries}
     entries = {names[name]: entry for name, entry in node.entries.items()}
     return Node(entries, node.line, {names[name]: line for name, line in node.lines.items()})

@@ -47,7 +47,7 @@ def bodies(scene: Scene) -> np.ndarray:
     return connected_components(links, directed=False)[1]
 
 
-def _counted(scene: Scene) -> np.ndarray:
+def _own_particles(scene: Scene) -> np.ndarray:
     """Which particles (n,) are the structure's own: the ground's stands for no mass."""
     on_beams = np.zeros(len(scene.position), bool)
     for beams in scene.beams:
@@ -57,13 +57,13 @@ def _counted(scene: Scene) -> np.ndarray:
 
 def mass(scene: Scene) -> float:
     """Total mass, kg."""
-    return float(scene.mass[_counted(scene)].sum())
+    return float(scene.mass[_own_particles(scene)].sum())
 
 
 def centre(scene: Scene) -> np.ndarray:
     """Centre of mass at the start (3,), m."""
-    counted = _counted(scene)
-    return scene.mass[counted] @ scene.position[counted] / scene.mass[counted].sum()
+    own = _own_particles(scene)
+    return scene.mass[own] @ scene.position[own] / scene.mass[own].sum()
 
 
 def mobility(scene: Scene) -> Mobility:
@@ -73,8 +73,8 @@ def mobility(scene: Scene) -> Mobility:
     a mechanism that is folded flat, more ways are open than in the motion that follows.
     """
     rows, _ = jacobian(scene)
-    rank, ways = _dependent(rows)[0], rows.shape[1]
-    return Mobility(ways // 6, len(rows), len(rows) - rank, ways - rank)
+    rank, count = _dependent(rows)[0], rows.shape[1]
+    return Mobility(count // 6, len(rows), len(rows) - rank, count - rank)
 
 
 def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
@@ -83,26 +83,26 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
     A part's columns are its velocity at the structure's middle, and its spin times the structure's
     size; parts that are held altogether have none.
     """
-    own, found, count = bodies(scene), conditions_of(scene), len(scene.position)
-    held = np.isin(own, own[scene.fixed.all(axis=1)])
-    moving = np.unique(own[~held])
+    own, rules, count = bodies(scene), conditions_of(scene), len(scene.position)
+    is_fixed = np.isin(own, own[scene.fixed.all(axis=1)])
+    moving = np.unique(own[~is_fixed])
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
     motion = np.zeros((count, 6, len(moving), 6))  # of particles, by those of their parts
-    for particle in np.flatnonzero(~held):
-        of = motion[particle, :, np.searchsorted(moving, own[particle])]
+    for particle in np.flatnonzero(~is_fixed):
+        block = motion[particle, :, np.searchsorted(moving, own[particle])]
         arm = scene.position[particle] - scene.position.mean(axis=0)
-        of[:3, :3], of[3:, 3:] = np.eye(3), np.eye(3) / size
-        of[:3, 3:] = -np.cross(np.eye(3), arm) / size
+        block[:3, :3], block[3:, 3:] = np.eye(3), np.eye(3) / size
+        block[:3, 3:] = -np.cross(np.eye(3), arm) / size
     motion = motion.reshape(6 * count, 6 * len(moving))
-    slopes = found.jacobian(Places(scene.position, scene.frame))
-    joints = size * found.weight(size)[:, None] * (slopes @ motion)
-    fixed = np.argwhere(scene.fixed & ~held[:, None])
+    slopes = rules.jacobian(Places(scene.position, scene.frame))
+    joints = size * rules.weight(size)[:, None] * (slopes @ motion)
+    fixed = np.argwhere(scene.fixed & ~is_fixed[:, None])
     dofs = fixed @ (6, 1)
     supports = np.where(dofs % 6 < 3, 1.0, size)[:, None] * motion[dofs]
-    by = {arm.particle: name for name, arm in scene.supports.items()}
-    names = [f"support {by.get(p, f'of particle {p}')}" for p, _ in fixed]
-    kinds = np.where(found.second == 0, "support", "joint")
-    names += [f"{kind} {name}" for kind, name in zip(kinds, found.joint, strict=True)]
+    support_names = {arm.particle: name for name, arm in scene.supports.items()}
+    names = [f"support {support_names.get(p, f'of particle {p}')}" for p, _ in fixed]
+    kinds = np.where(rules.second == 0, "support", "joint")
+    names += [f"{kind} {name}" for kind, name in zip(kinds, rules.joint, strict=True)]
     return np.concatenate([supports, joints]), names
 
 
@@ -110,9 +110,9 @@ def _dependent(rows: np.ndarray) -> tuple[int, np.ndarray]:
     """Rank of some conditions, and the share (c,) of each in what is nothing when combined."""
     if not rows.size:
         return 0, np.zeros(len(rows))
-    left, sizes, _ = np.linalg.svd(rows)
+    vectors, sizes, _ = np.linalg.svd(rows)
     rank = int((sizes > SMALLEST * sizes[0]).sum())
-    return rank, np.linalg.norm(left[:, rank:], axis=1)
+    return rank, np.linalg.norm(vectors[:, rank:], axis=1)
 
 
 def redundant(scene: Scene) -> list[str]:
@@ -125,26 +125,26 @@ def redundant(scene: Scene) -> list[str]:
     return list(dict.fromkeys(n for n, share in zip(names, shares, strict=True) if share > 1e-6))
 
 
-def longer_steps(found: SceneType, step: float) -> list[tuple[str, float, float]]:
+def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, float]]:
     """The parameters by which a stable step (s) of the defaults grows most, at most three.
 
     Each with a value a tenth away, or half of a whole number, and how many times as long the step
     is there.
     """
-    ways = []
-    for name, parameter in found.parameters.items():
+    changes = []
+    for name, parameter in structure.parameters.items():
         value = parameter.default
         if not value or parameter.kind not in ("real", "integer"):
             continue
         whole = parameter.kind == "integer"
-        for other in (max(value // 2, 1),) if whole else (0.9 * value, 1.1 * value):
+        for trial in (max(value // 2, 1),) if whole else (0.9 * value, 1.1 * value):
             try:
-                share = stable_step(found.build(**{name: other})).step / step
+                share = stable_step(structure.build(**{name: trial})).step / step
             except Exception:  # whatever a structure's own code says to a value of ours
                 continue
             if 1.03 < share < np.inf:
-                ways.append((name, other, share))
-    return sorted(ways, key=lambda way: -way[2])[:3]
+                changes.append((name, trial, share))
+    return sorted(changes, key=lambda change: -change[2])[:3]
 
 
 def cost(scene: Scene, duration: float, safety: float = 0.9) -> Cost:

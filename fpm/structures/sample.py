@@ -14,7 +14,7 @@ from fpm.structures.model import Model
 from fpm.structures.reading import Problems, SkippedError
 from fpm.structures.statement import PARTS, Entry
 
-BEFORE = ("materials", "sections", *PARTS, "masses", "supports", "joints")
+FIRST_GROUPS = ("materials", "sections", *PARTS, "masses", "supports", "joints")
 """Groups that are built before parts are forced together."""
 
 
@@ -26,11 +26,11 @@ def build_sample(model: Model, values: Mapping[str, float], problems: Problems) 
         _place(build, model)
         build.scene = _scene(build, model)
         for entry in model.entries:
-            if entry.statement.group in BEFORE:
+            if entry.statement.group in FIRST_GROUPS:
                 _build(build, entry)
         _assemble(build, model)
         for entry in model.entries:
-            if entry.statement.group not in BEFORE:
+            if entry.statement.group not in FIRST_GROUPS:
                 _build(build, entry)
         _finish(build, model)
     return build
@@ -53,14 +53,14 @@ def _number(build: Builder, model: Model, values: Mapping[str, float]) -> None:
 
 
 def _place(build: Builder, model: Model) -> None:
-    placed = []
+    positions = []
     for name in model.points:
         axes = [build.numbers.get(f"{name}.{axis}") for axis in "xyz"]
         if None not in axes:
-            placed.append(np.array(axes))
-            build.keep("points", name, Point(name, placed[-1]))
-    if placed:
-        build.size = float(np.ptp(placed, axis=0).max())
+            positions.append(np.array(axes))
+            build.keep("points", name, Point(name, positions[-1]))
+    if positions:
+        build.size = float(np.ptp(positions, axis=0).max())
 
 
 def _scene(build: Builder, model: Model) -> Scene:
@@ -71,7 +71,7 @@ def _scene(build: Builder, model: Model) -> Scene:
     except SceneError as error:
         _note(build, model.overall.lines.get(error.key, 0), error.key, error)
         scene = Scene(model.overall.name)
-    if "parts:ground" in model.names.used:
+    if "parts:ground" in model.names.uses:
         ground = int(scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)[0])
         scene.fix(ground)
         build.keep("parts", "ground", Ground("ground", {}))
@@ -79,11 +79,11 @@ def _scene(build: Builder, model: Model) -> Scene:
 
 
 def _build(build: Builder, entry: Entry) -> None:
-    before = len(build.scene.position)
+    count0 = len(build.scene.position)
     count = Counter({kind: len(elements) for kind, elements in build.scene.kinds.items()})
     try:
         values = entry.values(build)
-        made = entry.statement.build(build, values)
+        value = entry.statement.build(build, values)
     except SkippedError:
         return
     except SceneError as error:
@@ -95,17 +95,17 @@ def _build(build: Builder, entry: Entry) -> None:
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         _note(build, entry.line, entry.key, SceneError("", str(error), "possible numbers"))
         return
-    now = build.scene.kinds.items()
-    new = [(kind, i) for kind, own in now for i in range(count[kind], len(own))]
+    kinds = build.scene.kinds.items()
+    new = [(kind, i) for kind, own in kinds for i in range(count[kind], len(own))]
     if entry.statement.group == "actions":
         build.scene.action_names |= dict.fromkeys(new, entry.name)
     if word := vars(values).get("class"):
-        kept = build.scene.classes if word == "S" else {}  # hysteresis of a spring is hysteresis
-        build.scene.classes |= {one: kept.get(one, word) for one in new}
-    if isinstance(made, Part):
-        made.particles = np.arange(before, len(build.scene.position))
-        build.keep("parts", entry.name, made)
-    build.keep(entry.statement.group, entry.name, made)
+        classes = build.scene.classes if word == "S" else {}  # hysteresis of a spring is hysteresis
+        build.scene.classes |= {element: classes.get(element, word) for element in new}
+    if isinstance(value, Part):
+        value.particles = np.arange(count0, len(build.scene.position))
+        build.keep("parts", entry.name, value)
+    build.keep(entry.statement.group, entry.name, value)
 
 
 def _assemble(build: Builder, model: Model) -> None:
@@ -134,8 +134,8 @@ def _finish(build: Builder, model: Model) -> None:
         _note(build, 0, f"bodies: {error.key}", error)
     parts = [entry for entry in model.entries if entry.statement.group in PARTS]
     for entry in parts if len(parts) > 1 else ():
-        particles = build.made("parts", entry.name).particles
-        if not (build.joined.keys() & particles.tolist() or scene.fixed[particles].any()):
+        particles = build.get("parts", entry.name).particles
+        if not (build.joints_of.keys() & particles.tolist() or scene.fixed[particles].any()):
             build.problems.say(
                 entry.line, f"{entry.key}: nothing joins it to anything; allowed: parts with a "
                 "joint, a cable, a support or a drive"

@@ -18,9 +18,9 @@ from fpm.elements.kind import Kind
 from fpm.errors import did_you_mean, likely
 from fpm.reading.standards import CLASSES
 from fpm.structures.builder import Builder
-from fpm.structures.keys import REQUIRED, Choice, Key, Many, Number, Opening, Reference, Value
+from fpm.structures.keys import NO_VALUE, Choice, Key, ListOf, Number, Opening, Reference, Value
 from fpm.structures.names import Place
-from fpm.structures.reading import Node, SkippedError, among
+from fpm.structures.reading import Node, SkippedError, commas
 
 SLIDE = "prismatic"
 ON_SLIDES = {"moment": "force", "angle": "position", "turn": "travel", "torque": "force",
@@ -46,7 +46,7 @@ class Statement:
     group: the file's key; type: the entry's `type`, "" in groups of one kind; keys: what it takes,
     by name; build(build, it): puts one into the scene of a Builder and returns what others get that
     refer to it, `it` having the full `name` and the values of all keys; SceneError for what cannot
-    be. about: what it is, as docs/structures.md says.
+    be. text: what it is, as docs/structures.md says.
     """
 
     group: str
@@ -70,13 +70,13 @@ class Statement:
 def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Callable:
     """Make a kind of statement of the function that builds it, which says what it is."""
 
-    def made(build: Callable[[Builder, SimpleNamespace], Any]) -> Statement:
+    def register(build: Callable[[Builder, SimpleNamespace], Any]) -> Statement:
         words = text or (build.__doc__ or "").split("\n")[0]
-        found = Statement(group, type, keys, build, words)
-        GROUPS.get(group, {})[type] = found
-        return found
+        result = Statement(group, type, keys, build, words)
+        GROUPS.get(group, {})[type] = result
+        return result
 
-    return made
+    return register
 
 
 # -- keys that are fields of elements --------------------------------------------------------------
@@ -95,7 +95,7 @@ def key_of(kind: type[Kind], name: str, left_out: str = "", **changes: Any) -> K
     """
     field = specs(kind)[name]
     default = {f.name: f.default for f in fields(kind)}[name]
-    default = REQUIRED if default is MISSING else default
+    default = NO_VALUE if default is MISSING else default
     if isinstance(field, Index) and field.of == "hinges":
         return replace(JOINT, types=field.types or JOINT.types)
     if isinstance(field, Index):
@@ -107,15 +107,15 @@ def key_of(kind: type[Kind], name: str, left_out: str = "", **changes: Any) -> K
         default = None if default == np.inf else default
         key = Number(default, field.text, field.unit, field.least, field.above)
         if (count := field.count) > 1:
-            key = Many(default, field.text, replace(key, default=REQUIRED, text=""), count, count)
+            key = ListOf(default, field.text, replace(key, default=NO_VALUE, text=""), count, count)
     if left_out:
         key = replace(key, default=None, text=f"{key.text}; left out: {left_out}")
     return replace(key, **changes)
 
 
-def element(kind: type[Kind], it: SimpleNamespace, **more: Any) -> Kind:
-    """An element of a kind, from what its keys found and from `more`; None is a field's default."""
-    values = {**vars(it), "hinge": getattr(it, "joint", None), **more}
+def element(kind: type[Kind], args: SimpleNamespace, **extra: Any) -> Kind:
+    """An element of a kind, from what its keys gave and from `extra`; None: a field's default."""
+    values = {**vars(args), "hinge": getattr(args, "joint", None), **extra}
     own = {f.name: values.get(f.name) for f in fields(kind)}
     own = {name: tuple(x) if isinstance(x, list) else x for name, x in own.items()}
     return kind(**{name: value for name, value in own.items() if value is not None})
@@ -125,28 +125,28 @@ def acting(
     kind: type[Kind],
     text: str = "",
     /,
-    without: Container[str] = (),
+    excluded: Container[str] = (),
     left_out: Mapping[str, str] | None = None,
-    **more: Key,
+    **extra: Key,
 ) -> Callable:
     """The statement of a kind that acts on a joint: its fields are keys, those required first.
 
-    without: fields that are none; left_out: what some mean where they are left out, which the field
+    excluded: fields that are none; left_out: what some mean where they are left out, as the field
     does not allow by itself; more: further keys, or others of fields.
     """
-    names = [name for name in specs(kind) if name not in without]
-    found = {name: key_of(kind, name, (left_out or {}).get(name, "")) for name in names}
-    keys = {"joint": found.pop("hinge")} if "hinge" in found else {}
-    keys |= {**{name: key for name, key in more.items() if name not in found}, **found, **more}
+    names = [name for name in specs(kind) if name not in excluded]
+    own = {name: key_of(kind, name, (left_out or {}).get(name, "")) for name in names}
+    keys = {"joint": own.pop("hinge")} if "hinge" in own else {}
+    keys |= {**{name: key for name, key in extra.items() if name not in own}, **own, **extra}
     keys |= CLASS if kind.resists_as else {}
-    required_first = sorted(keys.items(), key=lambda pair: pair[1].default is not REQUIRED)
+    required_first = sorted(keys.items(), key=lambda pair: pair[1].default is not NO_VALUE)
     return statement("actions", kind.called, text, **dict(required_first))
 
 
 def whole(kind: type[Kind]) -> Statement:
     """The statement of a kind that acts on a joint, which is said by its fields alone."""
     text = (kind.__doc__ or "").split("\n")[0]
-    return acting(kind, text)(lambda build, it: build.scene.add(element(kind, it)))
+    return acting(kind, text)(lambda build, args: build.scene.add(element(kind, args)))
 
 
 # -- entries of a file -----------------------------------------------------------------------------
@@ -165,10 +165,10 @@ class Entry:
 
     def values(self, build: Builder) -> SimpleNamespace:
         """The values of all keys in one sample."""
-        it = SimpleNamespace(name=self.name, key=self.key)
+        args = SimpleNamespace(name=self.name, key=self.key)
         for name, key in self.statement.keys.items():
-            setattr(it, name, self.read[name](build) if name in self.read else key.default)
-        return it
+            setattr(args, name, self.read[name](build) if name in self.read else key.default)
+        return args
 
 
 def read_entry(
@@ -177,8 +177,8 @@ def read_entry(
     """The entry of a node, or None if it is wrong, or belongs to a neighbour that is not there."""
     try:
         if not node.is_table:
-            found = node.value if isinstance(node.value, str) else "a list"
-            place.problems.refuse(line, place.key, found, "a mapping of keys")
+            value = node.value if isinstance(node.value, str) else "a list"
+            place.problems.refuse(line, place.key, value, "a mapping of keys")
             return None
         statement = kinds.get("") or _statement(kinds, node, place)
         read = _read_keys(statement, _slides(statement, node, place), node, line, place)
@@ -189,21 +189,21 @@ def read_entry(
 
 def _statement(kinds: Mapping[str, Statement], node: Node, place: Place) -> Statement:
     """Which of the group's kinds the entry is."""
-    given, key = node.entries.get("type"), f"{place.key}.type"
-    if given is None:
-        place.problems.say(node.line, f"{key}: missing; allowed: {among(kinds)}")
-    elif given.text not in kinds:
-        allowed = f"is not allowed{did_you_mean(given.text, kinds)}; allowed: {among(kinds)}"
-        place.problems.say(given.line, f"{key}: {given.text!r} {allowed}")
+    type_node, key = node.entries.get("type"), f"{place.key}.type"
+    if type_node is None:
+        place.problems.say(node.line, f"{key}: missing; allowed: {commas(kinds)}")
+    elif type_node.text not in kinds:
+        allowed = f"is not allowed{did_you_mean(type_node.text, kinds)}; allowed: {commas(kinds)}"
+        place.problems.say(type_node.line, f"{key}: {type_node.text!r} {allowed}")
     else:
-        return kinds[given.text]
+        return kinds[type_node.text]
     raise SkippedError(key)
 
 
 def _slides(statement: Statement, node: Node, place: Place) -> list[str]:
     """The keys of an entry that name slides; SkippedError if one names a joint of which nobody can
     tell what it is."""
-    found, types = [], place.names.types
+    keys, types = [], place.names.types
     for key in statement.openings.keys() & node.entries.keys():
         text = node.entries[key].text
         try:
@@ -214,30 +214,30 @@ def _slides(statement: Statement, node: Node, place: Place) -> list[str]:
             continue
         if not types.get(full):
             raise SkippedError(full)
-        found += [key] * (types[full] == SLIDE)
-    return found
+        keys += [key] * (types[full] == SLIDE)
+    return keys
 
 
 def _read_keys(
     statement: Statement, slides: list[str], node: Node, line: int, place: Place
 ) -> dict[str, Value]:
     """What the keys of an entry mean, by their names in `it`; SkippedError if any is wrong."""
-    keys, sound, read, meant = statement.sliding(slides), True, {}, set()
-    known = [*(["type"] if statement.type else []), *keys]
+    keys, sound, read, corrected = statement.sliding(slides), True, {}, set()
+    allowed = [*(["type"] if statement.type else []), *keys]
     for key, entry in node.entries.items():
         if key in keys:
             name, kind = keys[key]
             try:
-                read[name] = kind.read(entry, place.inside(key))
+                read[name] = kind.read(entry, place.child(key))
             except SkippedError:
                 sound = False
-        elif key not in known:
+        elif key not in allowed:
             sound = False
-            other, hint = _meant(key, statement.keys, known)
-            meant.add(other)
-            place.problems.no_key(node.lines[key], f"{place.key}.{key}", known, hint)
+            likely_name, hint = _likely_key(key, statement.keys, allowed)
+            corrected.add(likely_name)
+            place.problems.no_key(node.lines[key], f"{place.key}.{key}", allowed, hint)
     for key, (_, kind) in keys.items():
-        if kind.default is REQUIRED and key not in node.entries and key not in meant:
+        if kind.default is NO_VALUE and key not in node.entries and key not in corrected:
             sound = False
             place.problems.say(line, f"{place.key}.{key}: missing; allowed: {kind.allowed}")
     if not sound:
@@ -245,12 +245,12 @@ def _read_keys(
     return read
 
 
-def _meant(key: str, on_hinges: Container[str], known: list[str]) -> tuple[str, str]:
+def _likely_key(key: str, on_hinges: Container[str], keys: list[str]) -> tuple[str, str]:
     """Which of the known keys of a statement is meant by another, and the hint that says so;
     on_hinges: those that it has on hinges."""
     if key in on_hinges:
         return ON_SLIDES[key], f" on a slide, where it is {ON_SLIDES[key]}"
     for name in on_hinges:
-        if ON_SLIDES.get(name) == key and "joint" in known:
+        if ON_SLIDES.get(name) == key and "joint" in keys:
             return name, f" on a hinge, where it is {name}"
-    return likely(key, known), did_you_mean(key, known)
+    return likely(key, keys), did_you_mean(key, keys)

@@ -20,9 +20,9 @@ from fpm.structures.model import KEYS, TEXTS, Model
 from fpm.structures.reading import (
     Node,
     Problems,
-    among,
     as_meant,
     check_keys,
+    commas,
     read,
     read_text,
 )
@@ -41,7 +41,7 @@ PARAMETER_KEYS = ("value", "unit", "range", "description", "whole")
 
 
 @dataclass(frozen=True)
-class Given:
+class GivenParameter:
     """A parameter with its unit and the line where it stands."""
 
     parameter: Parameter
@@ -61,8 +61,8 @@ class Given:
 class _File:
     """A structure's file, from which scenes are built."""
 
-    def __init__(self, table: Node, given: dict[str, Given], source: str):
-        self.table, self.given, self.source = table, given, source
+    def __init__(self, table: Node, parameters: dict[str, GivenParameter], source: str):
+        self.table, self.parameters, self.source = table, parameters, source
         self._models: dict[tuple, Model] = {}
 
     def build(self, **parameters) -> Scene:
@@ -74,10 +74,10 @@ class _File:
 
     def builder(self, parameters: Mapping, problems: Problems) -> Builder:
         """The sample at the values given; `problems` has what is wrong."""
-        values = {name: one.si(parameters[name]) for name, one in self.given.items()}
-        counts = {name: values[name] for name, one in self.given.items() if one.whole}
+        values = {name: p.si(parameters[name]) for name, p in self.parameters.items()}
+        counts = {name: values[name] for name, p in self.parameters.items() if p.whole}
         key = tuple(counts.values())
-        model = self._models.get(key) or Model(self.table, self.given, counts, problems)
+        model = self._models.get(key) or Model(self.table, self.parameters, counts, problems)
         if not problems:
             self._models[key] = model
         return build_sample(model, values, problems)
@@ -95,35 +95,35 @@ def load_text(path: Path) -> SceneType:
 def loads(text: str, source: str = "structure") -> SceneType:
     """The structure of a YAML file's text; `source` names it in messages."""
     problems = Problems(source)
-    found = read(text, problems)
-    if len(OF_CAMPAIGNS & found.entries.keys()) > 1:
+    node = read(text, problems)
+    if len(OF_CAMPAIGNS & node.entries.keys()) > 1:
         problems.say(0, "this is a campaign's file: use `check` or `run` with it; allowed: a "
                      "structure's, such as the one its `scene` names")  # fmt: skip
         problems.stop()
-    table = as_meant(found, KEYS, problems)
+    table = as_meant(node, KEYS, problems)
     parameters = table.entries.get("parameters", Node({}))
     if not parameters.is_table:
         problems.refuse(parameters.line, "parameters", parameters.plain, "a mapping from names")
         problems.stop()
-    given = _parameters(parameters, problems)
+    values = _parameters(parameters, problems)
     name, description, mesh = (_text(table, key, problems) for key in TEXTS)
     if name and not NAME.fullmatch(name):
         problems.refuse(table.lines["name"], "name", name, NAMED)
-    whole = [other for other, one in given.items() if one.whole]
-    if mesh and mesh not in whole and (mesh in given or mesh not in parameters.entries):
+    whole = [n for n, p in values.items() if p.whole]
+    if mesh and mesh not in whole and (mesh in values or mesh not in parameters.entries):
         allowed = f"{did_you_mean(mesh, whole)}; allowed: a parameter with `whole: true`"
         line = table.entries["mesh"].line
-        problems.say(line, f"mesh: {mesh!r} is not allowed{allowed}: {among(whole)}")
-    if len(given) < len(parameters.entries):
+        problems.say(line, f"mesh: {mesh!r} is not allowed{allowed}: {commas(whole)}")
+    if len(values) < len(parameters.entries):
         problems.stop()  # every use of a parameter left out would be a problem of its own
-    file = _File(table, given, source)
-    scene = file.builder({n: one.parameter.default for n, one in given.items()}, problems).scene
+    file = _File(table, values, source)
+    scene = file.builder({n: p.parameter.default for n, p in values.items()}, problems).scene
     problems.stop()
     content = json.dumps(table.plain).encode()
     return SceneType(
         name=name or Path(source).stem,
         description=description,
-        parameters={name: one.parameter for name, one in given.items()},
+        parameters={name: parameter.parameter for name, parameter in values.items()},
         points=tuple(scene.points),
         hinges=tuple(hinge.name for hinge in scene.hinges),
         function=file.build,
@@ -143,19 +143,19 @@ def _text(table: Node, key: str, problems: Problems) -> str:
 # -- parameters ------------------------------------------------------------------------------------
 
 
-def _parameters(table: Node, problems: Problems) -> dict[str, Given]:
+def _parameters(table: Node, problems: Problems) -> dict[str, GivenParameter]:
     """The parameters of a table by name; one that is wrong is left out, and noted."""
-    found = {}
+    result = {}
     for name, node in table.entries.items():
         key, line = f"parameters.{name}", table.lines[name]
         if not node.is_table:
             problems.refuse(line, key, node.plain, "a mapping with value, unit, description")
-        elif given := _parameter(key, line, node, problems):
-            found[name] = given
-    return found
+        elif parameter := _parameter(key, line, node, problems):
+            result[name] = parameter
+    return result
 
 
-def _parameter(key: str, line: int, node: Node, problems: Problems) -> Given | None:
+def _parameter(key: str, line: int, node: Node, problems: Problems) -> GivenParameter | None:
     check_keys(node, key, PARAMETER_KEYS, problems)
     if "value" not in node.entries:
         problems.say(line, f"{key}.value: missing; allowed: a number")
@@ -175,14 +175,14 @@ def _parameter(key: str, line: int, node: Node, problems: Problems) -> Given | N
     kind = "integer" if whole == "true" else "real"
     if kind == "integer" and value == round(value):
         value = round(value)
-    about = texts.get("description", "")
-    parameter = Parameter(value, measured.udunits, about, *ends, kind=kind)
+    description = texts.get("description", "")
+    parameter = Parameter(value, measured.udunits, description, *ends, kind=kind)
     try:
         parameter.check(key, value)
     except SceneError as error:
         problems.refuse(line, f"{key}.value", value, error.allowed)
         return None
-    return Given(parameter, measured, line)
+    return GivenParameter(parameter, measured, line)
 
 
 def _number(key: str, node: Node, problems: Problems) -> float | None:

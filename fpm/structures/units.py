@@ -23,13 +23,13 @@ class Dimension(NamedTuple):
         """Without the mark of a bare number."""
         return self[:3]
 
-    def fits(self, wanted: "Dimension") -> bool:
+    def fits(self, dimension: "Dimension") -> bool:
         """Whether a number of this dimension may stand for one of another."""
-        return self.bare or self.powers == wanted.powers
+        return self.bare or self.powers == dimension.powers
 
     def __str__(self) -> str:
-        known = next((n for n, u in _UNITS.items() if u[2] == self.powers and u[0] == u[1]), None)
-        known = "N m" if known == "J" else known  # of springs and torques
+        symbol = next((n for n, u in _UNITS.items() if u[2] == self.powers and u[0] == u[1]), None)
+        symbol = "N m" if symbol == "J" else symbol  # of springs and torques
         if not any(self.powers):
             return "a number without unit" if self.bare else "a number or an angle"
         parts = [
@@ -37,22 +37,22 @@ class Dimension(NamedTuple):
             for name, power in zip(("kg", "m", "s"), self.powers, strict=True)
             if power
         ]
-        return known or " ".join(parts)
+        return symbol or " ".join(parts)
 
 
 NUMBER = Dimension()
 BARE = Dimension(bare=True)
 
 
-def power(one: Dimension, exponent: float) -> Dimension:
+def power(dimension: Dimension, exponent: float) -> Dimension:
     """The dimension of a power of something."""
-    return Dimension(*(exponent * p for p in one.powers), one.bare)
+    return Dimension(*(exponent * p for p in dimension.powers), dimension.bare)
 
 
-def product(one: Dimension, two: Dimension, sign: int = 1) -> Dimension:
+def product(first: Dimension, second: Dimension, sign: int = 1) -> Dimension:
     """The dimension of a product, or of a quotient with sign -1."""
-    powers = (p + sign * q for p, q in zip(one.powers, two.powers, strict=True))
-    return Dimension(*powers, one.bare and two.bare)
+    powers = (p + sign * q for p, q in zip(first.powers, second.powers, strict=True))
+    return Dimension(*powers, first.bare and second.bare)
 
 
 class Unit(NamedTuple):
@@ -94,8 +94,8 @@ _UNITS = {  # name: numerator, denominator, powers of kg, m, s
 NAMES = tuple(_UNITS)
 
 _NAME = "|".join(sorted(_UNITS, key=len, reverse=True))
-_ONE = rf"(?:{_NAME})[234]?(?![\w.(])"
-CHAIN = rf"/?\s*{_ONE}(?:(?:\s*/\s*|\s+){_ONE})*"
+_TERM = rf"(?:{_NAME})[234]?(?![\w.(])"
+CHAIN = rf"/?\s*{_TERM}(?:(?:\s*/\s*|\s+){_TERM})*"
 """Regular expression of a unit behind a number: `mm`, `N m/rad`, `m/s2`, `/s`."""
 
 _FACTOR = re.compile(rf"\s*(/?)\s*({_NAME})(-?[1-4])?(?![A-Za-z])")
@@ -116,14 +116,14 @@ def unit(text: str) -> Unit:
     top = bottom = 1.0
     dimension, spelt = NUMBER, []
     while rest.strip():
-        found = _FACTOR.match(rest)
-        if not found:
+        match = _FACTOR.match(rest)
+        if not match:
             word = re.match(r"\s*/?\s*([A-Za-z]*)", rest)[1] or rest.strip()
             raise UnitError(
                 f"{text!r} is not a unit{did_you_mean(word, NAMES)}; allowed: products and "
                 f"quotients such as N m/rad of {', '.join(NAMES)}"
             )
-        slash, name, digits = found.groups()
+        slash, name, digits = match.groups()
         exponent = int(digits or 1) * (-1 if slash else 1)
         numerator, denominator, powers = _UNITS[name]
         if exponent < 0:
@@ -132,5 +132,5 @@ def unit(text: str) -> Unit:
         dimension = product(dimension, power(Dimension(*powers), exponent))
         name = "degree" if name == "deg" else name
         spelt.append(name if exponent == 1 else f"{name}{exponent}")
-        rest = rest[found.end() :]
+        rest = rest[match.end() :]
     return Unit(top, bottom, dimension, " ".join(spelt) or "1")

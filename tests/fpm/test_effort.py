@@ -34,7 +34,7 @@ def test_eliminations_are_counted_as_they_are_done(scene):
     count = found.count
     done = sum(n**3 / 6 for n in count)
     for j, n in enumerate(count):
-        some = found.below[found.below_start[j] : found.below_start[j + 1]]
+        some = found.followers[found.below_start[j] : found.below_start[j + 1]]
         done += sum(n**2 * count[k] / 2 for k, _ in some)
         for i, k, *_ in found.updates[found.update_start[j] : found.update_start[j + 1]]:
             done += n * count[i] * count[k] * (0.5 if i == k else 1.0)

@@ -259,7 +259,7 @@ def test_friction_of_a_cable_is_friction():
 def test_times_of_a_margin_are_refused():
     response = responses.parse("m", {"margin": "h1", "to": 1.0, "standard": "aiaa-s-114"}, panel())
     for kind in ("crossing", "value", "settling"):
-        keys = dict.fromkeys(KINDS[kind].needed, 0.5)
+        keys = dict.fromkeys(KINDS[kind].mandatory, 0.5)
         _, problems = parse({"q": {kind: "m", **keys}}, [response], [])
         assert "over time" in problems[0].allowed
 

@@ -22,11 +22,24 @@ CLEAN = (
     "deployable/campaign/text",
     "fpm/assembly",
     "fpm/elements",
+    "fpm/errors.py",
     "fpm/files",
     "fpm/kernels",
     "fpm/motions",
+    "fpm/reading/bars.py",
+    "fpm/reading/clearance.py",
+    "fpm/reading/constraint_forces.py",
+    "fpm/reading/events.py",
+    "fpm/reading/quantities.py",
+    "fpm/reading/quantity_definitions.py",
+    "fpm/reading/recording.py",
+    "fpm/reading/responses.py",
+    "fpm/reading/shocks.py",
+    "fpm/reading/stress.py",
+    "fpm/reading/variables.py",
     "fpm/scenes",
     "fpm/solver",
+    "fpm/structures",
 )
 """Folders and files that are held to it."""
 
@@ -61,8 +74,11 @@ ELEMENT_TYPE = (
     "above", "called", "given", "led", "moved", "of", "on", "past", "recorded", "same", "shut",
     "stored", "taken", "watched",
 )  # fmt: skip
+QUANTITY = ("about", "at", "within", "way")
 MEMBERS = {
     **dict.fromkeys(ELEMENT_TYPE, "interface of element types, docs/mechanics.md"),
+    **dict.fromkeys(QUANTITY, "keys of quantities, docs/quantities.md"),
+    "along": "key of margins, docs/responses.md; what a response lies along",
 }
 """Names of the public interface, allowed for fields and methods and for functions of modules."""
 

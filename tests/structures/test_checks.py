@@ -10,7 +10,7 @@ from structures_for_tests import FOURBAR, SMALL, changed, problems_of, refused, 
 from fpm import SceneError
 from fpm.structures import StructureError, load, loads
 from fpm.structures.describe import describe
-from fpm.structures.statement import REQUIRED
+from fpm.structures.statement import NO_VALUE
 from fpm.structures.statements import STATEMENTS
 
 OPEN = changed(FOURBAR, ("assemble: {hold: [A]}\n", ""), ("value: 10", "value: 0"))
@@ -193,7 +193,7 @@ def test_no_number_is_left_out_of_these():
     for one in STATEMENTS:
         known = DEFAULTS.get(f"{one.group} {one.type}".strip(), {})
         for key, kind in one.keys.items():
-            if kind.default is not REQUIRED and isinstance(kind.default, float | np.ndarray):
+            if kind.default is not NO_VALUE and isinstance(kind.default, float | np.ndarray):
                 assert key in known, (one.group, key)
 
 

@@ -325,7 +325,7 @@ def test_it_is_loaded_once_until_something_of_it_changes(mast):
         file.write_text(text)  # within a second, of the same size: compiled code looks the same
         before, first = first, load(path)
         assert first.digest != before.digest
-        assert int(helper.read_text()[4]) == first.function.opened.modules["helper_of_it"].A
+        assert int(helper.read_text()[4]) == first.function.record.modules["helper_of_it"].A
         assert "helper_of_it" not in sys.modules
 
 

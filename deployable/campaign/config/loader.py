@@ -20,7 +20,7 @@ from fpm.structures.reading import (
     MOST,
     ExcessError,
     StructureError,
-    joined,
+    dotted,
     read_text,
     why_not_yaml,
 )
@@ -132,7 +132,7 @@ def read(text: str, source: str) -> Text:
 
 def _lines(node: yaml.Node, path: str = "") -> Iterator[tuple[str, int]]:
     for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
-        yield (at := joined(path, str(key.value))), key.start_mark.line + 1
+        yield (at := dotted(path, str(key.value))), key.start_mark.line + 1
         yield from _lines(value, at)
 
 

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 from deployable.campaign.config.keys import Part, RefusedError, part_of
 from deployable.campaign.config.models import Config
-from fpm.errors import did_you_mean, likely, meant
-from fpm.structures.reading import among
+from fpm.errors import did_you_mean, likely, number_hint
+from fpm.structures.reading import commas
 
 
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
@@ -94,7 +94,7 @@ def _fault(raw: Any, error: Mapping) -> Fault:
         elif kind == "missing" and names[-1] in path:
             told = "missing"
         else:
-            hint = meant(value, with_unit=False) if isinstance(value, str) else ""
+            hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
             told = f"{show(value)} is not allowed{hint if 'number' in allowed else ''}"
         text = f"{key}: {told}; allowed: {allowed}"
     return Fault((*path,), (*path[:entry],), text)
@@ -119,7 +119,7 @@ def _no_key(path: list[str], name: str, part: Part) -> str:
     """That a key is not known, with the likely one."""
     hint = did_you_mean(name, part.children)
     key = ".".join([*path, name])
-    return f"{key}: there is no such key{hint}; allowed: {among(part.children, 6 if hint else 99)}"
+    return f"{key}: there is no such key{hint}; allowed: {commas(part.children, 6 if hint else 99)}"
 
 
 def _remove(data: Any, path: tuple[str, ...]) -> None:

@@ -33,7 +33,7 @@ from deployable.campaign.config.sections import (
 )
 from deployable.intervals import IntervalError, check_spline_runs, held_out_points
 from deployable.intervals.scalars.requirements import ENDS
-from fpm.errors import meant
+from fpm.errors import number_hint
 from fpm.files.outcome import eventful
 from fpm.reading.margins import driving, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
@@ -257,7 +257,7 @@ def parameter_problems(given: Mapping, scene_type: Any) -> list[str]:
         if name not in known:
             told = unknown(name, f"parameter of {scene_type.name}", known)
         elif not allows(known[name], value):
-            hint = meant(value, with_unit=False) if isinstance(value, str) else ""
+            hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
             told = f"{show(value)} is not allowed{hint}; allowed: {known[name].allowed}"
         else:
             continue

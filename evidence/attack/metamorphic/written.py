@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from fpm.structures.keys import Key, Many, Number, Opening, Vector
+from fpm.structures.keys import Key, ListOf, Number, Opening, Vector
 from fpm.structures.model import overall
 from fpm.structures.statement import SLIDE
 from fpm.structures.statements import GROUPS
@@ -53,7 +53,7 @@ def changed(structure: Structure, change: Change) -> Structure:
 
 
 def _changed(value: Any, kind: Key | None, change: Change) -> Any:
-    if isinstance(kind, Many) and isinstance(kind.kind, Number):
+    if isinstance(kind, ListOf) and isinstance(kind.kind, Number):
         return [change(x, kind.kind.unit) for x in value]
     if isinstance(kind, Vector):
         return [change(x, kind.unit) for x in value]

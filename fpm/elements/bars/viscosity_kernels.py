@@ -16,7 +16,7 @@ HISTORY = 3
 
 
 class Viscous(NamedTuple):
-    """nodes (m, 2) particles; damping (m, 1, lanes) N s/m; past (m, PAST, lanes); account."""
+    """nodes (m, 2) particles; damping (m, 1, lanes) N s/m; past (m, HISTORY, lanes); account."""
 
     nodes: np.ndarray
     damping: np.ndarray

@@ -102,7 +102,7 @@ def strain_before(part, j, strain):
 
 @kernel
 def find_alone(part, first, last, close):
-    """The strains ALONE of all stretches, from the first point to the last."""
+    """The strains FREE_STRAIN of all stretches, from the first point to the last."""
     start, length = load(part.rubbed, first, START), load(part.stretches, first, LENGTH)
     tight = length - start
     strain, slope = positive(tight) / larger(start, 0.0 * start + TINY), length

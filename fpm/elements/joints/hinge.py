@@ -222,7 +222,7 @@ def _bodies(scene, hinges: Sequence[Hinge]) -> np.ndarray:
     references = np.concatenate([hinge.references for hinge in hinges])
     p = [beam.particle for beam in beams]
     inverse_mass = ~scene.fixed[p, :3] / scene.mass[p, None]
-    # In the order of hinge_arrays.py: ARM, AXIS, REF, NORMAL, HIM.
+    # In the order of hinge_arrays.py: ARM, AXIS, REF, NORMAL, AXIS_IM.
     arms = [beam.arm for beam in beams]
     return np.hstack([arms, axes, references, cross(axes, references), inverse_mass])
 

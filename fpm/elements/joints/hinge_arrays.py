@@ -36,7 +36,7 @@ TILTS = 21  # rates of the tilts p and q by unit supports x, y, z: each 2
 Y = 27  # A^-1 times the columns of the supports x, y, z: each 3 + 2
 G = 42  # inverse of the supports' Schur complement (6)
 HOLD = 48  # impulses of the supports (3); zero along axes that are free
-MISS = 51  # what `aim` asks for besides, as it missed it before, like ASKED
+MISS = 51  # what `aim` asks for besides, as it missed it before, like GOAL
 # Rates to be had by impulses: of the gap (3), of the tilts about p and q, of the held point (3).
 GOAL = 59
 FORCE1, FORCE2, MP = 67, 70, 73  # force on body 1, against 2 (3 each), moments p, q on 2

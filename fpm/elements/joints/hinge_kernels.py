@@ -244,7 +244,7 @@ def gap_squares(part, state, h):
 
 @kernel
 def distance(w, h, step, size):
-    """Negative where what is ASKED of hinge h is too much for `nudge`; size (m) of the scene."""
+    """Negative where the GOAL of hinge h is too large for `nudge`; size (m) of the scene."""
     most = coarse(step, size)
     gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
     ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)

@@ -275,7 +275,7 @@ def prepare_matrices(part):
 
 @kernel
 def find_impulses(part):
-    """Impulses that change rates of every open hinge by what is ASKED. They go into ONE, TWO and
+    """Impulses that change rates of every open hinge by its GOAL. They go into FORCE1, FORCE2 and
     MP, what they do to the bodies into DV and DP.
     """
     bodies, b, w, open_ = part.bodies, part.body_scratch, part.hinge_scratch, part.open

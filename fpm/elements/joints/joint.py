@@ -270,4 +270,4 @@ def _bodies(scene, bodies) -> np.ndarray:
     inverse_mass = free[:, :3] / scene.mass[bodies][:, None]
     inverse_inertia = free[:, 3:].any(axis=1)[:, None] / turns_of(scene).inertia[bodies]
     root, turns = np.sqrt(inverse_inertia), free[:, 3:] | is_driven
-    return np.hstack([inverse_mass, inverse_inertia, root, turns])  # HIM, HIJ, ROOT, TURNS
+    return np.hstack([inverse_mass, inverse_inertia, root, turns])  # AXIS_IM, HIJ, ROOT, TURNS

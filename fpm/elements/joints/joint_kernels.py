@@ -115,7 +115,7 @@ def find_spin(part, state, s):
 
 @kernel
 def find_rates(part, state):
-    """Rates in OFF that impulses have to take, if they did not change over the step."""
+    """Rates in RESIDUAL that impulses have to take, if they did not change over the step."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.on.shape[0]):
         put3(b, s, SPIN, find_spin(part, state, s))
@@ -141,7 +141,7 @@ def push_all(part, state):
 
 @kernel
 def find_impulses(part, factor):
-    """Impulses that change what is in OFF, or rates of it, by `factor` times what it is.
+    """Impulses that change what is in RESIDUAL, or rates of it, by `factor` times what it is.
 
     They go into IMPULSE, what they are to the bodies into FORCE and MOMENT.
     """
@@ -288,7 +288,7 @@ def move_back(part, start, step):
 
 @kernel
 def close_before(part, start, step):
-    """Close what is in OFF by the momenta before the start, and bring the bodies back to it."""
+    """Close what is in RESIDUAL by the momenta before the start, and bring the bodies back."""
     b = part.body_scratch
     find_impulses(part, -0.5 / step)
     for s in range(part.on.shape[0]):

@@ -139,7 +139,7 @@ def find_rows(part, state):
 
 @kernel
 def find_gaps(part, state, j):
-    """Store the gaps of joint j in OFF, those of points in m, of directions in rad.
+    """Store the gaps of joint j in RESIDUAL, those of points in m, of directions in rad.
 
     Returns the sums of their squares.
     """

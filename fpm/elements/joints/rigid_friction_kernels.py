@@ -35,7 +35,7 @@ CHANGES = 5
 
 
 class RigidFrictions(NamedTuple):
-    """on, turn (f,); numbers (f, 1, lanes); past (f, PAST, lanes); state (f, STATE, lanes)."""
+    """on, turn (f,); numbers (f, 1, lanes); past (f, HISTORY, lanes); state (f, STATE, lanes)."""
 
     on: np.ndarray
     turn: np.ndarray

@@ -41,7 +41,7 @@ TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 
 class RigidLatches(NamedTuple):
-    """on (l,) hinges; turn (l,); numbers (l, 4, lanes); past (l, PAST, lanes); state (l,
+    """on (l,) hinges; turn (l,); numbers (l, 4, lanes); past (l, HISTORY, lanes); state (l,
     STATE, lanes).
     """
 

@@ -16,7 +16,7 @@ from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store, where_negative
 from fpm.kernels.world import Log
 
-WORKS = 0  # of turn_kernels, up to AGO, where all releases have it
+WORKS = 0  # of turn_kernels, up to STEPS, where all releases have it
 REST_MOMENT = STEPS + 1  # moment that was left then (N m)
 STATE = REST_MOMENT + 1
 

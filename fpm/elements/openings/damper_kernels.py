@@ -14,7 +14,7 @@ DAMPING = 0
 
 
 class Dampers(NamedTuple):
-    """on (d,) hinges; numbers (d, 1, lanes); past (d, PAST, lanes); number of account."""
+    """on (d,) hinges; numbers (d, 1, lanes); past (d, HISTORY, lanes); number of account."""
 
     on: np.ndarray
     numbers: np.ndarray

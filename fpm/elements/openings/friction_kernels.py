@@ -30,7 +30,7 @@ step later, before the next one is found by the secant of both."""
 
 
 class Frictions(NamedTuple):
-    """on (f,) hinges; the others (f, 3, PAST or STATE, lanes)."""
+    """on (f,) hinges; the others (f, 3, HISTORY or STATE, lanes)."""
 
     on: np.ndarray
     numbers: np.ndarray

@@ -12,7 +12,7 @@ from fpm.kernels.lanes import absolute, any_negative, load, store, where_negativ
 from fpm.kernels.vectors import kernel
 from fpm.kernels.world import Log
 
-# Constants of a latch; FROM is the sign of the rate with which it can be caught, 0 for both;
+# Constants of a latch; APPROACH is the sign of the rate with which it can be caught, 0 for both;
 # ONE_SIDED is -1 where it is, and 1 elsewhere.
 NUMBERS = "angle", "tolerance", "side", "fastest", "stiffness", "damping", "one_sided"
 ANGLE, TOLERANCE, APPROACH, FASTEST, STIFFNESS, DAMPING, ONE_SIDED = range(7)
@@ -34,7 +34,7 @@ ANGLE_TOL = 1e-6
 
 
 class Latches(NamedTuple):
-    """on (l,) hinges; numbers (l, 7, lanes); past (l, PAST, lanes); state (l, STATE, lanes)."""
+    """on (l,) hinges; numbers (l, 7, lanes); past (l, HISTORY, lanes); state (l, STATE, lanes)."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -102,7 +102,7 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
 
 @kernel
 def excess(part, i, field):
-    """How far (rad) the opening is beyond where latch i holds; `field` NOW or BEFORE."""
+    """How far (rad) the opening is beyond where latch i holds; `field` NEW or OLD."""
     angle = load(part.openings.angles, part.on[i], field) - load(part.state, i, HOLD_ANGLE)
     return load(part.state, i, SIGN) * angle
 

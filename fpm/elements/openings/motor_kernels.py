@@ -26,7 +26,7 @@ TRACK = 1
 
 
 class Motors(NamedTuple):
-    """on (m,) hinges; curve, by_rate (m,); numbers (m, 4, lanes); past (m, PAST, lanes);
+    """on (m,) hinges; curve, by_rate (m,); numbers (m, 4, lanes); past (m, HISTORY, lanes);
     state (m, STATE, lanes); given, taken: numbers of the accounts of work and loss; rows (m, 1,
     lanes); track ((instants + 1) m, 1,
     lanes) recorded moment (N m).

@@ -35,7 +35,7 @@ class Openings(NamedTuple):
     is_needed: bool  # whether they are needed in every step
     track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded
     slides: np.ndarray | None = None  # (h,) 1 where the opening is a length
-    moments: np.ndarray | None = None  # (h parts, TOLD, lanes) who acts on them, where told apart
+    moments: np.ndarray | None = None  # (h parts, PART_FIELDS, lanes) of each part, if told apart
     told_track: np.ndarray | None = None  # ((instants + 1) h parts, 2, lanes): moment, work
     parts: int = 0  # into which the moment is told apart
     part: int = 0  # of them is the kind's own that sees these openings

@@ -30,7 +30,7 @@ STATE = 6
 
 
 class Releases(NamedTuple):
-    """on, watch (r,) hinges; numbers (r, 5, lanes); past (r, PAST, lanes); state (r, STATE,
+    """on, watch (r,) hinges; numbers (r, 5, lanes); past (r, HISTORY, lanes); state (r, STATE,
     lanes); account: number of that of the loss; rows (r, 1, lanes).
     """
 

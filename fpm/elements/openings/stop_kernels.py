@@ -20,7 +20,7 @@ TOUCH = 1e-9
 
 
 class Stops(NamedTuple):
-    """on (s,) hinges; numbers (s, 4, lanes); past (s, PAST, lanes); account of what is lost."""
+    """on (s,) hinges; numbers (s, 4, lanes); past (s, HISTORY, lanes); account of what is lost."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -33,7 +33,7 @@ class Stops(NamedTuple):
 
 @kernel
 def overlap(part, i, field):
-    """Overlap (rad) of stop i, `field` NOW or BEFORE; negative where it is free."""
+    """Overlap (rad) of stop i, `field` NEW or OLD; negative where it is free."""
     angle = load(part.openings.angles, part.on[i], field) - load(part.numbers, i, ANGLE)
     return load(part.numbers, i, SIDE) * angle
 

@@ -19,7 +19,7 @@ STATE = 2  # moment, at the last forces and a step before
 
 
 class TorqueMotors(NamedTuple):
-    """on (m,) hinges; curve (m,); numbers (m, 2, lanes); past (m, PAST, lanes); state (m, STATE,
+    """on (m,) hinges; curve (m,); numbers (m, 2, lanes); past (m, HISTORY, lanes); state (m, STATE,
     lanes); given: number of the account of their work; track ((instants + 1) m, 1, lanes) recorded
     moment (N m).
     """

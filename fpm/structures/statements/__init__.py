@@ -6,5 +6,5 @@ from fpm.structures.statements import acting, joints, moved, parts
 __all__ = ["GROUPS", "STATEMENTS", "acting", "joints", "moved", "parts"]
 
 STATEMENTS: tuple[Statement, ...] = tuple(
-    one for kinds in GROUPS.values() for one in kinds.values()
+    statement for kinds in GROUPS.values() for statement in kinds.values()
 )

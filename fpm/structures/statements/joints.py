@@ -6,73 +6,73 @@ from itertools import pairwise
 import numpy as np
 
 from fpm.elements.joints.hinge import unit
-from fpm.structures.builder import APART
-from fpm.structures.keys import Direction, Each, Letters, Many, Number, Reference
+from fpm.structures.builder import POINT_TOL
+from fpm.structures.keys import Direction, Letters, ListOf, MapOf, Number, Reference
 from fpm.structures.statement import statement
 
 PART = Reference(group="parts", ground=True)
-PARTS = Many(kind=PART, least=2, text="what it joins")
-PAIR = Many(kind=PART, least=2, most=2, text="what it joins")
-AT = Each(
+PARTS = ListOf(kind=PART, least=2, text="what it joins")
+PAIR = ListOf(kind=PART, least=2, most=2, text="what it joins")
+POINT = MapOf(
     text="its point, which all parts have; or the point of each part, which must coincide",
     kind=Reference(group="points"),
-    one=True,
+    single=True,
 )
 
 
-def _each(build, it, key: str, what: str) -> list:
+def _per_part(build, args, key: str, noun: str) -> list:
     """The values of a key for each of a joint's parts, stated for each or one for all."""
-    value, names = getattr(it, key), [part.name for part in it.parts]
+    value, names = getattr(args, key), [part.name for part in args.parts]
     if not isinstance(value, dict):
         return [value] * len(names)
     if value.keys() != set(names):
-        build.refuse(key, list(value), f"{what} for each of {', '.join(names)}")
+        build.refuse(key, list(value), f"{noun} for each of {', '.join(names)}")
     return [value[name] for name in names]
 
 
-def _meet(build, it) -> tuple[list[int], np.ndarray]:
+def _meet(build, args) -> tuple[list[int], np.ndarray]:
     """The particles of a joint's parts, and their points there (k, 3); for every joint."""
-    points = _each(build, it, "at", "a point")
-    particles = [part.particle(p.name) for part, p in zip(it.parts, points, strict=True)]
-    for (one, p), (two, q) in pairwise(zip(it.parts, points, strict=True)):
+    points = _per_part(build, args, "at", "a point")
+    particles = [part.particle(p.name) for part, p in zip(args.parts, points, strict=True)]
+    for (part1, p), (part2, q) in pairwise(zip(args.parts, points, strict=True)):
         gap = float(np.linalg.norm(p.position - q.position))
-        if not gap <= APART * build.size and build.hold is None:
-            found = f"{p.name} of {one.name} and {q.name} of {two.name}, {gap:.6g} m apart"
-            allowed = f"points that coincide to {APART * build.size:.2g} m, or `assemble: true`"
-            build.refuse("at", found, allowed)
+        if not gap <= POINT_TOL * build.size and build.hold is None:
+            text = f"{p.name} of {part1.name} and {q.name} of {part2.name}, {gap:.6g} m apart"
+            allowed = f"points that coincide to {POINT_TOL * build.size:.2g} m, or `assemble: true`"
+            build.refuse("at", text, allowed)
     for particle in particles:
-        build.joined.setdefault(particle, []).append(it.name)
+        build.joints_of.setdefault(particle, []).append(args.name)
     if build.hold is None:  # what is apart by rounding meets at the first part's point
         points = points[:1] * len(points)
     return particles, np.array([point.position for point in points])
 
 
-def _axes(build, it) -> np.ndarray:
+def _axes(build, args) -> np.ndarray:
     """The axis of a revolute joint for each of its parts (k, 3)."""
-    axes = np.array(_each(build, it, "axis", "one"))
-    apart = float(np.abs(axes - axes[0]).max())
-    if apart > APART and build.hold is None:
+    axes = np.array(_per_part(build, args, "axis", "one"))
+    gap = float(np.abs(axes - axes[0]).max())
+    if gap > POINT_TOL and build.hold is None:
         build.refuse("axis", axes.tolist(), "axes that agree, or `assemble: true`")
     return axes if build.hold is not None else np.tile(axes[0], (len(axes), 1))
 
 
-def _further(it, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
+def _further(args, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
     """Name and particles of joints of the first part with those after the second, and their places
     among the parts."""
     for k in range(2, len(particles)):
-        own = it.parts[k].name.rpartition(".")[2]  # without that of its unit
-        yield f"{it.name}_{own}", (particles[0], particles[k]), [0, k]
+        own = args.parts[k].name.rpartition(".")[2]  # without that of its unit
+        yield f"{args.name}_{own}", (particles[0], particles[k]), [0, k]
 
 
 @statement(
     "joints",
     "revolute",
     parts=PARTS,
-    at=AT,
-    axis=Each(
+    at=POINT,
+    axis=MapOf(
         text="of the turn; or the axis of each part, which must agree",
         kind=Direction(),
-        one=True,
+        single=True,
     ),
     opening=Number(
         0.0,
@@ -80,7 +80,7 @@ def _further(it, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
         "first, by the right-hand rule",
         unit="rad",
     ),
-    references=Each(
+    references=MapOf(
         None,
         "a direction fixed to each part, normal to the axis: the opening is their angle, "
         "on the turn closest to `opening`",
@@ -88,80 +88,80 @@ def _further(it, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
     ),
     held=Letters("", "axes along which the point is held, as by a slider"),
 )
-def revolute(build, it):
+def revolute(build, args):
     """A hinge: parts share a point and an axis, and turn freely about it.
 
     The opening is that of the first two parts. Further ones are hinged to the first.
     """
-    particles, points = _meet(build, it)
-    axes, references, scene = _axes(build, it), it.references, build.scene
-    if references is not None:
-        references = _each(build, it, "references", "one")
-        references = [_across(build, *pair) for pair in zip(references, axes, strict=True)]
+    particles, points = _meet(build, args)
+    axes, refs, scene = _axes(build, args), args.references, build.scene
+    if refs is not None:
+        refs = _per_part(build, args, "references", "one")
+        refs = [_normal_part(build, *pair) for pair in zip(refs, axes, strict=True)]
     pair = particles[:2]
-    hinge = scene.add_hinge(it.name, pair, points[:2], axes[:2], references, it.opening, it.held)
-    for name, pair, both in _further(it, particles):
-        scene.add_hinge(name, pair, points[both], axes[both])
+    hinge = scene.add_hinge(args.name, pair, points[:2], axes[:2], refs, args.opening, args.held)
+    for name, pair, ends in _further(args, particles):
+        scene.add_hinge(name, pair, points[ends], axes[ends])
     return hinge
 
 
-def _across(build, reference, axis) -> np.ndarray:
+def _normal_part(build, reference, axis) -> np.ndarray:
     """A reference without the rounding along the axis."""
-    along = float(reference @ axis)
-    if abs(along) > 1e-6:
+    component = float(reference @ axis)
+    if abs(component) > 1e-6:
         build.refuse("references", reference.tolist(), "directions normal to the axis")
-    return unit(reference - along * axis, "reference")
+    return unit(reference - component * axis, "reference")
 
 
-def _join(build, it, type: str) -> None:
+def _join(build, args, type: str) -> None:
     """Join all parts to the first."""
-    particles, points = _meet(build, it)
-    build.scene.add_joint(it.name, type, particles[:2], points[:2])
-    for name, pair, both in _further(it, particles):
-        build.scene.add_joint(name, type, pair, points[both])
+    particles, points = _meet(build, args)
+    build.scene.add_joint(args.name, type, particles[:2], points[:2])
+    for name, pair, ends in _further(args, particles):
+        build.scene.add_joint(name, type, pair, points[ends])
 
 
-@statement("joints", "spherical", parts=PARTS, at=AT)
-def spherical(build, it):
+@statement("joints", "spherical", parts=PARTS, at=POINT)
+def spherical(build, args):
     """A ball and socket: parts share a point."""
-    _join(build, it, "spherical")
+    _join(build, args, "spherical")
 
 
-@statement("joints", "fixed", parts=PARTS, at=AT)
-def fixed(build, it):
+@statement("joints", "fixed", parts=PARTS, at=POINT)
+def fixed(build, args):
     """Parts that neither move nor turn against each other there."""
-    _join(build, it, "fixed")
+    _join(build, args, "fixed")
 
 
 @statement(
     "joints",
     "universal",
     parts=PAIR,
-    at=AT,
+    at=POINT,
     axis=Direction(text="of the cross, on the first part"),
     other=Direction(text="axis of the cross on the second part, normal to that on the first"),
-    openings=Many(
+    openings=ListOf(
         None,
         "its angles at the start: of the cross about `axis` against the first part, and of the "
         "second part about `other` against the cross; left out: 0",
         kind=Number(unit="rad"), least=2, most=2,
     ),
 )  # fmt: skip
-def universal(build, it):
+def universal(build, args):
     """Cardan's joint: parts share a point, and a cross about two axes that stay normal."""
-    if abs(it.axis @ it.other) > 1e-6:
-        build.refuse("other", it.other.tolist(), f"a direction normal to {it.axis.tolist()}")
-    other = unit(it.other - (it.axis @ it.other) * it.axis, "other")
-    particles, points = _meet(build, it)
-    openings = it.openings or (0.0, 0.0)
-    return build.scene.add_universal(it.name, particles, points, it.axis, other, openings)
+    if abs(args.axis @ args.other) > 1e-6:
+        build.refuse("other", args.other.tolist(), f"a direction normal to {args.axis.tolist()}")
+    axis2 = unit(args.other - (args.axis @ args.other) * args.axis, "other")
+    particles, points = _meet(build, args)
+    openings = args.openings or (0.0, 0.0)
+    return build.scene.add_universal(args.name, particles, points, args.axis, axis2, openings)
 
 
 @statement(
     "joints",
     "prismatic",
     parts=PAIR,
-    at=AT,
+    at=POINT,
     axis=Direction(text="along which the second part slides on the first"),
     opening=Number(
         0.0,
@@ -169,10 +169,10 @@ def universal(build, it):
         unit="m",
     ),
 )
-def prismatic(build, it):
+def prismatic(build, args):
     """A slider: the second part moves along an axis of the first, and does not turn on it."""
-    particles, points = _meet(build, it)
-    return build.scene.add_slide(it.name, particles, points, it.axis, it.opening)
+    particles, points = _meet(build, args)
+    return build.scene.add_slide(args.name, particles, points, args.axis, args.opening)
 
 
 @statement(
@@ -182,15 +182,15 @@ def prismatic(build, it):
     translations=Letters("xyz", "axes along which it is held"),
     rotations=Letters("xyz", "axes about which it is held"),
 )
-def support(build, it):
+def support(build, args):
     """Holds a point of a part along and about global axes."""
-    scene, particle = build.scene, it.part.particle(it.at.name)
-    scene.supports[it.name] = scene.arm_to(particle, it.at.position)
-    off = np.linalg.norm(it.at.position - scene.position[particle])
-    whole = len(it.translations) == len(it.rotations) == len("xyz")
-    if whole or off <= APART * build.size or not it.translations:
-        scene.fix(particle, it.translations, it.rotations)
+    scene, particle = build.scene, args.part.particle(args.at.name)
+    scene.supports[args.name] = scene.arm_to(particle, args.at.position)
+    distance = np.linalg.norm(args.at.position - scene.position[particle])
+    whole = len(args.translations) == len(args.rotations) == len("xyz")
+    if whole or distance <= POINT_TOL * build.size or not args.translations:
+        scene.fix(particle, args.translations, args.rotations)
     else:
-        scene.hold_point(it.name, particle, it.at.position, it.translations)
-        build.joined.setdefault(particle, []).append(it.name)
-        scene.fix(particle, "", it.rotations)
+        scene.hold_point(args.name, particle, args.at.position, args.translations)
+        build.joints_of.setdefault(particle, []).append(args.name)
+        scene.fix(particle, "", args.rotations)

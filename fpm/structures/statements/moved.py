@@ -4,24 +4,24 @@ points whose motion is recorded."""
 import numpy as np
 
 from fpm.elements import Load
-from fpm.structures.builder import APART
-from fpm.structures.keys import Many, Number, PointOfPart, Reference, Vector
+from fpm.structures.builder import POINT_TOL
+from fpm.structures.keys import ListOf, Number, PointOfPart, Reference, Vector
 from fpm.structures.statement import CLASS, statement
 
 ZERO = np.zeros(3)
 PART = Reference(group="parts", text="what it is about")
-AT = Reference(group="points", text="one of its points")
+POINT = Reference(group="points", text="one of its points")
 CURVE = Reference(None, "scales it with time; left out: constant", group="curves")
 
 
 @statement(
     "curves",
-    times=Many(kind=Number(unit="s"), text="increasing"),
-    values=Many(kind=Number(), text="one for each time"),
+    times=ListOf(kind=Number(unit="s"), text="increasing"),
+    values=ListOf(kind=Number(), text="one for each time"),
 )
-def curve(build, it):
+def curve(build, args):
     """A curve of time, straight between the values given and constant outside them."""
-    return build.scene.add_curve(it.times, it.values)
+    return build.scene.add_curve(args.times, args.values)
 
 
 def _index(curve: int | None) -> int:
@@ -31,21 +31,21 @@ def _index(curve: int | None) -> int:
 @statement(
     "loads",
     part=PART,
-    at=AT,
+    at=POINT,
     force=Vector(ZERO, unit="N", text="the force"),
     moment=Vector(ZERO, unit="N m", text="the moment"),
     curve=CURVE,
     **CLASS,
 )
-def load(build, it):
+def load(build, args):
     """A force and a moment in global axes at a point of a part."""
-    beam = build.scene.arm_to(it.part.particle(it.at.name), it.at.position)
-    build.scene.add(Load(beam, it.force, it.moment, _index(it.curve)))
+    beam = build.scene.arm_to(args.part.particle(args.at.name), args.at.position)
+    build.scene.add(Load(beam, args.force, args.moment, _index(args.curve)))
 
 
 @statement(
     "cables",
-    through=Many(kind=PointOfPart(), least=2, text="its points, in order", units=True),
+    through=ListOf(kind=PointOfPart(), least=2, text="its points, in order", units=True),
     EA=Number(unit="N", above=0, text="tension for a strain of one"),
     rest=Number(None, "its length without tension; this or `preload`", unit="m", above=0),
     preload=Number(None, "its tension at the start; this or `rest`", unit="N", least=0),
@@ -56,37 +56,37 @@ def load(build, it):
     ),
     **CLASS,
 )
-def cable(build, it):
+def cable(build, args):
     """Pulls its points together where it is tight, and runs through those between its ends."""
-    points = [(part.particle(point.name), point.position) for part, point in it.through]
+    points = [(part.particle(point.name), point.position) for part, point in args.through]
     for particle, _ in points:
-        build.joined.setdefault(particle, [])
-    if (it.rest is None) == (it.preload is None):
-        found = None if it.rest is None else [it.rest, it.preload]
-        build.refuse("rest", found, "either `rest` or `preload`")
-    if it.reel and it.curve is None:
-        build.refuse("reel", it.reel, "a length with a `curve`")
-    numbers = it.EA, it.rest, it.preload, it.reel, _index(it.curve), it.friction
-    return build.scene.add_cable(it.name, points, *numbers)
+        build.joints_of.setdefault(particle, [])
+    if (args.rest is None) == (args.preload is None):
+        pair = None if args.rest is None else [args.rest, args.preload]
+        build.refuse("rest", pair, "either `rest` or `preload`")
+    if args.reel and args.curve is None:
+        build.refuse("reel", args.reel, "a length with a `curve`")
+    numbers = args.EA, args.rest, args.preload, args.reel, _index(args.curve), args.friction
+    return build.scene.add_cable(args.name, points, *numbers)
 
 
 @statement(
     "drives",
     part=PART,
-    at=AT,
+    at=POINT,
     velocity=Vector(ZERO, unit="m/s", text="its velocity"),
     spin=Vector(ZERO, unit="rad/s", text="its angular velocity"),
     curve=CURVE,
 )
-def drive(build, it):
+def drive(build, args):
     """Prescribes how a point of a part moves and turns."""
-    particle = it.part.particle(it.at.name)
-    arm = build.scene.arm_to(particle, it.at.position)
-    off = float(np.linalg.norm(arm.arm))
-    if off > APART * build.size and np.any(it.spin):
-        build.refuse("at", it.at.name, "the centre of a body, or a point on the bar's axis")
-    build.scene.drive(particle, it.velocity, it.spin, _index(it.curve))
-    name = f"drive {it.name}" if it.name in build.scene.supports else it.name
+    particle = args.part.particle(args.at.name)
+    arm = build.scene.arm_to(particle, args.at.position)
+    distance = float(np.linalg.norm(arm.arm))
+    if distance > POINT_TOL * build.size and np.any(args.spin):
+        build.refuse("at", args.at.name, "the centre of a body, or a point on the bar's axis")
+    build.scene.drive(particle, args.velocity, args.spin, _index(args.curve))
+    name = f"drive {args.name}" if args.name in build.scene.supports else args.name
     build.scene.supports[name] = arm
 
 
@@ -97,15 +97,15 @@ def drive(build, it):
     spin=Vector(ZERO, unit="rad/s", text="angular velocity"),
     about=Reference(group="points", text="any point"),
 )
-def motion(build, it):
+def motion(build, args):
     """How a part moves at the start, as a rigid body."""
-    scene, particles = build.scene, it.part.particles
-    arms = scene.position[particles] - it.about.position
-    scene.velocity[particles] = it.velocity + np.cross(it.spin, arms)
-    scene.spin[particles] = it.spin
+    scene, particles = build.scene, args.part.particles
+    arms = scene.position[particles] - args.about.position
+    scene.velocity[particles] = args.velocity + np.cross(args.spin, arms)
+    scene.spin[particles] = args.spin
 
 
-@statement("record", part=Reference(group="parts", text="what carries it", ground=True), at=AT)
-def recorded(build, it):
+@statement("record", part=Reference(group="parts", text="what carries it", ground=True), at=POINT)
+def record(build, args):
     """A point of a part whose motion is recorded under this name."""
-    build.scene.add_point(it.name, it.part.particle(it.at.name), it.at.position)
+    build.scene.add_point(args.name, args.part.particle(args.at.name), args.at.position)

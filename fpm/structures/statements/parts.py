@@ -7,8 +7,8 @@ import numpy as np
 from fpm.elements.bars.beam import Material, Section, triad
 from fpm.elements.bars.lumping import lump
 from fpm.errors import SceneError
-from fpm.structures.builder import APART, Part
-from fpm.structures.keys import Direction, Each, Many, Number, Reference, Vector, Whole
+from fpm.structures.builder import POINT_TOL, Part
+from fpm.structures.keys import Direction, ListOf, MapOf, Number, Reference, Vector, Whole
 from fpm.structures.statement import statement
 
 STRAIGHT = 1e-9
@@ -27,31 +27,31 @@ def _size(text: str, unit: str = "m") -> Number:
     nu=Number(0.3, "Poisson's ratio"),
     rho=_size("density", "kg/m3"),
 )
-def material(build, it):
+def material(build, args):
     """A linear elastic material."""
-    return Material(it.E, it.nu, it.rho)
+    return Material(args.E, args.nu, args.rho)
 
 
-def _tube(build, it):
-    outer, inner = it.diameter / 2, it.diameter / 2 - it.thickness
+def _tube(build, args):
+    outer, inner = args.diameter / 2, args.diameter / 2 - args.thickness
     if inner < 0:
-        build.refuse("thickness", it.thickness, f"at most half the diameter, {outer:.9g} m")
+        build.refuse("thickness", args.thickness, f"at most half the diameter, {outer:.9g} m")
     return Section.tube(outer, inner)
 
 
 SECTIONS = (  # type, what it is, its sizes, and the section of them
     (
         "square", "A solid square.", {"side": _size("its side")},
-        lambda build, it: Section.square(it.side),
+        lambda build, args: Section.square(args.side),
     ),
     (
         "rectangle", "A solid rectangle.",
         {"width": _size("across the bar's `up`"), "height": _size("along the bar's `up`")},
-        lambda build, it: Section.rectangle(it.width, it.height),
+        lambda build, args: Section.rectangle(args.width, args.height),
     ),
     (
         "circle", "A solid circle.", {"diameter": _size("its diameter")},
-        lambda build, it: Section.circle(it.diameter / 2),
+        lambda build, args: Section.circle(args.diameter / 2),
     ),
     (
         "tube", "A round tube.",
@@ -63,11 +63,11 @@ SECTIONS = (  # type, what it is, its sizes, and the section of them
         "general", "Any section, by its four numbers.",
         {"A": _size("area", "m2"), "Iy": _size("∫ z² dA; z is the bar's `up`", "m4"),
          "Iz": _size("∫ y² dA", "m4"), "J": _size("torsion constant", "m4")},
-        lambda build, it: Section(it.A, it.Iy, it.Iz, it.J),
+        lambda build, args: Section(args.A, args.Iy, args.Iz, args.J),
     ),
 )  # fmt: skip
-for _type, _about, _sizes, _build in SECTIONS:
-    statement("sections", _type, _about, **_sizes)(_build)
+for _type, _text, _sizes, _build in SECTIONS:
+    statement("sections", _type, _text, **_sizes)(_build)
 
 
 # -- bars ------------------------------------------------------------------------------------------
@@ -75,14 +75,14 @@ for _type, _about, _sizes, _build in SECTIONS:
 
 @statement(
     "bars",
-    through=Many(kind=POINT, least=2, text="its points, in order"),
+    through=ListOf(kind=POINT, least=2, text="its points, in order"),
     section=Reference(group="sections", text="its cross-section"),
     material=Reference(group="materials", text="its material"),
     elements=Whole(text="beam elements of each stretch between two points"),
     up=Direction(
         None, "where the section's height points; needed where it matters, and for `curvature`"
     ),
-    carries=Each(
+    carries=MapOf(
         None, "points off its axis, each rigidly held at one of its points",
         group="points", kind=POINT,
     ),
@@ -93,105 +93,103 @@ for _type, _about, _sizes, _build in SECTIONS:
         unit="/m",
     ),
 )  # fmt: skip
-def bar(build, it):
+def bar(build, args):
     """An elastic bar through points, each stretch between two of them straight."""
     for key in ("strain", "curvature"):
-        if getattr(it, key) and build.hold is None:
-            build.refuse(key, getattr(it, key), "0, or `assemble: true`")
-    names = [point.name for point in it.through]
-    points = [point.position for point in it.through]
+        if getattr(args, key) and build.hold is None:
+            build.refuse(key, getattr(args, key), "0, or `assemble: true`")
+    names = [point.name for point in args.through]
+    points = [point.position for point in args.through]
     directions = _directions(build, names, points)
-    up = _up(build, it, directions)
+    normal = _height_axis(build, args, directions)
     lay = _straight if len(points) == 2 else _stretches
-    scene, before = build.scene, len(build.scene.beams)
-    nodes = lay(scene, it, points, directions, up)
-    if it.strain or it.curvature is not None:
-        beams = scene.beams[before:]
-        scene.beams[before:] = [b.with_strain(it.strain, it.curvature) for b in beams]
+    scene, count = build.scene, len(build.scene.beams)
+    nodes = lay(scene, args, points, directions, normal)
+    if args.strain or args.curvature is not None:
+        beams = scene.beams[count:]
+        scene.beams[count:] = [b.with_strain(args.strain, args.curvature) for b in beams]
     particles = dict(zip(names, nodes, strict=True))
-    for point, holder in (it.carries or {}).items():
+    for point, holder in (args.carries or {}).items():
         if holder.name not in particles:
             build.refuse(f"carries.{point}", holder.name, f"one of {', '.join(names)}")
         if point in particles:
             build.refuse("carries", point, "points that the bar does not go through")
         particles[point] = particles[holder.name]
-    return Part(it.name, particles)
+    return Part(args.name, particles)
 
 
 def _directions(build, names, points) -> list[np.ndarray]:
     """Unit vectors of the stretches; what is straight has one direction to the last digit."""
-    found: list[np.ndarray] = []
-    for (one, two), (start, end) in zip(pairwise(names), pairwise(points), strict=True):
+    result: list[np.ndarray] = []
+    for (first, second), (start, end) in zip(pairwise(names), pairwise(points), strict=True):
         length = np.linalg.norm(end - start)
         if not 0 < length < np.inf:
-            build.refuse("through", length, f"a length above 0 m from {one} to {two}")
+            build.refuse("through", length, f"a length above 0 m from {first} to {second}")
         direction = (end - start) / length
-        same = found and np.abs(direction - found[-1]).max() < STRAIGHT
-        found.append(found[-1] if same else direction)
-    return found
+        is_straight = result and np.abs(direction - result[-1]).max() < STRAIGHT
+        result.append(result[-1] if is_straight else direction)
+    return result
 
 
-def _up(build, it, directions) -> np.ndarray:
+def _height_axis(build, args, directions) -> np.ndarray:
     """The vector in the plane of the section's height; a choice of ours where it is no matter."""
-    if it.up is not None:
-        along = max(abs(direction @ it.up) for direction in directions)
-        if along > 1 - 1e-12:
-            build.refuse("up", it.up.tolist(), "a direction that is not the bar's own")
-        return it.up
-    if it.section.Iy != it.section.Iz:
+    if args.up is not None:
+        cosine = max(abs(direction @ args.up) for direction in directions)
+        if cosine > 1 - 1e-12:
+            build.refuse("up", args.up.tolist(), "a direction that is not the bar's own")
+        return args.up
+    if args.section.Iy != args.section.Iz:
         build.refuse("up", None, "the direction in which the section's height points")
-    if it.curvature is not None:
+    if args.curvature is not None:
         build.refuse(
             "up", "(left out)", "the direction of the side that is the longer by `curvature`"
         )
-    across = [max(abs(direction[k]) for direction in directions) for k in (2, 0, 1)]
-    return np.eye(3)[(2, 0, 1)[int(np.argmin(across))]]
+    cosines = [max(abs(direction[k]) for direction in directions) for k in (2, 0, 1)]
+    return np.eye(3)[(2, 0, 1)[int(np.argmin(cosines))]]
 
 
-def _straight(scene, it, points, directions, up) -> list[int]:
+def _straight(scene, args, points, directions, normal) -> list[int]:
     """A bar between two points; the particles at both."""
     link = scene.add_link(
-        *points, up, it.section, it.material, it.elements, it.name, it.inertia_scale
+        *points, normal, args.section, args.material, args.elements, args.name, args.inertia_scale
     )
     return [int(link.particles[0]), int(link.particles[-1])]
 
 
-def _stretches(scene, it, points, directions, up) -> list[int]:
+def _stretches(scene, args, points, directions, normal) -> list[int]:
     """A bar through more points, stretch by stretch; the particles at the points.
 
     Each stretch is lumped by itself (lumping.py); where two meet, masses and inertias add.
     """
-    axes = [triad(direction, up) for direction in directions]
-    lumped = [
-        lump(np.linalg.norm(end - start), it.elements, it.section, it.material, it.inertia_scale)
-        for start, end in pairwise(points)
-    ]
+    axes = [triad(direction, normal) for direction in directions]
+    shape = args.elements, args.section, args.material, args.inertia_scale
+    lumped = [lump(np.linalg.norm(end - start), *shape) for start, end in pairwise(points)]
     nodes: list[int] = []
     inner = np.zeros(0, int)
-    steps = np.linspace(0.0, 1.0, it.elements + 1)[1:-1, None]
+    steps = np.linspace(0.0, 1.0, args.elements + 1)[1:-1, None]
     for k, point in enumerate(points):
         # The end of the stretch before, and the start of the one after.
         ends = [(*lumped[j], axes[j], i) for j, i in ((k - 1, -1), (k, 0)) if 0 <= j < len(axes)]
-        inertia, frame = _joined([(inertias[i], own) for _, inertias, own, i in ends])
+        inertia, frame = _sum_inertias([(inertias[i], own) for _, inertias, own, i in ends])
         node = scene.add_particles(
             point, sum(masses[i] for masses, _, _, i in ends), inertia, frame
         )
         if k:
             line = np.array([nodes[-1], *inner, node[0]])
-            label = f"{it.name} from {it.through[k - 1].name.rpartition('.')[2]}"
+            label = f"{args.name} from {args.through[k - 1].name.rpartition('.')[2]}"
             scene.add_beams(
-                np.column_stack([line[:-1], line[1:]]), it.section, it.material, up, label
+                np.column_stack([line[:-1], line[1:]]), args.section, args.material, normal, label
             )
         nodes.append(int(node[0]))
         if k < len(axes):
             masses, inertias = lumped[k]
-            along = point + steps * (points[k + 1] - point)
-            if len(along):  # none in a stretch of one element
-                inner = scene.add_particles(along, masses[1:-1], inertias[1:-1], axes[k])
+            inner_points = point + steps * (points[k + 1] - point)
+            if len(inner_points):  # none in a stretch of one element
+                inner = scene.add_particles(inner_points, masses[1:-1], inertias[1:-1], axes[k])
     return nodes
 
 
-def _joined(parts) -> tuple[np.ndarray, np.ndarray]:
+def _sum_inertias(parts) -> tuple[np.ndarray, np.ndarray]:
     """Principal inertias (3,) and axes (3, 3) of inertias that add up, each in its own axes."""
     if len(parts) == 1 or np.abs(parts[0][1] - parts[1][1]).max() < STRAIGHT:
         return sum(inertia for inertia, _ in parts), parts[0][1]
@@ -215,34 +213,34 @@ def _joined(parts) -> tuple[np.ndarray, np.ndarray]:
         None, "principal moments of inertia about its centre, about x, up × x and up",
         unit="kg m2",
     ),
-    points=Many((), "points rigidly held at it", kind=POINT, units=True),
+    points=ListOf((), "points rigidly held at it", kind=POINT, units=True),
     x=Direction(np.array([1.0, 0.0, 0.0]), "its first principal axis"),
     up=Direction(np.array([0.0, 0.0, 1.0]), "its third principal axis, normal to x"),
 )  # fmt: skip
-def body(build, it):
+def body(build, args):
     """A rigid body, free until something joins or holds it."""
-    if (it.box is None) == (it.inertia is None):
-        found = None if it.box is None else [list(it.box), list(it.inertia)]
-        build.refuse("box", found, "either `box` or `inertia`")
-    inertia = it.inertia
-    if it.box is not None:
-        if not (np.all(it.box >= 0) and np.count_nonzero(it.box) >= 2):
-            build.refuse("box", it.box.tolist(), "edges >= 0, at most one of them 0")
-        squares = it.box**2
-        inertia = it.mass / 12 * (squares.sum() - squares)
+    if (args.box is None) == (args.inertia is None):
+        pair = None if args.box is None else [list(args.box), list(args.inertia)]
+        build.refuse("box", pair, "either `box` or `inertia`")
+    inertia = args.inertia
+    if args.box is not None:
+        if not (np.all(args.box >= 0) and np.count_nonzero(args.box) >= 2):
+            build.refuse("box", args.box.tolist(), "edges >= 0, at most one of them 0")
+        squares = args.box**2
+        inertia = args.mass / 12 * (squares.sum() - squares)
     largest, total = float(np.max(inertia)), float(np.sum(inertia))
     if not (np.min(inertia) > 0 and 2 * largest <= total * (1 + 1e-9)):
         allowed = "values above 0, none of them more than the sum of the other two"
         build.refuse("inertia", inertia.tolist(), allowed)
-    if abs(it.x @ it.up) > 1e-6:
-        build.refuse("up", it.up.tolist(), f"a direction normal to x, {it.x.tolist()}")
+    if abs(args.x @ args.up) > 1e-6:
+        build.refuse("up", args.up.tolist(), f"a direction normal to x, {args.x.tolist()}")
     try:
-        axes = triad(it.x, it.up)
-        made = build.scene.add_particles(it.centre.position, it.mass, inertia, axes)
+        axes = triad(args.x, args.up)
+        particles = build.scene.add_particles(args.centre.position, args.mass, inertia, axes)
     except SceneError as error:
         build.refuse("mass", error.value, error.allowed)
-    particle = build.scene.bodies[it.name] = int(made[0])
-    return Part(it.name, {point.name: particle for point in (it.centre, *it.points)})
+    particle = build.scene.bodies[args.name] = int(particles[0])
+    return Part(args.name, {point.name: particle for point in (args.centre, *args.points)})
 
 
 @statement(
@@ -252,11 +250,11 @@ def body(build, it):
     mass=_size("its mass", "kg"),
     inertia=Number(0.0, "its moment of inertia, about every axis", unit="kg m2", least=0),
 )
-def mass(build, it):
+def mass(build, args):
     """A mass at a point of a part, with its centre there."""
-    scene, particle = build.scene, it.part.particle(it.at.name)
-    off = float(np.linalg.norm(it.at.position - scene.position[particle]))
-    if off > APART * build.size:
-        build.refuse("at", it.at.name, f"a point on the axis of {it.part.name}, or its centre")
-    scene.mass[particle] += it.mass
-    scene.inertia[particle] += it.inertia
+    scene, particle = build.scene, args.part.particle(args.at.name)
+    distance = float(np.linalg.norm(args.at.position - scene.position[particle]))
+    if distance > POINT_TOL * build.size:
+        build.refuse("at", args.at.name, f"a point on the axis of {args.part.name}, or its centre")
+    scene.mass[particle] += args.mass
+    scene.inertia[particle] += args.inertia

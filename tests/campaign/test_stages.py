@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from pathlib import Path
 
@@ -43,4 +42,4 @@ def test_results_are_of_all_of_the_program(monkeypatch):
 def test_sections_of_a_stage_survive_json(raw, name):
     stage, whole = STAGES[name], campaign.check_config(raw)
     sections = stage.sections_of(whole)
-    assert stage.typed(json.loads(as_json(**sections))) == sections
+    assert stage.sections_in(as_json(**sections)) == sections

@@ -6,7 +6,7 @@ rule rounds:
     input:
         no_files,
     output:
-        [f"{{stage}}/{name}" for name in ROUND_FILES],
+        WORKFLOW.outputs("rounds"),
     log:
         "{stage}/logs/rounds.log",
     conda:
@@ -23,5 +23,4 @@ rule rounds:
     message:
         "Making runs until the accuracy is met"
     shell:
-        "python -P -m deployable rounds {params.folder:q} --config {params.config:q}"
-        " --threads {threads} --log {log:q}"
+        call("rounds", "--threads {threads}")

@@ -39,7 +39,7 @@ def program_digest() -> str:
 def made_by(structure: str) -> str:
     """Digest of all code that decides what is kept of runs of a structure, itself of this digest:
     their names depend on it."""
-    both = f"{structure} {PROGRAM.digest(only=MADE, but=TOLD)}"
+    both = f"{structure} {PROGRAM.digest(include=MADE, exclude=TOLD)}"
     return hashlib.sha256(both.encode()).hexdigest()[:16]
 
 

@@ -19,11 +19,11 @@ def _section(one: Statement) -> str:
     both = any(len(opening.types) == 3 for opening in one.openings.values())
     slides = one.sliding(["joint", "watch"] if both else [])
     rows = [
-        f"| `{name}`{_if(other, name, '`')} | {key.about} | {key.allowed}"
+        f"| `{name}`{_if(other, name, '`')} | {key.text} | {key.allowed}"
         f"{_if(slid.allowed, key.allowed)} | {_default(key.default)} |\n"
         for (name, key), (other, (_, slid)) in zip(one.keys.items(), slides.items(), strict=True)
     ]
-    return f"### {title}\n\n{one.about}\n\n{HEAD}{''.join(rows)}"
+    return f"### {title}\n\n{one.text}\n\n{HEAD}{''.join(rows)}"
 
 
 def _if(other: str, own: str, quote: str = "") -> str:

@@ -38,8 +38,8 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     from fpm.kernels import compiled, hooks, lanes, references, sources, vectors
     from fpm.kernels import run as loop
 
-    for path in (sources.HERE / "elements").rglob("*_kernels.py"):
-        import_module(".".join(path.relative_to(sources.HERE.parent).with_suffix("").parts))
+    for path in (sources.PACKAGE / "elements").rglob("*_kernels.py"):
+        import_module(".".join(path.relative_to(sources.PACKAGE.parent).with_suffix("").parts))
     if not numba.config.DISABLE_JIT:
         raise RuntimeError("set NUMBA_DISABLE_JIT=1 before this module is used")
     for key, kernel in hooks.KERNELS.items():

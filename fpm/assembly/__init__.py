@@ -41,10 +41,10 @@ from fpm.errors import SceneError
 ROUNDS = 60
 """Most rounds; where the misfit is some percent it takes five to ten."""
 
-CLOSED = 1e-11
+GAP_TOL = 1e-11
 """Largest gap that is left, as a share of the structure's size, or angle (rad)."""
 
-SETTLED = 1e-10
+STEP_TOL = 1e-10
 """Largest motion of the last round, as a share of the size, or turn (rad)."""
 
 FARTHEST = 0.1
@@ -56,7 +56,7 @@ OPEN = 1e-6
 MASS_SHARE, EASE = 1e-8, 1e-13
 """μ and δ, where the largest entries of H, M and G are one."""
 
-FALLS, FALLING, SAME = 4, 1e-12, 1e-6
+FALLS, FALLING, SAME_TOL = 4, 1e-12, 1e-6
 """Most times that an unstable position is left; the curvature from which it is unstable, as a share
 of the largest entry of H; and the share by which two positions and their energies are the same."""
 
@@ -82,7 +82,7 @@ class Assembly(NamedTuple):
     gap: float
     tilt: float
     rounds: int
-    stated: tuple[float, ...]
+    openings: tuple[float, ...]
 
 
 def assemble(scene, hold: Sequence[str] = ()) -> None:
@@ -104,9 +104,9 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
     if scene.unstrained is None:  # else it was assembled before
         scene.unstrained, scene.unstrained_position = scene.frame, scene.position
     scene.position, scene.frame = places.position, places.frame
-    stated = tuple(hinge.opening for hinge in scene.hinges)
+    openings = tuple(hinge.opening for hinge in scene.hinges)
     scene.hinges = [_reopened(scene, hinge) for hinge in scene.hinges]
-    scene.assembly = Assembly(elastic.energy(places), worst, gap, tilt, rounds, stated)
+    scene.assembly = Assembly(elastic.energy(places), worst, gap, tilt, rounds, openings)
 
 
 def _settle(scene, start: Places, conditions: Conditions, elastic: Elastic):
@@ -116,13 +116,13 @@ def _settle(scene, start: Places, conditions: Conditions, elastic: Elastic):
     free = np.flatnonzero(~scene.fixed.ravel())
     weight = conditions.weight(size)
     open_before = conditions.worst(conditions.gaps(start))
-    closed = np.abs(weight * conditions.gaps(start)).max(initial=0.0) <= CLOSED
-    if not len(free) and closed:
+    is_closed = np.abs(weight * conditions.gaps(start)).max(initial=0.0) <= GAP_TOL
+    if not len(free) and is_closed:
         return start, 0
 
     no_gaps, no_force = np.zeros(len(weight)), np.zeros(len(scales))
 
-    def about(places, bars, impulses, share):
+    def system(places, bars, impulses, share):
         return linearised(
             scene, places, conditions, bars, impulses, scales, free, weight, share=share
         )
@@ -131,23 +131,23 @@ def _settle(scene, start: Places, conditions: Conditions, elastic: Elastic):
         """Newton's method: places in balance, the impulses there and the rounds."""
         tries = [(ROUNDS, MASS_SHARE, np.inf), (SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR)]
         tries = tries if len(free) else []
-        done, largest, now = 0, 0.0, places
-        for most, share, near in tries if len(elastic.nodes) else tries[:1]:
-            now, impulses, largest = places, np.zeros(len(weight)), np.inf
+        count, largest, state = 0, 0.0, places
+        for most, share, radius in tries if len(elastic.nodes) else tries[:1]:
+            state, impulses, largest = places, np.zeros(len(weight)), np.inf
             for _ in range(most):
-                done += 1
-                bars = elastic if largest <= near else elastic.unstressed
-                solve, gradient = about(now, bars, impulses, share)
-                step, change = solve(-gradient, -weight * conditions.gaps(now))
+                count += 1
+                bars = elastic if largest <= radius else elastic.unstressed
+                solve, gradient = system(state, bars, impulses, share)
+                step, change = solve(-gradient, -weight * conditions.gaps(state))
                 largest = float(np.abs(step).max(initial=0.0))
                 if not np.isfinite(largest):
                     break
                 part = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
-                now, impulses = now.moved(part * scales * step), impulses + part * change
-                left = float(np.abs(weight * conditions.gaps(now)).max(initial=0.0))
-                if part == 1.0 and largest <= SETTLED and left <= CLOSED:
-                    return now, impulses, done
-        _refuse(conditions, now, open_before, f"moving by {largest:.2g} in round {done}")
+                state, impulses = state.displace(part * scales * step), impulses + part * change
+                gap = float(np.abs(weight * conditions.gaps(state)).max(initial=0.0))
+                if part == 1.0 and largest <= STEP_TOL and gap <= GAP_TOL:
+                    return state, impulses, count
+        _refuse(conditions, state, open_before, f"moving by {largest:.2g} in round {count}")
 
     def falling(places, impulses):
         """The motion (6n,) along which the energy falls to both sides at the second order, or None.
@@ -155,13 +155,13 @@ def _settle(scene, start: Places, conditions: Conditions, elastic: Elastic):
         Such is the image of a vector on which the inverse of a round's matrix is negative; what
         rounding alone made negative is left out.
         """
-        solve, _ = about(places, elastic, impulses, SOFT_SHARE)
+        solve, _ = system(places, elastic, impulses, SOFT_SHARE)
         steps = _negative(lambda force: solve(force / scales, no_gaps)[0], len(scales))
         _, stiffness = elastic.derivatives(places)
         _, curvature = conditions.derivatives(places, weight * impulses)
-        ways = scales[:, None] * steps
+        motions = scales[:, None] * steps
         largest = abs(stiffness.multiply(scales[:, None]).multiply(scales)).max()
-        falls = np.sum(ways * ((stiffness + curvature) @ ways), axis=0)
+        falls = np.sum(motions * ((stiffness + curvature) @ motions), axis=0)
         steps = steps[:, falls < -FALLING * largest * np.sum(steps**2, axis=0)]
         step = (steps / np.abs(steps).max(axis=0, initial=0.0)).sum(axis=1)
         return step if step.any() else None
@@ -170,12 +170,12 @@ def _settle(scene, start: Places, conditions: Conditions, elastic: Elastic):
         """The places next to these at which the joints are closed, or None."""
         for _ in range(CLOSINGS):
             lacks = weight * conditions.gaps(places)
-            if np.abs(lacks).max(initial=0.0) <= CLOSED:
+            if np.abs(lacks).max(initial=0.0) <= GAP_TOL:
                 return places
-            step, _ = about(places, elastic.unstressed, no_gaps, MASS_SHARE)[0](no_force, -lacks)
+            step, _ = system(places, elastic.unstressed, no_gaps, MASS_SHARE)[0](no_force, -lacks)
             if not np.abs(step).max() <= FARTHEST:
                 return None
-            places = places.moved(scales * step)
+            places = places.displace(scales * step)
         return None
 
     def downhill(places, step):
@@ -185,57 +185,57 @@ def _settle(scene, start: Places, conditions: Conditions, elastic: Elastic):
         for _ in range(SOFT_ROUNDS):
             part = min(1.0, FARTHEST / np.abs(step).max())
             for _ in range(HALVINGS):
-                tried = closing(places.moved(part * scales * step))
-                if tried is not None and elastic.energy(tried) < energy:
+                trial = closing(places.displace(part * scales * step))
+                if trial is not None and elastic.energy(trial) < energy:
                     break
                 part /= 2
             else:
                 break
-            places, energy = tried, elastic.energy(tried)
-            solve, gradient = about(places, elastic.unstressed, no_gaps, SOFT_SHARE)
+            places, energy = trial, elastic.energy(trial)
+            solve, gradient = system(places, elastic.unstressed, no_gaps, SOFT_SHARE)
             step, _ = solve(-gradient, no_gaps)
             if not np.abs(step).max() > SOFT_NEAR:
                 break
         return places
 
-    def followed(places, impulses, step):
+    def follow(places, impulses, step):
         """Stable places downhill of unstable ones to the side of a motion, and the rounds; or None
         where none were reached."""
-        done = 0
+        count = 0
         for _ in range(FALLS):
             try:
                 places, impulses, rounds = rest(downhill(places, step))
             except MisfitError:
                 return None
-            done += rounds
+            count += rounds
             step = falling(places, impulses)
             if step is None:
-                return elastic.energy(places), places, done
+                return elastic.energy(places), places, count
         return None
 
-    now, impulses, done = rest(start)
-    _check_strains(elastic, now, open_before)
-    step = falling(now, impulses) if len(elastic.nodes) else None
+    state, impulses, count = rest(start)
+    _check_strains(elastic, state, open_before)
+    step = falling(state, impulses) if len(elastic.nodes) else None
     if step is None:
-        return now, done
-    here = elastic.energy(now)
-    sides = [followed(now, impulses, way) for way in (step, -step)]
+        return state, count
+    energy_here = elastic.energy(state)
+    sides = [follow(state, impulses, direction) for direction in (step, -step)]
     sides = sorted((side for side in sides if side), key=lambda side: side[0])
     if not sides:
-        wanted = "a stable position; this one snaps, and none was found downhill of it"
+        requirement = "a stable position; this one snaps, and none was found downhill of it"
     elif (
         len(sides) == 2
-        and sides[1][0] - sides[0][0] <= SAME * (here - sides[0][0])
-        and np.abs(sides[0][1].position - sides[1][1].position).max() > SAME * size
+        and sides[1][0] - sides[0][0] <= SAME_TOL * (energy_here - sides[0][0])
+        and np.abs(sides[0][1].position - sides[1][1].position).max() > SAME_TOL * size
     ):
-        wanted = (
+        requirement = (
             f"a stable position; this one snaps to either of two with {sides[0][0]:.4g} J, as a "
             "straight bar pressed beyond its buckling load: `curvature` of the bar says to which"
         )
     else:
         _check_strains(elastic, sides[0][1], open_before)
-        return sides[0][1], done + sum(side[2] for side in sides)
-    raise MisfitError("assembly", f"{here:.4g} J in an unstable position", wanted)
+        return sides[0][1], count + sum(side[2] for side in sides)
+    raise MisfitError("assembly", f"{energy_here:.4g} J in an unstable position", requirement)
 
 
 def _negative(apply, count: int) -> np.ndarray:
@@ -273,21 +273,21 @@ def linearised(
     Rows and columns are scaled so that the largest entries are about one; ease: μ times the largest
     mass (N m), that share of the largest stiffness if it is not given.
     """
-    from scipy.sparse import bmat, diags, identity
+    from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 
     count = len(scales)
     gradient, stiffness = elastic.derivatives(places)
     rows, curvature = conditions.derivatives(places, weight * impulses)
     stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
-    own, mass = diags(scales), masses(scene, places)
-    stiffness, mass = own @ stiffness @ own, own @ mass @ own
+    stiffness = _scaled(stiffness, scales, scales)
+    mass = _scaled(masses(scene, places), scales, scales)
     largest = abs(stiffness).max() if stiffness.nnz else 0.0
     if ease is None:
         ease = share * largest if largest > 0 else 1.0
     unit = max(largest, ease)
     inner = (stiffness / unit + mass * (ease / unit / mass.max())).tocsc()[free][:, free]
-    rows = (diags(weight) @ rows @ own).tocsc()[:, free]
+    rows = _scaled(rows, weight, scales)[:, free]
     matrix = bmat([[inner, rows.T], [rows, -EASE * identity(len(weight))]], format="csc")
     try:
         solver = splu(matrix)
@@ -296,22 +296,35 @@ def linearised(
 
     def solve(forces, lacks):
         right = np.concatenate([(scales * forces)[free] / unit, lacks])
-        found = np.full(len(right), np.nan) if solver is None else solver.solve(right)
+        solution = np.full(len(right), np.nan) if solver is None else solver.solve(right)
         step = np.zeros(count)
-        step[free] = found[: len(free)]
-        return step, unit * found[len(free) :]
+        step[free] = solution[: len(free)]
+        return step, unit * solution[len(free) :]
 
     return solve, gradient
 
 
+def _scaled(matrix, rows: np.ndarray, columns: np.ndarray):
+    """A sparse matrix with its rows and columns times factors, in columns."""
+    matrix = matrix.tocsc(copy=True)
+    own = np.repeat(columns, np.diff(matrix.indptr))
+    matrix.data = matrix.data * rows[matrix.indices] * own
+    return matrix
+
+
 def masses(scene, places: Places):
     """Masses and inertias (6n, 6n) in global axes."""
-    from scipy.sparse import block_diag, coo_matrix
+    from scipy.sparse import coo_array
 
-    blocks = []
-    for mass, inertia, frame in zip(scene.mass, scene.inertia, places.frame, strict=True):
-        blocks += [coo_matrix(mass * np.eye(3)), coo_matrix(frame * inertia @ frame.T)]
-    return block_diag(blocks, format="csc")
+    blocks = np.zeros((len(scene.mass), 2, 3, 3))
+    blocks[:, 0] = scene.mass[:, None, None] * np.eye(3)
+    blocks[:, 1] = places.frame * scene.inertia[:, None] @ places.frame.transpose(0, 2, 1)
+    dofs = np.arange(6 * len(blocks)).reshape(-1, 2, 3)
+    rows, columns = np.broadcast_arrays(dofs[..., None], dofs[:, :, None])
+    shape = (dofs.size, dofs.size)
+    matrix = coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=shape).tocsc()
+    matrix.eliminate_zeros()
+    return matrix
 
 
 def _reopened(scene, hinge):
@@ -319,41 +332,41 @@ def _reopened(scene, hinge):
     return replace(hinge, opening=opening_at(scene, hinge))
 
 
-def _check_strains(elastic: Elastic, places: Places, before: tuple[str, float, float]) -> None:
+def _check_strains(elastic: Elastic, places: Places, start_gaps: tuple[str, float, float]) -> None:
     """MisfitError where beams are strained by more than a run bears."""
     bend, strain = elastic.largest(places)
-    name, gap, tilt = before
-    for watch, found, what in ((BEND, bend, "bent or twisted"), (STRAIN, strain, "strained")):
-        if found > watch.most:
+    name, gap, tilt = start_gaps
+    for watch, value, condition in ((BEND, bend, "bent or twisted"), (STRAIN, strain, "strained")):
+        if value > watch.most:
             raise MisfitError(
-                f"joint {name}", _opened(gap, tilt), "parts that can be forced together; beams "
-                f"would be {what} by {found:.2g}, at most {watch.most:g} is allowed",
+                f"joint {name}", _gap_text(gap, tilt), "parts that can be forced together; beams "
+                f"would be {condition} by {value:.2g}, at most {watch.most:g} is allowed",
             )  # fmt: skip
 
 
 def _refuse(
-    conditions: Conditions, places: Places, before: tuple[str, float, float], moving: str
+    conditions: Conditions, places: Places, start_gaps: tuple[str, float, float], moving: str
 ) -> None:
     """Say which joint stays open; where none does, the one that was farthest open, or that it is
     still `moving`."""
     gaps = conditions.gaps(places)
     name, gap, tilt = conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
     if not max(gap, tilt) > OPEN:
-        name, gap, tilt = before
-        apart = max(gap, tilt) > 0
+        name, gap, tilt = start_gaps
+        is_open = max(gap, tilt) > 0
         raise MisfitError(
-            f"joint {name}" if apart else "assembly", _opened(gap, tilt) if apart else moving,
+            f"joint {name}" if is_open else "assembly", _gap_text(gap, tilt) if is_open else moving,
             "parts that come to rest when forced together (of their size, or rad, by "
-            f"{SETTLED:g} in a round); a mechanism may need a joint that is held, a bar without "
+            f"{STEP_TOL:g} in a round); a mechanism may need a joint that is held, a bar without "
             "stress that is bent far may need more elements",
         )  # fmt: skip
     raise MisfitError(
-        f"joint {name}", _opened(gap, tilt), "parts that can be forced together, with this joint "
+        f"joint {name}", _gap_text(gap, tilt), "parts that can be forced together, with this joint "
         "closed",
     )  # fmt: skip
 
 
-def _opened(gap: float, tilt: float) -> str:
+def _gap_text(gap: float, tilt: float) -> str:
     """By how much a joint is open, in words."""
-    found = [f"{gap:.3g} m"] * (gap > 0) + [f"{tilt:.3g} rad"] * (tilt > 0)
-    return f"{' and '.join(found) or '0 m'} apart"
+    sizes = [f"{gap:.3g} m"] * (gap > 0) + [f"{tilt:.3g} rad"] * (tilt > 0)
+    return f"{' and '.join(sizes) or '0 m'} apart"

@@ -24,33 +24,38 @@ class Places(NamedTuple):
     position: np.ndarray
     frame: np.ndarray
 
-    def moved(self, step: np.ndarray) -> "Places":
+    def displace(self, step: np.ndarray) -> "Places":
         """After a motion (6n,) of all particles: a shift (m) and a turn (rad), in global axes."""
         from scipy.spatial.transform import Rotation
 
         shift, turn = step.reshape(-1, 2, 3).transpose(1, 0, 2)
         return Places(self.position + shift, Rotation.from_rotvec(turn).as_matrix() @ self.frame)
 
-    def of(self, particles: np.ndarray) -> "Places":
+    def select(self, particles: np.ndarray) -> "Places":
         """Those of some particles (k,)."""
         return Places(self.position[particles], self.frame[particles])
 
-    def nudged(self, direction: int) -> "Places":
-        """After an infinitely small shift (direction 0 to 2) or turn (3 to 5), which is complex."""
-        if direction < 3:
-            return self._replace(position=self.position + 1j * STEP * np.eye(3)[direction])
-        turn = np.cross(np.eye(3)[direction - 3], np.eye(3)).T
-        return self._replace(frame=self.frame + 1j * STEP * (turn @ self.frame))
+    def nudged(self, first: int) -> "Places":
+        """Places (12, n, ...), which are complex: from direction `first` on after an infinitely
+        small shift along each axis and turn about each."""
+        position = np.tile(self.position.astype(complex), (12, 1, 1))
+        frame = np.tile(self.frame.astype(complex), (12, 1, 1, 1))
+        position[first : first + 3] += 1j * STEP * np.eye(3)[:, None]
+        turns = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(0, 2, 1)
+        frame[first + 3 : first + 6] += 1j * STEP * (turns[:, None] @ self.frame)
+        return Places(position, frame)
 
 
 def slopes(function, first: Places, second: Places) -> np.ndarray:
-    """Derivatives (e, k, 12) of function(first, second) -> (e, k), by the motions of both."""
-    ends = [(first.nudged(d), second) for d in range(6)]
-    ends += [(first, second.nudged(d)) for d in range(6)]
-    return np.stack([function(*pair).imag / STEP for pair in ends], axis=-1)
+    """Derivatives (e, k, 12) of function(first, second) -> (..., e, k), by the motions of both.
+
+    The function has no absolute values and the like: its arguments are complex.
+    """
+    values = function(first.nudged(0), second.nudged(6))
+    return np.moveaxis(values.imag / STEP, 0, -1)
 
 
-def gathered(blocks: np.ndarray, pairs: np.ndarray, count: int):
+def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
     """The sparse matrix (6 count, 6 count) of blocks (e, 12, 12) on pairs (e, 2) of particles."""
     from scipy.sparse import coo_array
 
@@ -64,115 +69,118 @@ def dofs_of(pairs: np.ndarray) -> np.ndarray:
     return (6 * pairs[:, :, None] + np.arange(6)).reshape(len(pairs), 12)
 
 
-ALONG, CARRIED, NORMAL = 0, 1, 2
+GLOBAL, BODY_FIXED, NORMAL = 0, 1, 2
 
 
 class Conditions(NamedTuple):
     """Conditions on pairs (c, 2) of particles; `joint`: the name of each one's joint.
 
-    how: ALONG a global direction, CARRIED by the first, or NORMAL; one, two (c, 3): the direction,
+    axis_types: GLOBAL, BODY_FIXED to the first, or NORMAL; axis1, axis2 (c, 3): the direction,
     and for NORMAL that of the second; arms (c, 2, 3) to the points, each in its particle's frame;
     second (c,): 1, or 0 where a point is held at a `place` (c, 3).
     """
 
     joint: list[str]
     pairs: np.ndarray
-    how: np.ndarray
-    one: np.ndarray
-    two: np.ndarray
+    axis_types: np.ndarray
+    axis1: np.ndarray
+    axis2: np.ndarray
     arms: np.ndarray
     second: np.ndarray
     place: np.ndarray
 
     def weight(self, size: float) -> np.ndarray:
         """Factors (c,) that make numbers without unit of all gaps."""
-        return np.where(self.how == NORMAL, 1.0, 1.0 / size)
+        return np.where(self.axis_types == NORMAL, 1.0, 1.0 / size)
 
     def gaps(self, places: Places) -> np.ndarray:
         """By how much each is off (c,), m or rad."""
-        return self._each(*self._ends(places))[:, 0]
+        return self._residuals(*self._ends(places))[:, 0]
 
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
         """The joint that is farthest open, its gap (m) and the angle between its directions."""
         gap: dict[str, float] = {}
         tilt: dict[str, float] = {}
-        for name, how, off in zip(self.joint, self.how, gaps, strict=True):
-            found = tilt if how == NORMAL else gap
-            found[name] = float(np.hypot(found.get(name, 0.0), off))
+        for name, axis_type, residual in zip(self.joint, self.axis_types, gaps, strict=True):
+            sizes = tilt if axis_type == NORMAL else gap
+            sizes[name] = float(np.hypot(sizes.get(name, 0.0), residual))
         names = dict.fromkeys(self.joint)
         name = max(names, key=lambda n: max(gap.get(n, 0.0), tilt.get(n, 0.0)), default="none")
         return name, gap.get(name, 0.0), tilt.get(name, 0.0)
 
     def derivatives(self, places: Places, impulses: np.ndarray):
         """Sparse rows (c, 6n) of the derivatives, and those (6n, 6n) of their sum with impulses."""
+        blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(places))
+        return self.jacobian(places), sparse_matrix(blocks, self.pairs, len(places.position))
+
+    def jacobian(self, places: Places):
+        """Derivatives, sparse (c, 6n), by the motions of all particles."""
         from scipy.sparse import coo_array
 
-        ends, count = self._ends(places), 6 * len(places.position)
-        rows = self._rows(*ends)
+        rows = self._rows(*self._ends(places))
         number = np.repeat(np.arange(len(rows)), 12)
-        shape = (len(rows), count)
         entries = (rows.ravel(), (number, dofs_of(self.pairs).ravel()))
-        blocks = impulses[:, None, None] * slopes(self._rows, *ends)
-        curvature = gathered(blocks, self.pairs, len(places.position))
-        return coo_array(entries, shape=shape).tocsc(), curvature
+        return coo_array(entries, shape=(len(rows), 6 * len(places.position))).tocsc()
 
     def _ends(self, places: Places) -> tuple[Places, Places]:
-        return places.of(self.pairs[:, 0]), places.of(self.pairs[:, 1])
+        return places.select(self.pairs[:, 0]), places.select(self.pairs[:, 1])
 
     def _parts(self, first: Places, second: Places):
         """Direction, that of the second, arms of both in global axes, and the way between."""
-        turned = np.einsum("cij,cj->ci", first.frame, self.one)
-        one = np.where((self.how == ALONG)[:, None], self.one, turned)
-        two = np.einsum("cij,cj->ci", second.frame, self.two)
+        body_axis = np.einsum("...cij,cj->...ci", first.frame, self.axis1)
+        axis1 = np.where((self.axis_types == GLOBAL)[:, None], self.axis1, body_axis)
+        axis2 = np.einsum("...cij,cj->...ci", second.frame, self.axis2)
         arms = [
-            np.einsum("cij,cj->ci", end.frame, self.arms[:, k])
+            np.einsum("...cij,cj->...ci", end.frame, self.arms[:, k])
             for k, end in enumerate((first, second))
         ]
-        there = self.second[:, None]
-        way = first.position + arms[0] - there * (second.position + arms[1]) - self.place
-        return one, two, arms, way
+        factor = self.second[:, None]
+        offset = first.position + arms[0] - factor * (second.position + arms[1]) - self.place
+        return axis1, axis2, arms, offset
 
-    def _each(self, first: Places, second: Places) -> np.ndarray:
-        one, two, _, way = self._parts(first, second)
-        other = np.where((self.how == NORMAL)[:, None], two, way)
-        return np.sum(one * other, axis=1, keepdims=True)
+    def _residuals(self, first: Places, second: Places) -> np.ndarray:
+        axis1, axis2, _, offset = self._parts(first, second)
+        vector = np.where((self.axis_types == NORMAL)[:, None], axis2, offset)
+        return np.sum(axis1 * vector, axis=1, keepdims=True)
 
     def _rows(self, first: Places, second: Places) -> np.ndarray:
-        """Derivatives (c, 12) by the motions of both particles."""
-        one, two, arms, way = self._parts(first, second)
-        normal, carried = (self.how == NORMAL)[:, None], (self.how == CARRIED)[:, None]
-        there, turn = self.second[:, None], np.cross(one, two)
-        shift = np.where(normal, 0.0, one)
-        own = np.cross(arms[0], one) + np.where(carried, np.cross(one, way), 0.0)
-        return np.hstack(
+        """Derivatives (..., c, 12) by the motions of both particles."""
+        axis1, axis2, arms, offset = self._parts(first, second)
+        types = self.axis_types[:, None]
+        normal, is_body_fixed = types == NORMAL, types == BODY_FIXED
+        factor, turn = self.second[:, None], np.cross(axis1, axis2)
+        shift = np.where(normal, 0.0, axis1)
+        own = np.cross(arms[0], axis1) + np.where(is_body_fixed, np.cross(axis1, offset), 0.0)
+        return np.concatenate(
             [
                 shift,
                 np.where(normal, turn, own),
-                -there * shift,
-                np.where(normal, -turn, -there * np.cross(arms[1], one)),
-            ]
+                -factor * shift,
+                np.where(normal, -turn, -factor * np.cross(arms[1], axis1)),
+            ],
+            axis=-1,
         )
 
 
 def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
     """The conditions of all joints of a scene; hinges named by `hold` keep their opening."""
     rows: list[tuple] = []
-    for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_stated(scene)):
+    for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
         rows += _rows_of(scene, joint)
     hinges = {hinge.name: hinge for hinge in scene.hinges}
     for name in hold:
         if name not in hinges:
             raise SceneError("hold", name, f"names of hinges: {', '.join(hinges)}")
-        hinge, none = hinges[name], np.zeros((2, 3))
+        hinge, no_arms = hinges[name], np.zeros((2, 3))
         if hinge.slides:
             arms, zero = np.array([beam.arm for beam in hinge.beams]), np.zeros(3)
-            rows.append((name, hinge.particles, CARRIED, hinge.axes[0], zero, arms, 1.0, zero))
+            rows.append((name, hinge.particles, BODY_FIXED, hinge.axes[0], zero, arms, 1.0, zero))
             continue
         axis, zero = hinge.axes[0], hinge.references[0]
-        ahead = np.cos(hinge.opening) * zero + np.sin(hinge.opening) * np.cross(axis, zero)
-        across = np.cross(axis, ahead)
+        reference = np.cos(hinge.opening) * zero + np.sin(hinge.opening) * np.cross(axis, zero)
+        normal = np.cross(axis, reference)
         rows.append(
-            (name, hinge.particles, NORMAL, across, hinge.references[1], none, 1.0, none[0])
+            (name, hinge.particles, NORMAL, normal, hinge.references[1], no_arms, 1.0, no_arms[0])
         )
     columns = list(zip(*rows, strict=True)) or [()] * 8
     shapes = [None, (-1, 2), (-1,), (-1, 3), (-1, 3), (-1, 2, 3), (-1,), (-1, 3)]
@@ -183,7 +191,7 @@ def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
     return Conditions(list(columns[0]), *arrays)
 
 
-def _stated(scene) -> list[Joint]:
+def _joints_of(scene) -> list[Joint]:
     """Joints that are stated as such."""
     return scene.kinds.get(Joint, [])
 
@@ -196,20 +204,20 @@ def _rows_of(scene, joint: Joint) -> list[tuple]:
         particle = joint.beams[0].particle
         place = scene.position[particle] + scene.frame[particle] @ arms[0]
         pair, arms = (particle, particle), np.array([arms[0], zero])
-        axes = [np.eye(3)[AXES.index(axis)] for axis in joint.held]
-        return [(joint.name, pair, ALONG, axis, zero, arms, 0.0, place) for axis in axes]
-    axis, across = joint.axes[0], joint.references[0]
-    third, along, other = np.cross(axis, across), joint.axes[1], joint.references[1]
-    points = [(CARRIED, e) for e in (across, third)]
+        axes = [np.eye(3)[AXES.index(axis)] for axis in joint.support_axes]
+        return [(joint.name, pair, GLOBAL, axis, zero, arms, 0.0, place) for axis in axes]
+    axis, reference = joint.axes[0], joint.references[0]
+    third, axis2, reference2 = np.cross(axis, reference), joint.axes[1], joint.references[1]
+    points = [(BODY_FIXED, e) for e in (reference, third)]
     if not joint.slides:
-        points = [(ALONG, e) for e in np.eye(3)]
+        points = [(GLOBAL, e) for e in np.eye(3)]
     tilts = {
         "spherical": [],
-        "universal": [(axis, along)],
-        "revolute": [(across, along), (third, along)],
-    }.get(joint.type, [(across, along), (third, along), (third, other)])
+        "universal": [(axis, axis2)],
+        "revolute": [(reference, axis2), (third, axis2)],
+    }.get(joint.type, [(reference, axis2), (third, axis2), (third, reference2)])
     pair = joint.particles
     return [
-        *((joint.name, pair, how, e, zero, arms, 1.0, zero) for how, e in points),
+        *((joint.name, pair, axis_type, e, zero, arms, 1.0, zero) for axis_type, e in points),
         *((joint.name, pair, NORMAL, u, w, np.zeros((2, 3)), 1.0, zero) for u, w in tilts),
     ]

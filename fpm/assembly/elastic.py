@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.assembly.conditions import Places, dofs_of, gathered, slopes
+from fpm.assembly.conditions import Places, dofs_of, slopes, sparse_matrix
 from fpm.elements.bars.beam import Beams, elements_of, end_axes
 
 
@@ -37,8 +37,8 @@ class Elastic(NamedTuple):
         turns = shape.sines + shape.sines**3 / 6
         total = 0.5 * axial * (shape.length - rest) ** 2 + 0.5 * torsion * shape.twist**2
         for plane, stiff in enumerate(bending):
-            one, two = turns[:, plane], turns[:, 2 + plane]
-            total = total + stiff * (one**2 + one * two + two**2)
+            angle1, angle2 = turns[:, plane], turns[:, 2 + plane]
+            total = total + stiff * (angle1**2 + angle1 * angle2 + angle2**2)
         return float(np.sum(total))
 
     def largest(self, places: Places) -> tuple[float, float]:
@@ -56,7 +56,7 @@ class Elastic(NamedTuple):
         count, ends = len(places.position), self._ends(places)
         gradient = np.zeros(6 * count)
         np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
-        return gradient, gathered(slopes(self._gradient, *ends), self.nodes, count)
+        return gradient, sparse_matrix(slopes(self._gradient, *ends), self.nodes, count)
 
     @property
     def unstressed(self) -> "Unstressed":
@@ -64,22 +64,22 @@ class Elastic(NamedTuple):
         return Unstressed(self)
 
     def _ends(self, places: Places) -> tuple[Places, Places]:
-        return places.of(self.nodes[:, 0]), places.of(self.nodes[:, 1])
+        return places.select(self.nodes[:, 0]), places.select(self.nodes[:, 1])
 
     def _shape(self, first: Places, second: Places) -> Shape:
         chord = second.position - first.position
-        length = np.sqrt(np.sum(chord * chord, axis=1))
-        chord = chord / length[:, None]
+        length = np.sqrt(np.sum(chord * chord, axis=-1))
+        chord = chord / length[..., None]
         axes = np.concatenate(
             [
-                np.einsum("eij,ekj->eki", end.frame, own)
+                np.einsum("...eij,ekj->...eki", end.frame, own)
                 for end, own in ((first, self.axes[:, :2]), (second, self.axes[:, 2:]))
             ],
-            axis=1,
+            axis=-2,
         )
-        a2, a3, b2, b3 = axes.transpose(1, 0, 2)
-        twist = 0.5 * (np.sum(b2 * a3, axis=1) - np.sum(b3 * a2, axis=1))
-        return Shape(chord, length, axes, np.einsum("ei,eki->ek", chord, axes), twist)
+        a2, a3, b2, b3 = np.moveaxis(axes, -2, 0)
+        twist = 0.5 * (np.sum(b2 * a3, axis=-1) - np.sum(b3 * a2, axis=-1))
+        return Shape(chord, length, axes, np.einsum("...ei,...eki->...ek", chord, axes), twist)
 
     def _modes(self, first: Places, second: Places) -> np.ndarray:
         """What is strained of each element (e, 6), half of whose squares is its energy: stretch,
@@ -89,24 +89,26 @@ class Elastic(NamedTuple):
         turns = sines * (1 + sines**2 / 6)
         modes = [np.sqrt(axial) * (length - rest), np.sqrt(torsion) * twist]
         for plane, stiff in enumerate(bending):
-            one, two = turns[:, plane], turns[:, 2 + plane]
-            modes += [np.sqrt(1.5 * stiff) * (one + two), np.sqrt(0.5 * stiff) * (one - two)]
-        return np.stack(modes, axis=1)
+            angle1, angle2 = turns[..., plane], turns[..., 2 + plane]
+            total, change = angle1 + angle2, angle1 - angle2
+            modes += [np.sqrt(1.5 * stiff) * total, np.sqrt(0.5 * stiff) * change]
+        return np.stack(modes, axis=-1)
 
     def _gradient(self, first: Places, second: Places) -> np.ndarray:
-        """Derivatives (e, 12) of each element's energy by the motions of its ends."""
+        """Derivatives (..., e, 12) of each element's energy by the motions of its ends."""
         n, length, axes, sines, t = self._shape(first, second)
         rest, axial, in_2, in_3, torsion = self.stiffness.T
         turns = sines * (1 + sines**2 / 6)
         stiff = np.stack([in_2, in_3, in_2, in_3], axis=1)
-        by_sine = stiff * (2 * turns + turns[:, [2, 3, 0, 1]]) * (1 + sines**2 / 2)
-        at = by_sine[:, :, None] * axes
-        ga, gb = at[:, 0] + at[:, 1], at[:, 2] + at[:, 3]
-        along = axial * (length - rest) - np.sum(by_sine * sines, axis=1) / length
-        force = (ga + gb) / length[:, None] + along[:, None] * n  # on the first
-        a2, a3, b2, b3 = axes.transpose(1, 0, 2)
-        twist = (0.5 * torsion * t)[:, None] * (np.cross(a3, b2) - np.cross(a2, b3))
-        return np.hstack([-force, twist - np.cross(n, ga), force, -twist - np.cross(n, gb)])
+        by_sine = stiff * (2 * turns + turns[..., [2, 3, 0, 1]]) * (1 + sines**2 / 2)
+        by_axis = by_sine[..., None] * axes
+        ga, gb = by_axis[..., 0, :] + by_axis[..., 1, :], by_axis[..., 2, :] + by_axis[..., 3, :]
+        axial_force = axial * (length - rest) - np.sum(by_sine * sines, axis=-1) / length
+        force = (ga + gb) / length[..., None] + axial_force[..., None] * n  # on the first
+        a2, a3, b2, b3 = np.moveaxis(axes, -2, 0)
+        twist = (0.5 * torsion * t)[..., None] * (np.cross(a3, b2) - np.cross(a2, b3))
+        ends = [-force, twist - np.cross(n, ga), force, -twist - np.cross(n, gb)]
+        return np.concatenate(ends, axis=-1)
 
 
 class Unstressed(NamedTuple):
@@ -120,7 +122,7 @@ class Unstressed(NamedTuple):
         gradient, _ = self.bars.derivatives(places)
         rows = slopes(self.bars._modes, *ends)
         blocks = rows.swapaxes(1, 2) @ rows
-        return gradient, gathered(blocks, self.bars.nodes, len(places.position))
+        return gradient, sparse_matrix(blocks, self.bars.nodes, len(places.position))
 
 
 def elastic_of(scene) -> Elastic:

@@ -65,8 +65,8 @@ them, joints and the probe come last).
 
 def kinds_of(scenes) -> list[type[Kind]]:
     """The kinds that some of the scenes have, in the order of the registry; others follow."""
-    stated = {kind for scene in scenes for kind in scene.kinds}
-    own = sorted(stated.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
+    types = {kind for scene in scenes for kind in scene.kinds}
+    own = sorted(types.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
     return [kind for kind in (*KINDS, *own) if any(kind.of(scene) for scene in scenes)]
 
 
@@ -75,5 +75,5 @@ def energies_of(kinds) -> list:
     the balance: what is stored, given and taken. Those of the registry are always there.
     """
     kinds = [*KINDS, *(kind for kind in kinds if kind not in KINDS)]
-    found = [getattr(k, role) for role in ("stores", "gives", "takes") for k in kinds]
-    return list(dict.fromkeys(energy for energy in found if energy))
+    energies = [getattr(k, role) for role in ("stores", "gives", "takes") for k in kinds]
+    return list(dict.fromkeys(energy for energy in energies if energy))

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from fpm.elements.particles.turning import turns_of
-from fpm.kernels import layout as at
+from fpm.kernels import layout
 from fpm.kernels.world import Log, Record, World
 
 ROUNDINGS = 64.0
@@ -66,7 +66,7 @@ class Places:
 class Batch:
     """Scenes of one topology in the making: what kinds need to pack their arrays.
 
-    scenes, of which `one` stands for all where they agree; kinds in them, in order, and energies
+    scenes, of which `scene` stands for all where they agree; kinds in them, in order, and energies
     of the balance; particles that these have `moved`, the others, `free`; width: number of lanes;
     instants that are recorded; room: for how many events of each scene.
     """
@@ -82,15 +82,16 @@ class Batch:
         room: int,
     ):
         self.scenes, self.width, self.dtype, self.instants = scenes, width, dtype, instants
-        self.one = scenes[0]
+        self.scene = scenes[0]
         self.kinds, self.energies = kinds, energies
-        self.moved = {p for kind in self.kinds for p in kind.moved(self.one)}
-        self.free = [p for p in range(len(self.one.position)) if p not in self.moved]
+        self.moved = {p for kind in self.kinds for p in kind.moved(self.scene)}
+        self.free = [p for p in range(len(self.scene.position)) if p not in self.moved]
         self._parts: dict[type, NamedTuple] = {}
         self.accounts = self._accounts()
         self.watches = Places({kind: len(kind.watches) for kind in self.kinds})
-        self.rows = Places({k: len(k.names(self.one)) for k in self.kinds if k.stores or k.watches})
-        eventful = {k: len(k.names(self.one)) for k in self.kinds if k.events}
+        of_kinds = [kind for kind in self.kinds if kind.stores or kind.watches]
+        self.rows = Places({kind: len(kind.names(self.scene)) for kind in of_kinds})
+        eventful = {k: len(k.names(self.scene)) for k in self.kinds if k.events}
         self.eventful = Places(eventful)
         self._watched = self.blank(1, self.watches.count)
         self._rows = self.blank(self.rows.count, 1)
@@ -99,10 +100,10 @@ class Batch:
 
     def _accounts(self) -> list:
         """Energies given, then taken: one account for all kinds with the same."""
-        given = dict.fromkeys(kind.gives for kind in self.kinds if kind.gives)
-        taken = dict.fromkeys(kind.takes for kind in self.kinds if kind.takes)
-        self.givers = len(given)
-        return [*given, *taken]
+        works = dict.fromkeys(kind.gives for kind in self.kinds if kind.gives)
+        losses = dict.fromkeys(kind.takes for kind in self.kinds if kind.takes)
+        self.givers = len(works)
+        return [*works, *losses]
 
     # -- arrays of numbers that differ from scene to scene ----------------------------------------
 
@@ -112,18 +113,18 @@ class Batch:
 
     def stack(self, rows: int, columns: int, function: Callable[[Scene], object]) -> np.ndarray:
         """Array (rows, columns, lanes) from function(scene) -> (rows, columns), scene by scene."""
-        out = self.blank(rows, columns)
+        array = self.blank(rows, columns)
         if rows:
             for s in range(self.width):
                 if s < len(self.scenes):
-                    out[:, :, s] = function(self.scenes[s])
+                    array[:, :, s] = function(self.scenes[s])
                 else:
-                    out[:, :, s] = out[:, :, len(self.scenes) - 1]
-        return out
+                    array[:, :, s] = array[:, :, len(self.scenes) - 1]
+        return array
 
     def table(self, kind: type, columns: int, row: Callable) -> np.ndarray:
         """Array (elements, columns, lanes) from row(element) of every element of a kind."""
-        count = len(kind.of(self.one))
+        count = len(kind.of(self.scene))
         return self.stack(count, columns, lambda scene: [row(e) for e in kind.of(scene)])
 
     # -- arrays that are the same for all lanes ---------------------------------------------------
@@ -144,7 +145,7 @@ class Batch:
 
     def is_read(self, kind: type) -> bool:
         """Whether another kind needs the arrays of this one in every step (Kind.reads)."""
-        return any(kind in other.reads for other in self.kinds)
+        return any(kind in reader.reads for reader in self.kinds)
 
     def given_by(self, kind: type) -> int:
         """Number of the account of the work that a kind gives."""
@@ -186,29 +187,29 @@ class Batch:
 
     def world(self) -> World:
         """Particles at their start, curves, and what the kinds share."""
-        one, n, points = self.one, len(self.one.position), self.one.points
-        lengths = [len(times) for times, _ in one.curves]
-        watching = [(kind, watch) for kind in self.kinds for watch in kind.watches]
-        rows, ones = [self.rows.of[kind] for kind, _ in watching], np.ones(self.width)
+        scene, n, points = self.scene, len(self.scene.position), self.scene.points
+        lengths = [len(times) for times, _ in scene.curves]
+        watches = [(kind, watch) for kind in self.kinds for watch in kind.watches]
+        rows, unity = [self.rows.of[kind] for kind, _ in watches], np.ones(self.width)
         return World(
-            state=self.stack(n, at.STATE, _state),
-            kept=self.blank(n, at.STATE),
-            particles=self.stack(n, at.PARTICLE, _particles),
+            state=self.stack(n, layout.STATE, _state),
+            start_state=self.blank(n, layout.STATE),
+            particles=self.stack(n, layout.PARTICLE, _particles),
             free=self.integers([] if any(kind.moves_free for kind in self.kinds) else self.free),
             curve_start=self.integers(np.cumsum([0, *lengths])),
-            curve_time=np.concatenate([np.zeros(0), *(times for times, _ in one.curves)]),
-            curve_value=np.concatenate([np.zeros(0), *(values for _, values in one.curves)]),
+            curve_time=np.concatenate([np.zeros(0), *(times for times, _ in scene.curves)]),
+            curve_value=np.concatenate([np.zeros(0), *(values for _, values in scene.curves)]),
             point_on=self.integers(p.particle for p in points.values()),
             point_arm=self.stack(len(points), 3, lambda s: [p.arm for p in s.points.values()]),
             accounts=self.blank(1, len(self.accounts)),
             givers=self.givers,
-            sums=self.blank(1, at.SUMS),
+            sums=self.blank(1, layout.SUMS),
             watched=self._watched,
             size=(size := self.stack(1, 1, lambda s: [[size_of(s)]])),
             most=np.array(
-                [w.most * (size[0, 0] if w.of_size else ones) for _, w in watching]
+                [w.most * (size[0, 0] if w.of_size else unity) for _, w in watches]
             ).reshape(-1, self.width),
-            always=np.array([watch.always for _, watch in watching], bool),
+            unconditional=np.array([watch.unconditional for _, watch in watches], bool),
             watch_rows=self.integers(((r.start, r.stop) for r in rows), 2),
             rows=self._rows,
             undecided=self.integers([0]),
@@ -217,13 +218,13 @@ class Batch:
     def record(self, step: float, steps: int) -> Record:
         """An empty record, for so many steps of so many seconds."""
         rows, width, dtype = self.instants + 1, self.width, self.dtype
-        energies = at.ACCOUNTS + len(self.accounts) + sum(bool(k.stores) for k in self.kinds)
-        failed = np.full(width, -1, np.int64)
-        failed[len(self.scenes) :] = 0  # the lanes that only fill up are never looked at
+        energies = layout.ACCOUNTS + len(self.accounts) + sum(bool(k.stores) for k in self.kinds)
+        failed_step = np.full(width, -1, np.int64)
+        failed_step[len(self.scenes) :] = 0  # the lanes that only fill up are never looked at
         return Record(
-            points=self.blank(rows * len(self.one.points), at.POINT),
+            points=self.blank(rows * len(self.scene.points), layout.POINT),
             energies=self.blank(rows, energies),
-            failed_step=failed,
+            failed_step=failed_step,
             failed_cause=np.zeros(width, np.int64),
             failed_row=np.zeros(width, np.int64),
             failed_balance=np.zeros(width, dtype),
@@ -238,30 +239,30 @@ class Batch:
         so much way forces do work. At a stable step no spring has more energy of so much strain
         than masses have of such motion.
         """
-        off = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
-        found = np.zeros(self.width, self.dtype)
+        gap = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
+        scale = np.zeros(self.width, self.dtype)
         for lane, scene in enumerate(self.scenes):
             free = ~scene.fixed.all(axis=1)
             reach = np.abs(scene.position).max(initial=0.0)
             inertia = scene.mass[free].sum() * reach**2 + scene.inertia[free].max(axis=1).sum()
             moment = reach * sum(kind.held_up(scene) for kind in self.kinds)
             moment += sum(kind.held_round(scene) for kind in self.kinds)
-            found[lane] = WORK * off * moment + 0.5 * inertia * (off / step) ** 2
-        return found
+            scale[lane] = WORK * gap * moment + 0.5 * inertia * (gap / step) ** 2
+        return scale
 
 
 def _state(scene: Scene) -> np.ndarray:
     """State (n, STATE) of one scene at its start."""
-    out = np.zeros((len(scene.position), at.STATE))
-    out[:, at.X : at.X + 3] = scene.position
-    out[:, at.D2 : at.D2 + 3] = scene.frame[:, :, 1]
-    out[:, at.D3 : at.D3 + 3] = scene.frame[:, :, 2]
+    state = np.zeros((len(scene.position), layout.STATE))
+    state[:, layout.X : layout.X + 3] = scene.position
+    state[:, layout.D2 : layout.D2 + 3] = scene.frame[:, :, 1]
+    state[:, layout.D3 : layout.D3 + 3] = scene.frame[:, :, 2]
     free = ~scene.fixed
-    out[:, at.V : at.V + 3] = scene.velocity * free[:, :3]
+    state[:, layout.V : layout.V + 3] = scene.velocity * free[:, :3]
     local = np.einsum("nji,nj->ni", scene.frame, scene.spin * free[:, 3:])
     inertia = turns_of(scene).inertia
-    out[:, at.P : at.P + 3] = np.einsum("nij,nj->ni", scene.frame, inertia * local)
-    return out
+    state[:, layout.P : layout.P + 3] = np.einsum("nij,nj->ni", scene.frame, inertia * local)
+    return state
 
 
 def size_of(scene: Scene) -> float:
@@ -269,18 +270,18 @@ def size_of(scene: Scene) -> float:
     points of joints lie, and at least the largest radius of gyration.
     """
     free = ~scene.fixed.all(axis=1)
-    joining = (e for kind, found in scene.kinds.items() if kind.joins for e in found)
+    joining = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
     beams = [beam for element in joining for beam in element.beams]
     ends = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
-    way = np.ptp(np.vstack([scene.position[free], *ends]), axis=0) if free.any() or ends else 0.0
+    extent = np.ptp(np.vstack([scene.position[free], *ends]), axis=0) if free.any() or ends else 0.0
     gyration = np.sqrt(scene.inertia[free].max(axis=1) / scene.mass[free])
-    return float(max(np.max(way), gyration.max(initial=0.0))) or 1.0
+    return float(max(np.max(extent), gyration.max(initial=0.0))) or 1.0
 
 
 def _particles(scene: Scene) -> np.ndarray:
-    out = np.zeros((len(scene.position), at.PARTICLE))
-    out[:, at.MASS] = scene.mass
-    out[:, at.IM] = np.where(scene.fixed[:, :3].all(axis=1), 0.0, 1.0 / scene.mass)
-    held = scene.fixed[:, 3:].all(axis=1)[:, None]
-    out[:, at.IJ : at.IJ + 3] = np.where(held, 0.0, 1.0 / turns_of(scene).inertia)
-    return out
+    rows = np.zeros((len(scene.position), layout.PARTICLE))
+    rows[:, layout.MASS] = scene.mass
+    rows[:, layout.IM] = np.where(scene.fixed[:, :3].all(axis=1), 0.0, 1.0 / scene.mass)
+    no_turn = scene.fixed[:, 3:].all(axis=1)[:, None]
+    rows[:, layout.IJ : layout.IJ + 3] = np.where(no_turn, 0.0, 1.0 / turns_of(scene).inertia)
+    return rows

@@ -12,12 +12,12 @@ def cross(a, b) -> np.ndarray:
     if a.ndim == 1:
         (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()
         return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
-    out = np.empty(a.shape)
+    product = np.empty(a.shape)
     for i in range(3):
         j, k = i - 2, i - 1
-        np.multiply(a[..., j], b[..., k], out=out[..., i])
-        out[..., i] -= a[..., k] * b[..., j]
-    return out
+        np.multiply(a[..., j], b[..., k], out=product[..., i])
+        product[..., i] -= a[..., k] * b[..., j]
+    return product
 
 
 def length(vector: np.ndarray) -> float:
@@ -29,7 +29,7 @@ def length(vector: np.ndarray) -> float:
 def columns(*parts) -> np.ndarray:
     """Numbers or arrays (...) side by side, (..., k): `numpy.stack(parts, axis=-1)`; the first has
     the shape of all."""
-    out = np.empty((*np.shape(parts[0]), len(parts)), np.result_type(*parts))
+    array = np.empty((*np.shape(parts[0]), len(parts)), np.result_type(*parts))
     for k, part in enumerate(parts):
-        out[..., k] = part
-    return out
+        array[..., k] = part
+    return array

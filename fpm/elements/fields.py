@@ -18,22 +18,22 @@ _KEY = "fpm"
 
 
 @dataclass(frozen=True)
-class Stated:
+class FieldSpec:
     """What is said of a field. same: whether it must be equal in scenes that run side by side.
 
-    words: what it is called in messages, with {called} or {title} of the kind (kind.py); about: in
-    words, for the table of keys; said: whether it is a part of descriptions.
+    words: what it is called in messages, with {called} or {title} of the kind (kind.py); text: in
+    words, for the table of keys; is_shown: whether it is a part of descriptions.
     """
 
     name: str = ""
     same: bool = False
     words: str = ""
-    about: str = ""
-    said: bool = False
+    text: str = ""
+    is_shown: bool = False
 
 
 @dataclass(frozen=True)
-class Number(Stated):
+class Number(FieldSpec):
     """`count` numbers in a unit; `least` (allowed) or `above` (not allowed) is their lower end.
 
     finite: whether they must be; optional: whether None is allowed; zero: whether that is said.
@@ -55,22 +55,22 @@ class Number(Stated):
 
     def allowed(self, unit: str) -> str:
         """What is allowed, in words, in a unit."""
-        many = f"{self.count} {'finite ' * self.finite}numbers"
-        one = f"a {'finite ' * self.finite}number"
+        plural = f"{self.count} {'finite ' * self.finite}numbers"
+        singular = f"a {'finite ' * self.finite}number"
         end = f" >= {self.least:g}" if self.least is not None else ""
         end = f" > {self.above:g}" if self.above is not None else end
-        return f"{one if self.count == 1 else many}{end}{f' ({unit})' if unit else ''}"
+        return f"{singular if self.count == 1 else plural}{end}{f' ({unit})' if unit else ''}"
 
 
 @dataclass(frozen=True)
-class Word(Stated):
+class Word(FieldSpec):
     """One of some words, and the number that each is in the kernels."""
 
     values: Mapping[Any, float] | None = None
 
 
 @dataclass(frozen=True)
-class Index(Stated):
+class Index(FieldSpec):
     """A place in a list of the scene, by its name; `least` -1: or none. types: of hinges."""
 
     of: str = ""
@@ -78,46 +78,48 @@ class Index(Stated):
     types: tuple[str, ...] = ()
 
 
-def _field(stated: Stated, default: Any) -> Any:
-    return field(default=default, metadata={_KEY: stated})
+def _field(spec: FieldSpec, default: Any) -> Any:
+    return field(default=default, metadata={_KEY: spec})
 
 
-def number(unit: str = "", least=None, above=None, *, default=MISSING, said=True, **more) -> Any:
-    """A field with a number, or several; more: of `Number`."""
-    more |= {"said": said and more.get("count", 1) == 1, "optional": default is None}
-    return _field(Number(unit=unit, least=least, above=above, **more), default)
+def number(
+    unit: str = "", least=None, above=None, *, default=MISSING, is_shown=True, **keys
+) -> Any:
+    """A field with a number, or several; keys: of `Number`."""
+    keys |= {"is_shown": is_shown and keys.get("count", 1) == 1, "optional": default is None}
+    return _field(Number(unit=unit, least=least, above=above, **keys), default)
 
 
-def stiffness(unit: str = "N m/rad", words: str = "{called} stiffness", **more) -> Any:
+def stiffness(unit: str = "N m/rad", words: str = "{called} stiffness", **keys) -> Any:
     """A field with a stiffness."""
-    return number(unit, 0.0, words=words, **more)
+    return number(unit, 0.0, words=words, **keys)
 
 
-def damping(**more) -> Any:
+def damping(**keys) -> Any:
     """A field with the constant of a damper (N m s/rad)."""
-    return number("N m s/rad", 0.0, zero=False, **more)
+    return number("N m s/rad", 0.0, zero=False, **keys)
 
 
-def word(values: Mapping[Any, float], *, default=MISSING, **more) -> Any:
+def word(values: Mapping[Any, float], *, default=MISSING, **keys) -> Any:
     """A field with one of some words; in kernels it is a number."""
-    return _field(Word(values=values, **more), default)
+    return _field(Word(values=values, **keys), default)
 
 
-def index(of: str, least: int = 0, *, default=MISSING, **more) -> Any:
+def index(group: str, least: int = 0, *, default=MISSING, **keys) -> Any:
     """A field with the index of something in one of the scene's lists."""
-    return _field(Index(of=of, least=least, same=True, **more), default)
+    return _field(Index(of=group, least=least, same=True, **keys), default)
 
 
 def same(default: Any = MISSING) -> Any:
     """A field with something else that must be equal in scenes that run side by side."""
-    return _field(Stated(same=True), default)
+    return _field(FieldSpec(same=True), default)
 
 
 @cache
-def stated(kind: type) -> dict[str, Stated]:
+def specs(kind: type) -> dict[str, FieldSpec]:
     """What a kind's fields say of themselves, by name."""
-    found = [f for f in fields(kind) if _KEY in f.metadata]
-    return {f.name: replace(f.metadata[_KEY], name=f.name) for f in found}
+    keyed = [f for f in fields(kind) if _KEY in f.metadata]
+    return {f.name: replace(f.metadata[_KEY], name=f.name) for f in keyed}
 
 
 def numbers_in(value: Any) -> Sequence[float]:

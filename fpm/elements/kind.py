@@ -16,7 +16,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from fpm.elements.batch import Batch, Scene
-from fpm.elements.fields import Index, Number, Stated, Word, check_number, numbers_in, stated
+from fpm.elements.fields import FieldSpec, Index, Number, Word, check_number, numbers_in, specs
 from fpm.errors import SceneError
 
 AXES = "xyz"
@@ -43,13 +43,13 @@ class Watch(NamedTuple):
 
     name: str
     most: float
-    always: bool
+    unconditional: bool
     failure: Callable[[dict[str, float]], tuple[str, str]]
     of_size: bool = False
     unbalanced: Callable[[str], str] | None = None
 
 
-class Recorded(NamedTuple):
+class Series(NamedTuple):
     """Something recorded: values (t,), or (t, k) along a dimension with k labels, in a unit; over:
     the dimension of t; code: digest of what read it off the run, where that does not count in the
     run's name."""
@@ -59,13 +59,13 @@ class Recorded(NamedTuple):
     long_name: str
     dimension: str | None = None
     labels: tuple[str, ...] = ()
-    over: str = "time"
+    time_dim: str = "time"
     code: str = ""
 
-    def beside(self, other: "Recorded") -> "Recorded":
+    def merge(self, series: "Series") -> "Series":
         """The same of the elements of another kind, and of these."""
-        values = np.concatenate([other.values, self.values], axis=1)
-        return self._replace(values=values, labels=other.labels + self.labels)
+        values = np.concatenate([series.values, self.values], axis=1)
+        return self._replace(values=values, labels=series.labels + self.labels)
 
 
 class Eventful(NamedTuple):
@@ -126,11 +126,11 @@ class Kind:
 
     def check(self, scene: Scene) -> None:
         """SceneError if the element does not fit into the scene as it is: what its fields say."""
-        for name, field in stated(type(self)).items():
+        for name, field in specs(type(self)).items():
             value = getattr(self, name)
             if isinstance(field, Index):
-                for each in value if isinstance(value, tuple) else (value,):
-                    self.check_index(scene, field, each)
+                for index in value if isinstance(value, tuple) else (value,):
+                    self.check_index(scene, field, index)
             elif isinstance(field, Number):
                 unit = self.unit_in(scene, field.unit)
                 check_number(self.subject(scene, field), value, field, unit)
@@ -143,7 +143,7 @@ class Kind:
         if not (isinstance(value, Integral) and field.least <= value < count):
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
 
-    def subject(self, scene: Scene, field: Stated) -> str:
+    def subject(self, scene: Scene, field: FieldSpec) -> str:
         """What messages call a field."""
         words = field.words or field.name.replace("_", " ") + " of {title}"
         title = self.title(scene) if "{title}" in words else ""
@@ -159,7 +159,7 @@ class Kind:
 
     def topology(self) -> Hashable:
         """What of it must be equal in all scenes that run side by side."""
-        return tuple(getattr(self, n) for n, field in stated(type(self)).items() if field.same)
+        return tuple(getattr(self, n) for n, field in specs(type(self)).items() if field.same)
 
     def acts_on(self) -> tuple[int, ...]:
         """Indices of the hinges on whose openings it acts."""
@@ -245,10 +245,10 @@ class Kind:
         `state`, `track`: zeros, STATE for each element, and TRACK for each at every instant;
         `account`: that of the work it gives, else of the energy it takes; SHARED.
         """
-        elements = cls.of(batch.one)
+        elements = cls.of(batch.scene)
         match name:
             case "numbers":
-                columns = [(n, stated(cls).get(n)) for n in cls.kernels().NUMBERS]
+                columns = [(n, specs(cls).get(n)) for n in cls.kernels().NUMBERS]
                 count = len(_row(elements[0], columns))
                 return batch.table(cls, count, lambda element: _row(element, columns))
             case "state":
@@ -285,7 +285,7 @@ class Kind:
         return np.zeros(3)
 
     @classmethod
-    def recorded(cls, part: Any, scene: Scene, lane: int) -> dict[str, Recorded]:
+    def recorded(cls, part: Any, scene: Scene, lane: int) -> dict[str, Series]:
         """What was recorded of one lane, by the names of its variables in a trajectory file."""
         return {}
 
@@ -296,16 +296,16 @@ class Kind:
 
 def _row(element: Kind, columns: list) -> list[float]:
     """The numbers of an element, from the names of its fields and what is stated of them."""
-    found = []
+    numbers = []
     for name, field in columns:
         value = getattr(element, name)
-        found.extend(numbers_in(field.values[value] if isinstance(field, Word) else value))
-    return found
+        numbers.extend(numbers_in(field.values[value] if isinstance(field, Word) else value))
+    return numbers
 
 
 @cache
 def _arrays_in(kernels: ModuleType) -> type:
     """The named tuple that a file of kernels states."""
     own = [x for x in vars(kernels).values() if getattr(x, "__module__", "") == kernels.__name__]
-    (found,) = [x for x in own if isinstance(x, type) and issubclass(x, tuple)]
-    return found
+    (array_type,) = [x for x in own if isinstance(x, type) and issubclass(x, tuple)]
+    return array_type

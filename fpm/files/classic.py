@@ -61,8 +61,8 @@ def read(
     try:
         with netcdf_file(path if content is None else BytesIO(content), "r", mmap=False) as file:
             variables = {
-                name: Variable(found.dimensions, found[...], _attributes(found))
-                for name, found in file.variables.items()
+                name: Variable(variable.dimensions, variable[...], _attributes(variable))
+                for name, variable in file.variables.items()
             }
             return _attributes(file), variables
     except FileNotFoundError:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from fpm.elements import kinds_of
-from fpm.elements.kind import Energy, Eventful, Kind, Recorded
+from fpm.elements.kind import Energy, Eventful, Kind, Series
 from fpm.errors import InstabilityError, SceneError
 from fpm.files.trajectory import Column, Curves, to_dataset
 from fpm.scenes.scene import Scene
@@ -52,7 +52,7 @@ class Outcome(Curves):
 
     scene: Scene
     energy_kinds: tuple[Energy, ...]
-    recorded: dict[str, Recorded]
+    recorded: dict[str, Series]
     steps: int
     limit: StableStep | None
     failure: InstabilityError | SceneError | None
@@ -85,10 +85,10 @@ class Outcome(Curves):
         return to_dataset(self, responses, attributes, parameters)
 
 
-def columns_of(recorded: Mapping[str, Recorded]) -> dict[Column, np.ndarray]:
+def columns_of(records: Mapping[str, Series]) -> dict[Column, np.ndarray]:
     """The columns (t,) of what was recorded along a dimension."""
     return {
-        (name, label): found.values[:, i]
-        for name, found in recorded.items()
-        for i, label in enumerate(found.labels)
+        (name, label): record.values[:, i]
+        for name, record in records.items()
+        for i, label in enumerate(record.labels)
     }

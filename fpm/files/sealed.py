@@ -77,9 +77,9 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
     size = path.stat().st_size
     with open(path, "rb") as file:
         file.seek(max(0, size - _LONGEST))
-        found = _LINE.search(file.read())
-    facts = _facts(path, found and found[1])
-    _compare(path, facts, _digest(path, size - len(found[0])), name)
+        match = _LINE.search(file.read())
+    facts = _facts(path, match and match[1])
+    _compare(path, facts, _digest(path, size - len(match[0])), name)
     return facts
 
 
@@ -123,11 +123,11 @@ def check_content(path: str | os.PathLike, content: bytes, name: str | None = No
 def _split(path: str | os.PathLike, content: bytes) -> tuple[dict[str, str], bytes]:
     """Facts and rest of a file's content."""
     if Path(path).suffix == ".json":
-        found = _KEY.match(content)
-        facts = _facts(path, found and b'{"seal": ' + found[1] + b"}")
-        return facts, b"{\n" + content[found.end() :]
-    found = _LINE.search(content, max(0, len(content) - _LONGEST))
-    return _facts(path, found and found[1]), content[: -len(found[0])] if found else b""
+        match = _KEY.match(content)
+        facts = _facts(path, match and b'{"seal": ' + match[1] + b"}")
+        return facts, b"{\n" + content[match.end() :]
+    match = _LINE.search(content, max(0, len(content) - _LONGEST))
+    return _facts(path, match and match[1]), content[: -len(match[0])] if match else b""
 
 
 def _facts(path: str | os.PathLike, text: bytes | None) -> dict[str, str]:
@@ -140,8 +140,8 @@ def _facts(path: str | os.PathLike, text: bytes | None) -> dict[str, str]:
 
 
 def _compare(path: str | os.PathLike, facts: dict[str, str], content, name: str | None) -> None:
-    stated = {key: value for key, value in facts.items() if key != "digest"}
-    if _with_digest(content, stated)["digest"] != facts["digest"]:
+    header = {key: value for key, value in facts.items() if key != "digest"}
+    if _with_digest(content, header)["digest"] != facts["digest"]:
         raise DamagedError(path, "its contents are not those that were written")
     if name is not None and facts["name"] != name:
         raise DamagedError(path, f"it is {facts['name']}, not {name}")
@@ -159,12 +159,12 @@ def _digest(path: Path, size: int):
     """
     if size < _LARGE:
         return _hash(path, size)
-    now = path.stat()
-    return _known(path, size, now.st_dev, now.st_ino, now.st_mtime_ns, now.st_ctime_ns).copy()
+    st = path.stat()
+    return _cached_hash(path, size, st.st_dev, st.st_ino, st.st_mtime_ns, st.st_ctime_ns).copy()
 
 
 @lru_cache(8)
-def _known(path: Path, size: int, *state: int):
+def _cached_hash(path: Path, size: int, *state: int):
     return _hash(path, size)
 
 
@@ -186,8 +186,8 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     # Some writers look at the ending; but who lists netCDF files shall not meet half a one.
-    ending = "" if path.suffix == ".nc" else path.suffix
-    temporary = path.with_name(f".{path.stem}.{_host()}-{os.getpid()}.part{ending}")
+    suffix = "" if path.suffix == ".nc" else path.suffix
+    temporary = path.with_name(f".{path.stem}.{_host()}-{os.getpid()}.part{suffix}")
     try:
         yield temporary
         if facts is not None:
@@ -199,15 +199,15 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
 
 def sweep(folder: str | os.PathLike) -> list[Path]:
     """Remove what processes of this machine that are no more have left half written in a folder."""
-    removed = []
+    paths = []
     with suppress(FileNotFoundError, NotADirectoryError):
         for entry in os.scandir(folder):
-            found = _TEMPORARY.match(entry.name)
-            if found and found["host"] == _host() and not _is_alive(int(found["process"])):
+            match = _TEMPORARY.match(entry.name)
+            if match and match["host"] == _host() and not _is_alive(int(match["process"])):
                 with suppress(FileNotFoundError):
                     os.unlink(entry.path)
-                    removed.append(Path(entry.path))
-    return removed
+                    paths.append(Path(entry.path))
+    return paths
 
 
 def _host() -> str:

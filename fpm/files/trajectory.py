@@ -84,27 +84,27 @@ class Curves:
         """Times (s) of an event of elements with these names, in order."""
         numbers = [e.events.index(event) if e.name in places and event in e.events else -1
                    for e in self.eventful]  # fmt: skip
-        its = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
-        return np.sort(self.events[its, 0])
+        rows = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
+        return np.sort(self.events[rows, 0])
 
     def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
         """The events that begin or end an impact, by these pairs: where responses bend or jump.
 
         A latch closes and opens at once: it does not stand in the way of the impacts that follow.
         """
-        begins = [next((e for e in own.events if e in pairs), None) for own in self.eventful]
-        having = [begin is not None for begin in begins]
-        index, element = np.cumsum(having) - 1, self.events[:, 1].astype(int)
-        found = []
-        for number_of, begun in ((lambda e: e, 1.0), (pairs.get, 0.0)):
-            numbers = [own.events.index(number_of(begin)) if begin else -1
-                       for own, begin in zip(self.eventful, begins, strict=True)]  # fmt: skip
-            its = np.flatnonzero(self.events[:, 2] == np.array(numbers, int)[element])
-            found.append(stacked(self.events[its, 0], index[element[its]], begun))
-        rows = np.concatenate(found)
+        start_events = [next((e for e in own.events if e in pairs), None) for own in self.eventful]
+        has_impact = [event is not None for event in start_events]
+        index, element = np.cumsum(has_impact) - 1, self.events[:, 1].astype(int)
+        blocks = []
+        for number_of, flag in ((lambda e: e, 1.0), (pairs.get, 0.0)):
+            numbers = [own.events.index(number_of(event)) if event else -1
+                       for own, event in zip(self.eventful, start_events, strict=True)]  # fmt: skip
+            selection = np.flatnonzero(self.events[:, 2] == np.array(numbers, int)[element])
+            blocks.append(stacked(self.events[selection, 0], index[element[selection]], flag))
+        rows = np.concatenate(blocks)
         # In order of time; what begins and ends at once begins first.
         rows = rows[np.lexsort((rows[:, 1], -rows[:, 2], rows[:, 0]))]
-        names = [e.name for e, has in zip(self.eventful, having, strict=True) if has]
+        names = [e.name for e, has in zip(self.eventful, has_impact, strict=True) if has]
         return Impacts(rows, [name.removeprefix("contact ") for name in names])
 
 
@@ -120,7 +120,7 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
         "time": _variable("time", outcome.time, "s", "time", standard_name="time", axis="T"),
         **_points(outcome),
         **_energies(outcome),
-        **_recorded(outcome),
+        **_record_variables(outcome),
         **_events(outcome),
         **_responses(outcome, responses),
         **{
@@ -129,7 +129,7 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
         },
     }
     limit = outcome.limit
-    known = {
+    header = {
         "Conventions": CONVENTIONS,
         "title": f"trajectory of scene {outcome.scene.name}",
         "source": "finite particle method",
@@ -142,15 +142,15 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
     }
     if outcome.scene.assembly is not None:
         assembly = outcome.scene.assembly
-        known |= {"assembly_energy": assembly.energy, "assembly_gap": assembly.gap}
+        header |= {"assembly_energy": assembly.energy, "assembly_gap": assembly.gap}
     if limit is not None:
-        known |= {"time_step_limit": limit.step, "limiting_element": limit.element}
-    return Contents({**known, **(attributes or {})}, variables)
+        header |= {"time_step_limit": limit.step, "limiting_element": limit.element}
+    return Contents({**header, **(attributes or {})}, variables)
 
 
-def _variable(dims, values, unit, long_name, **more) -> classic.Variable:
+def _variable(dims, values, unit, long_name, **extra) -> classic.Variable:
     dims = (dims,) if isinstance(dims, str) else dims
-    return classic.Variable(dims, values, {"units": unit, "long_name": long_name, **more})
+    return classic.Variable(dims, values, {"units": unit, "long_name": long_name, **extra})
 
 
 def _names(dimension: str, values, long_name: str, name: str | None = None) -> dict:
@@ -179,20 +179,20 @@ def _energies(outcome) -> dict[str, classic.Variable]:
     }
 
 
-def _recorded(outcome) -> dict[str, classic.Variable]:
+def _record_variables(outcome) -> dict[str, classic.Variable]:
     """What the kinds in the scene have recorded, and the coordinates of it."""
     variables = {}
-    for name, (values, unit, long_name, dimension, labels, over, code) in outcome.recorded.items():
-        dims = (over,) if dimension is None else (over, dimension)
-        more = {CODE: code} if code else {}
-        variables[name] = _variable(dims, values, unit, long_name, **more)
+    for name, (values, unit, long_name, dimension, labels, axis, code) in outcome.recorded.items():
+        dims = (axis,) if dimension is None else (axis, dimension)
+        extra = {CODE: code} if code else {}
+        variables[name] = _variable(dims, values, unit, long_name, **extra)
         if dimension is not None:
             variables |= _names(dimension, labels, dimension)
     return variables
 
 
 def _events(outcome) -> dict[str, classic.Variable]:
-    (time, element, which), eventful = outcome.events.T, outcome.eventful
+    (time, element, number), eventful = outcome.events.T, outcome.eventful
     return {
         **_names("event_element", (e.name for e in eventful), "element that has events"),
         **_names(
@@ -203,7 +203,7 @@ def _events(outcome) -> dict[str, classic.Variable]:
         "event_of": _variable(
             "event", element.astype(np.int32), "1", "index of the event's element"
         ),
-        "event_number": _variable("event", which.astype(np.int8), "1", "number of the event"),
+        "event_number": _variable("event", number.astype(np.int8), "1", "number of the event"),
     }  # fmt: skip
 
 
@@ -259,8 +259,8 @@ def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> N
         trajectory = Contents(dict(trajectory.attrs), variables)
     check_finite(trajectory.variables)
     # By this attribute xarray tells coordinates that are no dimensions.
-    more = [n for n, v in trajectory.variables.items() if _is_coordinate(n, v) and v.dims != (n,)]
-    trajectory.attributes["coordinates"] = " ".join(more)
+    names = [n for n, v in trajectory.variables.items() if _is_coordinate(n, v) and v.dims != (n,)]
+    trajectory.attributes["coordinates"] = " ".join(names)
     with sealed.whole_file(path, {"name": _name(trajectory.attributes.get("run_id"))}) as temporary:
         classic.write(temporary, *trajectory)
 
@@ -291,8 +291,8 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
 
     def names(name: str) -> list[str]:
         # What has an empty dimension is not in the file.
-        found = variables[name].values if name in variables else ()
-        return [row.tobytes().rstrip(b"\0").decode() for row in found]
+        rows = variables[name].values if name in variables else ()
+        return [row.tobytes().rstrip(b"\0").decode() for row in rows]
 
     def values(name: str) -> np.ndarray:
         return variables[name].values

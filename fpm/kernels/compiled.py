@@ -37,13 +37,13 @@ def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
     ChangedError if one changed since its kernels were imported.
     """
     kernels = [(part, k.py_func) for (part, _), k in KERNELS.items() if part in parts]
-    found = {}
-    for part, thing in [*((part, part) for part in parts), *kernels]:
-        found |= sources.beside(sources.file_of(thing))
+    digests = {}
+    for part, definition in [*((part, part) for part in parts), *kernels]:
+        digests |= sources.digests(sources.file_of(definition))
         for path, digest in IMPORTED.get(part, {}).items():
-            if found.get(path, digest) != digest:
+            if digests.get(path, digest) != digest:
                 raise ChangedError(str(path))
-    return found
+    return digests
 
 
 @functools.cache
@@ -70,24 +70,24 @@ LONGEST = 200
 """Letters of a folder's name; file systems take some 255, with what is added to it."""
 
 
-def cache_folder(parts: tuple[type, ...] = (), what: str = "loop") -> Path:
+def cache_folder(parts: tuple[type, ...] = (), entry: str = "loop") -> Path:
     """Where compiled code is kept: where NUMBA_CACHE_DIR says, beside the sources, or at home.
 
-    parts: the named tuples of the kinds in the loop; what: the loop, or a part of it.
+    parts: the named tuples of the kinds in the loop; entry: the loop, or a part of it.
     """
-    loop_name = "-".join([what, *(p.__name__ for p in parts)])
+    loop_name = "-".join([entry, *(p.__name__ for p in parts)])
     if len(loop_name) > LONGEST:  # else nothing could be kept of a scene of nearly all kinds
         loop_name = f"{loop_name[:LONGEST]}-{hashlib.sha256(loop_name.encode()).hexdigest()[:16]}"
     name = Path(f"numba-{source_digest(parts)}-{processor()}", loop_name)
     if numba.config.CACHE_DIR:
         return Path(numba.config.CACHE_DIR) / name
-    beside = Path(__file__).parent / "__pycache__"
+    pycache = Path(__file__).parent / "__pycache__"
     try:
-        beside.mkdir(exist_ok=True)
-        writable = os.access(beside, os.W_OK)
+        pycache.mkdir(exist_ok=True)
+        writable = os.access(pycache, os.W_OK)
     except OSError:
         writable = False
-    return (beside if writable else sources.user_cache()) / name
+    return (pycache if writable else sources.user_cache()) / name
 
 
 ENTRIES = {"loop": loop.run, "act": loop.act}
@@ -104,19 +104,19 @@ THREADS = threading.Lock()
 """Held by the thread that makes a loop ready."""
 
 
-def _loop(parts: tuple[type, ...], what: str, is_cached: bool) -> Dispatcher:
+def _loop(parts: tuple[type, ...], entry: str, is_cached: bool) -> Dispatcher:
     """The loop for a set of kinds, cached in its folder without changing numba's own setting."""
-    if (what, parts) not in LOOPS:
-        before, folder = numba.config.CACHE_DIR, cache_folder(parts, what)
+    if (entry, parts) not in LOOPS:
+        previous, folder = numba.config.CACHE_DIR, cache_folder(parts, entry)
         numba.config.CACHE_DIR = str(folder)
         try:
-            LOOPS[what, parts] = numba.njit(cache=is_cached, **OPTIONS)(ENTRIES[what].py_func)
+            LOOPS[entry, parts] = numba.njit(cache=is_cached, **OPTIONS)(ENTRIES[entry].py_func)
         finally:
-            numba.config.CACHE_DIR = before
-    return LOOPS[what, parts]
+            numba.config.CACHE_DIR = previous
+    return LOOPS[entry, parts]
 
 
-def loop_for(arguments: tuple, what: str = "loop") -> Callable:
+def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
     """The time loop, or another of ENTRIES, compiled or loaded from the cache for these arguments.
 
     numba's cache can break when several processes write it at once, so the first that arrives
@@ -124,16 +124,16 @@ def loop_for(arguments: tuple, what: str = "loop") -> Callable:
     """
     parts, world = arguments[:2]
     kinds = tuple(map(type, parts))
-    ready = what, kinds, _optional(parts), world.state.dtype
+    ready = entry, kinds, _optional(parts), world.state.dtype
     if ready not in READY:  # to find the whole signature takes milliseconds
-        with THREADS, _one_at_a_time(folder := cache_folder(kinds, what)) as is_locked:
-            run = _loop(kinds, what, is_cached=is_locked)
-            if is_locked and (damaged := _damaged(folder)):
+        with THREADS, _one_at_a_time(folder := cache_folder(kinds, entry)) as is_locked:
+            run = _loop(kinds, entry, is_cached=is_locked)
+            if is_locked and (bad_files := _damaged_files(folder)):
                 logging.getLogger(__name__).warning(
                     "%s: compiled code that is not as it was written; it is made again",
-                    ", ".join(str(folder / name) for name in damaged),
+                    ", ".join(str(folder / name) for name in bad_files),
                 )
-                for path in _kept(folder):
+                for path in _cache_files(folder):
                     path.unlink(missing_ok=True)
             with _seldom_collected():
                 run.compile(tuple(map(numba.typeof, arguments)))
@@ -141,18 +141,18 @@ def loop_for(arguments: tuple, what: str = "loop") -> Callable:
                 with suppress(OSError):  # a full disk, say
                     (folder / DIGESTS).write_text(json.dumps(_digests(folder)), encoding="utf-8")
             READY.add(ready)
-    return LOOPS[what, kinds]
+    return LOOPS[entry, kinds]
 
 
 @contextmanager
 def _seldom_collected() -> Iterator[None]:
     """With fewer searches for circles, which take a tenth of a compiler's time."""
-    before = gc.get_threshold()
+    threshold = gc.get_threshold()
     gc.set_threshold(20_000)
     try:
         yield
     finally:
-        gc.set_threshold(*before)
+        gc.set_threshold(*threshold)
 
 
 def _optional(parts: tuple) -> tuple[str, ...]:
@@ -167,7 +167,7 @@ DIGESTS = "digests.json"
 """In a cache folder, digests of the files in it: numba loads, and runs, whatever is there."""
 
 
-def _kept(folder: Path) -> list[Path]:
+def _cache_files(folder: Path) -> list[Path]:
     """numba's files: indices and compiled code."""
     return sorted(folder.rglob("*.nb[ci]"))
 
@@ -175,17 +175,17 @@ def _kept(folder: Path) -> list[Path]:
 def _digests(folder: Path) -> dict[str, str]:
     return {
         str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in _kept(folder)
+        for path in _cache_files(folder)
     }
 
 
-def _damaged(folder: Path) -> list[str]:
+def _damaged_files(folder: Path) -> list[str]:
     """Names of files of compiled code that are not as they were written; none where there are none
     yet."""
-    found, written = _digests(folder), {}
+    new, old = _digests(folder), {}
     with suppress(OSError, ValueError, TypeError):
-        written = dict(json.loads((folder / DIGESTS).read_text(encoding="utf-8")))
-    return [name for name in found | written if found and found.get(name) != written.get(name)]
+        old = dict(json.loads((folder / DIGESTS).read_text(encoding="utf-8")))
+    return [name for name in new | old if new and new.get(name) != old.get(name)]
 
 
 @contextmanager

@@ -38,13 +38,13 @@ def curve_integral(world, curve, t):
         return t
     times, values = world.curve_time, world.curve_value
     first, last = world.curve_start[curve], world.curve_start[curve + 1] - 1
-    before, after = max(times[first], 0.0), max(times[last], 0.0)
-    total = values[first] * min(t, before) + values[last] * max(t - after, 0.0)
+    t_first, t_last = max(times[first], 0.0), max(times[last], 0.0)
+    total = values[first] * min(t, t_first) + values[last] * max(t - t_last, 0.0)
     for k in range(first, last):
-        begin, end = max(times[k], 0.0), min(times[k + 1], t)
-        if begin < end:
-            middle = (0.5 * (begin + end) - times[k]) / (times[k + 1] - times[k])
-            total += (end - begin) * (values[k] + middle * (values[k + 1] - values[k]))
+        start, end = max(times[k], 0.0), min(times[k + 1], t)
+        if start < end:
+            middle = (0.5 * (start + end) - times[k]) / (times[k + 1] - times[k])
+            total += (end - start) * (values[k] + middle * (values[k + 1] - values[k]))
     return total
 
 

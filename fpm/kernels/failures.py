@@ -2,7 +2,7 @@
 
 from fpm.kernels import hooks
 from fpm.kernels.lanes import store
-from fpm.kernels.layout import BALANCE, STORED
+from fpm.kernels.layout import BALANCE, ENERGY_SIZE
 from fpm.kernels.vectors import kernel
 
 UNBALANCED = -1
@@ -17,23 +17,23 @@ def find_failures(parts, world, record, row, n, tolerance):
     largest energy it has held so far, when a number is not finite, or when something watched is
     larger than it may be.
     """
-    left = 0
+    running = 0
     for s in range(record.scale.shape[0]):
         if record.failed_step[s] >= 0:
             continue
-        left += 1
-        stored = world.sums[0, STORED, s]
-        if stored > record.scale[s]:
-            record.scale[s] = stored
+        running += 1
+        energy = world.sums[0, ENERGY_SIZE, s]
+        if energy > record.scale[s]:
+            record.scale[s] = energy
         balanced = abs(record.energies[row, BALANCE, s]) <= tolerance * record.scale[s]
-        within, cause = balanced, UNBALANCED
+        is_valid, cause = balanced, UNBALANCED
         for k in range(world.most.shape[0]):
             if not world.watched[0, k, s] <= world.most[k, s]:
-                within = False
+                is_valid = False
                 # Mostly, only what happens while the energy balances is the cause.
-                if balanced or world.always[k]:
+                if balanced or world.unconditional[k]:
                     cause = k
-        if not within:
+        if not is_valid:
             record.failed_step[s] = n
             record.failed_cause[s] = cause
             record.failed_balance[s] = record.energies[row, BALANCE, s]
@@ -41,8 +41,8 @@ def find_failures(parts, world, record, row, n, tolerance):
             for k in range(world.most.shape[0]):
                 record.failed_watched[k, s] = world.watched[0, k, s]
             record.failed_row[s] = worst_row(parts, world, record.failed_cause[s], s)
-            left -= 1
-    return left == 0
+            running -= 1
+    return running == 0
 
 
 @kernel

@@ -18,7 +18,7 @@ from numba.extending import overload
 from fpm.errors import SceneError
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import ACCOUNTS, X
-from fpm.kernels.sources import beside, file_of
+from fpm.kernels.sources import digests, file_of
 from fpm.kernels.vectors import INLINED, kernel
 
 KERNELS: dict[tuple[type, str], Callable] = {}
@@ -36,19 +36,19 @@ def hook(arrays: type, name: str | None = None) -> Callable:
     """Compile a kernel as what kind `arrays` (a NamedTuple) does at the hook of its name."""
 
     def register(function):
-        what = name or function.__name__
-        if what not in NAMES:
-            raise ValueError(f"{what} is no hook; expected one of {', '.join(NAMES)}")
+        hook_name = name or function.__name__
+        if hook_name not in NAMES:
+            raise ValueError(f"{hook_name} is no hook; expected one of {', '.join(NAMES)}")
         compiled = function if hasattr(function, "py_func") else kernel(function)
-        kernels = {what: compiled}
-        if what == "energy_of":
+        kernels = {hook_name: compiled}
+        if hook_name == "energy_of":
             kernels |= {"stored": _sum(compiled), "list_energies": _list(compiled)}
-        for each, made in kernels.items():
-            if (arrays, each) in KERNELS:
-                raise ValueError(f"{arrays.__name__} has a kernel for {each} already")
-            KERNELS[arrays, each] = made
+        for key, entry in kernels.items():
+            if (arrays, key) in KERNELS:
+                raise ValueError(f"{arrays.__name__} has a kernel for {key} already")
+            KERNELS[arrays, key] = entry
         with suppress(SceneError):  # typed in: refused when it is to be compiled
-            IMPORTED.setdefault(arrays, beside(file_of(getattr(compiled, "py_func", compiled))))
+            IMPORTED.setdefault(arrays, digests(file_of(getattr(compiled, "py_func", compiled))))
         return compiled
 
     return register
@@ -56,13 +56,13 @@ def hook(arrays: type, name: str | None = None) -> Callable:
 
 def _sum(energy_of: Callable) -> Callable:
     @kernel
-    def stored(part, world):
+    def total_energy(part, world):
         total = 0.0 * load(world.state, 0, X)
         for e in range(part.rows.shape[0]):
             total = total + energy_of(part, world, e)
         return total
 
-    return stored
+    return total_energy
 
 
 def _list(energy_of: Callable) -> Callable:
@@ -90,8 +90,8 @@ def _unrolled(line: str | None = None) -> Callable:
             """The function of (parts, ...) for parts of these kinds."""
             namespace, lines = {"store": store, "ACCOUNTS": ACCOUNTS}, []
             for i, kind in enumerate(kinds):
-                if found := KERNELS.get((kind, name)):
-                    namespace[f"kernel_{i}"] = found
+                if function := KERNELS.get((kind, name)):
+                    namespace[f"kernel_{i}"] = function
                     names = {"kernel": f"kernel_{i}", "part": f"parts[{i}]", "j": len(lines)}
                     lines.append(template.format(**names))
             body = "\n    ".join(lines or ["pass"])
@@ -111,36 +111,36 @@ def _unrolled(line: str | None = None) -> Callable:
     return declare
 
 
-# In the order of a step. `now` is the step's Now, `world` the World.
+# In the order of a step. `timing` is the StepTime, `world` the World.
 
 
 @_unrolled()
-def forces(parts, world, now):
-    """Add forces (F) and moments (M) at now.time to the particles'."""
+def forces(parts, world, timing):
+    """Add forces (F) and moments (M) at timing.time to the particles'."""
 
 
 @_unrolled()
-def note_events(parts, world, now):
+def note_events(parts, world, timing):
     """Note what happened since the positions before, with `events.note` (not at the start)."""
 
 
 @_unrolled()
-def work_before(parts, world, now):
-    """Work of the half step up to now.time: forces there, velocities of its middle (not at 0)."""
+def work_before(parts, world, timing):
+    """Work of the half step up to timing.time: forces there, its middle's velocities (not at 0)."""
 
 
 @_unrolled()
-def restrain(parts, world, now):
+def restrain(parts, world, timing):
     """Change the summed forces and the momenta before the kick; work of the half step after."""
 
 
 @_unrolled()
-def prepare(parts, world, now):
-    """Kick the particles that the kind moves itself (Kind.moved), now.kick long."""
+def prepare(parts, world, timing):
+    """Kick the particles that the kind moves itself (Kind.moved), timing.kick long."""
 
 
 @_unrolled()
-def decide(parts, world, now):
+def decide(parts, world, timing):
     """Change which openings are held in this step, by what `solve` found (kinds/turn.py).
 
     World.undecided then asks for another round; every kind lets that come to an end.
@@ -148,28 +148,28 @@ def decide(parts, world, now):
 
 
 @_unrolled()
-def solve(parts, world, now):
+def solve(parts, world, timing):
     """Find the impulses of the step, while World.undecided asks for them."""
 
 
 @_unrolled()
-def move(parts, world, now):
-    """Move these particles over now.step, whether or not others have moved."""
+def move(parts, world, timing):
+    """Move these particles over timing.step, whether or not others have moved."""
 
 
 @_unrolled()
-def look_back(parts, world, now):
-    """At the start, correct the momenta of half a step before it in World.kept, which are those
+def look_back(parts, world, timing):
+    """At the start, correct the momenta of half a step before in World.start_state, which are those
     after it reflected, and the impulses of the first kick.
     """
 
 
 @_unrolled()
-def work_after(parts, world, now):
-    """Work of the half step after now.time, or of the whole step; velocities of its middle."""
+def work_after(parts, world, timing):
+    """Work of the half step after timing.time, or of the whole step; velocities of its middle."""
 
 
-# At checks and instants, with the positions of now.time.
+# At checks and instants, with the positions of timing.time.
 
 
 @_unrolled(
@@ -193,7 +193,7 @@ def record(parts, world, row):
 
 
 @_unrolled()
-def record_points(parts, world, points, row, now):
+def record_points(parts, world, points, row, timing):
     """Correct the recorded velocities of points on particles that the kind moves itself."""
 
 
@@ -203,8 +203,8 @@ def work_due(parts, world, energies, row):
 
 
 @_unrolled()
-def record_step(parts, world, row, now):
-    """Write row `row` of what the step from now.time on did; World.kept has its start."""
+def record_step(parts, world, row, timing):
+    """Write row `row` of what the step from timing.time on did; World.start_state has its start."""
 
 
 def energy_of(part, world, e):

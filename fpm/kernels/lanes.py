@@ -58,7 +58,7 @@ class _LaneModel(models.PrimitiveModel):
 
 
 LANES = {scalar: (Lane(scalar), Lane(scalar, 2)) for scalar in (types.float64, types.float32)}
-ALL_LANES = [lane for both in LANES.values() for lane in both]
+ALL_LANES = [lane for pair in LANES.values() for lane in pair]
 PAIR = types.UniTuple(types.intp, 2)
 
 
@@ -91,10 +91,10 @@ def _register_binary(op, instruction):
     cases = []
     for lane in ALL_LANES:
         pairs = [(lane, lane)] + [(lane, s) for s in _SCALARS] + [(s, lane) for s in _SCALARS]
-        for left, right in pairs:
-            cases.append(signature(lane, left, right))
+        for lhs, rhs in pairs:
+            cases.append(signature(lane, lhs, rhs))
 
-            @lower_builtin(op, left, right)
+            @lower_builtin(op, lhs, rhs)
             def lower(context, builder, sig, args, lane=lane):
                 x = _as_lane(context, builder, args[0], sig.args[0], lane)
                 y = _as_lane(context, builder, args[1], sig.args[1], lane)

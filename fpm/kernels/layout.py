@@ -12,7 +12,7 @@ P = 12  # angular momentum in global components (3), half a step behind
 F = 15  # force (3)
 M = 18  # moment (3)
 STATE = 21
-KEPT = 15  # fields that recording needs from the start of a step: X, D2, D3, V, P
+SAVED = 15  # fields that recording needs from the start of a step: X, D2, D3, V, P
 
 # Constants of a particle. The inverses are zero where a particle is held.
 IM = 0  # inverse mass
@@ -31,5 +31,5 @@ KINETIC, BALANCE, ACCOUNTS = 0, 1, 2
 
 # Sums of energies from which the balance is found.
 TOTAL = 0  # at t = 0: stored, less what was given, and what was taken
-STORED = 1  # sizes of what is stored now, with a little of the kick
+ENERGY_SIZE = 1  # sizes of what is stored now, with a little of the kick
 SUMS = 2

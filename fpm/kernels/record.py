@@ -5,13 +5,13 @@ from fpm.kernels.lanes import absolute, load, store
 from fpm.kernels.layout import (
     ACCOUNTS,
     BALANCE,
+    ENERGY_SIZE,
     IJ,
     IM,
-    KEPT,
     KINETIC,
     MASS,
     POSITION,
-    STORED,
+    SAVED,
     TOTAL,
     VELOCITY,
     P,
@@ -30,8 +30,8 @@ and so little that a growing mode, whose kicks are all that it has, is none the 
 def keep(world):
     """Copy what recording needs from the start of a step."""
     for i in range(world.state.shape[0]):
-        for k in range(KEPT):
-            store(world.kept, i, k, load(world.state, i, k))
+        for k in range(SAVED):
+            store(world.start_state, i, k, load(world.state, i, k))
 
 
 @kernel
@@ -39,31 +39,31 @@ def reflect(world):
     """Momenta half a step before the start, by reflection of those after it."""
     for i in range(world.state.shape[0]):
         for k in (V, P):
-            before = 2.0 * get3(world.kept, i, k) - get3(world.state, i, k)
-            put3(world.kept, i, k, before)
+            momentum = 2.0 * get3(world.start_state, i, k) - get3(world.state, i, k)
+            put3(world.start_state, i, k, momentum)
 
 
 @kernel
 def kinetic_energies(world):
-    """Kinetic energy (J) between the half steps before (`kept`) and after an instant, and that of
+    """Kinetic energy (J) between the half steps before (`start`) and after an instant, and that of
     half their difference, the kick.
 
     The product of the two half-step velocities is the form that leapfrog conserves exactly,
     together with the potential energy at the instant, for linear systems. It is less by the second
     than the mean of the energies of both.
     """
-    state, kept, particles = world.state, world.kept, world.particles
-    total = 0.0 * load(kept, 0, X)
+    state, start, particles = world.state, world.start_state, world.particles
+    total = 0.0 * load(start, 0, X)
     kick = total
-    for i in range(kept.shape[0]):
+    for i in range(start.shape[0]):
         # Held particles have no inverse mass; their given motion carries no energy of the scene.
         moving = load(particles, i, IM) * load(particles, i, MASS)
         mass, inverse = load(particles, i, MASS) * moving, get3(particles, i, IJ)
-        linear = dot(get3(kept, i, V), get3(state, i, V))
-        axes = frame(kept, i)
-        before, after = to_local(axes, get3(kept, i, P)), to_local(axes, get3(state, i, P))
-        total = total + 0.5 * (mass * linear + dot(before, times(inverse, after)))
-        change, turn = get3(state, i, V) - get3(kept, i, V), after - before
+        linear = dot(get3(start, i, V), get3(state, i, V))
+        axes = frame(start, i)
+        p_before, p_after = to_local(axes, get3(start, i, P)), to_local(axes, get3(state, i, P))
+        total = total + 0.5 * (mass * linear + dot(p_before, times(inverse, p_after)))
+        change, turn = get3(state, i, V) - get3(start, i, V), p_after - p_before
         kick = kick + 0.25 * (mass * dot(change, change) + dot(turn, times(inverse, turn)))
     return total, kick
 
@@ -79,24 +79,24 @@ def record_before(parts, world, record, row):
 
 
 @kernel
-def record_after(parts, world, record, row, now):
+def record_after(parts, world, record, row, timing):
     """Record what needs the momenta on both sides of an instant: points, kinetic energy, balance.
 
-    kept: the state at the instant, with the momenta half a step before it.
+    start: the state at the instant, with the momenta half a step before it.
     """
-    kept, state, points = world.kept, world.state, record.points
+    start, state, points = world.start_state, world.state, record.points
     count = world.point_on.shape[0]
     for n in range(count):
-        i, at = world.point_on[n], row * count + n
-        axes = frame(kept, i)
+        i, index = world.point_on[n], row * count + n
+        axes = frame(start, i)
         arm = to_global(axes, get3(world.point_arm, n, 0))
-        put3(points, at, POSITION, get3(kept, i, X) + arm)
-        v = 0.5 * (get3(kept, i, V) + get3(state, i, V))
-        p = 0.5 * (get3(kept, i, P) + get3(state, i, P))
+        put3(points, index, POSITION, get3(start, i, X) + arm)
+        v = 0.5 * (get3(start, i, V) + get3(state, i, V))
+        p = 0.5 * (get3(start, i, P) + get3(state, i, P))
         turn = to_global(axes, times(get3(world.particles, i, IJ), to_local(axes, p)))
-        put3(points, at, VELOCITY, v + cross(turn, arm))
-    hooks.record_points(parts, world, points, row, now)
-    hooks.record_step(parts, world, row, now)
+        put3(points, index, VELOCITY, v + cross(turn, arm))
+    hooks.record_points(parts, world, points, row, timing)
+    hooks.record_step(parts, world, row, timing)
     hooks.work_due(parts, world, record.energies, row)
     kinetic, kick = kinetic_energies(world)
     store(record.energies, row, KINETIC, kinetic)
@@ -112,13 +112,13 @@ def balance(world, energies, row, kick):
     has none between its half steps yet, but for rounding before it times what is after it, which is
     some 1e-12 of that of the kick.
     """
-    stored = load(energies, row, KINETIC)
-    size = stored  # of either sign: where a step is not stable, velocities alternate
+    stored_energy = load(energies, row, KINETIC)
+    size = stored_energy  # of either sign: where a step is not stable, velocities alternate
     accounts = ACCOUNTS + world.accounts.shape[1]
     for k in range(accounts, energies.shape[1]):
         energy = load(energies, row, k)
-        stored, size = stored + energy, size + absolute(energy)
-    total = stored
+        stored_energy, size = stored_energy + energy, size + absolute(energy)
+    total = stored_energy
     for k in range(ACCOUNTS, ACCOUNTS + world.givers):
         total = total - load(energies, row, k)
     for k in range(ACCOUNTS + world.givers, accounts):
@@ -128,4 +128,4 @@ def balance(world, energies, row, kick):
         store(world.sums, 0, TOTAL, total)
     else:
         store(energies, row, BALANCE, total - load(world.sums, 0, TOTAL))
-    store(world.sums, 0, STORED, size + NOTICED * kick)
+    store(world.sums, 0, ENERGY_SIZE, size + NOTICED * kick)

@@ -15,21 +15,21 @@ from numba.extending import intrinsic, lower_getattr_generic, models, register_m
 class Reference(types.Type):
     """Numba type of a reference to a named tuple, whose fields are read as those of the tuple."""
 
-    def __init__(self, of: types.BaseNamedTuple):
-        self.of = of
-        self.instance_class = of.instance_class
-        super().__init__(name=f"Reference({of})")
+    def __init__(self, tuple_type: types.BaseNamedTuple):
+        self.tuple_type = tuple_type
+        self.instance_class = tuple_type.instance_class
+        super().__init__(name=f"Reference({tuple_type})")
 
     def field(self, name: str) -> types.Type:
         """The type of a field: of a named tuple in the tuple, that of a reference to it."""
-        found = self.of[self.of.fields.index(name)]
-        return Reference(found) if isinstance(found, types.BaseNamedTuple) else found
+        field_type = self.tuple_type[self.tuple_type.fields.index(name)]
+        return Reference(field_type) if isinstance(field_type, types.BaseNamedTuple) else field_type
 
 
 @register_model(Reference)
 class _ReferenceModel(models.PrimitiveModel):
     def __init__(self, dmm, fe_type):
-        super().__init__(dmm, fe_type, dmm.lookup(fe_type.of).get_value_type().as_pointer())
+        super().__init__(dmm, fe_type, dmm.lookup(fe_type.tuple_type).get_value_type().as_pointer())
 
 
 @infer_getattr
@@ -37,15 +37,15 @@ class _Fields(AttributeTemplate):
     key = Reference
 
     def generic_resolve(self, reference, name):
-        if name in reference.of.fields:
+        if name in reference.tuple_type.fields:
             return reference.field(name)
         return None
 
 
 @lower_getattr_generic(Reference)
 def _field(context, builder, reference, value, name):
-    at = gep_inbounds(builder, value, 0, reference.of.fields.index(name))
-    return at if isinstance(reference.field(name), Reference) else builder.load(at)
+    pointer = gep_inbounds(builder, value, 0, reference.tuple_type.fields.index(name))
+    return pointer if isinstance(reference.field(name), Reference) else builder.load(pointer)
 
 
 @intrinsic
@@ -57,10 +57,10 @@ def by_reference(typingctx, value):
         )
     if not isinstance(value, types.BaseTuple):
         return None
-    found = types.BaseTuple.from_types([Reference(each) for each in value])
+    refs = types.BaseTuple.from_types([Reference(item_type) for item_type in value])
 
     def codegen(context, builder, sig, args):
         parts = unpack_tuple(builder, args[0], len(value))
-        return context.make_tuple(builder, found, [alloca_once_value(builder, p) for p in parts])
+        return context.make_tuple(builder, refs, [alloca_once_value(builder, p) for p in parts])
 
-    return found(value), codegen
+    return refs(value), codegen

@@ -12,7 +12,7 @@ from fpm.kernels.record import keep, record_after, record_before, reflect
 from fpm.kernels.references import by_reference
 from fpm.kernels.rotation import frame, half_turn, normalise, put_turned
 from fpm.kernels.vectors import get3, kernel, put3, to_local
-from fpm.kernels.world import Now
+from fpm.kernels.world import StepTime
 
 NORMALISE_EVERY = 16
 """Steps between two corrections of the directors. Rounding changes them, and, where they turn by
@@ -21,18 +21,18 @@ tenths of a radian in a step, the ends of the series; the third as a product add
 
 
 @kernel
-def time_particles(particles, now):
+def time_particles(particles, timing):
     """What a kick and a step make of the particles' constants, once for all steps alike."""
     for i in range(particles.shape[0]):
-        store(particles, i, KICK, now.kick * load(particles, i, IM))
-        put3(particles, i, HALF, (0.5 * now.step) * get3(particles, i, IJ))
+        store(particles, i, KICK, timing.kick * load(particles, i, IM))
+        put3(particles, i, HALF, (0.5 * timing.step) * get3(particles, i, IJ))
 
 
 @kernel
-def kick_and_move(state, particles, i, now):
+def kick_and_move(state, particles, i, timing):
     """Kick particle (or pair) i, and move it by a step."""
-    carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), now.step)
-    turn(state, particles, i, now.kick * get3(state, i, M) + get3(state, i, P))
+    carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), timing.step)
+    turn(state, particles, i, timing.kick * get3(state, i, M) + get3(state, i, P))
 
 
 @kernel
@@ -70,11 +70,11 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
     state, free = world.state, world.free
     spare = record.energies.shape[0] - 1
     for n in range(steps + 1):
-        now = Now(n * step, step, 0.5 * step if n == 0 else step)
-        hooks.forces(parts, world, now)
+        timing = StepTime(n * step, step, 0.5 * step if n == 0 else step)
+        hooks.forces(parts, world, timing)
         if n > 0:
-            hooks.note_events(parts, world, now)
-            hooks.work_before(parts, world, now)
+            hooks.note_events(parts, world, timing)
+            hooks.work_before(parts, world, timing)
         check = n % per_check == 0
         row = n // per_instant if n % per_instant == 0 else spare
         if n % NORMALISE_EVERY == 0:
@@ -84,28 +84,28 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
             record_before(parts, world, record, row)
         # Momenta to half a step later, positions to a step later; the forces are used up.
         if n < 2:  # the first kick is shorter than the others
-            time_particles(world.particles, now)
-        hooks.restrain(parts, world, now)
-        hooks.prepare(parts, world, now)
+            time_particles(world.particles, timing)
+        hooks.restrain(parts, world, timing)
+        hooks.prepare(parts, world, timing)
         while world.undecided[0] != 0:
             world.undecided[0] = 0
-            hooks.solve(parts, world, now)
-            hooks.decide(parts, world, now)
+            hooks.solve(parts, world, timing)
+            hooks.decide(parts, world, timing)
         for k in range(free.shape[0]):
-            kick_and_move(state, world.particles, free[k], now)
-        hooks.move(parts, world, now)
+            kick_and_move(state, world.particles, free[k], timing)
+        hooks.move(parts, world, timing)
         if n == 0:
             reflect(world)
-            hooks.look_back(parts, world, now)
-        hooks.work_after(parts, world, now)
+            hooks.look_back(parts, world, timing)
+        hooks.work_after(parts, world, timing)
         if check:
-            record_after(parts, world, record, row, now)
+            record_after(parts, world, record, row, timing)
             if find_failures(parts, world, record, row, n, tolerance):
                 return n
     return steps
 
 
 @kernel
-def act(parts, world, now):
+def act(parts, world, timing):
     """Add the forces of all kinds to those of the particles, and nothing else: no step is done."""
-    hooks.forces(by_reference(parts), by_reference(world), now)
+    hooks.forces(by_reference(parts), by_reference(world), timing)

@@ -16,14 +16,14 @@ from pathlib import Path
 
 from fpm.errors import ChangedError, SceneError
 
-HERE = Path(__file__).parents[1]
+PACKAGE = Path(__file__).parents[1]
 
 READ = ("reading", "travel")
 """Rooms of the mechanics that read numbers off a run. What is recorded on request, and what is kept
 of runs in the place of their curves, has their digest beside the run's; curves that are kept do
 not depend on them."""
 
-TOLD = (
+DISPLAY = (
     "errors.py", "motions", "scenes/effort.py",
     "structures/describe.py", "structures/plausible.py", "structures/report.py",
 )  # fmt: skip
@@ -43,9 +43,9 @@ State = tuple[int, ...]
 """By which a file that was changed is known without reading it."""
 
 
-def state_of(found: os.stat_result) -> State:
+def state_of(stat: os.stat_result) -> State:
     """The state of a file."""
-    return found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
+    return stat.st_ino, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns
 
 
 class Imported:
@@ -61,46 +61,46 @@ class Imported:
         self._states = dict(_states(folder))
         if files is not None:
             data = {n: state for n, state in self._states.items() if not n.endswith(".py")}
-            own = {path.relative_to(folder): state_of(found) for path, found in files.items()}
+            own = {path.relative_to(folder): state_of(stat) for path, stat in files.items()}
             code = {p.as_posix(): s for p, s in own.items() if SHIPPED not in p.parent.as_posix()}
             self._states = data | code
         self._digests: dict[str, str] = {}
-        self._of: dict[tuple, str] = {}
+        self._digests_of: dict[tuple, str] = {}
         # Whatever is not imported is read whenever it is used.
         self._data = [name for name in self._states if not name.endswith(".py")]
-        self._others: set[str] = set()
-        self._kept: dict[str, object] = {}
+        self._foreign_modules: set[str] = set()
+        self._specs: dict[str, object] = {}
 
-    def digest(self, only: tuple[str, ...] = (), but: tuple[str, ...] = ()) -> str:
+    def digest(self, include: tuple[str, ...] = (), exclude: tuple[str, ...] = ()) -> str:
         """First 16 hex digits of the SHA-256 of files and rooms, or of all, but for some.
 
         Comments, formatting and docstrings of Python files do not count. ChangedError as of
         `check`.
         """
         self.check()
-        if (only, but) not in self._of:
-            names = (n for n in self._states if (not only or _within(n, only)))
-            found = [(n, self._digest(n)) for n in sorted(names) if not _within(n, but)]
-            self._of[only, but] = _short(found)
-        return self._of[only, but]
+        if (include, exclude) not in self._digests_of:
+            names = (n for n in self._states if (not include or _is_within(n, include)))
+            digests = [(n, self._digest(n)) for n in sorted(names) if not _is_within(n, exclude)]
+            self._digests_of[include, exclude] = _short(digests)
+        return self._digests_of[include, exclude]
 
-    def check(self, now: bool = False) -> None:
-        """ChangedError if what is in memory may not be what the files were at first; now: or is
+    def check(self, reread: bool = False) -> None:
+        """ChangedError if what is in memory may not be what the files were at first; reread: or is
         not what they are now.
 
         Else a file that was imported and had not changed until now may change from now on, unless
         it is imported once more.
         """
         start, package = f"{self.folder}{os.sep}", self.folder.name
-        for module in sys.modules.keys() - self._others:
+        for module in sys.modules.keys() - self._foreign_modules:
             if module.partition(".")[0] != package:
-                self._others.add(module)
+                self._foreign_modules.add(module)
                 continue
             spec = getattr(sys.modules[module], "__spec__", None)  # another one at every import
             file = getattr(sys.modules[module], "__file__", None) or ""
-            if (now or self._kept.get(module) is not spec) and file.startswith(start):
+            if (reread or self._specs.get(module) is not spec) and file.startswith(start):
                 self._check(file.removeprefix(start).replace(os.sep, "/"))
-            self._kept[module] = spec
+            self._specs[module] = spec
         for name in self._data:
             self._check(name)
 
@@ -119,27 +119,27 @@ class Imported:
         if name not in self._digests:
             path = self.folder / name
             try:
-                found = tree_digest(path)
-                same = state_of(path.stat()) == self._states[name]
+                digest = tree_digest(path)
+                is_same = state_of(path.stat()) == self._states[name]
             except (OSError, SyntaxError):
-                same = False
-            if not same:
+                is_same = False
+            if not is_same:
                 raise ChangedError(f"{self.folder.name}/{name}")
-            self._digests[name] = found
+            self._digests[name] = digest
         return self._digests[name]
 
 
-def _states(folder: str | Path, before: str = "") -> Iterator[tuple[str, State]]:
+def _states(folder: str | Path, prefix: str = "") -> Iterator[tuple[str, State]]:
     for entry in os.scandir(folder):
         if entry.is_dir(follow_symlinks=False):
-            if entry.name != "__pycache__" and not before.endswith(SHIPPED):
-                yield from _states(entry.path, f"{before}{entry.name}/")
+            if entry.name != "__pycache__" and not prefix.endswith(SHIPPED):
+                yield from _states(entry.path, f"{prefix}{entry.name}/")
         elif entry.name.endswith(CODE):
             with suppress(FileNotFoundError):  # a dangling link, as editors leave them for a lock
-                yield before + entry.name, state_of(entry.stat())
+                yield prefix + entry.name, state_of(entry.stat())
 
 
-def _within(name: str, places: tuple[str, ...]) -> bool:
+def _is_within(name: str, places: tuple[str, ...]) -> bool:
     """Whether a file is one of some, or in one of some rooms."""
     return any(name == place or name.startswith(f"{place}/") for place in places)
 
@@ -148,23 +148,23 @@ def _short(data: object) -> str:
     return hashlib.sha256(repr(data).encode()).hexdigest()[:16]
 
 
-MECHANICS = Imported(HERE)
+MECHANICS = Imported(PACKAGE)
 """Of this package, which imports this module before all others."""
 
 
 def mechanics() -> str:
     """Digest of all of the mechanics that can change what a run records by itself."""
-    return MECHANICS.digest(but=READ + TOLD)
+    return MECHANICS.digest(exclude=READ + DISPLAY)
 
 
 def reading() -> str:
     """Digest of what reads further numbers off a run."""
-    return MECHANICS.digest(only=READ)
+    return MECHANICS.digest(include=READ)
 
 
 def kernels() -> str:
     """Digest of all that is compiled."""
-    return MECHANICS.digest(only=("elements", "kernels"))
+    return MECHANICS.digest(include=("elements", "kernels"))
 
 
 def own_sources(*starts: Path) -> set[Path]:
@@ -173,41 +173,41 @@ def own_sources(*starts: Path) -> set[Path]:
 
     Only files count, not what is imported when. SceneError for a start that is none.
     """
-    found: set[Path] = set()
-    left = [path.resolve() for path in starts]
-    for path in left:
+    files: set[Path] = set()
+    queue = [path.resolve() for path in starts]
+    for path in queue:
         if not path.is_file():
             raise _no_file(str(path))
-    while left:
-        path = left.pop()
-        if path not in found:
-            found.add(path)
+    while queue:
+        path = queue.pop()
+        if path not in files:
+            files.add(path)
             roots = {start.resolve().parent for start in starts}
-            near = (*_imported(path, roots), path.with_name(f"{path.stem}_kernels.py"))
-            others = (other.resolve() for other in near if other.is_file())
-            left += [other for other in others if HERE not in other.parents]
-    return found
+            candidates = (*_imported(path, roots), path.with_name(f"{path.stem}_kernels.py"))
+            neighbours = (file.resolve() for file in candidates if file.is_file())
+            queue += [file for file in neighbours if PACKAGE not in file.parents]
+    return files
 
 
-def beside(path: Path) -> dict[Path, str]:
+def digests(path: Path) -> dict[Path, str]:
     """A file outside of the mechanics with its `own_sources`, and their digests now; none for one
     of the mechanics, whose code is known."""
-    if HERE in path.parents:
+    if PACKAGE in path.parents:
         return {}
-    return {other: tree_digest(other) for other in own_sources(path)}
+    return {file: tree_digest(file) for file in own_sources(path)}
 
 
-def file_of(thing: Callable) -> Path:
+def file_of(definition: Callable) -> Path:
     """The file in which a function or class was written; SceneError if it was typed in."""
     try:
-        return Path(inspect.getfile(inspect.unwrap(thing))).resolve()
+        return Path(inspect.getfile(inspect.unwrap(definition))).resolve()
     except (OSError, TypeError):
-        raise _no_file(repr(thing)) from None
+        raise _no_file(repr(definition)) from None
 
 
-def _no_file(found: str) -> SceneError:
+def _no_file(source: str) -> SceneError:
     allowed = "code in a Python file: results and compiled code are named after its content"
-    return SceneError("source of a structure or kind", found, allowed)
+    return SceneError("source of a structure or kind", source, allowed)
 
 
 def _imported(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
@@ -215,7 +215,7 @@ def _imported(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
     exist or not; of a package `__init__.py`, too."""
     for name, level in _names_imported(path.read_bytes(), str(path)):
         parts = name.split(".")
-        yield from _beside(path.parent, parts, level)
+        yield from _sibling_files(path.parent, parts, level)
         for root in [path.parent, *path.parents][level : level + 1] if level else roots:
             for count in range(1, len(parts) + 1):
                 place = root.joinpath(*parts[:count])
@@ -234,20 +234,20 @@ def packages_imported(path: Path) -> set[str]:
 @cache
 def _names_imported(content: bytes, path: str) -> list[tuple[str, int]]:
     """Names in the imports of a file with this content, each with its number of leading dots."""
-    found = []
+    imports = []
     for node in ast.walk(ast.parse(content, path)):
         if isinstance(node, ast.Import):
-            found += [(alias.name, 0) for alias in node.names]
+            imports += [(alias.name, 0) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             base = node.module or ""
             names = [base, *(f"{base}.{alias.name}".strip(".") for alias in node.names)]
-            found += [(name, node.level) for name in names if name]
+            imports += [(name, node.level) for name in names if name]
         elif isinstance(node, ast.Name) and node.id == "__import__":
-            found.append((node.id, 0))
-    return found
+            imports.append((node.id, 0))
+    return imports
 
 
-def _beside(folder: Path, parts: list[str], level: int) -> Iterator[Path]:
+def _sibling_files(folder: Path, parts: list[str], level: int) -> Iterator[Path]:
     """The files in a folder that an imported name, or a part of it from the left, may stand for."""
     for count in range(1, len(parts) + 1):
         *packages, name = parts[:count]
@@ -291,16 +291,16 @@ def _tree_digest(content: bytes, path: str) -> str:
     version = f"{sys.version_info.major}.{sys.version_info.minor}"
     memo = user_cache() / "syntax" / f"{hashlib.sha256(content).hexdigest()}-{version}-{VERSION}"
     with suppress(OSError):
-        kept = memo.read_text()
-        if len(kept) == 64:
-            return kept
-    found = hashlib.sha256(_tree(content, path).encode()).hexdigest()
+        text = memo.read_text()
+        if len(text) == 64:
+            return text
+    digest = hashlib.sha256(_tree(content, path).encode()).hexdigest()
     with suppress(OSError):
         memo.parent.mkdir(parents=True, exist_ok=True)
         part = memo.with_name(f"{memo.name}.{os.getpid()}")
-        part.write_text(found)
+        part.write_text(digest)
         os.replace(part, memo)
-    return found
+    return digest
 
 
 def user_cache() -> Path:

@@ -174,13 +174,13 @@ def add3(a, i, k, v):
 
 
 @kernel
-def add_where(a, i, k, v, where):
-    """Add a vector to fields k, k+1, k+2 of row i in the lanes where `where` is negative."""
-    before = get3(a, i, k)
-    after = before + v
-    store(a, i, k, where_negative(where, after.x, before.x))
-    store(a, i, k + 1, where_negative(where, after.y, before.y))
-    store(a, i, k + 2, where_negative(where, after.z, before.z))
+def add_where(a, i, k, v, condition):
+    """Add a vector to fields k, k+1, k+2 of row i in the lanes where `condition` is negative."""
+    old = get3(a, i, k)
+    new = old + v
+    store(a, i, k, where_negative(condition, new.x, old.x))
+    store(a, i, k + 1, where_negative(condition, new.y, old.y))
+    store(a, i, k + 2, where_negative(condition, new.z, old.z))
 
 
 @kernel

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 
-class Now(NamedTuple):
+class StepTime(NamedTuple):
     """The moment of a step: time (s) of the positions, step (s), and the time of its kick (s).
 
     The first kick is half a step long.
@@ -24,7 +24,7 @@ class World(NamedTuple):
     """Particles, curves, and what the kinds share."""
 
     state: np.ndarray  # (n, STATE, lanes)
-    kept: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded
+    start_state: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded
     particles: np.ndarray  # (n, PARTICLE, lanes)
     free: np.ndarray  # (f,) particles that no kind moves
     curve_start: np.ndarray  # (curves + 1,) first point of each curve
@@ -38,7 +38,7 @@ class World(NamedTuple):
     watched: np.ndarray  # (1, w, lanes) largest so far of what kinds watch
     size: np.ndarray  # (1, 1, lanes) of the scene (m)
     most: np.ndarray  # (w, lanes) above which a lane fails
-    always: np.ndarray  # (w,) whether also where the energy does not balance
+    unconditional: np.ndarray  # (w,) whether also where the energy does not balance
     watch_rows: np.ndarray  # (w, 2) first and end of the rows below of the kind that watches
     rows: np.ndarray  # (e, 1, lanes) how bad each element is, for the report of a failure
     undecided: np.ndarray  # (1,) 1 where the impulses of the step have to be found (again)

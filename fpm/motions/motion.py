@@ -15,7 +15,7 @@ from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.errors import SceneError
 from fpm.files.outcome import Outcome
 from fpm.files.trajectory import Column
-from fpm.motions.motion_dataset import BOX_CORNERS, Recorded, to_dataset
+from fpm.motions.motion_dataset import BOX_CORNERS, RecordedMotion, to_dataset
 from fpm.reading.bars import bends_of
 from fpm.scenes.scene import Scene
 from fpm.solver.simulate import simulate
@@ -37,38 +37,38 @@ def whole_motion(
     energy_tolerance: float = 0.02,
     record: Iterable[Column] = (),
     attributes: Sequence[dict] | None = None,
-    more: Callable[[int, Outcome], Mapping] = lambda number, outcome: {},
+    extra_variables: Callable[[int, Outcome], Mapping] = lambda number, outcome: {},
 ) -> list:
     """The whole motion of scenes of one topology, an xarray.Dataset each.
 
     duration (s), instants, step (s), energy_tolerance, record as in `simulate`: those of the
     trajectory that is to be had again. Kept are `frames` of its instants, evenly spread, and those
-    nearest to `times` (s). attributes: further global ones of each; more(number, outcome): further
-    variables of one. Raises the failure of a run that fails.
+    nearest to `times` (s). attributes: further global ones of each; extra_variables(number,
+    outcome): further variables of one. Raises the failure of a run that fails.
     """
     arguments = {"duration": duration, "instants": instants, "step": step}
     arguments |= {"energy_tolerance": energy_tolerance, "record": tuple(record)}
     count = len(scenes[0].position)
     points = len(_ARMS) * 6 * instants * 8  # numbers of one particle, with 8 runs side by side
     passes = max(1, round(np.ceil(count * points / MOST_RECORDED)))
-    recorded: list[list[tuple]] = [[] for _ in scenes]
-    chosen = chosen_instants(duration, instants, frames, times)
+    runs: list[list[tuple]] = [[] for _ in scenes]
+    rows = chosen_instants(duration, instants, frames, times)
     for particles in np.array_split(np.arange(count), min(passes, count)):
         outcomes = simulate([_with_points(s, particles) for s in scenes], **arguments)
-        for parts, outcome in zip(recorded, outcomes, strict=True):
+        for parts, outcome in zip(runs, outcomes, strict=True):
             if outcome.failure is not None:
                 raise outcome.failure
             parts.append((_tracks(outcome, particles), outcome))
     datasets = []
-    for i, (scene, parts) in enumerate(zip(scenes, recorded, strict=True)):
+    for i, (scene, parts) in enumerate(zip(scenes, runs, strict=True)):
         position, velocity, frame = (
             np.concatenate([tracks[k] for tracks, _ in parts], axis=1) for k in range(3)
         )
-        strains = element_strains(scene, position[chosen], frame[chosen])
-        found = Recorded(scene, parts[0][1], chosen, position, velocity[chosen], frame, *strains)
+        strains = element_strains(scene, position[rows], frame[rows])
+        motion = RecordedMotion(scene, parts[0][1], rows, position, velocity[rows], frame, *strains)
         extra = attributes[i] if attributes else {}
-        data = to_dataset(found, section_corners(scene), extra)
-        datasets.append(data.assign(more(i, found.outcome)))
+        data = to_dataset(motion, section_corners(scene), extra)
+        datasets.append(data.assign(extra_variables(i, motion.outcome)))
     return datasets
 
 
@@ -96,11 +96,11 @@ def element_strains(
         bends_of(scene, beams, lambda p: position[:, p], lambda p: frame[:, p])
         for beams in scene.beams
     ]
-    stretched = np.concatenate([bend.length for bend in bends], axis=1)
+    lengths = np.concatenate([bend.length for bend in bends], axis=1)
     angles = np.concatenate([np.stack(bend.angles) for bend in bends], axis=2)
     curvature = 2.0 * (2.0 * angles + angles[::-1]) / length[:, None]  # both ends, both planes
     bending = np.einsum("etmk,mk->etm", np.abs(curvature), half).max(axis=0)
-    return stretched / length - 1.0, bending
+    return lengths / length - 1.0, bending
 
 
 def section_corners(scene: Scene) -> np.ndarray:
@@ -115,7 +115,7 @@ def section_corners(scene: Scene) -> np.ndarray:
     triads = np.concatenate([beams.triad for beams in scene.beams])
     start = scene.frame if scene.unstrained is None else scene.unstrained
     faces = _contact_faces(scene)
-    out = np.zeros((len(nodes), 2, 4, 3))
+    result = np.zeros((len(nodes), 2, 4, 3))
     for e, ends in enumerate(nodes):
         for k, particle in enumerate(ends):
             axes = start[particle].T @ triads[e]
@@ -125,8 +125,8 @@ def section_corners(scene: Scene) -> np.ndarray:
                 if abs(slope) > _STEEPEST_MITRE:
                     shift = (point - corners) @ normal / slope
                     corners = corners + shift[:, None] * axes[:, 0]
-            out[e, k] = corners
-    return out
+            result[e, k] = corners
+    return result
 
 
 def _contact_faces(scene: Scene) -> dict[int, list[tuple[np.ndarray, np.ndarray]]]:
@@ -141,25 +141,27 @@ def _contact_faces(scene: Scene) -> dict[int, list[tuple[np.ndarray, np.ndarray]
 
 def _with_points(scene: Scene, particles: np.ndarray) -> Scene:
     """The scene with named points at particles and at arms along their axes."""
-    out = copy(scene)
+    result = copy(scene)
     named = {
         f"{name} of particle {p}": VirtualBeam(int(p), np.array(arm))
         for p in particles
         for name, arm in _ARMS.items()
     }
-    if taken := set(named) & set(scene.points):
-        raise SceneError("point", sorted(taken)[0], "a name that is not one of a particle's axes")
-    out.points = {**scene.points, **named}
-    return out
+    if clash := set(named) & set(scene.points):
+        raise SceneError("point", sorted(clash)[0], "a name that is not one of a particle's axes")
+    result.points = {**scene.points, **named}
+    return result
 
 
 def _tracks(outcome: Outcome, particles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions and velocities (t, n, 3) and frames (t, n, 3, 3) of particles."""
-    of = {name: [outcome.points[f"{name} of particle {p}"] for p in particles] for name in _ARMS}
+    tracks = {
+        name: [outcome.points[f"{name} of particle {p}"] for p in particles] for name in _ARMS
+    }
     place, second, third = (
-        np.stack([position for position, _ in found], axis=1) for found in of.values()
+        np.stack([position for position, _ in track], axis=1) for track in tracks.values()
     )
     second -= place
     third -= place
-    velocity = np.stack([velocity for _, velocity in of["place"]], axis=1)
+    velocity = np.stack([velocity for _, velocity in tracks["place"]], axis=1)
     return place, velocity, np.stack([np.cross(second, third), second, third], axis=-1)

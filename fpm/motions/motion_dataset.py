@@ -21,8 +21,8 @@ BOX_CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 """Corners of a section along its width and height, as shares of them."""
 
 
-class Recorded(NamedTuple):
-    """A run with n particles and m elements: at all its instants (t), and at those chosen (k,).
+class RecordedMotion(NamedTuple):
+    """A run with n particles and m elements: at all its instants (t), and those at `rows` (k,).
 
     position (t, n, 3) m and frame (t, n, 3, 3), axes as columns; velocity (k, n, 3) m/s; axial,
     bending (k, m): strains. outcome holds the scene's own points and the events.
@@ -30,7 +30,7 @@ class Recorded(NamedTuple):
 
     scene: Scene
     outcome: Outcome
-    chosen: np.ndarray
+    rows: np.ndarray
     position: np.ndarray
     velocity: np.ndarray
     frame: np.ndarray
@@ -78,15 +78,15 @@ def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
     )
 
 
-def to_dataset(found: Recorded, corners: np.ndarray, attributes: dict) -> "xarray.Dataset":
+def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) -> "xarray.Dataset":
     """The motion at the instants chosen; corners (m, 2, 4, 3) m of the sections at their ends."""
     import xarray
 
-    scene, outcome, chosen = found.scene, found.outcome, found.chosen
+    scene, outcome, rows = motion.scene, motion.outcome, motion.rows
     shapes = shapes_of(scene, corners)
-    still = np.zeros((len(chosen), len(shapes.names) - found.axial.shape[1]))
-    found = found._replace(  # rigid bodies are not strained
-        axial=np.hstack([found.axial, still]), bending=np.hstack([found.bending, still])
+    zeros = np.zeros((len(rows), len(shapes.names) - motion.axial.shape[1]))
+    motion = motion._replace(  # rigid bodies are not strained
+        axial=np.hstack([motion.axial, zeros]), bending=np.hstack([motion.bending, zeros])
     )
     names = {
         "element": shapes.names,
@@ -95,17 +95,17 @@ def to_dataset(found: Recorded, corners: np.ndarray, attributes: dict) -> "xarra
         "contact": [scene.hinges[contact.hinge].name for contact in scene.contacts],
     }
     time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
-    variables = _moving(found, len(shapes.names)) | _fixed(scene, shapes) | _events(outcome)
+    variables = _moving(motion, len(shapes.names)) | _fixed(scene, shapes) | _events(outcome)
     if scene.cables:
         names["cable"] = [cable.name for cable in scene.cables]
-        variables |= _cables(found)
+        variables |= _cables(motion)
     return xarray.Dataset(
         {
             name: (dims, values, {"units": unit, "long_name": text})
             for name, (dims, values, unit, text) in variables.items()
         },
         coords={
-            "time": ("time", outcome.time[chosen], time),
+            "time": ("time", outcome.time[rows], time),
             "axis": ("axis", list("xyz"), {"long_name": "axis, global or of the particle"}),
             **{n: (n, np.array(v, dtype=str), {"long_name": n}) for n, v in names.items()},
         },
@@ -121,29 +121,29 @@ def to_dataset(found: Recorded, corners: np.ndarray, attributes: dict) -> "xarra
     )
 
 
-def _moving(found: Recorded, elements: int) -> dict[str, tuple]:
+def _moving(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
     """What changes in time: name -> dimensions, values, units, long name."""
-    chosen = found.chosen
-    stress = np.zeros((len(found.position), elements))  # none in rigid bodies, which come last
-    if beams := found.scene.beams:
+    rows = motion.rows
+    stress = np.zeros((len(motion.position), elements))  # none in rigid bodies, which come last
+    if beams := motion.scene.beams:
         found_stress = element_stress(
-            found.scene, beams, lambda p: found.position[:, p], lambda p: found.frame[:, p]
+            motion.scene, beams, lambda p: motion.position[:, p], lambda p: motion.frame[:, p]
         )
         stress[:, : found_stress.shape[1]] = found_stress
     vector, element = ("time", "particle", "axis"), ("time", "element")
-    points = [found.outcome.points[name][0][chosen] for name in found.scene.points]
-    places = np.stack(points, axis=1) if points else np.zeros((len(chosen), 0, 3))
-    when = found.outcome.time[stress.argmax(axis=0)]
+    points = [motion.outcome.points[name][0][rows] for name in motion.scene.points]
+    places = np.stack(points, axis=1) if points else np.zeros((len(rows), 0, 3))
+    peak_time = motion.outcome.time[stress.argmax(axis=0)]
     return {
-        "position": (vector, found.position[chosen], "m", "position of the particles"),
-        "velocity": (vector, found.velocity, "m s-1", "velocity of the particles"),
-        "frame": ((*vector, "director"), found.frame[chosen], "1", "axes of the particle, columns"),
+        "position": (vector, motion.position[rows], "m", "position of the particles"),
+        "velocity": (vector, motion.velocity, "m s-1", "velocity of the particles"),
+        "frame": ((*vector, "director"), motion.frame[rows], "1", "axes of the particle, columns"),
         "point_position": (("time", "point", "axis"), places, "m", "position of named points"),
-        "axial_strain": (element, found.axial, "1", "stretch over unstrained length"),
-        "bending_strain": (element, found.bending, "1", "largest bending strain at surface"),
-        "stress": (element, stress[chosen], "Pa", "largest equivalent stress (von Mises)"),
+        "axial_strain": (element, motion.axial, "1", "stretch over unstrained length"),
+        "bending_strain": (element, motion.bending, "1", "largest bending strain at surface"),
+        "stress": (element, stress[rows], "Pa", "largest equivalent stress (von Mises)"),
         "largest_stress": ("element", stress.max(axis=0), "Pa", "largest stress of all instants"),
-        "largest_stress_time": ("element", when, "s", "instant of the largest stress"),
+        "largest_stress_time": ("element", peak_time, "s", "instant of the largest stress"),
     }
 
 
@@ -157,7 +157,7 @@ def _fixed(scene: Scene, shapes: Shapes) -> dict[str, tuple]:
     def whole(values: object) -> np.ndarray:
         return np.asarray(values).astype(np.int32)
 
-    joined = whole(rows([hinge.particles for hinge in hinges], 2))
+    particles = whole(rows([hinge.particles for hinge in hinges], 2))
     arms, axes = [hinge.beams[0].arm for hinge in hinges], [hinge.axes[0] for hinge in hinges]
     corner = ("element", "end", "corner", "axis")
     return {
@@ -172,23 +172,26 @@ def _fixed(scene: Scene, shapes: Shapes) -> dict[str, tuple]:
         "section_corner": (corner, shapes.corners, "m", "corner of the section from the particle"),
         "point_particle": ("point", whole([p.particle for p in points]), "1", "its particle"),
         "point_arm": (("point", "axis"), rows([p.arm for p in points], 3), "m", "from particle"),
-        "hinge_particle": (("hinge", "end"), joined, "1", "particles that it joins"),
+        "hinge_particle": (("hinge", "end"), particles, "1", "particles that it joins"),
         "hinge_arm": (("hinge", "axis"), rows(arms, 3), "m", "point from the first particle"),
         "hinge_axis": (("hinge", "axis"), rows(axes, 3), "1", "axis in the first particle's frame"),
     }
 
 
-def _cables(found: Recorded) -> dict[str, tuple]:
+def _cables(motion: RecordedMotion) -> dict[str, tuple]:
     """Tensions, and the points of all cables one after the other."""
-    cables = found.scene.cables
+    cables = motion.scene.cables
     beams = [beam for cable in cables for beam in cable.beams]
-    of = np.repeat(np.arange(len(cables)), [len(cable.beams) for cable in cables])
-    on, arms = np.array([beam.particle for beam in beams]), np.array([beam.arm for beam in beams])
-    tension = found.outcome.recorded["cable_tension"].values[found.chosen]
+    owner = np.repeat(np.arange(len(cables)), [len(cable.beams) for cable in cables])
+    ids, arms = (
+        np.array([beam.particle for beam in beams]),
+        np.array([beam.arm for beam in beams]),
+    )
+    tension = motion.outcome.recorded["cable_tension"].values[motion.rows]
     return {
         "cable_tension": (("time", "cable"), tension, "N", "tension of the cables"),
-        "cable_point_cable": ("cable_point", of.astype(np.int32), "1", "cable of the point"),
-        "cable_point_particle": ("cable_point", on.astype(np.int32), "1", "its particle"),
+        "cable_point_cable": ("cable_point", owner.astype(np.int32), "1", "cable of the point"),
+        "cable_point_particle": ("cable_point", ids.astype(np.int32), "1", "its particle"),
         "cable_point_arm": (("cable_point", "axis"), arms, "m", "from the particle, in its frame"),
     }
 

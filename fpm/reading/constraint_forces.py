@@ -166,7 +166,7 @@ def undetermined(scene: Scene) -> set[str]:
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
     scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
     places = Places(scene.position, scene.frame)
-    rows = conditions.derivatives(places, np.zeros(len(names)))[0].multiply(scales).tocsc()
+    rows = conditions.jacobian(places).multiply(scales).tocsc()
     rows = (rows[:, np.flatnonzero(free)].multiply(conditions.weight(size)[:, None])).tocsr()
     joints: set[str] = set()
     count, groups = connected_components(abs(rows) @ abs(rows).T, directed=False)

@@ -33,7 +33,7 @@ class Recording:
         self.scene: Scene = batch.scenes[lane]
         self.time, self.step, self._lane = time, step, lane
         self._parts = dict(zip(batch.kinds, parts, strict=True))
-        self.probe = Probe.asked(self.scene)
+        self.probe = Probe.of_scene(self.scene)
         self._known: dict[Hashable, Any] = {}
 
     def _rows(self, array: np.ndarray, count: int) -> np.ndarray:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fpm.elements import Latch, RigidLatch, energies_of, kinds_of
-from fpm.elements.openings.latch import RECORDED
+from fpm.elements.openings.latch import SERIES
 from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import Column, Curves
@@ -186,7 +186,7 @@ def _latch(it: Definition) -> Response:
     value, hinges = it.data[it.kind], it.scene.hinges
     on = [label for label, latch in latches.items() if hinges[latch.hinge].name == value]
     label = on[0] if len(on) == 1 and value not in latches else it.one_of(latches)
-    unit, _, _, text = RECORDED[it.kind]
+    unit, _, _, text = SERIES[it.kind]
     variable = it.kind
     if hinges[latches[label].hinge].slides:
         unit, variable = SLIDING[unit], f"slide_{variable.replace('moment', 'force')}"
@@ -347,7 +347,7 @@ KINDS = {
     "energy": Kind(partial(_one, unit="J", text="{} energy", known=_energies),
                    lambda it, run: run.energies[it.about[0]],
                    positive=("strain", "spring", "contact")),
-    **{name: Kind(_latch, shock=name == "latch_moment") for name in RECORDED},
+    **{name: Kind(_latch, shock=name == "latch_moment") for name in SERIES},
     **{name: _as_recorded(variable) for name, variable in VARIABLES.items() if variable.form},
     "opening_rate": Kind(partial(_opening, unit="rad s-1", words="rate of the opening")),
     "joint_moment": Kind(_moment, _sum, optional=("part",), shock=True),

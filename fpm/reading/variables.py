@@ -16,7 +16,7 @@ import numpy as np
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.hinge_arrays import SUMS
 from fpm.elements.joints.joint import Joint
-from fpm.elements.kind import AXES, Recorded
+from fpm.elements.kind import AXES, Series
 from fpm.elements.openings.opening import PARTS
 from fpm.elements.particles.probe import Probe
 from fpm.errors import SceneError, did_you_mean
@@ -43,7 +43,7 @@ class Variable(NamedTuple):
     column (`fpm.reading.responses.FORMS`), "" if there is no response of that name. shock: whether
     a shock makes it jump, or as large as it is short (`fpm.reading.shocks`); positive: whether it
     is never below 0; along: with what the name of the dimension ends; cut: with what begins, in a
-    label, what is no more of the name; over: the dimension of its values.
+    label, what is no more of the name; time_dim: the dimension of its values.
     """
 
     unit: str
@@ -57,7 +57,7 @@ class Variable(NamedTuple):
     positive: bool = False
     along: str = "of"
     cut: str = ""
-    over: str = "time"
+    time_dim: str = "time"
 
     def labels(self, scene: Scene) -> list[str]:
         """Its labels in a scene; of places on bars one in the middle, for all others, of travels
@@ -203,7 +203,7 @@ _led = partial(
     probe=lambda scene, name: Probe(),
     along="along",
     cut=LED,
-    over=LED_OVER,
+    time_dim=LED_OVER,
 )
 
 VARIABLES = {
@@ -325,14 +325,14 @@ def numbers(scene: Scene, columns: Iterable[Column]) -> int:
     """How many numbers of a sample the loop keeps at an instant for some columns."""
     from fpm.elements.particles import probe_kernels
 
-    probe = Probe.asked(prepared(scene, columns))
+    probe = Probe.of_scene(prepared(scene, columns))
     found = probe_kernels.FRAME * len(probe.frames) + probe_kernels.FORCES * len(probe.forces)
     joints = len(Hinge.of(scene)) + len(Joint.of(scene))
     moments = 2 * len(PARTS) * len(scene.hinges)
     return found + SUMS * joints * probe.impulses + moments * probe.moments
 
 
-def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Recorded]:
+def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Series]:
     """Columns of a run, as variables of its trajectory file."""
     found = {}
     for name, labels in _by_variable(columns).items():
@@ -340,9 +340,9 @@ def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Recor
         own = [variable.column(recording, label) for label in labels]
         rows = max(map(len, own))  # travels have positions of their own
         own = [np.pad(column, (0, rows - len(column)), mode="edge") for column in own]
-        dimension, over = f"{name}_{variable.along}", variable.over
+        dimension, over = f"{name}_{variable.along}", variable.time_dim
         values = np.stack(own, axis=1)
-        found[name] = Recorded(
+        found[name] = Series(
             values, variable.unit, variable.long_name, dimension, labels, over, sources.reading()
         )
     return found

@@ -26,7 +26,7 @@ PARTICLE, ELEMENT, DAMPED, VISCOUS = 25.0, 105.0, 6.0, 20.0
 """Of a particle, as a rigid body; of a beam element with one of its particles; of the damping of a
 particle in proportion to its mass; of the bulk viscosity of a beam element."""
 
-EACH: dict[str, float] = {
+KIND_COSTS: dict[str, float] = {
     "Gravity": 5.0, "Opening": 30.0, "Hinge": 390.0, "TorsionSpring": 70.0, "Contact": 70.0,
     "Load": 100.0, "SyncLoop": 100.0, "Motor": 100.0, "TorqueMotor": 100.0, "Release": 100.0,
     "Latch": 100.0, "Damper": 70.0, "Friction": 100.0, "Stop": 100.0, "TableSpring": 100.0,
@@ -35,7 +35,7 @@ EACH: dict[str, float] = {
 }  # fmt: skip
 """Of an element by its kind: hinges solved alone, and what acts on an opening, as a rule."""
 
-OTHER = 100.0
+DEFAULT_COST = 100.0
 """Of an element of a kind that is not among them."""
 
 STRETCH, RUBBING = 60.0, 300.0
@@ -45,7 +45,7 @@ CONDITION, MULTIPLY_ADD = 240.0, 1.5
 """Of a condition of joints that are solved together, and of each multiply-add of the elimination:
 from chains, pairs, and platforms on 2 to 30 cranks."""
 
-PACKING, STATED = 0.4e-3, 0.05e-3
+PACKING, PER_STATEMENT = 0.4e-3, 0.05e-3
 """Seconds to pack a run and hand it back, and more for each thing that the scene states: a bar, a
 hinge, a spring on it."""
 
@@ -62,18 +62,18 @@ def compile_seconds(scene: Scene) -> float:
 
 def step_seconds(scene: Scene) -> float:
     """Seconds of a core for a step of eight runs side by side."""
-    found = STEP
+    cost = STEP
     elements = sum(len(beams.length) for beams in scene.beams)
     on_beams = {int(p) for beams in scene.beams for p in np.unique(beams.nodes)}
-    found += ELEMENT * elements + PARTICLE * (len(scene.position) - len(on_beams))
+    cost += ELEMENT * elements + PARTICLE * (len(scene.position) - len(on_beams))
     for kind in kinds_of([scene]):
-        found += _of_kind(kind, scene)
-    return 1e-9 * found
+        cost += _of_kind(kind, scene)
+    return 1e-9 * cost
 
 
 def run_seconds(scene: Scene, steps: int, instants: int) -> float:
     """Seconds of a core for a run of so many steps and recorded instants, one of eight."""
-    packing = PACKING + STATED * sum(map(len, scene.kinds.values()))
+    packing = PACKING + PER_STATEMENT * sum(map(len, scene.kinds.values()))
     return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + packing
 
 
@@ -94,7 +94,7 @@ def _of_kind(kind: type[Kind], scene: Scene) -> float:
         conditions, operations = elimination_of(scene)
         return CONDITION * conditions + MULTIPLY_ADD * operations
     share = len(scene.position) if kind.__name__ == "Gravity" else len(kind.of(scene))
-    return EACH.get(kind.__name__, OTHER) * share
+    return KIND_COSTS.get(kind.__name__, DEFAULT_COST) * share
 
 
 def elimination_of(scene: Scene) -> tuple[int, float]:
@@ -106,13 +106,13 @@ def elimination_of(scene: Scene) -> tuple[int, float]:
     from fpm.elements.joints.joint_pattern import elimination, neighbours
 
     joints = Joint.of(scene)
-    on = sorted({p for joint in joints for p in joint.particles})
-    slot = {particle: number for number, particle in enumerate(on)}
+    particles = sorted({p for joint in joints for p in joint.particles})
+    slot = {particle: number for number, particle in enumerate(particles)}
     slots = np.array([[*(slot[p] for p in joint.particles), -1][:2] for joint in joints])
-    order, below = elimination(neighbours(slots, ~scene.fixed[on].all(axis=1)))
+    order, neighbour_sets = elimination(neighbours(slots, ~scene.fixed[particles].all(axis=1)))
     counts = np.array([joints[j].conditions for j in order])
-    later = np.array([counts[others].sum() for others in below])
-    operations = counts**3 / 6 + counts**2 * later / 2 + counts * later**2 / 2
+    coupled = np.array([counts[members].sum() for members in neighbour_sets])
+    operations = counts**3 / 6 + counts**2 * coupled / 2 + counts * coupled**2 / 2
     return int(counts.sum()), float(operations.sum())
 
 

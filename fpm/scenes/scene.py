@@ -47,9 +47,9 @@ _EYE = np.eye(3)
 
 def _rows(values, *shape: int) -> np.ndarray:
     """Numbers of an array of this shape, those of one row for all or each row's own."""
-    out = np.empty(shape)
-    out[...] = values
-    return out
+    array = np.empty(shape)
+    array[...] = values
+    return array
 
 
 def _elements(kind: type[Kind]) -> property:
@@ -147,8 +147,8 @@ class Scene:
                 "mass, inertia", (mass.min(), inertia.min()), "positive values for every particle"
             )
         frame = np.asarray(_EYE if frame is None else frame, float)
-        off = np.swapaxes(frame, -1, -2) @ frame - _EYE
-        if abs(off).max() > 1e-9 or np.any(np.linalg.det(frame) < 0):
+        deviation = np.swapaxes(frame, -1, -2) @ frame - _EYE
+        if abs(deviation).max() > 1e-9 or np.any(np.linalg.det(frame) < 0):
             raise SceneError("frame", "(not a rotation)", "right-handed orthonormal axes")
         self.position = np.concatenate([self.position, position])
         self.mass = np.concatenate([self.mass, mass])
@@ -165,7 +165,7 @@ class Scene:
         nodes (m, 2) particle indices; normal (3,) or (m, 3): a vector in the plane of the chord
         and the section's local z axis.
         """
-        self.add(Beams.between(self, nodes, section, material, normal, name))
+        self.add(Beams.create(self, nodes, section, material, normal, name))
 
     def add_link(
         self,
@@ -184,14 +184,14 @@ class Scene:
         The particles' axes are the bar's.
         """
         start, end = np.asarray(start, float), np.asarray(end, float)
-        way = end - start
-        length = size(way)
+        chord = end - start
+        length = size(chord)
         if not (math.isfinite(length) and length > 0):
             raise SceneError(f"length of {name}", length, "a positive, finite length (m)")
         mass, inertia = lump(length, elements, section, material, inertia_scale)
-        axes = triad(way, normal)
+        axes = triad(chord, normal)
         steps = np.linspace(0.0, 1.0, elements + 1)[:, None]
-        particles = self.add_particles(start + steps * way, mass, inertia, axes)
+        particles = self.add_particles(start + steps * chord, mass, inertia, axes)
         nodes = np.column_stack([particles[:-1], particles[1:]])
         m = len(nodes)
         lengths, triads = _rows(length / elements, m), _rows(axes, m, 3, 3)
@@ -210,17 +210,17 @@ class Scene:
         and axis may be (2, 3), one for each particle, for fpm.assembly to bring together.
         """
         return self.add(
-            Hinge.between(self, name, particles, point, axis, references, opening, support)
+            Hinge.create(self, name, particles, point, axis, references, opening, support)
         )
 
-    def add_joint(self, name, type, particles, point, axis=(1, 0, 0), other=None) -> int:
+    def add_joint(self, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> int:
         """Join two particles at `point` (3,), if not by a hinge; returns the joint's index.
 
-        type: "spherical"; "fixed"; "universal", about `axis` (3,) of the first and `other` (3,) of
+        type: "spherical"; "fixed"; "universal", about `axis` (3,) of the first and `axis2` (3,) of
         the second, normal to it; "prismatic": the second slides on the first along `axis`. point
         may be (2, 3), one for each particle, for fpm.assembly to bring together.
         """
-        return self.add(Joint.between(self, name, type, particles, point, axis, other))
+        return self.add(Joint.create(self, name, type, particles, point, axis, axis2))
 
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
         """Join two particles by a slide; returns its index, as of a hinge: it counts among those.
@@ -230,15 +230,15 @@ class Scene:
         """
         return self.add(Joint.slide(self, name, particles, point, axis, opening))
 
-    def add_universal(self, name, particles, point, axis, other, openings=(0.0, 0.0)) -> int:
-        """Join two particles by a cross about `axis` (3,) of the first and `other` (3,) of the
+    def add_universal(self, name, particles, point, axis, axis2, openings=(0.0, 0.0)) -> int:
+        """Join two particles by a cross about `axis` (3,) of the first and `axis2` (3,) of the
         second, normal to it; returns the index of the angle about the first, the other's is next.
 
         They count among the hinges as `<name>_axis` and `<name>_other`: by which the cross turns
         against the first particle, and the second against the cross; openings (rad): at the start.
         """
-        found = Joint.crossed(self, name, particles, point, axis, other, openings)
-        return min(self.add(hinge) for hinge in found)
+        hinges = Joint.universal(self, name, particles, point, axis, axis2, openings)
+        return min(self.add(hinge) for hinge in hinges)
 
     def hold_point(self, name, particle: int, point, axes: str) -> int:
         """Hold a point (3,) of a particle along global axes, e.g. "z"; returns the joint's index.
@@ -264,7 +264,7 @@ class Scene:
         at the start. A winch takes in the length `reel` (m) times a curve of time, at the first
         point. friction: coefficient at the points between the ends; None: they turn freely.
         """
-        return self.add(Cable.between(self, name, points, EA, rest, preload, reel, curve, friction))
+        return self.add(Cable.create(self, name, points, EA, rest, preload, reel, curve, friction))
 
     # -- supports, loads, drives, points ------------------------------------------------------
 
@@ -312,8 +312,8 @@ class Scene:
         Of a scene that was assembled, both are taken where they lay before.
         """
         position, frame = (
-            now if before is None else before
-            for now, before in (
+            value if unstrained is None else unstrained
+            for value, unstrained in (
                 (self.position, self.unstrained_position),
                 (self.frame, self.unstrained),
             )

@@ -38,14 +38,14 @@ class Parameter:
     @property
     def allowed(self) -> str:
         """The allowed values in words."""
-        what = "a whole number" if self.kind == "integer" else "a number"
+        noun = "a whole number" if self.kind == "integer" else "a number"
         bounds = []
         if self.lower > float("-inf"):
             bounds.append(f">= {self.lower:g}")
         if self.upper < float("inf"):
             bounds.append(f"<= {self.upper:g}")
         unit = f" ({self.unit})" if self.unit not in ("", "1") else ""
-        return " ".join([what, " and ".join(bounds)]).strip() + unit
+        return " ".join([noun, " and ".join(bounds)]).strip() + unit
 
     def check(self, name: str, value: object) -> None:
         """SceneError unless `value` is allowed."""
@@ -98,8 +98,8 @@ class SceneType:
         It covers all of the mechanics that can change their numbers, and the structure's content.
         ChangedError where the mechanics are no longer those that were imported.
         """
-        both = f"{sources.mechanics()} {self.content}"
-        return hashlib.sha256(both.encode()).hexdigest()[:16]
+        content = f"{sources.mechanics()} {self.content}"
+        return hashlib.sha256(content.encode()).hexdigest()[:16]
 
     def build(self, **parameters) -> Scene:
         """The scene; defaults fill in what is not given. SceneError names what is wrong."""

@@ -53,21 +53,21 @@ def deformation_modes(
 
     step (s): dampers are among them, as the springs that they are at such a step.
     """
-    found, kind_of, names = [], [], []
+    blocks, kind_of, names = [], [], []
     for number, kind in enumerate(kinds_of([scene])):
         parts = [kind.deformations(scene)]
         if step < np.inf and (part := kind.dampings(scene)) is not None:
             parts.append(part._replace(stiffness=4.0 * part.stiffness / step))
         parts = [part for part in parts if part is not None]
         for part in parts:
-            found.append(part._replace(element=part.element + len(names)))
+            blocks.append(part._replace(element=part.element + len(names)))
             kind_of.append(np.full(len(part.element), number))
         if parts:
             names += kind.names(scene)
-    if not found:
-        none, no_index = np.zeros((0, 12)), np.zeros(0, int)
-        return Deformations(none.astype(int), none, none[:, 0], no_index), no_index, []
-    merged = Deformations(*(np.concatenate(x) for x in zip(*found, strict=True)))
+    if not blocks:
+        no_rows, no_index = np.zeros((0, 12)), np.zeros(0, int)
+        return Deformations(no_rows.astype(int), no_rows, no_rows[:, 0], no_index), no_index, []
+    merged = Deformations(*(np.concatenate(x) for x in zip(*blocks, strict=True)))
     return merged, np.concatenate(kind_of), names
 
 
@@ -86,7 +86,7 @@ def _scaled(scene: Scene, deformations: Deformations):
 
     dofs, values, stiffness, element = deformations
     inverse = np.where(
-        np.hstack([scene.fixed[:, :3], turns_of(scene).held]),
+        np.hstack([scene.fixed[:, :3], turns_of(scene).no_turn]),
         0.0,
         1.0 / np.column_stack([np.tile(scene.mass, (3, 1)).T, scene.inertia]),
     ).ravel()
@@ -135,16 +135,16 @@ def _limit(scene: Scene, step: float = np.inf) -> StableStep:
     deformations, kind_of, names = deformation_modes(scene, step)
     modes, element, inverse = _scaled(scene, deformations)
     kinds = kinds_of([scene])
-    shut = {number: kind.shut(scene, inverse) for number, kind in enumerate(kinds)}
-    shut = {number: columns for number, columns in shut.items() if columns is not None}
-    acting = ~np.isin(kind_of, list(shut))
+    blocked = {number: kind.shut(scene, inverse) for number, kind in enumerate(kinds)}
+    blocked = {number: columns for number, columns in blocked.items() if columns is not None}
+    acting = ~np.isin(kind_of, list(blocked))
     cases = [(modes[acting], element[acting])]
-    for number, columns in shut.items():
+    for number, columns in blocked.items():
         acts = acting | (kind_of == number)
-        there = modes[acts]
-        cases.append((there - (there @ columns) @ columns.T, element[acts]))
-    found = [(*fastest(case), of) for case, of in cases]
-    square, shares, element = max(found, key=lambda case: case[0])
+        active = modes[acts]
+        cases.append((active - (active @ columns) @ columns.T, element[acts]))
+    candidates = [(*fastest(case), elements) for case, elements in cases]
+    square, shares, element = max(candidates, key=lambda case: case[0])
     if not square > 0:
         return StableStep(np.inf, 0.0, "none")
     energy = np.bincount(element, shares, minlength=len(names))

@@ -19,7 +19,7 @@ def topology(scene: Scene) -> tuple:
     of_kinds = {kind: kind.topology_of(scene) for kind in kinds_of([scene])}
     return (
         len(scene.position),
-        tuple((kind, found) for kind, found in of_kinds.items() if found is not None),
+        tuple((kind, value) for kind, value in of_kinds.items() if value is not None),
         tuple((name, p.particle) for name, p in scene.points.items()),
         scene.fixed.tobytes(),
         tuple((tuple(t), tuple(v)) for t, v in scene.curves),

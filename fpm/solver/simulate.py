@@ -13,7 +13,7 @@ from fpm.reading.variables import prepared
 from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import SAFETY, stable_step
 from fpm.solver import pack
-from fpm.solver.start import started
+from fpm.solver.start import consistent_scene
 from fpm.solver.unpack import outcome_of
 
 CHECK_EVERY = 50
@@ -28,11 +28,11 @@ class Division(NamedTuple):
     per_check: int
 
 
-def divide_time(duration: float, instants: int, wanted: float) -> Division:
-    """The step that `simulate` takes: at most `wanted` (s), whole steps between two instants."""
+def divide_time(duration: float, instants: int, max_step: float) -> Division:
+    """The step that `simulate` takes: at most `max_step` (s), whole steps between two instants."""
     interval = duration / (instants - 1)
     # The tiny allowance keeps a step that was given as an exact share of the interval.
-    steps = max(1, math.ceil(interval / wanted * (1 - 1e-12)))
+    steps = max(1, math.ceil(interval / max_step * (1 - 1e-12)))
     checks = math.ceil(steps / CHECK_EVERY)
     per_check = math.ceil(steps / checks)
     return Division(interval / (per_check * checks), per_check * checks, per_check)
@@ -75,18 +75,18 @@ def simulate(
     if step is not None and not (np.isfinite(step) and step > 0):
         raise SceneError("step", step, "a positive number (s), or None")
     pack.check_topology(scenes)
-    scenes = [started(scene) for scene in scenes]
+    scenes = [consistent_scene(scene) for scene in scenes]
     limits = [stable_step(scene) for scene in scenes] if step is None else [None] * len(scenes)
-    wanted = safety * min(limit.step for limit in limits) if step is None else step
-    division = divide_time(duration, instants, wanted)
+    max_step = safety * min(limit.step for limit in limits) if step is None else step
+    division = divide_time(duration, instants, max_step)
     times = duration / (instants - 1) * np.arange(instants)
 
     outcomes = []
     width = lanes_of(dtype)
     for first in range(0, len(scenes), width):
-        some = slice(first, first + width)
-        run = _integrate(scenes[some], width, dtype, instants, division, energy_tolerance)
-        for lane, limit in enumerate(limits[some]):
+        group = slice(first, first + width)
+        run = _integrate(scenes[group], width, dtype, instants, division, energy_tolerance)
+        for lane, limit in enumerate(limits[group]):
             outcomes.append(outcome_of(run, lane, times, division, limit, record))
     return outcomes
 
@@ -94,9 +94,9 @@ def simulate(
 def _integrate(scenes, width, dtype, instants, division, tolerance):
     """Integrate one batch: the Batch, the arrays of its kinds, its World and its Record."""
     run = _integrate_once(scenes, width, dtype, instants, division, tolerance, pack.MOST_EVENTS)
-    noted = int(run[0].event_count[: len(scenes)].max())
-    if noted > pack.MOST_EVENTS:
-        room = min(noted, pack.MOST_ROOM)
+    event_count = int(run[0].event_count[: len(scenes)].max())
+    if event_count > pack.MOST_EVENTS:
+        room = min(event_count, pack.MOST_ROOM)
         run = _integrate_once(scenes, width, dtype, instants, division, tolerance, room)
     return run
 
@@ -120,7 +120,7 @@ def is_compiled(scene: Scene) -> bool:
     from fpm.kernels.lanes import width as lanes_of
 
     dtype = np.dtype(np.float64)
-    batch = pack.pack([started(scene)], lanes_of(dtype), dtype, 2)
+    batch = pack.pack([consistent_scene(scene)], lanes_of(dtype), dtype, 2)
     return (cache_folder(tuple(map(type, batch.parts()))) / DIGESTS).exists()
 
 

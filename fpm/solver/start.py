@@ -39,7 +39,7 @@ order in its step only; to change it would be another motion, which does not lea
 EASE, ROUNDS = 1e-13, 30
 """By which redundant conditions are eased, and how often at most the equations are solved."""
 
-APART = 1e6
+MASS_RATIO = 1e6
 """How many times as heavy as another a body may be without a closer look."""
 
 RESOLVED, REDUNDANT = 1e-8, 1e-24
@@ -50,7 +50,7 @@ imply.
 """
 
 
-def started(scene: Scene) -> Scene:
+def consistent_scene(scene: Scene) -> Scene:
     """The scene, or a copy with velocities and spins that agree with all that holds and moves it.
 
     Where none do, as where motors contradict each other, those are taken that are off least: joints
@@ -58,33 +58,33 @@ def started(scene: Scene) -> Scene:
     """
     check_masses(scene)
     # One for each that has any: of a motor and a latch on one hinge, the motor alone.
-    held = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.of(scene)]
-    held = [(hinge, rate) for hinge, rate in held if rate is not None]
-    is_led = any(rate for _, rate in held) or bool(scene.drives)
+    rates = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.of(scene)]
+    rates = [(hinge, rate) for hinge, rate in rates if rate is not None]
+    is_led = any(rate for _, rate in rates) or bool(scene.drives)
     if not (is_led or scene.velocity.any() or scene.spin.any()):
         return scene
     motion = moving_at_start(scene)
-    now = np.hstack([motion.velocity, motion.spin]).ravel()
-    conditions = conditions_of(scene, [hinge.name for hinge, _ in held])
+    velocities = np.hstack([motion.velocity, motion.spin]).ravel()
+    conditions = conditions_of(scene, [hinge.name for hinge, _ in rates])
     count, rows = len(conditions.joint), _rows(scene, conditions)
-    wanted = np.zeros(count)
+    target = np.zeros(count)
     # The condition on a slide is that its first point is not behind the second.
-    wanted[count - len(held) :] = [-rate if hinge.slides else rate for hinge, rate in held]
-    off = rows @ now - wanted
-    fastest = (abs(rows) @ abs(now) + abs(wanted)).max(initial=0.0)
+    target[count - len(rates) :] = [-rate if hinge.slides else rate for hinge, rate in rates]
+    residual = rows @ velocities - target
+    fastest = (abs(rows) @ abs(velocities) + abs(target)).max(initial=0.0)
     most = (AGREES if is_led else CONTINUES) * fastest
-    if np.abs(off).max(initial=0.0) <= most:
+    if np.abs(residual).max(initial=0.0) <= most:
         return scene
-    change = _least_change(scene, rows, off, most)
-    found = copy.copy(scene)
-    found.velocity, found.spin = scene.velocity + change[:, :3], scene.spin + change[:, 3:]
-    return found
+    change = _least_change(scene, rows, residual, most)
+    result = copy.copy(scene)
+    result.velocity, result.spin = scene.velocity + change[:, :3], scene.spin + change[:, 3:]
+    return result
 
 
 def check_masses(scene: Scene) -> None:
     """SceneError where light bodies between heavy ones hide from the joints what these do."""
     masses = scene.mass[~scene.fixed.all(axis=1)]
-    if masses.max(initial=0.0) <= APART * masses.min(initial=np.inf):
+    if masses.max(initial=0.0) <= MASS_RATIO * masses.min(initial=np.inf):
         return
     rows = _scaled(scene, _rows(scene, conditions_of(scene)))[0]
     values = np.linalg.svd(rows.toarray(), compute_uv=False) ** 2
@@ -100,7 +100,7 @@ def check_masses(scene: Scene) -> None:
 def _rows(scene: Scene, conditions: Conditions):
     """Sparse rows (c, 6n) of conditions at the start."""
     places = Places(scene.position, scene.frame)
-    return conditions.derivatives(places, np.zeros(len(conditions.joint)))[0]
+    return conditions.jacobian(places)
 
 
 def _scaled(scene: Scene, rows):
@@ -112,8 +112,8 @@ def _scaled(scene: Scene, rows):
     free = ~scene.fixed
     linear = free[:, None, :3] * np.eye(3) / np.sqrt(scene.mass)[:, None, None]
     inertia = turns_of(scene).inertia
-    about = (scene.frame / np.sqrt(inertia)[:, None, :]) @ np.swapaxes(scene.frame, 1, 2)
-    turning = free[:, 3:, None] * about
+    inverse_root = (scene.frame / np.sqrt(inertia)[:, None, :]) @ np.swapaxes(scene.frame, 1, 2)
+    turning = free[:, 3:, None] * inverse_root
     blocks = np.stack([linear, turning], axis=1).reshape(-1, 3, 3)
     root = block_diag(list(blocks), format="csc")
     rows = (rows @ root).tocsc()
@@ -122,8 +122,8 @@ def _scaled(scene: Scene, rows):
     return (diags(scale) @ rows).tocsc(), root, scale
 
 
-def _least_change(scene: Scene, rows, off: np.ndarray, most: float) -> np.ndarray:
-    """The change (n, 6) of velocities and spins by which the rates of conditions change by -off.
+def _least_change(scene: Scene, rows, residual: np.ndarray, most: float) -> np.ndarray:
+    """The change (n, 6) of velocities and spins by which rates of conditions change by -residual.
 
     Where masses lie far apart, what joins light bodies says little about the heavy ones: so the
     unknowns are d times the root of M, and the residuals are solved for, again and again.
@@ -132,14 +132,14 @@ def _least_change(scene: Scene, rows, off: np.ndarray, most: float) -> np.ndarra
     from scipy.sparse.linalg import splu
 
     rows, root, scale = _scaled(scene, rows)
-    count, off = len(off), scale * off
+    count, residual = len(residual), scale * residual
     matrix = bmat([[identity(root.shape[0]), rows.T], [rows, -EASE * identity(count)]])
     solver = splu(matrix.tocsc())
     change, impulses = np.zeros(root.shape[0]), np.zeros(count)
     for _ in range(ROUNDS):
-        left = -off - rows @ change
-        if np.all(np.abs(left) <= most * scale):
+        remainder = -residual - rows @ change
+        if np.all(np.abs(remainder) <= most * scale):
             break
-        more = solver.solve(np.concatenate([-change - rows.T @ impulses, left]))
-        change, impulses = change + more[: len(change)], impulses + more[len(change) :]
+        correction = solver.solve(np.concatenate([-change - rows.T @ impulses, remainder]))
+        change, impulses = change + correction[: len(change)], impulses + correction[len(change) :]
     return (root @ change).reshape(-1, 6)

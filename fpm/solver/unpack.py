@@ -7,7 +7,7 @@ from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.turning import turns_of
 from fpm.errors import InstabilityError, SceneError
 from fpm.files.outcome import BALANCE, KINETIC, Motion, Outcome, columns_of, eventful
-from fpm.kernels import layout as at
+from fpm.kernels import layout
 from fpm.reading import variables
 from fpm.reading.recording import Recording
 from fpm.scenes.scene import Scene
@@ -15,47 +15,47 @@ from fpm.scenes.timestep import StableStep, stable_step
 
 
 def outcome_of(
-    run, lane: int, times: np.ndarray, division, limit: StableStep | None, more=()
+    run, lane: int, times: np.ndarray, division, limit: StableStep | None, extra=()
 ) -> Outcome:
-    """The outcome of one lane of a run, (Batch, parts, World, Record); more: further columns."""
+    """The outcome of one lane of a run, (Batch, parts, World, Record); extra: further columns."""
     batch, parts, world, record = run
     scene, instants = batch.scenes[lane], len(times)
     steps = division.per_instant * (instants - 1)
     tracks = record.points[:, :, lane].reshape(instants + 1, len(scene.points), 6)[:instants]
     points = {name: (tracks[:, n, :3], tracks[:, n, 3:]) for n, name in enumerate(scene.points)}
     for name, beam in scene.points.items():
-        _begin(scene, beam, points[name][1])
+        _start_velocity(scene, beam, points[name][1])
     kinds = (KINETIC, *batch.energies, BALANCE)
-    recorded = {}
+    records = {}
     for kind, part in zip(batch.kinds, parts, strict=True):
-        for name, found in kind.recorded(part, scene, lane).items():
-            found = found._replace(values=found.values[:instants])
-            recorded[name] = found.beside(recorded[name]) if name in recorded else found
-    failed, failure = record.failed_step[lane] >= 0, None
-    if more and not failed:
-        found = Recording(batch, parts, lane, times, division.step)
+        for name, series in kind.recorded(part, scene, lane).items():
+            series = series._replace(values=series.values[:instants])
+            records[name] = series.merge(records[name]) if name in records else series
+    is_failed, failure = record.failed_step[lane] >= 0, None
+    if extra and not is_failed:
+        recording = Recording(batch, parts, lane, times, division.step)
         try:
-            recorded |= variables.recorded(found, more)
+            records |= variables.recorded(recording, extra)
         except SceneError as error:  # this sample cannot do what is to be recorded of it
             failure = error
     watches = [watch for kind in batch.kinds for watch in kind.watches]
-    values = record.failed_watched[:, lane] if failed else world.watched[0, :, lane]
+    values = record.failed_watched[:, lane] if is_failed else world.watched[0, :, lane]
     largest = {watch.name: float(x) for watch, x in zip(watches, values, strict=True)}
-    if failed:
+    if is_failed:
         limit = limit or stable_step(scene)
         failure = _failure(run, lane, largest, division.step, limit)
-    noted = int(batch.event_count[lane])
+    event_count = int(batch.event_count[lane])
     return Outcome(
         scene=scene,
         time=times,
         points=points,
         energies=_energies(batch, record, lane, instants),
         energy_kinds=kinds,
-        recorded=recorded,
-        columns=columns_of(recorded),
-        events=batch.events[: min(noted, len(batch.events)), :, lane],
+        recorded=records,
+        columns=columns_of(records),
+        events=batch.events[: min(event_count, len(batch.events)), :, lane],
         eventful=eventful(scene, batch.eventful.of),
-        events_dropped=max(0, noted - len(batch.events)),
+        events_dropped=max(0, event_count - len(batch.events)),
         step=division.step,
         steps=steps,
         limit=limit,
@@ -65,7 +65,7 @@ def outcome_of(
     )
 
 
-def _begin(scene: Scene, beam, velocity: np.ndarray) -> None:
+def _start_velocity(scene: Scene, beam, velocity: np.ndarray) -> None:
     """The first velocity (t, 3) of a point is that with which it starts; the mean of the half steps
     before and after is that to the second order only."""
     particle = beam.particle
@@ -78,16 +78,16 @@ def _begin(scene: Scene, beam, velocity: np.ndarray) -> None:
 def _energies(batch, record, lane: int, instants: int) -> dict[str, np.ndarray]:
     """Energies (t,) by name; those that no kind in the scene has are zero."""
     table = record.energies[:instants, :, lane]
-    found = {energy.name: np.zeros(instants, table.dtype) for energy in batch.energies}
+    energies = {energy.name: np.zeros(instants, table.dtype) for energy in batch.energies}
     for k, energy in enumerate(batch.accounts):
-        values = table[:, at.ACCOUNTS + k]
+        values = table[:, layout.ACCOUNTS + k]
         # The work of the weight starts at the height of the scene.
-        found[energy.name] = values - values[0] if k < batch.givers else values
-    first = at.ACCOUNTS + len(batch.accounts)
+        energies[energy.name] = values - values[0] if k < batch.givers else values
+    first = layout.ACCOUNTS + len(batch.accounts)
     for k, energy in enumerate(kind.stores for kind in batch.kinds if kind.stores):
         # Kinds may share a name, as cables and beams may store strain energy.
-        found[energy.name] = found[energy.name] + table[:, first + k]
-    return {"kinetic": table[:, at.KINETIC], **found, "balance": table[:, at.BALANCE]}
+        energies[energy.name] = energies[energy.name] + table[:, first + k]
+    return {"kinetic": table[:, layout.KINETIC], **energies, "balance": table[:, layout.BALANCE]}
 
 
 def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityError:
@@ -121,14 +121,14 @@ def _final(scene: Scene, kinds, world, lane: int, time: float) -> Motion:
 
     What kinds prescribe is that at `time` (s).
     """
-    state, kept = world.state[:, :, lane], world.kept[:, :, lane]
-    second, third = kept[:, at.D2 : at.D2 + 3], kept[:, at.D3 : at.D3 + 3]
+    state, start = world.state[:, :, lane], world.start_state[:, :, lane]
+    second, third = start[:, layout.D2 : layout.D2 + 3], start[:, layout.D3 : layout.D3 + 3]
     frame = columns(cross(second, third), second, third)
-    momentum = 0.5 * (kept[:, at.P : at.P + 3] + state[:, at.P : at.P + 3])
+    momentum = 0.5 * (start[:, layout.P : layout.P + 3] + state[:, layout.P : layout.P + 3])
     local = np.einsum("nji,nj->ni", frame, momentum) / turns_of(scene).inertia
-    velocity = 0.5 * (kept[:, at.V : at.V + 3] + state[:, at.V : at.V + 3])
+    velocity = 0.5 * (start[:, layout.V : layout.V + 3] + state[:, layout.V : layout.V + 3])
     spin = np.einsum("nij,nj->ni", frame, local) * ~scene.fixed[:, 3:]
-    motion = Motion(kept[:, at.X : at.X + 3].copy(), frame, velocity, spin)
+    motion = Motion(start[:, layout.X : layout.X + 3].copy(), frame, velocity, spin)
     for kind in kinds:
         kind.prescribe(scene, time, motion)
     return motion

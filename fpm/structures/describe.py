@@ -7,7 +7,7 @@ import numpy as np
 from fpm.elements import kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable import Cable, length_through
-from fpm.elements.fields import stated
+from fpm.elements.fields import specs
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import Kind
@@ -25,7 +25,7 @@ def describe(found: SceneType, duration: float = 1.0) -> str:
     scene = found.build()
     cost, mobility = report.cost(scene, duration), report.mobility(scene)
     rows = [[name, *_row(p, name == found.mesh)] for name, p in found.parameters.items()]
-    before = scene.assembly.stated if scene.assembly else [h.opening for h in scene.hinges]
+    before = scene.assembly.openings if scene.assembly else [h.opening for h in scene.hinges]
     joints = [f"{h.name} ({_opening(h, was)})" for h, was in zip(scene.hinges, before, strict=True)]
     joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
     points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
@@ -124,9 +124,9 @@ def acting(scene: Scene) -> list[str]:
 def _numbers(element: Kind, scene: Scene) -> Iterator[str]:
     """The numbers of an element on joints, those that do nothing left out."""
     slides = scene.hinges[element.acts_on()[0]].slides
-    for name, field in stated(type(element)).items():
+    for name, field in specs(type(element)).items():
         value = getattr(element, name)
-        if not field.said or value is None or not np.isfinite(value):
+        if not field.is_shown or value is None or not np.isfinite(value):
             continue
         if value == 0.0 and not field.zero:
             continue

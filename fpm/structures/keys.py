@@ -34,7 +34,7 @@ class Key:
     """One key of a statement. `default`: its value when it is left out, or REQUIRED."""
 
     default: Any = REQUIRED
-    about: str = ""
+    text: str = ""
 
     @property
     def allowed(self) -> str:

@@ -42,7 +42,7 @@ EVENTS = {
 STATED = 'with DATA = ["tables/*.csv"], patterns of all files that it reads, [] for none'
 """What makes up for what is not seen."""
 
-_PROGRAM = tuple(str(sources.HERE.parent / name) for name in ("fpm", "deployable"))
+_PROGRAM = tuple(str(sources.PACKAGE.parent / name) for name in ("fpm", "deployable"))
 
 
 class Opened:

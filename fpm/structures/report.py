@@ -94,7 +94,7 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
         of[:3, :3], of[3:, 3:] = np.eye(3), np.eye(3) / size
         of[:3, 3:] = -np.cross(np.eye(3), arm) / size
     motion = motion.reshape(6 * count, 6 * len(moving))
-    slopes, _ = found.derivatives(Places(scene.position, scene.frame), np.zeros(len(found.joint)))
+    slopes = found.jacobian(Places(scene.position, scene.frame))
     joints = size * found.weight(size)[:, None] * (slopes @ motion)
     fixed = np.argwhere(scene.fixed & ~held[:, None])
     dofs = fixed @ (6, 1)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fpm.elements.fields import Index, Word, stated
+from fpm.elements.fields import Index, Word, specs
 from fpm.elements.kind import Kind
 from fpm.errors import did_you_mean, likely
 from fpm.reading.standards import CLASSES
@@ -53,7 +53,7 @@ class Statement:
     type: str
     keys: dict[str, Key]
     build: Callable[[Builder, SimpleNamespace], Any]
-    about: str
+    text: str
 
     def sliding(self, joints: Container[str]) -> dict[str, tuple[str, Key]]:
         """Names in `it` and kinds of the keys where `joints`, of its keys, name slides."""
@@ -67,11 +67,11 @@ class Statement:
         return {name: key for name, key in keys.items() if SLIDE in key.types}
 
 
-def statement(group: str, type: str = "", about: str = "", /, **keys: Key) -> Callable:
+def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Callable:
     """Make a kind of statement of the function that builds it, which says what it is."""
 
     def made(build: Callable[[Builder, SimpleNamespace], Any]) -> Statement:
-        words = about or (build.__doc__ or "").split("\n")[0]
+        words = text or (build.__doc__ or "").split("\n")[0]
         found = Statement(group, type, keys, build, words)
         GROUPS.get(group, {})[type] = found
         return found
@@ -81,7 +81,7 @@ def statement(group: str, type: str = "", about: str = "", /, **keys: Key) -> Ca
 
 # -- keys that are fields of elements --------------------------------------------------------------
 
-JOINT = Opening(about="on which joint it acts")
+JOINT = Opening(text="on which joint it acts")
 """The key of a field `hinge`."""
 
 CLASS = {"class": Choice(None, "in margins; left out: by what it is", options=tuple(CLASSES))}
@@ -93,23 +93,23 @@ def key_of(kind: type[Kind], name: str, left_out: str = "", **changes: Any) -> K
 
     left_out: what it means where the key is left out, which the field does not allow by itself.
     """
-    field = stated(kind)[name]
+    field = specs(kind)[name]
     default = {f.name: f.default for f in fields(kind)}[name]
     default = REQUIRED if default is MISSING else default
     if isinstance(field, Index) and field.of == "hinges":
         return replace(JOINT, types=field.types or JOINT.types)
     if isinstance(field, Index):
         default = None if default == -1 else default
-        key: Key = Reference(default, field.about, group=field.of)
+        key: Key = Reference(default, field.text, group=field.of)
     elif isinstance(field, Word):
-        key = Choice(default, field.about, options=tuple(field.values))
+        key = Choice(default, field.text, options=tuple(field.values))
     else:
         default = None if default == np.inf else default
-        key = Number(default, field.about, field.unit, field.least, field.above)
+        key = Number(default, field.text, field.unit, field.least, field.above)
         if (count := field.count) > 1:
-            key = Many(default, field.about, replace(key, default=REQUIRED, about=""), count, count)
+            key = Many(default, field.text, replace(key, default=REQUIRED, text=""), count, count)
     if left_out:
-        key = replace(key, default=None, about=f"{key.about}; left out: {left_out}")
+        key = replace(key, default=None, text=f"{key.text}; left out: {left_out}")
     return replace(key, **changes)
 
 
@@ -123,7 +123,7 @@ def element(kind: type[Kind], it: SimpleNamespace, **more: Any) -> Kind:
 
 def acting(
     kind: type[Kind],
-    about: str = "",
+    text: str = "",
     /,
     without: Container[str] = (),
     left_out: Mapping[str, str] | None = None,
@@ -134,19 +134,19 @@ def acting(
     without: fields that are none; left_out: what some mean where they are left out, which the field
     does not allow by itself; more: further keys, or others of fields.
     """
-    names = [name for name in stated(kind) if name not in without]
+    names = [name for name in specs(kind) if name not in without]
     found = {name: key_of(kind, name, (left_out or {}).get(name, "")) for name in names}
     keys = {"joint": found.pop("hinge")} if "hinge" in found else {}
     keys |= {**{name: key for name, key in more.items() if name not in found}, **found, **more}
     keys |= CLASS if kind.resists_as else {}
     required_first = sorted(keys.items(), key=lambda pair: pair[1].default is not REQUIRED)
-    return statement("actions", kind.called, about, **dict(required_first))
+    return statement("actions", kind.called, text, **dict(required_first))
 
 
 def whole(kind: type[Kind]) -> Statement:
     """The statement of a kind that acts on a joint, which is said by its fields alone."""
-    about = (kind.__doc__ or "").split("\n")[0]
-    return acting(kind, about)(lambda build, it: build.scene.add(element(kind, it)))
+    text = (kind.__doc__ or "").split("\n")[0]
+    return acting(kind, text)(lambda build, it: build.scene.add(element(kind, it)))
 
 
 # -- entries of a file -----------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from fpm.assembly.conditions import Places
 from fpm.elements import Hinge, energies_of
 from fpm.elements.batch import Batch
 from fpm.kernels import layout as at
-from fpm.kernels.world import Now
+from fpm.kernels.world import StepTime
 
 SLOWLY = 1e300
 """Seconds of a step: whatever depends on rates vanishes."""
@@ -106,7 +106,7 @@ class Acting:
 
         state = self.world.state
         state[:, at.F : at.M + 3] = 0.0
-        arguments = self.parts, self.world, Now(JUST_AFTER, SLOWLY, SLOWLY)
+        arguments = self.parts, self.world, StepTime(JUST_AFTER, SLOWLY, SLOWLY)
         loop_for(arguments, "act")(*arguments)
         return state[:, at.F : at.M + 3].reshape(-1, state.shape[2])
 

@@ -91,7 +91,7 @@ class VirtualWork:
         slips the way that its joint goes there, which may have turned back on the way before."""
         for share in (1.0, 0.5) if self.drags else ():
             for each in self.acting:
-                each.forces(places.moved(-share * behind))
+                each.forces(places.displace(-share * behind))
 
     def along(self, places: At, tangent: np.ndarray) -> float:
         """Virtual work: the least of its elements', or the difference to the other one."""

@@ -43,11 +43,6 @@ ALIKE = 1e-3
 they differ by more, it is not the opening alone that decides the motion."""
 
 
-def jacobian(conditions: Conditions, places: At):
-    """Derivatives, sparse (c, 6n), of conditions."""
-    return conditions.derivatives(places, np.zeros(len(conditions.joint)))[0]
-
-
 def _turned(first: np.ndarray, last: np.ndarray) -> np.ndarray:
     """The rotations (n, 3) rad, below half a turn, from frames (n, 3, 3) to others."""
     turn = last @ first.transpose(0, 2, 1)
@@ -128,7 +123,7 @@ class Path:
 
     def _derivatives(self, places: At) -> np.ndarray:
         """Derivatives (c, f) of the conditions, scaled."""
-        rows = jacobian(self._conditions, places).multiply(self._scales).tocsc()[:, self._free]
+        rows = self._conditions.jacobian(places).multiply(self._scales).tocsc()[:, self._free]
         return self._weight[:, None] * rows.toarray()
 
     def _step(self, value: float) -> None:
@@ -136,7 +131,7 @@ class Path:
         step, conditions = value - self.opening, self._held(value)
         weights = AHEAD[len(self._tangents) - 1] if self._tangents else []
         ahead = sum(w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True))
-        places = self.places.moved(step * ahead) if self._tangents else self.places
+        places = self.places.displace(step * ahead) if self._tangents else self.places
         settled = False
         for _ in range(ROUNDS):
             solve, gradient = self._equations(places, conditions, self._ease)
@@ -146,7 +141,7 @@ class Path:
             if not np.isfinite(largest):
                 break
             share = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
-            places = places.moved(share * self._scales * motion)
+            places = places.displace(share * self._scales * motion)
             self._impulses = self._impulses + share * change
             before, settled = settled, largest <= NEAR and np.abs(lacks).max(initial=0.0) <= NEAR
             if before and settled:
@@ -212,7 +207,7 @@ class Path:
                   for lever, rate, hinge in zip(levers, rates, hinges, strict=True)]  # fmt: skip
         none = np.zeros(len(self._weight))
         first, *more = (self._solve(forces, none)[1] for forces in (friction, *pushes))
-        joints, pushing = np.array(self._conditions.joint), self._conditions.how != NORMAL
+        joints, pushing = np.array(self._conditions.joint), self._conditions.axis_types != NORMAL
         own = [(joints == hinge.joint) & pushing for hinge in hinges]
         for rows in own:
             rows[-self._leading :] = False
@@ -235,7 +230,7 @@ class Path:
         self.scene.mass, self.scene.inertia = scene.mass * uneven, scene.inertia / uneven[:, None]
         solve = self._equations(self.places, self._held(self.opening), self._ease)[0]
         self.scene = scene
-        rows = jacobian(conditions_of(scene, [hinge.name for hinge in scene.hinges]), self.places)
+        rows = conditions_of(scene, [hinge.name for hinge in scene.hinges]).jacobian(self.places)
         rates = rows[-len(scene.hinges) :] @ np.stack([self.tangent, self._motion(solve)], axis=1)
         if np.abs(np.diff(rates)).max() > ALIKE * np.abs(rates).max():
             raise SceneError(
@@ -254,7 +249,7 @@ class Path:
         drift[:, :3, :3] = drift[:, 3:, 3:] = np.eye(3)
         drift[:, :3, 3:] = np.cross(np.eye(3), off[:, None] / self._size).swapaxes(1, 2)
         drift = drift.reshape(-1, 6)  # lengths by the size
-        rows = jacobian(self._conditions, places).multiply(self._scales).tocsr()
+        rows = self._conditions.jacobian(places).multiply(self._scales).tocsr()
         ruled_out = np.vstack([self._weight[:, None] * (rows @ drift), drift[held]])
         _, sizes, ways = np.linalg.svd(ruled_out)
         free = ways[np.sum(sizes > DRIFTS * sizes.max(initial=1.0)) :]
@@ -279,7 +274,7 @@ class Path:
     def _held(self, value: float) -> Conditions:
         """The conditions, the last of which hold the openings where the first has a value."""
         found, moved, count = self._conditions, value - self._start, len(self._hinges)
-        one, arms = found.one.copy(), found.arms.copy()
+        one, arms = found.axis1.copy(), found.arms.copy()
         for row, hinge, zero in zip(range(-count, 0), self._hinges, self._zeros, strict=True):
             axis, across = hinge.axes[0], hinge.references[0]
             if hinge.slides:
@@ -287,4 +282,4 @@ class Path:
                 continue
             angle = hinge.opening + moved
             one[row] = np.cos(angle) * np.cross(axis, across) - np.sin(angle) * across
-        return found._replace(one=one, arms=arms)
+        return found._replace(axis1=one, arms=arms)

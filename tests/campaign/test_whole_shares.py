@@ -15,7 +15,7 @@ from deployable.campaign.answers.finer import beyond_of, finer_errors
 from deployable.campaign.answers.limits import Asked, judged
 from deployable.intervals import Box
 from deployable.intervals.designs import scan_points
-from deployable.intervals.scalars import Limit, Occurrence, share_of_box
+from deployable.intervals.scalars import Limit, Occurrence, fit_scalar, share_of_box
 
 HAPPENS = Asked("there", 0, "happens", 1.0)
 BEYOND_THE_ERROR = 3.0
@@ -209,3 +209,36 @@ def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins
         limits=[limit], asked=[SimpleNamespace(quantity=0)], worst=[(slack, None)]
     )
     assert limits.is_sure(bench, judged, 0) is sure
+
+
+@pytest.mark.parametrize(
+    ("kind", "level", "odd", "share", "place"),
+    [
+        ("at_most", 0.7, [], 0.5, 0.7003),  # a little beyond the border, from the nominal 0.4
+        ("at_most", 0.7, [(0.55, 0.75), (0.95, 0.96)], 0.25, 0.55),  # the nearest run that fails
+        ("at_most", 0.7, [(0.95, 0.96)], 0.5, 0.7003),
+        ("at_most", 0.7, [(0.45, 0.7)], 0.5, 0.7003),  # just at the limit, which keeps it
+        ("at_least", -0.3, [], 0.5, -0.3007),
+        ("at_most", 1.5, [], 1.0, None),
+        ("at_most", 1.5, [(-0.6, 1.6), (0.8, 1.7)], 2 / 3, 0.8),
+    ],
+)
+def test_the_largest_box_ends_at_the_nearest_failure(kind, level, odd, share, place):
+    """Of y = x over [-1, 1], where some runs are otherwise: by the surrogate or by a run."""
+    x = np.linspace(-1, 1, 9)[:, None]
+    surrogate = fit_scalar(x, x[:, 0])
+    points = np.concatenate([x, np.array(odd).reshape(-1, 2)[:, :1]])
+    numbers = np.concatenate([x, np.array(odd).reshape(-1, 2)[:, 1:]])
+    box = SimpleNamespace(free=np.array([True]))
+    bench = SimpleNamespace(
+        experiment=SimpleNamespace(box=box), nominal=np.array([0.4]), unit=points, numbers=numbers
+    )
+    found = judged(bench, [surrogate], [Asked("r", 0, kind, level)])
+    assert found.largest[0] == pytest.approx(share, abs=1e-5)
+    if place is None:
+        assert found.fails is None and found.largest[1:] == (None, None)
+    else:
+        assert found.fails == pytest.approx([place], abs=1e-4) and found.largest[1] == 0
+        assert found.places[-1] is found.fails
+    expected = level - numbers[:, 0] if kind == "at_most" else numbers[:, 0] - level
+    assert found.slack[0] == pytest.approx(expected)

@@ -16,7 +16,7 @@ FRAMES = 7
 def motion():
     """The Bennett linkage thrown into the air, every particle turning at a rate of its own."""
     from fpm.motions.motion import element_strains, section_corners
-    from fpm.motions.motion_dataset import Recorded, to_dataset
+    from fpm.motions.motion_dataset import RecordedMotion, to_dataset
 
     scene = scene_type("bennett").build(elements=3)
     scene.name = 'a "thrown" linkage & more'
@@ -32,7 +32,7 @@ def motion():
     outcome = Curves(time, points, {}, {}, np.zeros((0, 3)), (), 0, 0.1)
     strains = element_strains(scene, position, frame)
     shown = np.arange(FRAMES)
-    found = Recorded(scene, outcome, shown, position, 0.0 * position + 1.5, frame, *strains)
+    found = RecordedMotion(scene, outcome, shown, position, 0.0 * position + 1.5, frame, *strains)
     return to_dataset(found, section_corners(scene), {"run_id": "abc"})
 
 
@@ -70,7 +70,7 @@ def cable_places(strung):
 def hub():
     """A rigid body without any bar, thin as a rod, that turns."""
     import fpm
-    from fpm.motions.motion_dataset import Recorded, to_dataset
+    from fpm.motions.motion_dataset import RecordedMotion, to_dataset
 
     scene = fpm.Scene("hub")
     scene.add_particles((0.5, 0, 0), 2.0, (1e-12, 2 / 12, 2 / 12))  # 1 m long
@@ -78,5 +78,7 @@ def hub():
     frame = Rotation.from_rotvec([[0, 0, 0], [0, 0, 0.5]]).as_matrix()[:, None]
     outcome = Curves(time, {}, {}, {}, np.zeros((0, 3)), (), 0, 0.1)
     position, none = np.tile([0.5, 0.0, 0.0], (2, 1, 1)), np.zeros((2, 0))
-    found = Recorded(scene, outcome, np.arange(2), position, 0.0 * position, frame, none, none)
+    found = RecordedMotion(
+        scene, outcome, np.arange(2), position, 0.0 * position, frame, none, none
+    )
     return to_dataset(found, np.zeros((0, 2, 4, 3)), {})

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.fields import index, number, stiffness
-from fpm.elements.kind import Deformations, Energy, Kind, Recorded
+from fpm.elements.kind import Deformations, Energy, Kind, Series
 
 
 @dataclass(frozen=True)
@@ -38,4 +38,4 @@ class GroundSpring(Kind):
     def recorded(cls, part, scene, lane):
         names = tuple(cls.names(scene))
         lengths = part.track[:, 0, lane].reshape(-1, len(names))
-        return {"spring_length": Recorded(lengths, "m", "length", "ground_spring", names)}
+        return {"spring_length": Series(lengths, "m", "length", "ground_spring", names)}

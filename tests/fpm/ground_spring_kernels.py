@@ -30,7 +30,7 @@ class GroundSprings(NamedTuple):
 
 
 @hook(GroundSprings)
-def forces(part, world, now):
+def forces(part, world, timing):
     for i in range(part.particle.shape[0]):
         away = get3(world.state, part.particle[i], X) - get3(part.numbers, i, ANCHOR)
         length = sqrt(dot(away, away))
@@ -42,12 +42,12 @@ def forces(part, world, now):
 
 
 @hook(GroundSprings)
-def note_events(part, world, now):
+def note_events(part, world, timing):
     for i in range(part.particle.shape[0]):
         if any_negative(load(part.state, i, NOW) * load(part.state, i, BEFORE)):
             for s in range(part.state.shape[2]):
                 before, after = part.state[i, BEFORE, s], part.state[i, NOW, s]
-                note_crossing(part.log, s, i, before, after, now)
+                note_crossing(part.log, s, i, before, after, timing)
 
 
 @hook(GroundSprings)

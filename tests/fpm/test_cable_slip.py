@@ -8,8 +8,8 @@ from numba import njit
 
 from fpm.elements.cables.cable_kernels import LENGTH, STRETCH
 from fpm.elements.cables.cable_slip_kernels import (
-    ALONE,
     CLOSE,
+    FREE_STRAIN,
     INVERSE,
     RATIO,
     RUBBED,
@@ -33,7 +33,7 @@ class Chain(NamedTuple):
 def settle(part, found):
     last = found.shape[0]
     find_alone(part, 0, last, CLOSE * load(part.rest, 0, 0))
-    strain = load(part.rubbed, last - 1, ALONE)
+    strain = load(part.rubbed, last - 1, FREE_STRAIN)
     for j in range(last - 1, -1, -1):
         store(found, j, 0, strain)
         if j > 0:

@@ -79,7 +79,7 @@ class Own(NamedTuple):
     on: np.ndarray
 
 @hook(Own)
-def forces(part, world, now):
+def forces(part, world, timing):
     part.on[0] = RATE * own_functions.twice(part.on[0])
 """,
     "own_numbers": "RATE = 1.0",

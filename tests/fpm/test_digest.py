@@ -22,7 +22,7 @@ def cache(tmp_path_factory):
 def copied(tmp_path, monkeypatch, cache):
     """A copy of the mechanics, whose files are digested; returns its folder."""
     folder = tmp_path / "fpm_copied"
-    shutil.copytree(sources.HERE, folder, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(sources.PACKAGE, folder, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(cache))
     return folder
 
@@ -31,7 +31,7 @@ def digests(folder) -> tuple[str, str]:
     """Of what computes runs, and of what reads further numbers off them, as a process that starts
     now would have them."""
     code = sources.Imported(folder)
-    return code.digest(but=sources.READ + sources.TOLD), code.digest(only=sources.READ)
+    return code.digest(exclude=sources.READ + sources.DISPLAY), code.digest(include=sources.READ)
 
 
 def edit(path, old: str, new: str) -> None:
@@ -84,18 +84,18 @@ of uncertainty that parts may have, which no motion depends on."""
 
 def test_what_counts_imports_nothing_that_does_not():
     """Else an edit of what does not count could change numbers through what does."""
-    for path in sources.HERE.rglob("*.py"):
-        name = path.relative_to(sources.HERE).as_posix()
-        level = 2 if sources._within(name, sources.READ) else 1
-        if name == "__init__.py" or sources._within(name, sources.TOLD):
+    for path in sources.PACKAGE.rglob("*.py"):
+        name = path.relative_to(sources.PACKAGE).as_posix()
+        level = 2 if sources._is_within(name, sources.READ) else 1
+        if name == "__init__.py" or sources._is_within(name, sources.DISPLAY):
             continue
         imports = {
             each.removeprefix("fpm.").replace(".", "/")
             for each, _ in sources._names_imported(path.read_bytes(), str(path))
         }
-        without = [*(t.removesuffix(".py") for t in sources.TOLD if t != "errors.py")]
+        without = [*(t.removesuffix(".py") for t in sources.DISPLAY if t != "errors.py")]
         without += [*sources.READ] if level == 1 and name not in ASK else []
-        assert not [each for each in imports if sources._within(each, tuple(without))], name
+        assert not [each for each in imports if sources._is_within(each, tuple(without))], name
 
 
 # -- names are of what was imported ----------------------------------------------------------------
@@ -163,12 +163,12 @@ def test_at_the_start_of_a_campaign_files_are_what_is_in_memory(package):
     code.digest()
     for text in ("VALUE = 1\n", "VALUE = 1  # m\n"):
         (folder / "one.py").write_text(text)
-        code.check(now=True)
+        code.check(reread=True)
     (folder / "two.py").write_text("VALUE = 2\n")  # in no memory yet
-    code.check(now=True)
+    code.check(reread=True)
     (folder / "one.py").write_text("VALUE = 2\n")
     with pytest.raises(fpm.SceneError, match=r"one\.py changed since"):
-        code.check(now=True)
+        code.check(reread=True)
 
 
 def test_a_file_that_is_touched_or_new_and_unused_does_not_matter(package):
@@ -191,7 +191,7 @@ def test_kernels_from_elsewhere_that_changed_are_not_compiled(tmp_path, monkeypa
     path.write_text(
         "from typing import NamedTuple\nfrom fpm.kernels.hooks import hook\n"
         "class Tethers(NamedTuple):\n    rows: object\n"
-        "@hook(Tethers)\ndef forces(part, world, now):\n    pass\n"
+        "@hook(Tethers)\ndef forces(part, world, timing):\n    pass\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     parts = (importlib.import_module("tether_kernels").Tethers,)
@@ -285,7 +285,7 @@ def test_digests_kept_by_another_version_are_not_met(tmp_path, monkeypatch):
     other = tmp_path / "fpm" / "kernels" / "sources.py"
     other.parent.mkdir(parents=True)
     (other.parent / ".#edited.py").symlink_to("somebody@somewhere")  # as an editor leaves it
-    other.write_text((sources.HERE / "kernels" / "sources.py").read_text())
+    other.write_text((sources.PACKAGE / "kernels" / "sources.py").read_text())
     edit(other, "return ast.dump(tree)", "return ast.dump(tree, include_attributes=True)")
     spec = importlib.util.spec_from_file_location("other_sources", other)
     module = importlib.util.module_from_spec(spec)

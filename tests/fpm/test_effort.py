@@ -20,7 +20,7 @@ STRUCTURES = Path(__file__).parents[2] / "config" / "structures"
 
 def test_every_kind_has_its_cost():
     apart = {"Beams", "Cable", "Damping", "Joint", "Probe", "Viscosity"}
-    assert {kind.__name__ for kind in KINDS} == apart | set(effort.EACH)
+    assert {kind.__name__ for kind in KINDS} == apart | set(effort.KIND_COSTS)
 
 
 @pytest.mark.parametrize("scene", [chain(6), pairs(True), parallelogram(5, 1.0)])

@@ -125,7 +125,7 @@ def test_hooks_that_do_not_exist_are_refused():
     from fpm.kernels.hooks import hook
 
     with pytest.raises(ValueError, match="forcse is no hook; expected one of forces"):
-        hook(GroundSprings, "forcse")(lambda part, world, now: None)
+        hook(GroundSprings, "forcse")(lambda part, world, timing: None)
 
 
 def test_a_kernel_is_not_replaced_in_silence():
@@ -134,7 +134,7 @@ def test_a_kernel_is_not_replaced_in_silence():
     from fpm.kernels.hooks import hook
 
     with pytest.raises(ValueError, match="GroundSprings has a kernel for forces already"):
-        hook(GroundSprings, "forces")(lambda part, world, now: None)
+        hook(GroundSprings, "forces")(lambda part, world, timing: None)
 
 
 def test_its_energy_can_be_a_response(outcome):

@@ -97,7 +97,7 @@ def at_rest(scene: fpm.Scene, load: np.ndarray, parts: int = 10) -> Places:
             gradient[-6:] -= share * load
             step = np.zeros_like(gradient)
             step[6:] = np.linalg.solve(stiffness.toarray()[6:, 6:], -gradient[6:])
-            places = places.moved(step * min(1.0, 0.3 / np.abs(step).max()))
+            places = places.displace(step * min(1.0, 0.3 / np.abs(step).max()))
             if np.abs(step).max() < 1e-12:
                 break
     return places

@@ -219,13 +219,13 @@ def test_an_opening_of_exactly_zero_hides_no_event():
     from numba import njit
 
     from fpm.kernels.events import note_crossing
-    from fpm.kernels.world import Log, Now
+    from fpm.kernels.world import Log, StepTime
 
     note = njit(lambda *a: note_crossing(*a))
     track = [1.0, 0.0, -1.0, 0.0, 1.0, 1.0]
     log = Log(np.full((8, 3, 8), np.nan), np.zeros(8, np.int64), 5)
     for n in range(1, len(track)):
-        note(log, 3, 2, track[n - 1], track[n], Now(float(n), 1.0, 1.0))
+        note(log, 3, 2, track[n - 1], track[n], StepTime(float(n), 1.0, 1.0))
     assert list(log.count) == [0, 0, 0, 2, 0, 0, 0, 0]
     assert log.events[:2, :, 3].tolist() == [[1.0, 7, 1], [3.0, 7, 0]]
 

@@ -8,7 +8,7 @@ import pytest
 
 import fpm
 from deployable.campaign.config.sections import scene_type
-from fpm.elements.kind import Recorded
+from fpm.elements.kind import Series
 from fpm.files.outcome import columns_of
 from fpm.files.sealed import DamagedError, seal
 from fpm.reading.variables import VARIABLES
@@ -157,7 +157,7 @@ def test_columns_that_were_asked_come_back_and_make_up_their_responses(outcome, 
         unit, text = VARIABLES[name][:2]
         labels = tuple(label for variable, label in needs if variable == name)
         values = np.array([[needs.index((name, label)) + 1.0 for label in labels]] * 11)
-        recorded[name] = Recorded(values, unit, text, f"{name}_of", labels)
+        recorded[name] = Series(values, unit, text, f"{name}_of", labels)
     asked = replace(outcome, recorded=recorded, columns=columns_of(recorded))
     fpm.trajectory.write(fpm.trajectory.contents(asked), tmp_path / "run.nc")
     curves = fpm.trajectory.read_curves(tmp_path / "run.nc")

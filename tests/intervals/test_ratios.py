@@ -1,10 +1,15 @@
 """Bounds of ratios, as margins are, over five parameters, against ten thousand evaluations."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from datasets_for_tests import samples_of
 
 from deployable.intervals import Box, bounds_dataset, make_design
+from deployable.intervals.estimates import ErrorEstimate
+from deployable.intervals.ranges import Range
+from deployable.intervals.ratios import ratios_of
 
 WAY = np.linspace(0.0, np.pi / 2, 31)
 NOMINAL = np.array([0.1, np.pi, 0.003, 0.005, 0.02])
@@ -40,3 +45,41 @@ def test_bounds_of_a_ratio_lie_within_their_errors(order, turn):
         at = margin(bounds[side].values[0], turn)[np.arange(31), np.arange(31)]
         assert at == pytest.approx(end, rel=1e-2, abs=1e-2), side
     assert bounds["nominal"].values[0] == pytest.approx(margin(NOMINAL, turn))
+
+
+def test_beside_a_ratio_what_is_none_has_the_bounds_that_it_has_alone():
+    """And the ratio those that it has alone, the largest that is told apart 998."""
+    box = Box(["p", "q"], [0.1, 0.2], [0.3, 0.9])
+    design = make_design("tensor_lobatto", box, 3)
+
+    def values(v):
+        p, q = (np.asarray(v)[..., i, None] for i in range(2))
+        return np.stack([p + 0 * WAY, q * np.cos(WAY), p / q * (1 + WAY) - 1, p / 1e-9 + WAY])
+
+    ratios = np.array([0.0, 0.0, 1.0, 1.0])
+    samples = samples_of(values, box, design, WAY, names=("p", "q", "r", "s"))
+    samples = samples.assign_coords(response_ratio=("response", ratios))
+    together = bounds_dataset(samples, design)
+    for i in range(4):
+        alone = bounds_dataset(samples.isel(response=[i]), design)
+        for name in ("lower", "upper", "argmin", "argmax", "error", "inner_lower", "inner_upper"):
+            np.testing.assert_allclose(together[name][i], alone[name][0], rtol=1e-12, atol=1e-12)
+    assert together["upper"].values[1] == pytest.approx(0.9 * np.cos(WAY), abs=1e-9)
+    assert together["argmax"].values[0, :, 0] == pytest.approx(0.3)
+    assert together["argmin"].values[0, :, 0] == pytest.approx(0.1)
+    assert together["upper"].values[2] == pytest.approx(1.5 * (1 + WAY) - 1, rel=0.05)
+    assert together["upper"].values[3] == pytest.approx(998.0)
+
+
+def test_the_error_of_a_ratio_is_that_at_either_end():
+    share, off = np.array([[0.5]]), np.array([[0.01]])
+    samples = SimpleNamespace(ratios=np.array([True]))
+    place = np.zeros((1, 1, 1))
+    found = Range(share, share + 0.1, share, share + 0.1, place - 1, place + 1)
+    bounds, error = ratios_of(samples, found, ErrorEstimate(off, 2 * off, 0 * off))
+    assert (bounds.lower, bounds.upper) == (pytest.approx(1 / 0.6 - 2), pytest.approx(0.0))
+    assert (bounds.argmin, bounds.argmax) == (1.0, -1.0)
+    assert error.total == pytest.approx(1 / 0.49 - 1 / 0.5)
+    assert error.held_out == pytest.approx(1 / 0.48 - 1 / 0.5) and error.decay == 0.0
+    wide = ErrorEstimate(off, 0.7 * off / off, 0 * off)  # to beyond a share of none
+    assert ratios_of(samples, found, wide)[1].held_out == pytest.approx(1000 - 2)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fpm
-from fpm.solver.start import check_masses, started
+from fpm.solver.start import check_masses, consistent_scene
 from fpm.structures import loads
 
 LIFT = """
@@ -81,7 +81,7 @@ def velocity(scene, name: str) -> np.ndarray:
 @pytest.mark.parametrize("mass", [1.5, 1e-6, 1e-7])
 def test_a_loop_begins_with_the_rates_that_its_motor_gives(mass):
     scene = loads(RSSR).build(coupler=mass)
-    begun = started(scene)
+    begun = consistent_scene(scene)
     rate = 10 * slopes(0.0)[0]
     np.testing.assert_allclose(begun.spin[scene.bodies["crank"]], [0, 0, 10], atol=1e-9)
     np.testing.assert_allclose(begun.spin[scene.bodies["rocker"]], [rate, 0, 0], atol=1e-8)
@@ -107,15 +107,15 @@ def test_a_light_body_at_the_end_and_redundant_conditions_are_not_refused():
 
 def test_a_motion_that_fits_and_a_scene_at_rest_are_left_as_they_are():
     scene = loads(RSSR.replace("turn: 10 rad", "turn: 0 rad")).build()
-    assert started(scene) is scene
-    begun = started(loads(RSSR).build())
-    assert started(begun) is begun
+    assert consistent_scene(scene) is scene
+    begun = consistent_scene(loads(RSSR).build())
+    assert consistent_scene(begun) is begun
 
 
 def test_a_motor_beside_a_latch_on_its_joint_turns_it_from_the_start():
     """The latch, stated later, has no rate at the start, and took the motor's away."""
     latched = RSSR.replace("record:", "  pawl: {type: latch, joint: crank, angle: 9 rad}\nrecord:")
-    scenes = [started(loads(text).build()) for text in (RSSR, latched)]
+    scenes = [consistent_scene(loads(text).build()) for text in (RSSR, latched)]
     assert scenes[0].spin.any()
     np.testing.assert_array_equal(scenes[1].spin, scenes[0].spin)
 
@@ -127,7 +127,7 @@ def test_a_motion_that_does_not_fit_is_that_after_the_blow():
     scene.fix(ground)
     scene.add_hinge("pin", (ground, rod), (0, 0, 0), (0, 0, 1))
     scene.velocity[rod] = [2.0, 1.0, 0.0]
-    begun = started(scene)
+    begun = consistent_scene(scene)
     np.testing.assert_allclose(begun.spin[rod], [0, 0, 0.5 * 3], atol=1e-12)
     np.testing.assert_allclose(begun.velocity[rod], [0, 0.75, 0], atol=1e-12)
 

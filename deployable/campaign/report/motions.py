@@ -162,7 +162,7 @@ def motions_of(samples: xarray.Dataset, shown: Sequence[Shown], frames: int = 40
         frames=frames,
         times=closures[np.isfinite(closures)],
         attributes=[{"run_id": run.id, "campaign": samples.attrs["campaign"]} for run in shown],
-        more=lambda i, outcome: _own_curves(experiment, outcome) if i in bare else {},
+        extra_variables=lambda i, outcome: _own_curves(experiment, outcome) if i in bare else {},
     )
 
 

@@ -107,20 +107,20 @@ def head_of(
     for state in STATES:
         own = [row for row in rows if row["state"] == state]
         named = dict.fromkeys(f"{row['clause']} {row['of']}".strip() for row in own)
-        ends += [f"{state}: {len(own)} ({', '.join(named)})"] if own else [f"{state}: 0"]
+        ends.append(f"{len(own)} {state}" + f" ({', '.join(named)})" * bool(own))
     box = (
         f"{p['description'] or p['name']} ({p['name']}) from {numbers.number(p['lower'], 4)} to "
         f"{numbers.quantity(p['upper'], p['units'], 4)}"
         for p in facts["parameters"]
     )
     return [
-        f"Of {len(rows)} rows {'; '.join(ends)}.",
+        f"Of {len(rows)} rows: {'; '.join(ends)}.",
         f"The box: {'; '.join(box) or 'no parameter is an interval'}. All else is as the "
         "structure's file states it.",
         f"Clauses and factors are those of {edition_of(standard)}. By analysis of a model, for "
         "what the campaign states; no claim of compliance. A margin is what drives over what is "
-        "required, less 1; ± is the error at either end of an interval; a share of the box is no "
-        "probability.",
+        "required, less 1; ± is the error of the computation at either end of an interval, not of "
+        "what it was given; a share of the box is no probability.",
     ]
 
 
@@ -155,13 +155,15 @@ def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
         drives, required = (numbers.quantity(budget[key], unit, 6) for key in
                             ("drives", "required"))  # fmt: skip
         found.append({
-            "title": f"{name}: {edition_of(margin['standard'])}, {margin['evidence']}, at "
+            "title": f"{name}: {edition_of(margin['standard'])}, {margin['evidence']}, "
+                     + f"own factors {', '.join(margin['own'])}, " * bool(margin["own"]) + "at "
                      f"{numbers.quantity(budget['opening'], margin['unit'], 4)}"
                      f"{', ' if at else ''}{at}",
             "heads": [head + f" ({unit})" * (head in ("moment", "weighted"))
                       for head in BUDGET_HEADS],
             "rows": rows,
-            "sum": f"T = {drives} (all that is weighted above 0), Tmin = {required} (below 0): "
+            "sum": f"T = {drives} (sum of the weighted above 0), Tmin = {required} (of those "
+                   "below 0, without sign): "
                    + (f"T/Tmin − 1 = {numbers.number(budget['margin'], 4)}."
                       if budget["margin"] < MOST else
                       f"T/Tmin − 1 is {MOST:g} or more, and counts as {MOST:g}."),
@@ -204,6 +206,8 @@ class _Sheet:
         else:
             about = [row for row in self.facts["quantities"]
                      if clause.by in self._topics(row["name"])]  # fmt: skip
+            if clause.by == "margin":  # those by own factors behind those of the standard
+                about.sort(key=lambda row: bool(self._margins[row["name"]]["own"]))
             rows = [one for row in about for one in self._of_quantity(row, clause.by)]
             rows += self._lacking(clause.by, about)
         rows = [row for row in rows if row] or [_row("", NOTHING)]
@@ -291,7 +295,7 @@ class _Sheet:
             analysed += f"; {self._margin_words(margin)}"
             if limit is None:
                 least = numbers.quantity(row["simulated_lower"], units, 4)
-                nearest = f"{numbers.place(row['argmin'], parameters)}: {least}, simulated"
+                nearest = f"{numbers.place(row['argmin'], parameters)}: {least}, computed there"
         if limit is not None:
             analysed += f"; {_asked(limit, units)}"
             happens = limit["kind"] == "happens"
@@ -299,7 +303,7 @@ class _Sheet:
                 nearest = numbers.place(limit["at"], parameters)
                 if limit["simulated"] is not None:
                     least = numbers.quantity(limit["simulated"], units, 4)
-                    nearest += f": {least}, simulated"
+                    nearest += f": {least}, computed there"
                 else:
                     nearest += ", by the surrogate"
         if margin:
@@ -327,7 +331,7 @@ class _Sheet:
             return Verdict(FAILED, "not met anywhere in the box")
         if limit["met"] == "some":
             share = numbers.share(limit["share"], limit["open"])
-            return Verdict(FAILED, f"not met in all of the box, but in {share} of it")
+            return Verdict(FAILED, f"not met in a part of the box; {share} of the box meets it")
         if limit["met"] == "open":
             runs = f"no failure found in {limit['runs']} runs"
             return Verdict(OPEN, f"undecided: {runs}, which proves nothing of the rest")
@@ -380,7 +384,7 @@ class _Sheet:
         if row["upper"] is not None and row["upper"] < 0:
             return Verdict(FAILED, "not met anywhere in the box")
         if row["lower"] is None or row["lower"] < 0:
-            return Verdict(FAILED, "not met in all of the box")
+            return Verdict(FAILED, "not met in at least a part of the box")
         if _keeps(row, "at_least", 0.0):
             return Verdict(MET, "met in all of the box, by analysis")
         return Verdict(OPEN, "undecided: the least margin is within its error")
@@ -494,7 +498,7 @@ class _Sheet:
         told = f"three times its tolerance is {numbers.quantity(3 * tolerance, row['units'])}"
         if row["lower"] - error >= 3 * tolerance:
             return Verdict(MET, f"met in all of the box, by analysis: {told}")
-        return Verdict(FAILED, f"not met in all of the box: {told}")
+        return Verdict(FAILED, f"not met in at least a part of the box: {told}")
 
     # -- clauses that are about no single quantity -------------------------------------------------
 
@@ -537,7 +541,7 @@ class _Sheet:
             return None
         analysed = (
             f"all requirements together, over the box of {', '.join(varied)}; "
-            f"{self.facts['runs']['all']} runs, worst places simulated"
+            f"{self.facts['runs']['all']} runs, the worst places among them"
         )
         states = {name: self._failure(self._quantities[name]).state for name in self._margins}
         rows, whole = self.facts["requirements"], self.facts["together"]
@@ -553,7 +557,7 @@ class _Sheet:
         if not varied:
             verdict = Verdict(NOT_ANALYSED, "not analysed: no parameter is an interval")
         elif failing:
-            verdict = Verdict(FAILED, "not met in all of the box")
+            verdict = Verdict(FAILED, "not met in at least a part of the box")
         elif whole["met"] != "all" or OPEN in each:
             verdict = self._judged({}, {**whole, "met": "open"})
         elif open_:
@@ -563,7 +567,7 @@ class _Sheet:
             verdict = Verdict(MET, "met in all of the box, by analysis")
         if failing and whole["met"] == "some":
             share = numbers.share(whole["share"], whole["open"])
-            verdict = Verdict(FAILED, f"not met in all of the box; all together in {share} of it")
+            verdict = Verdict(FAILED, f"not met in a part of the box; {share} of the box meets all")
         value = f"not met: {', '.join(dict.fromkeys(failing))}" if failing else ""
         return _row(analysed, verdict, value)
 
@@ -587,7 +591,7 @@ class _Sheet:
         if exchanged < EXCHANGED * self._tolerance * largest or exchanged == 0:
             text = "not analysed: hardly anything moves, so that the balance shows nothing"
             return _row(analysed, Verdict(NOT_ANALYSED, text), value)
-        text = "met: runs that do not keep it fail"
+        text = "met: all runs keep it"
         return _row(analysed, Verdict(MET, text), value)
 
     def parametric(self) -> dict[str, str]:

@@ -119,7 +119,7 @@ class Beams(Kind):
     watches = (BEND, STRAIN)
 
     @staticmethod
-    def between(scene, nodes, section, material, normal, name) -> "Beams":
+    def create(scene, nodes, section, material, normal, name) -> "Beams":
         """Elements between particles of a scene, unstressed as they lie (Scene.add_beams)."""
         nodes = np.atleast_2d(np.asarray(nodes, int))
         if nodes.shape[1] != 2 or nodes.min() < 0 or nodes.max() >= len(scene.position):
@@ -132,7 +132,7 @@ class Beams(Kind):
         axes = np.array([triad(c, z) for c, z in zip(chord, normals, strict=True)])
         return Beams(nodes, length, axes, section, material, name)
 
-    def strained(self, strain: float, curvature: float | None) -> "Beams":
+    def with_strain(self, strain: float, curvature: float | None) -> "Beams":
         """The same elements, of one length, that are longer and curved (1/m) without stress: > 0
         where the side of the third axis is the longer one."""
         length = self.length * (1.0 + strain)
@@ -172,11 +172,11 @@ class Beams(Kind):
         diagonal), twist.
         """
         frame = scene.frame if scene.unstrained is None else scene.unstrained
-        found, count = [], 0
+        modes, count = [], 0
         for beams in cls.of(scene):
-            found += [d._replace(element=d.element + count) for d in beams.modes(frame)]
+            modes += [d._replace(element=d.element + count) for d in beams.modes(frame)]
             count += len(beams.length)
-        return Deformations(*(np.concatenate(x) for x in zip(*found, strict=True)))
+        return Deformations(*(np.concatenate(x) for x in zip(*modes, strict=True)))
 
     def modes(self, frame: np.ndarray) -> list[Deformations]:
         """The deformations of these beams; frame (n, 3, 3) of all particles without strain."""
@@ -193,12 +193,12 @@ class Beams(Kind):
             return np.concatenate([xa, local(ra, a), xb, local(rb, b)], axis=1)
 
         rows = [(row(-n, zero, n, zero), table[:, 1]), (row(zero, -n, zero, n), table[:, 4])]
-        for axis, about, k in ((e2, np.cross(e2, n), table[:, 2]),
+        for axis, moment_axis, k in ((e2, np.cross(e2, n), table[:, 2]),
                                (e3, np.cross(e3, n), table[:, 3])):  # fmt: skip
             # th_a^2 + th_a th_b + th_b^2 = 3/4 (th_a + th_b)^2 + 1/4 (th_a - th_b)^2
             slope = axis / self.length[:, None]
-            rows.append((row(-2 * slope, about, 2 * slope, about), 1.5 * k))
-            rows.append((row(zero, about, zero, -about), 0.5 * k))
+            rows.append((row(-2 * slope, moment_axis, 2 * slope, moment_axis), 1.5 * k))
+            rows.append((row(zero, moment_axis, zero, -moment_axis), 0.5 * k))
         element = np.arange(len(self.length))
         return [Deformations(dofs, values, k, element) for values, k in rows]
 
@@ -215,14 +215,14 @@ class Beams(Kind):
         def stiffness(scene):
             return np.concatenate([b.stiffness() for b in cls.of(scene)]) * SHARES
 
-        nodes = np.concatenate([b.nodes for b in cls.of(batch.one)])
+        nodes = np.concatenate([b.nodes for b in cls.of(batch.scene)])
         arrays = (
             batch.integers(nodes, 2),
             batch.stack(len(nodes), BEAM, stiffness),
             batch.watched_by(cls),
             batch.rows_of(cls),
         )
-        if framed(batch.one):
+        if framed(batch.scene):
             return FramedElements(*arrays, batch.stack(len(nodes), AXES, end_axes))
         return StraightElements(*arrays)
 

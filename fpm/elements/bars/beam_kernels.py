@@ -72,12 +72,12 @@ def _own_axes(part, state, e):
 
 @kernel
 def _framed_axes(part, state, e):
-    one, two = frame(state, part.nodes[e, 0]), frame(state, part.nodes[e, 1])
+    frame1, frame2 = frame(state, part.nodes[e, 0]), frame(state, part.nodes[e, 1])
     return (
-        to_global(one, get3(part.axes, e, A2)),
-        to_global(one, get3(part.axes, e, A3)),
-        to_global(two, get3(part.axes, e, B2)),
-        to_global(two, get3(part.axes, e, B3)),
+        to_global(frame1, get3(part.axes, e, A2)),
+        to_global(frame1, get3(part.axes, e, A3)),
+        to_global(frame2, get3(part.axes, e, B2)),
+        to_global(frame2, get3(part.axes, e, B3)),
     )
 
 
@@ -92,8 +92,8 @@ def _axes_for(arrays: type):
 
 @overload(end_axes, jit_options=INLINED)
 def _end_axes(part, state, e):
-    chosen = _axes_for(part.instance_class)
-    return lambda part, state, e: chosen(part, state, e)
+    function = _axes_for(part.instance_class)
+    return lambda part, state, e: function(part, state, e)
 
 
 @kernel
@@ -107,7 +107,7 @@ def chord_of(part, state, e):
 
 
 @kernel
-def forces(part, world, now):
+def forces(part, world, timing):
     """End forces and moments of all elements.
 
     The chord of the next element is found beside the forces of each: its root and quotient take
@@ -135,8 +135,8 @@ def forces(part, world, now):
         ca3, cb3 = ky * (t3 + ta3) * da3, ky * (t3 + tb3) * db3
         ga = ca2 * a2 + ca3 * a3
         gb = cb2 * b2 + cb3 * b3
-        across = inverse * (ga + gb)
-        force = across + (axial - dot(n, across)) * n
+        shear = inverse * (ga + gb)
+        force = shear + (axial - dot(n, shear)) * n
         add3(state, a, F, force)
         put3(state, b, F, get3(state, b, F) - force)
         add3(state, a, M, cross(n, ga) - moment)

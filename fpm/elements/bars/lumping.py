@@ -68,16 +68,16 @@ def lump(length: float, elements: int, section, material, scale: float = 1.0):
     weights = end_weights(n)
     if n >= 2 and scale > 1:
         radius2 = max(section.Iy, section.Iz) / section.A
-        moved = n / (n - 1) * (scale - 1) / 2 * radius2 / l**2
-        if weights[0] - moved < SMALLEST_END:
+        shift = n / (n - 1) * (scale - 1) / 2 * radius2 / l**2
+        if weights[0] - shift < SMALLEST_END:
             spare = (weights[0] - SMALLEST_END) * (n - 1) / n
             largest = 1 + 2 * l**2 / radius2 * spare
             raise SceneError(
                 "rotational inertia scale", scale, f"at most {largest:.4g} for {n} elements"
             )
-        weights[[0, -1]] -= moved
-        weights[1] += moved
-        weights[-2] += moved
+        weights[[0, -1]] -= shift
+        weights[1] += shift
+        weights[-2] += shift
     mass = material.rho * section.A * l * weights
     share = np.ones(n + 1)
     share[[0, -1]] = 0.5

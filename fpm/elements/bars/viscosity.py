@@ -55,40 +55,40 @@ class Viscosity(Kind):
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         stretches = [beams.modes(frame)[0] for beams in Beams.of(scene)]
         counts = np.cumsum([0, *(len(beams.length) for beams in Beams.of(scene))])
-        found = [
-            one._replace(element=one.element + count)
-            for one, count in zip(stretches, counts, strict=False)
+        rows = [
+            part._replace(element=part.element + count)
+            for part, count in zip(stretches, counts, strict=False)
         ]
-        joined = Deformations(*(np.concatenate(x) for x in zip(*found, strict=True)))
-        return joined._replace(stiffness=_dampings(scene)[:, 0])
+        merged = Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True)))
+        return merged._replace(stiffness=_dampings(scene)[:, 0])
 
     @classmethod
     def pack(cls, batch):
-        from fpm.elements.bars.viscosity_kernels import PAST, Viscous
+        from fpm.elements.bars.viscosity_kernels import HISTORY, Viscous
 
-        nodes = np.concatenate([b.nodes for b in Beams.of(batch.one)])
+        nodes = np.concatenate([b.nodes for b in Beams.of(batch.scene)])
 
-        def past(scene):
-            one, two = nodes.T
-            chord = scene.position[two] - scene.position[one]
+        def history(scene):
+            first, second = nodes.T
+            chord = scene.position[second] - scene.position[first]
             length = np.linalg.norm(chord, axis=1)
             moving = np.where(scene.fixed[:, :3], 0.0, scene.velocity)
-            rate = np.sum(chord * (moving[two] - moving[one]), axis=1) / length
+            rate = np.sum(chord * (moving[second] - moving[first]), axis=1) / length
             return np.column_stack([rate, np.zeros(len(rate)), length])
 
         return Viscous(
             batch.integers(nodes, 2),
             batch.stack(len(nodes), 1, _dampings),
-            batch.stack(len(nodes), PAST, past),
+            batch.stack(len(nodes), HISTORY, history),
             batch.taken_by(cls),
         )
 
 
 def _dampings(scene) -> np.ndarray:
     """Damping (m, 1) of the stretch of every beam element, N s/m."""
-    share = sum(one.share for one in Viscosity.of(scene))
-    each = [
+    share = sum(element.share for element in Viscosity.of(scene))
+    waves = [
         np.full(len(b.length), b.section.A * np.sqrt(b.material.E * b.material.rho))
         for b in Beams.of(scene)
     ]
-    return share * np.concatenate(each)[:, None]
+    return share * np.concatenate(waves)[:, None]

@@ -12,7 +12,7 @@ from fpm.kernels.vectors import add3, dot, get3
 # Kept of an element: the rate of its length in the middle of the last step (m/s; at first that at
 # the start), its tension at the last positions (N), and its length there (m).
 RATE, TENSION, LENGTH = 0, 1, 2
-PAST = 3
+HISTORY = 3
 
 
 class Viscous(NamedTuple):
@@ -25,27 +25,27 @@ class Viscous(NamedTuple):
 
 
 @hook(Viscous)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Tensions against the rates of the lengths, extrapolated as those of dampers are; what they
     take, by the trapezium rule, is what leapfrog does (losses_kernels.py)."""
-    state, past = world.state, part.past
-    taken = load(world.accounts, 0, part.account)
+    state, history = world.state, part.past
+    loss = load(world.accounts, 0, part.account)
     for e in range(part.nodes.shape[0]):
         a, b = part.nodes[e, 0], part.nodes[e, 1]
         chord = get3(state, b, X) - get3(state, a, X)
         length = sqrt(dot(chord, chord))
-        last = load(past, e, RATE)
+        last = load(history, e, RATE)
         rate = last
-        grown = length - load(past, e, LENGTH)
-        if now.time > 0.0:
-            half = grown * (1.0 / now.step)
+        growth = length - load(history, e, LENGTH)
+        if timing.time > 0.0:
+            half = growth * (1.0 / timing.step)
             rate = 1.5 * half - 0.5 * last
-            store(past, e, RATE, half)
+            store(history, e, RATE, half)
         tension = load(part.damping, e, 0) * rate
-        taken = taken + 0.5 * (tension + load(past, e, TENSION)) * grown
-        store(past, e, TENSION, tension)
-        store(past, e, LENGTH, length)
+        loss = loss + 0.5 * (tension + load(history, e, TENSION)) * growth
+        store(history, e, TENSION, tension)
+        store(history, e, LENGTH, length)
         force = (tension / length) * chord
         add3(state, a, F, force)
         add3(state, b, F, -1.0 * force)
-    store(world.accounts, 0, part.account, taken)
+    store(world.accounts, 0, part.account, loss)

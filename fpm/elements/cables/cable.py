@@ -24,7 +24,7 @@ import numpy as np
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable_bounds import Piece, bounding_springs
 from fpm.elements.fields import index, number, same
-from fpm.elements.kind import Energy, Kind, Recorded, Watch
+from fpm.elements.kind import Energy, Kind, Series, Watch
 from fpm.errors import SceneError
 
 REEL_WORK = Energy("reel", "reel_work", "work of reeling cables in")
@@ -66,39 +66,39 @@ class Cable(Kind):
     watches = (Watch("crowding", 1.0, True, _crowded),)
 
     @staticmethod
-    def between(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
+    def create(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
         """A cable through points of a scene, as it stands (Scene.add_cable)."""
         count = len(scene.position)
         particles = [particle for particle, _ in points]
         if len(points) < 2 or not all(0 <= p < count for p in particles):
             raise SceneError(f"points of cable {name}", particles, "two or more, on particles")
         if (rest is None) == (preload is None):
-            found = (rest, preload)
-            raise SceneError(f"rest, preload of cable {name}", found, "one of the two")
+            pair = (rest, preload)
+            raise SceneError(f"rest, preload of cable {name}", pair, "one of the two")
         beams = tuple(scene.arm_to(int(p), place) for p, place in points)
         curve, reel, stiffness = int(curve), float(reel), float(stiffness)
         if rest is None:
             if not (stiffness > 0 and 0 <= preload < np.inf):
-                found, allowed = (stiffness, preload), "EA > 0 and a preload >= 0 (N)"
-                raise SceneError(f"EA, preload of cable {name}", found, allowed)
-            taken = reel * np.interp(0.0, *scene.curves[curve]) if curve >= 0 else 0.0
-            rest = length_through(scene, beams) / (1 + preload / stiffness) + taken
+                pair, allowed = (stiffness, preload), "EA > 0 and a preload >= 0 (N)"
+                raise SceneError(f"EA, preload of cable {name}", pair, allowed)
+            reeled = reel * np.interp(0.0, *scene.curves[curve]) if curve >= 0 else 0.0
+            rest = length_through(scene, beams) / (1 + preload / stiffness) + reeled
         return Cable(name, beams, stiffness, float(rest), reel, curve, friction)
 
     def check(self, scene):
         """Stiffness and lengths, also while it is reeled; names are for messages and files."""
         super().check(scene)
-        what = f"of {self.title(scene)}"
+        owner = f"of {self.title(scene)}"
         if self.name in Cable.names_of(scene):
             raise SceneError("cable", self.name, "a name that no other cable has")
         if self.reel and self.curve < 0:
-            raise SceneError(f"reel {what}", self.reel, "a finite length (m), with a curve")
+            raise SceneError(f"reel {owner}", self.reel, "a finite length (m), with a curve")
         if self.rubs and not self.lengths(scene).min() > 0:
-            raise SceneError(f"stretches {what}", self.lengths(scene).tolist(), "points apart")
+            raise SceneError(f"stretches {owner}", self.lengths(scene).tolist(), "points apart")
         if len({beam.particle for beam in self.beams}) < 2:
-            raise SceneError(f"points {what}", self.beams[0].particle, "points of two particles")
+            raise SceneError(f"points {owner}", self.beams[0].particle, "points of two particles")
         if not (shortest := self.shortest(scene)) > 0:
-            raise SceneError(f"unstrained length {what}", shortest, "above 0 m at all times")
+            raise SceneError(f"unstrained length {owner}", shortest, "above 0 m at all times")
 
     def title(self, scene):
         return f"cable {self.name}"
@@ -160,7 +160,7 @@ class Cable(Kind):
     def pack(cls, batch):
         from fpm.elements.cables.cable_kernels import CABLE, STATE, STRETCH, Cables
 
-        cables = cls.of(batch.one)
+        cables = cls.of(batch.scene)
         count, ends = len(cables), np.cumsum([0, *(len(cable.beams) for cable in cables)])
         part = Cables(
             start=batch.integers(ends),
@@ -169,7 +169,7 @@ class Cable(Kind):
             arms=batch.stack(ends[-1], 3, lambda s: [b.arm for c in cls.of(s) for b in c.beams]),
             cables=batch.table(cls, CABLE, lambda c: [c.stiffness, c.rest, c.reel]),
             stretches=batch.blank(ends[-1], STRETCH),
-            now=batch.blank(count, STATE),
+            state=batch.blank(count, STATE),
             account=batch.given_by(cls),
             watched=batch.watched_by(cls),
             rows=batch.rows_of(cls),
@@ -184,8 +184,8 @@ class Cable(Kind):
         names = cls.names_of(scene)
         tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         return {
-            "cable_tension": Recorded(tension, "N", "tension of the cables", "cable", names),
-            "cable_length": Recorded(length, "m", "length of the cables, strained", "cable", names),
+            "cable_tension": Series(tension, "N", "tension of the cables", "cable", names),
+            "cable_length": Series(length, "m", "length of the cables, strained", "cable", names),
         }
 
 
@@ -197,21 +197,21 @@ def _with_friction(part, batch):
 
     def material(scene) -> np.ndarray:
         """At one strain all along."""
-        out = np.zeros((len(part.on), RUBBED))
+        array = np.zeros((len(part.on), RUBBED))
         for first, cable in zip(part.start, Cable.of(scene), strict=False):
             lengths = cable.lengths(scene)
-            some = lengths * (cable.rest_at(scene, 0.0) / lengths.sum())
-            out[first : first + len(some), MATERIAL] = some
-        return out
+            rest = lengths * (cable.rest_at(scene, 0.0) / lengths.sum())
+            array[first : first + len(rest), MATERIAL] = rest
+        return array
 
-    rests = batch.stack(len(part.now), 1, lambda s: [[c.rest_at(s, 0.0)] for c in Cable.of(s)])
-    part.now[:, UNSTRAINED] = rests[:, 0]
+    rests = batch.stack(len(part.state), 1, lambda s: [[c.rest_at(s, 0.0)] for c in Cable.of(s)])
+    part.state[:, UNSTRAINED] = rests[:, 0]
     return RubbingCables(
         *part,
-        rubs=batch.integers(cable.rubs for cable in Cable.of(batch.one)),
+        rubs=batch.integers(cable.rubs for cable in Cable.of(batch.scene)),
         friction=batch.table(Cable, 1, lambda cable: [cable.friction or 0.0]),
         rubbed=batch.stack(len(part.on), RUBBED, material),
-        lost=batch.taken_by(Cable),
+        loss=batch.taken_by(Cable),
     )
 
 

@@ -19,7 +19,7 @@ from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.kind import Deformations
 from fpm.elements.particles.turning import turns_of
 
-TURNED = 2.0
+FACTOR = 2.0
 
 Piece = tuple[Sequence[VirtualBeam], float]
 """The points of what has one tension, and its stiffness (N/m) at its shortest."""
@@ -31,13 +31,13 @@ def bounding_springs(scene, cables: Iterable[Iterable[Piece]]) -> Deformations |
     for number, pieces in enumerate(cables):
         for beams, stiffness in pieces:
             ends = (0, len(beams) - 1)
-            found = [(*_motion(scene, beam), 1.0 if i in ends else TURNED**2)
+            motions = [(*_motion(scene, beam), 1.0 if i in ends else FACTOR**2)
                      for i, beam in enumerate(beams)]  # fmt: skip
-            total = sum(square * moved for _, moved, square in found)
-            for beam, (values, moved, _) in zip(beams, found, strict=True):
-                if moved > 0:  # |c|²/s = total/w
+            total = sum(square * mobility for _, mobility, square in motions)
+            for beam, (values, mobility, _) in zip(beams, motions, strict=True):
+                if mobility > 0:  # |c|²/s = total/w
                     dofs = np.tile(6 * beam.particle + np.arange(6), (3, 2))
-                    springs = np.full(3, stiffness * total / moved)
+                    springs = np.full(3, stiffness * total / mobility)
                     rows.append((dofs, values, springs, np.full(3, number)))
     return Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True))) if rows else None
 
@@ -49,6 +49,6 @@ def _motion(scene, beam: VirtualBeam) -> tuple[np.ndarray, float]:
     turns = -np.array([np.cross(beam.arm, e) for e in np.eye(3)]).T
     values = np.hstack([np.eye(3), frame[p] @ turns, np.zeros((3, 6))])
     inertia = np.concatenate([np.full(3, scene.mass[p]), scene.inertia[p]])
-    held = np.concatenate([scene.fixed[p, :3], turns_of(scene).held[p]])
-    inverse = np.where(held, 0.0, 1.0 / inertia)
+    no_motion = np.concatenate([scene.fixed[p, :3], turns_of(scene).no_turn[p]])
+    inverse = np.where(no_motion, 0.0, 1.0 / inertia)
     return values, float(np.linalg.eigvalsh((values[:, :6] * inverse) @ values[:, :6].T)[-1])

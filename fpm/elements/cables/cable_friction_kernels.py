@@ -30,8 +30,8 @@ from fpm.elements.cables.cable_kernels import (
     work_of_winch,
 )
 from fpm.elements.cables.cable_slip_kernels import (
-    ALONE,
     CLOSE,
+    FREE_STRAIN,
     INVERSE,
     MATERIAL,
     RATIO,
@@ -59,7 +59,7 @@ class RubbingCables(NamedTuple):
     arms: np.ndarray
     cables: np.ndarray
     stretches: np.ndarray
-    now: np.ndarray
+    state: np.ndarray
     account: int
     watched: np.ndarray
     rows: np.ndarray
@@ -68,7 +68,7 @@ class RubbingCables(NamedTuple):
     rubs: np.ndarray  # (c,) whether each has friction
     friction: np.ndarray  # (c, 1, lanes) its coefficient
     rubbed: np.ndarray  # (p, RUBBED, lanes)
-    lost: int  # number of the account of what friction takes
+    loss: int  # number of the account of what friction takes
 
 
 @kernel
@@ -77,125 +77,125 @@ def exponential(x):
     beyond 30, which nothing slips against.
     """
     y = (1.0 / 256.0) * where_negative(x - 30.0, x, 30.0)
-    found = 1.0 + y * (1.0 + y * (0.5 + y * (1 / 6 + y * (1 / 24 + y * (1 / 120 + y / 720)))))
+    result = 1.0 + y * (1.0 + y * (0.5 + y * (1 / 6 + y * (1 / 24 + y * (1 / 120 + y / 720)))))
     for _ in range(8):
-        found = found * found
-    return found
+        result = result * result
+    return result
 
 
 @kernel
-def turned(part, j):
+def turn_angle(part, j):
     """Angle (rad) by which the cable turns at point j."""
-    one, two = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
-    aside = cross(one, two)
-    return arctan2(sqrt(dot(aside, aside)), dot(one, two))
+    first, second = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
+    normal = cross(first, second)
+    return arctan2(sqrt(dot(normal, normal)), dot(first, second))
 
 
 @kernel
 def length_at(part, j, soft, share):
     """Length of stretch j a share of the step after the last forces; soft: 1/EA."""
-    before = load(part.rubbed, j, MATERIAL) * (1.0 + soft * load(part.rubbed, j, TENSION))
-    return before + share * (load(part.stretches, j, LENGTH) - before)
+    length = load(part.rubbed, j, MATERIAL) * (1.0 + soft * load(part.rubbed, j, TENSION))
+    return length + share * (load(part.stretches, j, LENGTH) - length)
 
 
 @kernel
-def slip(part, c, rest, before, turn):
+def slip(part, c, rest, excess, turn):
     """Find the strains of cable c as far as the law of friction does it from its far end.
 
-    before: by how much it was longer than at rest; turn: part of the step up to where it turns
+    excess: by how much it was longer than at rest; turn: part of the step up to where it turns
     tight, if it was slack.
     """
     first, last = part.start[c], part.start[c + 1] - 1
-    soft, others = 1.0 / load(part.cables, c, EA), 0.0 * rest
+    soft, rest_sum = 1.0 / load(part.cables, c, EA), 0.0 * rest
     for j in range(first + 1, last):
-        ratio = exponential(load(part.friction, c, 0) * turned(part, j))
+        ratio = exponential(load(part.friction, c, 0) * turn_angle(part, j))
         store(part.rubbed, j, RATIO, ratio)
         store(part.rubbed, j, INVERSE, 1.0 / ratio)
         start = length_at(part, j, soft, turn)
-        start = where_negative(before, start, load(part.rubbed, j, MATERIAL))
+        start = where_negative(excess, start, load(part.rubbed, j, MATERIAL))
         store(part.rubbed, j, START, start)
-        others = others + start
-    store(part.rubbed, first, START, rest - others)
+        rest_sum = rest_sum + start
+    store(part.rubbed, first, START, rest - rest_sum)
     find_alone(part, first, last, CLOSE * rest)
 
 
 @kernel
-def pull_on(part, c, after, turn, slack):
+def pull_on(part, c, excess, turn, slack):
     """Tensions of all stretches of cable c, what slipped into each, and the pulls on its points.
 
-    after: by how much it is longer than at rest; turn: part of the step up to where it turns
+    excess: by how much it is longer than at rest; turn: part of the step up to where it turns
     slack, if it is now; slack: part of the step in which it is slack.
     """
     first, last = part.start[c], part.start[c + 1] - 1
     stiffness = load(part.cables, c, EA)
-    soft, strain, came = 1.0 / stiffness, load(part.rubbed, last - 1, ALONE), 0.0 * after
+    soft, strain, inflow = 1.0 / stiffness, load(part.rubbed, last - 1, FREE_STRAIN), 0.0 * excess
     for j in range(last - 1, first - 1, -1):
-        length, before = load(part.stretches, j, LENGTH), load(part.rubbed, j, TENSION)
-        end = where_negative(after, length_at(part, j, soft, turn), length / (1.0 + strain))
-        came = came + (end - load(part.rubbed, j, START))
-        tension = where_negative(after, 0.0, stiffness * strain)
-        store(part.rubbed, j, SLIPPED, came)
-        store(part.rubbed, j, MATERIAL, where_negative(after, length, end))
-        store(part.rubbed, j, TENSION_BEFORE, before)
+        length, old_tension = load(part.stretches, j, LENGTH), load(part.rubbed, j, TENSION)
+        end = where_negative(excess, length_at(part, j, soft, turn), length / (1.0 + strain))
+        inflow = inflow + (end - load(part.rubbed, j, START))
+        tension = where_negative(excess, 0.0, stiffness * strain)
+        store(part.rubbed, j, SLIPPED, inflow)
+        store(part.rubbed, j, MATERIAL, where_negative(excess, length, end))
+        store(part.rubbed, j, TENSION_BEFORE, old_tension)
         store(part.rubbed, j, TENSION, tension)
-        store(part.stretches, j, PULL, tension - 0.5 * slack * (tension + before))
+        store(part.stretches, j, PULL, tension - 0.5 * slack * (tension + old_tension))
         if j > first:
             strain = strain_before(part, j, strain)
 
 
 @kernel
-def find_tensions(part, world, now, c):
+def find_tensions(part, world, timing, c):
     """Measure cable c, let it slip, and find the tension of every stretch."""
-    length, rest = lay(part, world.state, c), unstrained_now(part, world, now, c)
-    before, after = load(part.now, c, LONGER), length - rest
-    reeled = rest - load(part.now, c, UNSTRAINED)
-    store(part.now, c, LONGER_BEFORE, before)
-    store(part.now, c, LONGER, after)
-    store(part.now, c, UNSTRAINED_BEFORE, load(part.now, c, UNSTRAINED))
-    store(part.now, c, UNSTRAINED, rest)
-    inverse = 1.0 / (absolute(before) + absolute(after) + TINY)
-    turn, slack = inverse * absolute(before), inverse * (positive(-before) + positive(-after))
-    if any_negative(-larger(before, after)):
-        slip(part, c, rest, before, turn)
-    pull_on(part, c, after, turn, slack)
+    length, rest = lay(part, world.state, c), unstrained_now(part, world, timing, c)
+    last, excess = load(part.state, c, LONGER), length - rest
+    reeled = rest - load(part.state, c, UNSTRAINED)
+    store(part.state, c, LONGER_BEFORE, last)
+    store(part.state, c, LONGER, excess)
+    store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
+    store(part.state, c, UNSTRAINED, rest)
+    inverse = 1.0 / (absolute(last) + absolute(excess) + TINY)
+    turn, slack = inverse * absolute(last), inverse * (positive(-last) + positive(-excess))
+    if any_negative(-larger(last, excess)):
+        slip(part, c, rest, last, turn)
+    pull_on(part, c, excess, turn, slack)
     store(part.rubbed, part.start[c], SLIPPED, (1.0 - slack) * reeled)
 
 
 @hook(RubbingCables)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Pull all points towards their neighbours, each stretch with its own tension."""
     for c in range(part.curve.shape[0]):
         if part.rubs[c]:
-            find_tensions(part, world, now, c)
+            find_tensions(part, world, timing, c)
         else:
-            find_pull(part, world, now, c)
+            find_pull(part, world, timing, c)
         pull_points(part, world.state, c)
 
 
 @kernel
 def gain(part, j, soft):
     """Mean over the step of the energy that leaves stretch j with a metre that comes."""
-    now, before = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
-    return 0.5 * (now + before) + 0.25 * soft * (now * now + before * before)
+    tension, last = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
+    return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
 
 @hook(RubbingCables)
-def work_before(part, world, now):
+def work_before(part, world, timing):
     """Work of the winches, and what friction took, over the step up to now."""
-    given, lost = load(world.accounts, 0, part.account), load(world.accounts, 0, part.lost)
+    work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.rubs[c]:
-            given = given + work_of_winch(part, c)
+            work = work + work_of_winch(part, c)
             continue
         first, soft = part.start[c], 1.0 / load(part.cables, c, EA)
         last_gain = gain(part, first, soft)
-        given = given - load(part.rubbed, first, SLIPPED) * last_gain
+        work = work - load(part.rubbed, first, SLIPPED) * last_gain
         for j in range(first + 1, part.start[c + 1] - 1):
             this_gain = gain(part, j, soft)
-            lost = lost + load(part.rubbed, j, SLIPPED) * (this_gain - last_gain)
+            loss = loss + load(part.rubbed, j, SLIPPED) * (this_gain - last_gain)
             last_gain = this_gain
-    store(world.accounts, 0, part.account, given)
-    store(world.accounts, 0, part.lost, lost)
+    store(world.accounts, 0, part.account, work)
+    store(world.accounts, 0, part.loss, loss)
 
 
 @hook(RubbingCables)
@@ -219,7 +219,7 @@ def record(part, world, row):
         if not part.rubs[c]:
             record_cable(part, c, row * count + c)
             continue
-        length = load(part.now, c, LONGER) + load(part.now, c, UNSTRAINED)
+        length = load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED)
         store(part.track, row * count + c, 0, load(part.rubbed, part.start[c], TENSION))
         store(part.track, row * count + c, 1, length)
 

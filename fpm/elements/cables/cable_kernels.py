@@ -48,7 +48,7 @@ class Cables(NamedTuple):
     arms: np.ndarray  # (p, 3, lanes)
     cables: np.ndarray  # (c, CABLE, lanes)
     stretches: np.ndarray  # (p, STRETCH, lanes)
-    now: np.ndarray  # (c, STATE, lanes)
+    state: np.ndarray  # (c, STATE, lanes)
     account: int  # number of that of the winches' work
     watched: np.ndarray  # (1, 1, lanes)
     rows: np.ndarray  # (c, 1, lanes)
@@ -66,8 +66,8 @@ def lay(part, state, c):
         arm = to_global(frame(state, i), get3(part.arms, j, 0))
         put3(part.stretches, j, GLOBAL_ARM, arm)
         if j > first:
-            before = get3(state, part.on[j - 1], X) + get3(part.stretches, j - 1, GLOBAL_ARM)
-            chord = (get3(state, i, X) + arm) - before
+            corner = get3(state, part.on[j - 1], X) + get3(part.stretches, j - 1, GLOBAL_ARM)
+            chord = (get3(state, i, X) + arm) - corner
             length = sqrt(dot(chord, chord))
             put3(part.stretches, j - 1, DIRECTION, (1.0 / (length + TINY)) * chord)
             store(part.stretches, j - 1, LENGTH, length)
@@ -76,41 +76,41 @@ def lay(part, state, c):
 
 
 @kernel
-def unstrained_now(part, world, now, c):
+def unstrained_now(part, world, timing, c):
     """Unstrained length of cable c."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
-        rest = rest - curve_value(world, part.curve[c], now.time) * load(part.cables, c, REEL)
+        rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
     return rest
 
 
 @kernel
-def missing(after, before):
-    """What to add to the stretch `after` for the force, as it was `before` a step ago.
+def missing(new, old):
+    """What to add to the stretch `new` for the force, as it was `before` a step ago.
 
     Where a cable turns tight or slack between two steps, the force of either is not that of the way
     between them, k s²/2 on the way from -b to s. The half of what is missing is added at the later
     step, and the energy is then kept through the turn to the third order in the step instead of
     the second; for that one step, a cable that has turned slack pushes a little.
     """
-    both = after * before
-    return where_negative(both, 0.5 * both / absolute(after - before), 0.0)
+    product = new * old
+    return where_negative(product, 0.5 * product / absolute(new - old), 0.0)
 
 
 @kernel
-def find_pull(part, world, now, c):
+def find_pull(part, world, timing, c):
     """Measure cable c, and find the force with which it pulls."""
     length = lay(part, world.state, c)
-    store(part.now, c, LONGER_BEFORE, load(part.now, c, LONGER))
-    store(part.now, c, UNSTRAINED_BEFORE, load(part.now, c, UNSTRAINED))
-    store(part.now, c, WINCH_BEFORE, load(part.now, c, WINCH))
-    rest = unstrained_now(part, world, now, c)
-    after, before = length - rest, load(part.now, c, LONGER_BEFORE)
+    store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
+    store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
+    store(part.state, c, WINCH_BEFORE, load(part.state, c, WINCH))
+    rest = unstrained_now(part, world, timing, c)
+    stretch, last = length - rest, load(part.state, c, LONGER_BEFORE)
     stiffness = load(part.cables, c, EA) / rest
-    pull = stiffness * (where_negative(after, 0.0, after) + missing(after, before))
-    store(part.now, c, LONGER, after)
-    store(part.now, c, UNSTRAINED, rest)
-    store(part.now, c, WINCH, pull * (1.0 + 0.5 * after / rest))
+    pull = stiffness * (where_negative(stretch, 0.0, stretch) + missing(stretch, last))
+    store(part.state, c, LONGER, stretch)
+    store(part.state, c, UNSTRAINED, rest)
+    store(part.state, c, WINCH, pull * (1.0 + 0.5 * stretch / rest))
     for j in range(part.start[c], part.start[c + 1] - 1):
         store(part.stretches, j, PULL, pull)
 
@@ -131,48 +131,48 @@ def pull_points(part, state, c):
 
 
 @hook(Cables)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Pull all points of the cables towards their neighbours."""
     for c in range(part.curve.shape[0]):
-        find_pull(part, world, now, c)
+        find_pull(part, world, timing, c)
         pull_points(part, world.state, c)
 
 
 @hook(Cables)
-def note_events(part, world, now):
+def note_events(part, world, timing):
     """Note the cables that turned tight or slack since the last step."""
     for c in range(part.curve.shape[0]):
-        after = load(part.now, c, LONGER) - TAUT * load(part.now, c, UNSTRAINED)
-        before = load(part.now, c, LONGER_BEFORE) - TAUT * load(part.now, c, UNSTRAINED_BEFORE)
-        signs = where_negative(after, -1.0, 0.0 * after + 1.0)
-        if any_negative(signs * where_negative(before, -1.0, 0.0 * before + 1.0)):
-            for s in range(part.now.shape[2]):
-                last = part.now[c, LONGER_BEFORE, s] - TAUT * part.now[c, UNSTRAINED_BEFORE, s]
-                this = part.now[c, LONGER, s] - TAUT * part.now[c, UNSTRAINED, s]
-                note_crossing(part.log, s, c, last, this, now)
+        new = load(part.state, c, LONGER) - TAUT * load(part.state, c, UNSTRAINED)
+        old = load(part.state, c, LONGER_BEFORE) - TAUT * load(part.state, c, UNSTRAINED_BEFORE)
+        signs = where_negative(new, -1.0, 0.0 * new + 1.0)
+        if any_negative(signs * where_negative(old, -1.0, 0.0 * old + 1.0)):
+            for s in range(part.state.shape[2]):
+                last = part.state[c, LONGER_BEFORE, s] - TAUT * part.state[c, UNSTRAINED_BEFORE, s]
+                value = part.state[c, LONGER, s] - TAUT * part.state[c, UNSTRAINED, s]
+                note_crossing(part.log, s, c, last, value, timing)
 
 
 @kernel
 def work_of_winch(part, c):
     """Work of cable c's winch over the step up to now."""
-    taken = load(part.now, c, UNSTRAINED_BEFORE) - load(part.now, c, UNSTRAINED)
-    return 0.5 * taken * (load(part.now, c, WINCH) + load(part.now, c, WINCH_BEFORE))
+    reeled = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
+    return 0.5 * reeled * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
 
 
 @hook(Cables)
-def work_before(part, world, now):
+def work_before(part, world, timing):
     """Work of the winches over the step up to now."""
-    given = load(world.accounts, 0, part.account)
+    work = load(world.accounts, 0, part.account)
     for c in range(part.curve.shape[0]):
         if part.curve[c] >= 0:
-            given = given + work_of_winch(part, c)
-    store(world.accounts, 0, part.account, given)
+            work = work + work_of_winch(part, c)
+    store(world.accounts, 0, part.account, work)
 
 
 @kernel
 def strain_of(part, c):
     """Strain of cable c, zero where it is slack."""
-    strain = load(part.now, c, LONGER) / load(part.now, c, UNSTRAINED)
+    strain = load(part.state, c, LONGER) / load(part.state, c, UNSTRAINED)
     return where_negative(strain, 0.0, strain)
 
 
@@ -180,7 +180,7 @@ def strain_of(part, c):
 def energy_of_cable(part, c):
     """Strain energy of cable c (J)."""
     strain = strain_of(part, c)
-    return 0.5 * load(part.cables, c, EA) * load(part.now, c, UNSTRAINED) * strain * strain
+    return 0.5 * load(part.cables, c, EA) * load(part.state, c, UNSTRAINED) * strain * strain
 
 
 @hook(Cables)
@@ -192,7 +192,7 @@ def energy_of(part, world, c):
 @kernel
 def crowding(part, c):
     """By how much cable c is strained, over its shortest stretch; zero where it is slack."""
-    longer = where_negative(load(part.now, c, LONGER), 0.0, load(part.now, c, LONGER))
+    longer = where_negative(load(part.state, c, LONGER), 0.0, load(part.state, c, LONGER))
     most = 0.0 * longer
     for j in range(part.start[c], part.start[c + 1] - 1):
         most = larger(most, longer / (load(part.stretches, j, LENGTH) + TINY))
@@ -203,7 +203,7 @@ def crowding(part, c):
 def record_cable(part, c, row):
     """Tension and length of cable c, and how crowded it is."""
     store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
-    store(part.track, row, 1, load(part.now, c, LONGER) + load(part.now, c, UNSTRAINED))
+    store(part.track, row, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
     store(part.watched, 0, 0, larger(load(part.watched, 0, 0), crowding(part, c)))
 
 

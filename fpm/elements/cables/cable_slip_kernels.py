@@ -14,7 +14,7 @@ from fpm.kernels.vectors import kernel, larger
 
 # Of a stretch, and of the point at which it begins.
 START = 0  # unstrained length before anything slips in this step
-ALONE = 1  # strain, if nothing could slip over the point after it
+FREE_STRAIN = 1  # strain, if nothing could slip over the point after it
 RATIO, INVERSE = 2, 3  # of the tensions on either side when it slips
 MATERIAL = 4  # unstrained length; the length, where the cable is slack
 TENSION, TENSION_BEFORE = 5, 6
@@ -41,22 +41,22 @@ def positive(x):
 @kernel
 def handed_on(part, first, j, strain):
     """Unstrained length that stretches `first` to j hand on if j is strained so, and its slope."""
-    more, follows = 0.0 * strain, 0.0 * strain + 1.0
-    slope, linked = more, follows
+    flow, follows = 0.0 * strain, 0.0 * strain + 1.0
+    slope, linked = flow, follows
     for k in range(j, first - 1, -1):
-        here, share = follows * strain, 1.0 / (1.0 + follows * strain)
+        local, share = follows * strain, 1.0 / (1.0 + follows * strain)
         start, length = load(part.rubbed, k, START), load(part.stretches, k, LENGTH)
-        more = more + linked * (share * (start * here - (length - start)))  # start - length share
+        flow = flow + linked * (share * (start * local - (length - start)))  # start - length share
         slope = slope + linked * (follows * length * share * share)
         if k > first:
-            own, ratio = load(part.rubbed, k - 1, ALONE), load(part.rubbed, k, RATIO)
+            own, ratio = load(part.rubbed, k - 1, FREE_STRAIN), load(part.rubbed, k, RATIO)
             inverse = load(part.rubbed, k, INVERSE)
-            low, high = inverse * here - own, own - ratio * here
+            low, high = inverse * local - own, own - ratio * local
             linked = where_negative(low, where_negative(high, 0.0, linked), linked)
             follows = follows * where_negative(low, ratio, inverse)
             if not any_negative(-linked):
                 break
-    return more, slope
+    return flow, slope
 
 
 @kernel
@@ -68,24 +68,24 @@ def strain_alone(part, first, j, tight, slope, close):
     slope with this stretch as well. tight: by how much the stretches up to here are too long.
     """
     start, length = load(part.rubbed, j, START), load(part.stretches, j, LENGTH)
-    before, stuck = load(part.rubbed, j - 1, ALONE), positive((length - start) / start)
+    free_strain, stuck = load(part.rubbed, j - 1, FREE_STRAIN), positive((length - start) / start)
     ratio, inverse = load(part.rubbed, j, RATIO), load(part.rubbed, j, INVERSE)
-    least, most = inverse * stuck - before, before - ratio * stuck
+    least, most = inverse * stuck - free_strain, free_strain - ratio * stuck
     follows = where_negative(least, ratio, inverse)
     slope = where_negative(least, where_negative(most, 0.0, slope), slope)
-    strain = (start * stuck + slope * before) / (start + slope * follows)
+    strain = (start * stuck + slope * free_strain) / (start + slope * follows)
     unfinished = where_negative(-tight, 1.0, 0.0)
     strain = unfinished * strain
-    high = larger(stuck, before)
+    high = larger(stuck, free_strain)
     low = FLOOR * high
     for _ in range(MOST):
-        more, steep = handed_on(part, first, j, strain)
-        low, high = where_negative(more, strain, low), where_negative(more, high, strain)
-        better, halfway = strain - more / steep, sqrt(low * high)
+        flow, steep = handed_on(part, first, j, strain)
+        low, high = where_negative(flow, strain, low), where_negative(flow, high, strain)
+        better, halfway = strain - flow / steep, sqrt(low * high)
         better = where_negative(low - better, better, halfway)
         better = where_negative(better - high, better, halfway)
         slope = where_negative(-unfinished, steep, slope)
-        unfinished = where_negative(absolute(more) - close, 0.0, unfinished)
+        unfinished = where_negative(absolute(flow) - close, 0.0, unfinished)
         strain = where_negative(-unfinished, better, strain)
         if not any_negative(-unfinished):
             break
@@ -96,8 +96,8 @@ def strain_alone(part, first, j, tight, slope, close):
 def strain_before(part, j, strain):
     """Strain of the stretch before point j, if that after it is strained so."""
     least, most = load(part.rubbed, j, INVERSE) * strain, load(part.rubbed, j, RATIO) * strain
-    found = load(part.rubbed, j - 1, ALONE)
-    return larger(least, where_negative(most - found, most, found))
+    free_strain = load(part.rubbed, j - 1, FREE_STRAIN)
+    return larger(least, where_negative(most - free_strain, most, free_strain))
 
 
 @kernel
@@ -106,8 +106,8 @@ def find_alone(part, first, last, close):
     start, length = load(part.rubbed, first, START), load(part.stretches, first, LENGTH)
     tight = length - start
     strain, slope = positive(tight) / larger(start, 0.0 * start + TINY), length
-    store(part.rubbed, first, ALONE, strain)
+    store(part.rubbed, first, FREE_STRAIN, strain)
     for j in range(first + 1, last):
         tight = tight + (load(part.stretches, j, LENGTH) - load(part.rubbed, j, START))
         strain, slope = strain_alone(part, first, j, tight, slope, close)
-        store(part.rubbed, j, ALONE, strain)
+        store(part.rubbed, j, FREE_STRAIN, strain)

@@ -9,6 +9,8 @@ from fpm.elements.joints.hinge_arrays import (
     ABOUT_TWO,
     COARSE_GAP,
     DP,
+    FORCE1,
+    FORCE2,
     GAP,
     MOST_GAP,
     MOST_TILT,
@@ -17,9 +19,7 @@ from fpm.elements.joints.hinge_arrays import (
     OLD_X,
     ON_ONE,
     ON_TWO,
-    ONE,
     TILT,
-    TWO,
 )
 from fpm.elements.joints.joint_arrays import IMPULSE, TURN_IMPULSE
 from fpm.kernels.hooks import hook
@@ -41,44 +41,44 @@ def clear(sums):
 
 
 @kernel
-def count_hinge(sums, part, h, where):
-    """Count the impulses last found for hinge h in the lanes where `where` is negative."""
+def count_hinge(sums, part, h, condition):
+    """Count the impulses last found for hinge h in the lanes where `condition` is negative."""
     if sums is not None:
         w, b = part.hinge_scratch, part.body_scratch
-        there = where + 0.0 * load(sums, h, 0)
-        add_where(sums, h, ON_ONE, get3(w, h, ONE), there)
-        add_where(sums, h, ABOUT_ONE, get3(b, 2 * h, DP), there)
-        add_where(sums, h, ON_TWO, -1.0 * get3(w, h, TWO), there)
-        add_where(sums, h, ABOUT_TWO, get3(b, 2 * h + 1, DP), there)
+        lanes = condition + 0.0 * load(sums, h, 0)
+        add_where(sums, h, ON_ONE, get3(w, h, FORCE1), lanes)
+        add_where(sums, h, ABOUT_ONE, get3(b, 2 * h, DP), lanes)
+        add_where(sums, h, ON_TWO, -1.0 * get3(w, h, FORCE2), lanes)
+        add_where(sums, h, ABOUT_TWO, get3(b, 2 * h + 1, DP), lanes)
 
 
 @kernel
-def count_joints(part, where):
+def count_joints(part, condition):
     """The same of all conditions, and of the openings that are held among them."""
-    count_conditions(part.sums, part, where)
-    count_turns(part.turns, part, where)
+    count_conditions(part.sums, part, condition)
+    count_turns(part.turns, part, condition)
 
 
 @kernel
-def count_conditions(sums, part, where):
+def count_conditions(sums, part, condition):
     """Add what was last found for all conditions."""
     if sums is not None:
         for r in range(sums.shape[0]):
-            before = load(sums, r, 0)
-            there = where + 0.0 * before
-            store(sums, r, 0, where_negative(there, before + load(part.rows, r, IMPULSE), before))
+            total = load(sums, r, 0)
+            lanes = condition + 0.0 * total
+            store(sums, r, 0, where_negative(lanes, total + load(part.rows, r, IMPULSE), total))
 
 
 @kernel
-def count_turns(turns, part, where):
+def count_turns(turns, part, condition):
     """Add what was last found for all openings that are held."""
     if turns is not None:
         sums = turns.state
         for t in range(sums.shape[0]):
-            before = load(sums, t, TURN_IMPULSE)
+            total = load(sums, t, TURN_IMPULSE)
             impulse = load(part.rows, part.pattern.first[part.turn_at[t]], IMPULSE)
-            there = where + 0.0 * before
-            store(sums, t, TURN_IMPULSE, where_negative(there, before + impulse, before))
+            lanes = condition + 0.0 * total
+            store(sums, t, TURN_IMPULSE, where_negative(lanes, total + impulse, total))
 
 
 @kernel

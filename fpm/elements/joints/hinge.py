@@ -26,10 +26,10 @@ import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cross import cross, length
-from fpm.elements.joints import hinge_arrays as at
+from fpm.elements.joints import hinge_arrays as arrays
 from fpm.elements.joints.hinge_arrays import MOST_GAP, MOST_TILT
 from fpm.elements.joints.turn import Turn
-from fpm.elements.kind import AXES, Kind, Recorded, Watch
+from fpm.elements.kind import AXES, Kind, Series, Watch
 from fpm.elements.openings.opening import opening_angle
 from fpm.errors import SceneError
 
@@ -37,16 +37,16 @@ ANGLES = "_axis", "_other"
 """What the names of a universal joint's angles end with."""
 
 
-def gap_watches(called: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Watch]:
+def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Watch]:
     """What is watched of hinges or joints, under these names: gaps of points, and of directions."""
 
     def failure(values: dict[str, float]) -> tuple[str, str]:
-        return f"a {called} gapes by {values[gap]:.2g} m and {values[tilt]:.2g} rad", remedy
+        return f"a {noun} gapes by {values[gap]:.2g} m and {values[tilt]:.2g} rad", remedy
 
     return Watch(gap, MOST_GAP, True, failure, True), Watch(tilt, MOST_TILT, True, failure)
 
 
-class Joined(Kind):
+class JointBase(Kind):
     """What hinges and joints have in common: `type`, and `beams` whose ends are kept together."""
 
     joins = True
@@ -91,11 +91,11 @@ class Joined(Kind):
     def recorded(cls, part, scene, lane):
         """The largest gaps."""
         columns = zip(cls.gaps.items(), part.gaps[:, :, lane].T, ("m", "rad"), strict=True)
-        return {name: Recorded(values, unit, words) for (name, words), values, unit in columns}
+        return {name: Series(values, unit, words) for (name, words), values, unit in columns}
 
 
 @dataclass(frozen=True)
-class Hinge(Joined):
+class Hinge(JointBase):
     """A hinge between the free ends of two virtual beams.
 
     axes (2, 3): the axis in each particle's own frame; references (2, 3): directions normal to the
@@ -130,7 +130,7 @@ class Hinge(Joined):
     )
 
     @staticmethod
-    def between(scene, name, particles, point, axis, references, opening, support) -> "Hinge":
+    def create(scene, name, particles, point, axis, references, opening, support) -> "Hinge":
         """A hinge between two particles of a scene, where it stands (Scene.add_hinge)."""
         pair = two_of(scene, particles, f"hinge {name}")
         if set(support) - set(AXES):
@@ -139,10 +139,10 @@ class Hinge(Joined):
         axis = axes[0]
         if references is None:
             normal = unit(cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), "reference")
-            turned = np.cos(opening) * normal + np.sin(opening) * cross(axis, normal)
+            zero = np.cos(opening) * normal + np.sin(opening) * cross(axis, normal)
             if np.any(axes[1] != axis):  # the second's reference is normal to its own axis
-                turned = turned - (turned @ axes[1]) * axes[1]
-            references = (normal, turned)
+                zero = zero - (zero @ axes[1]) * axes[1]
+            references = (normal, zero)
         references = [unit(r, f"reference of hinge {name}") for r in references]
         if max(abs(np.dot(r, a)) for r, a in zip(references, axes, strict=True)) > 1e-9:
             raise SceneError(f"references of hinge {name}", references, "normal to the axis")
@@ -152,7 +152,7 @@ class Hinge(Joined):
             arms(scene, pair, point),
             axes=np.array([frame @ a for frame, a in zip(frames, axes, strict=True)]),
             references=np.array([f @ r for f, r in zip(frames, references, strict=True)]),
-            opening=opening_angle(axis, *references, near=opening),
+            opening=opening_angle(axis, *references, guess=opening),
             support="".join(sorted(support)),
         )
 
@@ -163,8 +163,8 @@ class Hinge(Joined):
         """
         if not self.slides:
             return self.references
-        one, two = (beam.arm for beam in self.beams)
-        return np.array([one - self.offset * self.axes[0], two])
+        first, second = (beam.arm for beam in self.beams)
+        return np.array([first - self.offset * self.axes[0], second])
 
     @property
     def joint(self) -> str:
@@ -174,7 +174,7 @@ class Hinge(Joined):
     @classmethod
     def of(cls, scene):
         """The hinges that are solved alone; the others are joints (joint.py)."""
-        return [hinge for hinge, lone in zip(scene.hinges, alone(scene), strict=True) if lone]
+        return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
         """Name, type, particles and held axes."""
@@ -184,35 +184,35 @@ class Hinge(Joined):
     def pack(cls, batch):
         from fpm.elements.joints import hinge_kernels  # noqa: F401, its hooks
 
-        hinges, which = cls.of(batch.one), np.flatnonzero(alone(batch.one))
+        hinges, indices = cls.of(batch.scene), np.flatnonzero(are_alone(batch.scene))
         h, rows = len(hinges), batch.instants + 1
 
-        def each(rows_of):  # which are alone is the same in all scenes of a batch
-            return lambda scene: rows_of(scene, [scene.hinges[i] for i in which])
+        def lone(rows_of):  # which are alone is the same in all scenes of a batch
+            return lambda scene: rows_of(scene, [scene.hinges[i] for i in indices])
 
-        held = [held_axes(hinge.support) for hinge in hinges]
-        counted = cls.are_impulses_read(batch.one)
-        return at.Hinges(
-            ends=batch.integers(cls.moved(batch.one)),
-            bodies=batch.stack(2 * h, at.BODY, each(_bodies)),
-            hinges=batch.stack(h, at.HINGE, each(_places)),
-            held=batch.integers(held, 3),
-            supported=bool(np.any(held)),
-            body_scratch=batch.blank(2 * h, at.BODY_SCRATCH),
-            hinge_scratch=batch.blank(h, at.HINGE_SCRATCH),
+        axes = [held_axes(hinge.support) for hinge in hinges]
+        is_counted = cls.are_impulses_read(batch.scene)
+        return arrays.Hinges(
+            ends=batch.integers(cls.moved(batch.scene)),
+            bodies=batch.stack(2 * h, arrays.BODY, lone(_bodies)),
+            hinges=batch.stack(h, arrays.HINGE, lone(_places)),
+            fixed_axes=batch.integers(axes, 3),
+            supported=bool(np.any(axes)),
+            body_scratch=batch.blank(2 * h, arrays.BODY_SCRATCH),
+            hinge_scratch=batch.blank(h, arrays.HINGE_SCRATCH),
             open=np.zeros(h, bool),
             watched=batch.watched_by(cls),
             names=np.arange(h),
             excess=batch.rows_of(cls),
             gaps=batch.blank(rows, 2),
-            sums=batch.blank(h, at.SUMS) if counted else None,
-            forces=batch.blank(rows * h, at.SUMS) if counted else None,
+            sums=batch.blank(h, arrays.SUMS) if is_counted else None,
+            forces=batch.blank(rows * h, arrays.SUMS) if is_counted else None,
         )
 
 
 def names_taken(scene) -> set[str]:
     """Names of joints and hinges, of universal joints also without those of their angles."""
-    names = {e.name for kind, found in scene.kinds.items() if kind.joins for e in found}
+    names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {hinge.joint for hinge in scene.hinges}
 
 
@@ -236,13 +236,13 @@ def held_axes(letters: str) -> list[bool]:
     return [axis in letters for axis in AXES]
 
 
-def places_of(scene, joined: Sequence[Joined]) -> np.ndarray:
+def places_of(scene, joints: Sequence[JointBase]) -> np.ndarray:
     """Where the ends of the first virtual beams are at the start (j, 3), m."""
-    beams = [element.beams[0] for element in joined]
+    beams = [element.beams[0] for element in joints]
     return np.array([scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams])
 
 
-def alone(scene) -> list[bool]:
+def are_alone(scene) -> list[bool]:
     """Whether each hinge of a scene can be solved alone.
 
     Its particles, unless held altogether, are in no other hinge or joint and not driven; and its
@@ -250,7 +250,7 @@ def alone(scene) -> list[bool]:
     particles, nor for a particle and the hinge point, one of the two may turn, and about all axes
     or none. Nor does anything hold its opening exactly (turn.py).
     """
-    joining = [e for kind, found in scene.kinds.items() if kind.joins for e in found]
+    joining = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
     uses = Counter(p for element in joining for p in element.particles)
     shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
     shared.update(drive.particle for drive in scene.drives)
@@ -264,12 +264,12 @@ def alone(scene) -> list[bool]:
     ]
 
 
-def two_of(scene, particles, called: str) -> tuple[int, int]:
+def two_of(scene, particles, owner: str) -> tuple[int, int]:
     """The indices of two particles that something joins; SceneError unless there are two."""
     first, second = (int(p) for p in particles)
     count = len(scene.position)
     if first == second or not (0 <= first < count and 0 <= second < count):
-        raise SceneError(f"particles of {called}", particles, "two different particles")
+        raise SceneError(f"particles of {owner}", particles, "two different particles")
     return first, second
 
 
@@ -290,19 +290,19 @@ def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
 
 
 @lru_cache(1024)  # there are few cases, and each of many runs asks several times
-def _is_regular(support: str, one: bytes, two: bytes) -> bool:
+def _is_regular(support: str, fixed1: bytes, fixed2: bytes) -> bool:
     """The same for the axes that are held, six truth values each."""
-    one, two = np.frombuffer(one, bool), np.frombuffer(two, bool)
+    fixed1, fixed2 = np.frombuffer(fixed1, bool), np.frombuffer(fixed2, bool)
     point = np.array(held_axes(support))
-    twice = (one[:3] & two[:3]) | ((one[:3] | two[:3]) & point)
-    in_part = any(turns.any() and not turns.all() for turns in (one[3:], two[3:]))
-    return not (twice.any() or in_part or (one[3:].all() and two[3:].all()))
+    doubled = (fixed1[:3] & fixed2[:3]) | ((fixed1[:3] | fixed2[:3]) & point)
+    in_part = any(turns.any() and not turns.all() for turns in (fixed1[3:], fixed2[3:]))
+    return not (doubled.any() or in_part or (fixed1[3:].all() and fixed2[3:].all()))
 
 
-def unit(vector, what: str) -> np.ndarray:
+def unit(vector, noun: str) -> np.ndarray:
     """The vector (3,) at length one; SceneError if it has none."""
     vector = np.asarray(vector, float)
     size = length(vector)
     if not size > 0 or not math.isfinite(size):
-        raise SceneError(what, vector.tolist(), "a finite vector that is not zero")
+        raise SceneError(noun, vector.tolist(), "a finite vector that is not zero")
     return vector / size

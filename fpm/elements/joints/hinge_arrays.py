@@ -9,11 +9,11 @@ ARM = 0  # virtual beam (3)
 AXIS = 3  # axis (3)
 REF = 6  # reference direction (3)
 NORMAL = 9  # axis x reference (3)
-HIM = 12  # inverse masses along the global axes (3)
+AXIS_IM = 12  # inverse masses along the global axes (3)
 BODY = 15
 
 # Constants of a hinge.
-HELD = 0  # 1 where the hinge point is held along a global axis (3)
+SUPPORTS = 0  # 1 where the hinge point is held along a global axis (3)
 PLACE = 3  # where it is held (3)
 HINGE = 6
 
@@ -36,10 +36,10 @@ TILTS = 21  # rates of the tilts p and q by unit supports x, y, z: each 2
 Y = 27  # A^-1 times the columns of the supports x, y, z: each 3 + 2
 G = 42  # inverse of the supports' Schur complement (6)
 HOLD = 48  # impulses of the supports (3); zero along axes that are free
-MISSED = 51  # what `aim` asks for besides, as it missed it before, like ASKED
+MISS = 51  # what `aim` asks for besides, as it missed it before, like ASKED
 # Rates to be had by impulses: of the gap (3), of the tilts about p and q, of the held point (3).
-ASKED = 59
-ONE, TWO, MP = 67, 70, 73  # impulses: force on body 1, against body 2 (3 each), moments p, q on 2
+GOAL = 59
+FORCE1, FORCE2, MP = 67, 70, 73  # force on body 1, against 2 (3 each), moments p, q on 2
 HINGE_SCRATCH = 75
 
 GAP, TILT = 0, 1  # watched, and recorded
@@ -51,7 +51,7 @@ class Hinges(NamedTuple):
     ends: np.ndarray  # (2h,) particles of the bodies
     bodies: np.ndarray  # (2h, BODY, lanes)
     hinges: np.ndarray  # (h, HINGE, lanes)
-    held: np.ndarray  # (h, 3) 1 where the hinge point is held along a global axis
+    fixed_axes: np.ndarray  # (h, 3) 1 where the hinge point is held along a global axis
     supported: bool  # whether any is
     body_scratch: np.ndarray  # (2h, BODY_SCRATCH, lanes)
     hinge_scratch: np.ndarray  # (h, HINGE_SCRATCH, lanes)

@@ -27,15 +27,14 @@ from fpm.elements.joints.closing import (
 )
 from fpm.elements.joints.hinge_arrays import (
     ARM,
-    ASKED,
     AXIS,
     COARSE_TILT,
     DP,
     DV,
     GLOBAL_ARM,
-    HELD,
+    GOAL,
     INVERSE,
-    MISSED,
+    MISS,
     NORMAL,
     PA,
     PLACE,
@@ -43,6 +42,7 @@ from fpm.elements.joints.hinge_arrays import (
     REF,
     ROUNDS,
     SUMS,
+    SUPPORTS,
     Hinges,
 )
 from fpm.elements.joints.hinge_matrix import (
@@ -73,10 +73,10 @@ from fpm.kernels.vectors import (
 
 
 @hook(Hinges)
-def prepare(part, world, now):
+def prepare(part, world, timing):
     """Kick the particles of all hinges, and aim the impulses; all forces must be summed."""
     clear(part.sums)
-    prepare_bodies(world, part, now.kick)
+    prepare_bodies(world, part, timing.kick)
     prepare_matrices(part)
     if part.supported:
         prepare_supports(part)
@@ -89,17 +89,17 @@ def aim(part, state):
     ends, b, w = part.ends, part.body_scratch, part.hinge_scratch
     part.open[:] = True
     for h in range(w.shape[0]):
-        one, two = 2 * h, 2 * h + 1
-        i, k = ends[one], ends[two]
-        spin1 = symmetric(get6(b, one, INVERSE), get3(state, i, P))
-        spin2 = symmetric(get6(b, two, INVERSE), get3(state, k, P))
-        point = get3(state, i, V) + cross(spin1, get3(b, one, GLOBAL_ARM))
-        other = get3(state, k, V) + cross(spin2, get3(b, two, GLOBAL_ARM))
+        row1, row2 = 2 * h, 2 * h + 1
+        i, k = ends[row1], ends[row2]
+        spin1 = symmetric(get6(b, row1, INVERSE), get3(state, i, P))
+        spin2 = symmetric(get6(b, row2, INVERSE), get3(state, k, P))
+        point = get3(state, i, V) + cross(spin1, get3(b, row1, GLOBAL_ARM))
+        v2 = get3(state, k, V) + cross(spin2, get3(b, row2, GLOBAL_ARM))
         turn = spin1 - spin2
-        put3(w, h, ASKED, (other - point) + get3(w, h, MISSED))
-        store(w, h, ASKED + 3, dot(turn, get3(w, h, PA)) + load(w, h, MISSED + 3))
-        store(w, h, ASKED + 4, dot(turn, get3(w, h, QA)) + load(w, h, MISSED + 4))
-        put3(w, h, ASKED + 5, get3(w, h, MISSED + 5) - point)
+        put3(w, h, GOAL, (v2 - point) + get3(w, h, MISS))
+        store(w, h, GOAL + 3, dot(turn, get3(w, h, PA)) + load(w, h, MISS + 3))
+        store(w, h, GOAL + 4, dot(turn, get3(w, h, QA)) + load(w, h, MISS + 4))
+        put3(w, h, GOAL + 5, get3(w, h, MISS + 5) - point)
     find_impulses(part)
     for h in range(w.shape[0]):
         push(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b)
@@ -114,33 +114,33 @@ def push(state, i, r, b):
 
 
 @kernel
-def push_where_far(state, i, r, b, far):
-    """The same in the lanes where `far` is negative; the others are not touched."""
+def push_where_far(state, i, r, b, condition):
+    """The same in the lanes where `condition` is negative; the others are not touched."""
     for k, change in ((V, DV), (P, DP)):
-        add_where(state, i, k, get3(b, r, change), far)
+        add_where(state, i, k, get3(b, r, change), condition)
 
 
 @kernel
 def gaps(part, state, h):
     """Hinge point of body 1, its gap (3) to that of 2, and the axis gap about p and q (rad)."""
-    one, two = 2 * h, 2 * h + 1
-    bodies, i, k = part.bodies, part.ends[one], part.ends[two]
+    row1, row2 = 2 * h, 2 * h + 1
+    bodies, i, k = part.bodies, part.ends[row1], part.ends[row2]
     first, second = frame(state, i), frame(state, k)
-    point = get3(state, i, X) + to_global(first, get3(bodies, one, ARM))
-    other = get3(state, k, X) + to_global(second, get3(bodies, two, ARM))
+    point = get3(state, i, X) + to_global(first, get3(bodies, row1, ARM))
+    point2 = get3(state, k, X) + to_global(second, get3(bodies, row2, ARM))
     # The second's axis in the first's frame, where what it is compared with is constant.
-    axis = to_local(first, to_global(second, get3(bodies, two, AXIS)))
-    ep, eq = -dot(get3(bodies, one, NORMAL), axis), dot(get3(bodies, one, REF), axis)
-    return point, point - other, ep, eq
+    axis = to_local(first, to_global(second, get3(bodies, row2, AXIS)))
+    ep, eq = -dot(get3(bodies, row1, NORMAL), axis), dot(get3(bodies, row1, REF), axis)
+    return point, point - point2, ep, eq
 
 
 @kernel
-def move_bodies(state, particles, on, step):
-    """Move the particles `on` (a pair) by a step, with their momenta."""
-    put3(state, on, X, step * get3(state, on, V) + get3(state, on, X))
-    axes = frame(state, on)
-    half = half_turn(to_local(axes, get3(state, on, P)), get3(particles, on, HALF))
-    put_turned(state, on, axes, half)
+def move_bodies(state, particles, pair, step):
+    """Move the particles `pair` (a pair) by a step, with their momenta."""
+    put3(state, pair, X, step * get3(state, pair, V) + get3(state, pair, X))
+    axes = frame(state, pair)
+    half = half_turn(to_local(axes, get3(state, pair, P)), get3(particles, pair, HALF))
+    put_turned(state, pair, axes, half)
 
 
 @kernel
@@ -158,15 +158,15 @@ def ask(part, state, h, rate):
     """
     w = part.hinge_scratch
     point, gap, ep, eq = gaps(part, state, h)
-    put3(w, h, ASKED, -rate * gap)
-    store(w, h, ASKED + 3, -rate * ep)
-    store(w, h, ASKED + 4, -rate * eq)
-    off = point - get3(part.hinges, h, PLACE)
-    put3(w, h, ASKED + 5, -rate * times(get3(part.hinges, h, HELD), off))
+    put3(w, h, GOAL, -rate * gap)
+    store(w, h, GOAL + 3, -rate * ep)
+    store(w, h, GOAL + 4, -rate * eq)
+    offset = point - get3(part.hinges, h, PLACE)
+    put3(w, h, GOAL + 5, -rate * times(get3(part.hinges, h, SUPPORTS), offset))
 
 
 @hook(Hinges)
-def move(part, world, now):
+def move(part, world, timing):
     """Move the particles of all hinges by a step, and close the hinges at its end.
 
     What the last round leaves open is watched.
@@ -174,71 +174,71 @@ def move(part, world, now):
     state, ends, open_ = world.state, part.ends, part.open
     b, w = part.body_scratch, part.hinge_scratch
     open_[:] = True
-    rate = 1.0 / now.step
+    rate = 1.0 / timing.step
     for n in range(ROUNDS):
         for h in range(w.shape[0]):
             if open_[h]:
-                on = ends[2 * h], ends[2 * h + 1]
+                pair = ends[2 * h], ends[2 * h + 1]
                 if n > 0:
-                    restore(b, (2 * h, 2 * h + 1), state, on)
-                move_bodies(state, world.particles, on, now.step)
+                    restore(b, (2 * h, 2 * h + 1), state, pair)
+                move_bodies(state, world.particles, pair, timing.step)
         for h in range(w.shape[0]):
             if open_[h]:
                 ask(part, state, h, rate)
                 if n == 0:
                     for k in range(8):
-                        store(w, h, MISSED + k, load(w, h, MISSED + k) + load(w, h, ASKED + k))
+                        store(w, h, MISS + k, load(w, h, MISS + k) + load(w, h, GOAL + k))
         find_impulses(part)
-        left = False
+        is_open = False
         for h in range(w.shape[0]):
             if open_[h]:
-                far = distance(w, h, now.step, load(world.size, 0, 0))
-                open_[h] = any_negative(far)
+                slack = distance(w, h, timing.step, load(world.size, 0, 0))
+                open_[h] = any_negative(slack)
                 if open_[h] and n + 1 == ROUNDS:
                     open_[h] = False
-                    watch(part, *opened(part, state, h))
+                    watch(part, *gap_squares(part, state, h))
                 if open_[h]:
-                    left = True
+                    is_open = True
                     for r in (2 * h, 2 * h + 1):
-                        push_where_far(state, ends[r], r, b, far)
-                    count_hinge(part.sums, part, h, far)
-        if not left:
+                        push_where_far(state, ends[r], r, b, slack)
+                    count_hinge(part.sums, part, h, slack)
+        if not is_open:
             break
     for h in range(w.shape[0]):
-        nudge(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, now.step)
+        nudge(state, (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1), b, timing.step)
         count_hinge(part.sums, part, h, ALL)
 
 
 @hook(Hinges)
-def look_back(part, world, now):
+def look_back(part, world, timing):
     """Close the hinges half a step before the start as well (joint_kernels.py)."""
-    kept, ends, b = world.kept, part.ends, part.body_scratch
+    start, ends, b = world.start_state, part.ends, part.body_scratch
     part.open[:] = True
     for h in range(part.hinge_scratch.shape[0]):
-        on = ends[2 * h], ends[2 * h + 1]
-        put3(kept, on, X, get3(kept, on, X) - now.step * get3(kept, on, V))
-        axes = frame(kept, on)
-        back = -1.0 * get3(world.particles, on, HALF)
-        put_turned(kept, on, axes, half_turn(to_local(axes, get3(kept, on, P)), back))
-        ask(part, kept, h, 0.5 / now.step)
+        pair = ends[2 * h], ends[2 * h + 1]
+        put3(start, pair, X, get3(start, pair, X) - timing.step * get3(start, pair, V))
+        axes = frame(start, pair)
+        half = -1.0 * get3(world.particles, pair, HALF)
+        put_turned(start, pair, axes, half_turn(to_local(axes, get3(start, pair, P)), half))
+        ask(part, start, h, 0.5 / timing.step)
     find_impulses(part)
     for h in range(part.hinge_scratch.shape[0]):
-        on, rows = (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1)
-        add3(kept, on, V, -2.0 * get3(b, rows, DV))
-        add3(kept, on, P, -2.0 * get3(b, rows, DP))
-        restore(b, rows, kept, on)
+        pair, rows = (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1)
+        add3(start, pair, V, -2.0 * get3(b, rows, DV))
+        add3(start, pair, P, -2.0 * get3(b, rows, DP))
+        restore(b, rows, start, pair)
         count_hinge(part.sums, part, h, ALL)
 
 
 @kernel
-def opened(part, state, h):
+def gap_squares(part, state, h):
     """Squares of what a hinge is open by: of the gap of its point (m) or, if that is larger, its
     distance from where it is held, and of the angle between its axes (rad)."""
     point, gap, ep, eq = gaps(part, state, h)
     gap2 = dot(gap, gap)
     if part.supported:
-        off = times(get3(part.hinges, h, HELD), point - get3(part.hinges, h, PLACE))
-        gap2 = larger(gap2, dot(off, off))
+        offset = times(get3(part.hinges, h, SUPPORTS), point - get3(part.hinges, h, PLACE))
+        gap2 = larger(gap2, dot(offset, offset))
     return gap2, ep * ep + eq * eq
 
 
@@ -246,27 +246,27 @@ def opened(part, state, h):
 def distance(w, h, step, size):
     """Negative where what is ASKED of hinge h is too much for `nudge`; size (m) of the scene."""
     most = coarse(step, size)
-    gap, off = get3(w, h, ASKED), get3(w, h, ASKED + 5)
-    ep, eq = load(w, h, ASKED + 3), load(w, h, ASKED + 4)
-    far = 1.0 - (dot(gap, gap) + dot(off, off)) * (most * most)
+    gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
+    ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)
+    slack = 1.0 - (dot(gap, gap) + dot(gap2, gap2)) * (most * most)
     tilt = 1.0 - (ep * ep + eq * eq) * (step / COARSE_TILT) ** 2
-    return where_negative(tilt, tilt, far)
+    return where_negative(tilt, tilt, slack)
 
 
-report_gaps(Hinges, opened)
+report_gaps(Hinges, gap_squares)
 
 
 @hook(Hinges)
-def record_step(part, world, row, now):
+def record_step(part, world, row, timing):
     """Record the constraint forces of the step, where they are counted."""
-    record_sums(part.sums, part.forces, row, now)
+    record_sums(part.sums, part.forces, row, timing)
 
 
 @kernel
-def record_sums(sums, forces, row, now):
+def record_sums(sums, forces, row, timing):
     """The sums as forces."""
     if sums is not None:
         count = sums.shape[0]
         for h in range(count):
             for k in range(SUMS):
-                store(forces, row * count + h, k, (1.0 / now.kick) * load(sums, h, k))
+                store(forces, row * count + h, k, (1.0 / timing.kick) * load(sums, h, k))

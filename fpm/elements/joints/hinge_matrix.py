@@ -12,24 +12,24 @@ named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it.
 from fpm.elements.joints.closing import keep
 from fpm.elements.joints.hinge_arrays import (
     ARM,
-    ASKED,
+    AXIS_IM,
     DP,
     DV,
+    FORCE1,
+    FORCE2,
     GLOBAL_ARM,
-    HIM,
+    GOAL,
     HOLD,
     INVERSE,
     MP,
     NORMAL,
     OLD_X,
-    ONE,
     PA,
     QA,
     REF,
     RESPONSE,
     SPINS,
     TILTS,
-    TWO,
     C,
     E,
     G,
@@ -71,8 +71,8 @@ def solve(w, h, g, ep, eq):
 @kernel
 def is_held(part, h):
     """Whether the point of hinge h is held along any axis."""
-    held = part.held
-    return held[h, 0] + held[h, 1] + held[h, 2] > 0
+    axes = part.fixed_axes
+    return axes[h, 0] + axes[h, 1] + axes[h, 2] > 0
 
 
 @kernel
@@ -85,8 +85,8 @@ def entry(i, k):
 def response(b, h, axis):
     """Velocity of the point of hinge h on body 1 by a unit impulse there along a global axis."""
     x, y, z = entry(axis, 0), entry(axis, 1), entry(axis, 2)
-    one, k = 2 * h, RESPONSE
-    return vector(load(b, one, k + x), load(b, one, k + y), load(b, one, k + z))
+    row, k = 2 * h, RESPONSE
+    return vector(load(b, row, k + x), load(b, row, k + y), load(b, row, k + z))
 
 
 @kernel
@@ -102,14 +102,14 @@ def moved(part, h, axis, force, mp, mq):
 @kernel
 def prepare_supports(part):
     """Schur complement of the support impulses."""
-    held, b, w = part.held, part.body_scratch, part.hinge_scratch
+    axes, b, w = part.fixed_axes, part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         if not is_held(part, h):
             continue
         for k in range(6):  # axes that are free have a unit diagonal and no coupling
             store(w, h, G + k, 1.0 if k < 3 else 0.0)
         for axis in range(3):
-            if held[h, axis]:
+            if axes[h, axis]:
                 spin = get3(b, 2 * h, SPINS + 3 * axis)
                 p, q = -dot(get3(w, h, PA), spin), -dot(get3(w, h, QA), spin)
                 store(w, h, TILTS + 2 * axis, p)
@@ -118,32 +118,32 @@ def prepare_supports(part):
                 put3(w, h, Y + 5 * axis, force)
                 store(w, h, Y + 5 * axis + 3, mp)
                 store(w, h, Y + 5 * axis + 4, mq)
-                for other in range(axis + 1):
-                    if held[h, other]:
-                        k = entry(axis, other)
-                        less = moved(part, h, other, force, mp, mq)
-                        store(w, h, G + k, load(b, 2 * h, RESPONSE + k) - less)
+                for axis2 in range(axis + 1):
+                    if axes[h, axis2]:
+                        k = entry(axis, axis2)
+                        change = moved(part, h, axis2, force, mp, mq)
+                        store(w, h, G + k, load(b, 2 * h, RESPONSE + k) - change)
         put6(w, h, G, invert(get6(w, h, G)))
 
 
 @kernel
 def hold_point(part, h):
     """Add the support impulses of hinge h to the impulses that close it."""
-    held, w = part.held, part.hinge_scratch
-    force, mp, mq = get3(w, h, ONE), load(w, h, MP), load(w, h, MP + 1)
+    axes, w = part.fixed_axes, part.hinge_scratch
+    force, mp, mq = get3(w, h, FORCE1), load(w, h, MP), load(w, h, MP + 1)
     for axis in range(3):
-        if held[h, axis]:
-            reached = moved(part, h, axis, force, mp, mq)
-            store(w, h, HOLD + axis, load(w, h, ASKED + 5 + axis) - reached)
+        if axes[h, axis]:
+            speed = moved(part, h, axis, force, mp, mq)
+            store(w, h, HOLD + axis, load(w, h, GOAL + 5 + axis) - speed)
     put3(w, h, HOLD, symmetric(get6(w, h, G), get3(w, h, HOLD)))
     for axis in range(3):
-        if held[h, axis]:
+        if axes[h, axis]:
             impulse = load(w, h, HOLD + axis)
             force = force - impulse * get3(w, h, Y + 5 * axis)
             mp = mp - impulse * load(w, h, Y + 5 * axis + 3)
             mq = mq - impulse * load(w, h, Y + 5 * axis + 4)
-    put3(w, h, TWO, force)
-    put3(w, h, ONE, force + get3(w, h, HOLD))
+    put3(w, h, FORCE2, force)
+    put3(w, h, FORCE1, force + get3(w, h, HOLD))
     store(w, h, MP, mp)
     store(w, h, MP + 1, mq)
 
@@ -176,9 +176,9 @@ def spins(j, r):
 
 
 @kernel
-def point_response(inverse_mass, turned, r):
+def point_response(inverse_mass, spins, r):
     """Velocity of a point at arm r per unit impulse there, of which the spins are known (6)."""
-    ux, uy, uz = turned
+    ux, uy, uz = spins
     return (
         inverse_mass.x + (r.z * ux.y - r.y * ux.z),
         inverse_mass.y + (r.x * uy.z - r.z * uy.x),
@@ -206,7 +206,7 @@ def prepare_bodies(world, part, kick):
         for k in range(6):
             store(state, i, F + k, 0.0)
         arm = to_global(axes, get3(bodies, r, ARM))
-        inverse_mass = get3(bodies, r, HIM)
+        inverse_mass = get3(bodies, r, AXIS_IM)
         j = world_inverse(axes, get3(world.particles, i, IJ))
         lever = arm
         if r % 2 == 0:
@@ -217,24 +217,24 @@ def prepare_bodies(world, part, kick):
             lever = get3(w, r - 1, OLD_X) + get3(w, r - 1, GLOBAL_ARM) - x
         put3(w, r, GLOBAL_ARM, lever)
         put6(w, r, INVERSE, j)
-        turned = spins(j, arm)  # the lever differs by the gap, which the rounds close
-        put3(w, r, SPINS, turned[0])
-        put3(w, r, SPINS + 3, turned[1])
-        put3(w, r, SPINS + 6, turned[2])
-        put6(w, r, RESPONSE, point_response(inverse_mass, turned, arm))
+        columns = spins(j, arm)  # the lever differs by the gap, which the rounds close
+        put3(w, r, SPINS, columns[0])
+        put3(w, r, SPINS + 3, columns[1])
+        put3(w, r, SPINS + 6, columns[2])
+        put6(w, r, RESPONSE, point_response(inverse_mass, columns, arm))
 
 
 @kernel
-def both(b, h, field):
+def pair_sum(b, h, field):
     """Sum of a symmetric matrix of the two bodies of hinge h."""
-    one, two = get6(b, 2 * h, field), get6(b, 2 * h + 1, field)
+    first, second = get6(b, 2 * h, field), get6(b, 2 * h + 1, field)
     return (
-        one[0] + two[0],
-        one[1] + two[1],
-        one[2] + two[2],
-        one[3] + two[3],
-        one[4] + two[4],
-        one[5] + two[5],
+        first[0] + second[0],
+        first[1] + second[1],
+        first[2] + second[2],
+        first[3] + second[3],
+        first[4] + second[4],
+        first[5] + second[5],
     )
 
 
@@ -243,17 +243,17 @@ def prepare_matrices(part):
     """Build and factorise the matrix of every hinge."""
     b, w = part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
-        one, two = 2 * h, 2 * h + 1
+        row1, row2 = 2 * h, 2 * h + 1
         p, q = get3(w, h, PA), get3(w, h, QA)
-        j = both(b, h, INVERSE)
+        j = pair_sum(b, h, INVERSE)
         jp, jq = symmetric(j, p), symmetric(j, q)
         pp, qq, pq = dot(p, jp), dot(q, jq), dot(p, jq)
         det = 1.0 / (pp * qq - pq * pq)
         cpp, cqq, cpq = det * qq, det * pp, -det * pq
         # Tilts by unit forces between the bodies: these turn them against each other.
-        ux = get3(b, one, SPINS) + get3(b, two, SPINS)
-        uy = get3(b, one, SPINS + 3) + get3(b, two, SPINS + 3)
-        uz = get3(b, one, SPINS + 6) + get3(b, two, SPINS + 6)
+        ux = get3(b, row1, SPINS) + get3(b, row2, SPINS)
+        uy = get3(b, row1, SPINS + 3) + get3(b, row2, SPINS + 3)
+        uz = get3(b, row1, SPINS + 6) + get3(b, row2, SPINS + 6)
         bp = opposite(to_local((ux, uy, uz), p))
         bq = opposite(to_local((ux, uy, uz), q))
         ep = cpp * bp + cpq * bq
@@ -261,7 +261,7 @@ def prepare_matrices(part):
         put3(w, h, C, vector(cpp, cqq, cpq))
         put3(w, h, E, ep)
         put3(w, h, E + 3, eq)
-        k = both(b, h, RESPONSE)
+        k = pair_sum(b, h, RESPONSE)
         schur = (
             k[0] - (bp.x * ep.x + bq.x * eq.x),
             k[1] - (bp.y * ep.y + bq.y * eq.y),
@@ -281,10 +281,10 @@ def find_impulses(part):
     bodies, b, w, open_ = part.bodies, part.body_scratch, part.hinge_scratch, part.open
     for h in range(w.shape[0]):
         if open_[h]:
-            ep, eq = load(w, h, ASKED + 3), load(w, h, ASKED + 4)
-            force, mp, mq = solve(w, h, get3(w, h, ASKED), ep, eq)
-            put3(w, h, ONE, force)
-            put3(w, h, TWO, force)
+            ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)
+            force, mp, mq = solve(w, h, get3(w, h, GOAL), ep, eq)
+            put3(w, h, FORCE1, force)
+            put3(w, h, FORCE2, force)
             store(w, h, MP, mp)
             store(w, h, MP + 1, mq)
     if part.supported:
@@ -293,11 +293,11 @@ def find_impulses(part):
                 hold_point(part, h)
     for h in range(w.shape[0]):
         if open_[h]:
-            one, two = 2 * h, 2 * h + 1
-            on_one, against_two = get3(w, h, ONE), get3(w, h, TWO)
+            row1, row2 = 2 * h, 2 * h + 1
+            on_one, against_two = get3(w, h, FORCE1), get3(w, h, FORCE2)
             mp, mq = load(w, h, MP), load(w, h, MP + 1)
             moment = mp * get3(w, h, PA) + mq * get3(w, h, QA)
-            put3(b, one, DV, times(get3(bodies, one, HIM), on_one))
-            put3(b, one, DP, cross(get3(b, one, GLOBAL_ARM), on_one) - moment)
-            put3(b, two, DV, times(get3(bodies, two, HIM), opposite(against_two)))
-            put3(b, two, DP, moment - cross(get3(b, two, GLOBAL_ARM), against_two))
+            put3(b, row1, DV, times(get3(bodies, row1, AXIS_IM), on_one))
+            put3(b, row1, DP, cross(get3(b, row1, GLOBAL_ARM), on_one) - moment)
+            put3(b, row2, DV, times(get3(bodies, row2, AXIS_IM), opposite(against_two)))
+            put3(b, row2, DP, moment - cross(get3(b, row2, GLOBAL_ARM), against_two))

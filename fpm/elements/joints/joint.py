@@ -16,12 +16,12 @@ import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.fields import Number, check_number
-from fpm.elements.joints import joint_arrays as at
+from fpm.elements.joints import joint_arrays as arrays
 from fpm.elements.joints.hinge import (
     ANGLES,
     Hinge,
-    Joined,
-    alone,
+    JointBase,
+    are_alone,
     arms,
     gap_watches,
     held_axes,
@@ -48,14 +48,14 @@ class JointType(NamedTuple):
 
 
 TYPES = {
-    "revolute": JointType(at.REVOLUTE, 5),
-    "spherical": JointType(at.SPHERICAL, 3),
-    "fixed": JointType(at.FIXED, 6),
-    "universal": JointType(at.UNIVERSAL, 4),
-    "prismatic": JointType(at.PRISMATIC, 5),
-    "held": JointType(at.HELD),
-    "opening": JointType(at.OPENING),
-    "slid": JointType(at.SLID),
+    "revolute": JointType(arrays.REVOLUTE, 5),
+    "spherical": JointType(arrays.SPHERICAL, 3),
+    "fixed": JointType(arrays.FIXED, 6),
+    "universal": JointType(arrays.UNIVERSAL, 4),
+    "prismatic": JointType(arrays.PRISMATIC, 5),
+    "held": JointType(arrays.SUPPORT),
+    "opening": JointType(arrays.OPENING),
+    "slid": JointType(arrays.SLIDE),
 }
 """The types of joints, by name."""
 
@@ -64,7 +64,7 @@ EASE = {8: 1e-10, 4: 1e-5}
 
 
 @dataclass(frozen=True)
-class Joint(Joined):
+class Joint(JointBase):
     """A joint between the free ends of two virtual beams.
 
     type: one of TYPES. axes (2, 3): the axis in each particle's own frame, one and the same but for
@@ -78,7 +78,7 @@ class Joint(Joined):
     beams: tuple[VirtualBeam, ...]
     axes: np.ndarray
     references: np.ndarray
-    held: str = ""
+    support_axes: str = ""
 
     gives = LOAD_WORK
     gaps: ClassVar = {
@@ -94,75 +94,75 @@ class Joint(Joined):
     )
 
     @staticmethod
-    def between(scene, name, type, particles, point, axis=(1, 0, 0), other=None) -> "Joint":
+    def create(scene, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> "Joint":
         """A joint between two particles of a scene, where it stands (Scene.add_joint)."""
-        allowed = [name for name, found in TYPES.items() if found.conditions]
+        allowed = [name for name, joint_type in TYPES.items() if joint_type.conditions]
         if type not in allowed:
             raise SceneError(f"type of joint {name}", type, f"one of {', '.join(allowed)}")
         pair = two_of(scene, particles, f"joint {name}")
         axis = unit(axis, f"axis of joint {name}")
-        across = unit(np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), "reference")
-        along = axis
+        normal = unit(np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), "reference")
+        axis_2 = axis
         if type == "universal":
-            along = across if other is None else unit(other, f"second axis of joint {name}")
-            if abs(along @ axis) > 1e-9:
-                raise SceneError(f"axes of joint {name}", (axis, along), "normal to each other")
+            axis_2 = normal if axis2 is None else unit(axis2, f"second axis of joint {name}")
+            if abs(axis_2 @ axis) > 1e-9:
+                raise SceneError(f"axes of joint {name}", (axis, axis_2), "normal to each other")
         frames = [scene.frame[p].T for p in pair]
         return Joint(
             name,
             type,
             arms(scene, pair, point),
-            axes=np.array([frames[0] @ axis, frames[1] @ along]),
-            references=np.array([frame @ across for frame in frames]),
+            axes=np.array([frames[0] @ axis, frames[1] @ axis_2]),
+            references=np.array([frame @ normal for frame in frames]),
         )
 
     @staticmethod
     def slide(scene, name, particles, point, axis, opening: float) -> Hinge:
         """A slide with its opening (m) between two particles of a scene (Scene.add_slide)."""
-        joint = Joint.between(scene, name, "prismatic", particles, point, axis)
+        joint = Joint.create(scene, name, "prismatic", particles, point, axis)
         check_number(f"opening of slide {name}", opening, Number(), "m")
-        found = Hinge(
+        hinge = Hinge(
             name, joint.beams, joint.axes, joint.references, 0.0, "", "prismatic", float(opening)
         )
-        return replace(found, opening=opening_at(scene, found))
+        return replace(hinge, opening=opening_at(scene, hinge))
 
     @staticmethod
-    def crossed(scene, name, particles, point, axis, other, openings) -> tuple[Hinge, Hinge]:
+    def universal(scene, name, particles, point, axis, axis2, openings) -> tuple[Hinge, Hinge]:
         """The two angles (rad) of a universal joint (Scene.add_universal)."""
-        joint = Joint.between(scene, name, "universal", particles, point, axis, other)
-        one, two = (scene.frame[p] @ a for p, a in zip(joint.particles, joint.axes, strict=True))
-        found = []
+        joint = Joint.create(scene, name, "universal", particles, point, axis, axis2)
+        u, w = (scene.frame[p] @ a for p, a in zip(joint.particles, joint.axes, strict=True))
+        hinges = []
         # The second is stated from the second particle to the first, about the opposite axis.
-        for k, (about, to) in enumerate(((one, two), (-two, one))):
+        for k, (e, to_zero) in enumerate(((u, w), (-w, u))):
             check_number(f"opening of universal joint {name}", openings[k], Number(), "rad")
-            zero = np.cos(openings[k]) * to - np.sin(openings[k]) * np.cross(about, to)
+            zero = np.cos(openings[k]) * to_zero - np.sin(openings[k]) * np.cross(e, to_zero)
             beams = joint.beams[:: -1 if k else 1]
             frames = [scene.frame[beam.particle].T for beam in beams]
-            found.append(
+            hinges.append(
                 Hinge(
                     name + ANGLES[k],
                     beams,
-                    axes=np.array([frame @ about for frame in frames]),
-                    references=np.array([frames[0] @ zero, frames[1] @ to]),
+                    axes=np.array([frame @ e for frame in frames]),
+                    references=np.array([frames[0] @ zero, frames[1] @ to_zero]),
                     opening=float(openings[k]),
                     support="",
                     type=("universal", "cross")[k],
                 )
             )
-        return tuple(found)
+        return tuple(hinges)
 
     @staticmethod
-    def holding(scene, name, particle: int, point, held: str) -> "Joint":
+    def holding(scene, name, particle: int, point, axes: str) -> "Joint":
         """A point of a particle that is held along global axes, where it is."""
-        if not held or set(held) - set(AXES):
-            raise SceneError(f"axes of support {name}", held, "letters out of 'xyz'")
-        none = np.zeros((2, 3))
-        return Joint(name, "held", (scene.arm_to(particle, point),), none, none, held)
+        if not axes or set(axes) - set(AXES):
+            raise SceneError(f"axes of support {name}", axes, "letters out of 'xyz'")
+        zeros = np.zeros((2, 3))
+        return Joint(name, "held", (scene.arm_to(particle, point),), zeros, zeros, axes)
 
     @property
     def conditions(self) -> int:
         """How many it has."""
-        return 1 if self.holds_opening else TYPES[self.type].conditions or len(self.held)
+        return 1 if self.holds_opening else TYPES[self.type].conditions or len(self.support_axes)
 
     @property
     def holds_opening(self) -> bool:
@@ -171,15 +171,15 @@ class Joint(Joined):
 
     def topology(self):
         """Name, type, particles and held axes."""
-        return self.name, self.type, self.particles, self.held
+        return self.name, self.type, self.particles, self.support_axes
 
     @classmethod
     def of(cls, scene):
         """Those stated as such, the hinges that are not alone, and what holds openings."""
-        found = list(scene.kinds.get(cls, []))
-        for hinge, lone in zip(scene.hinges, alone(scene), strict=True):
+        joints = list(scene.kinds.get(cls, []))
+        for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True):
             if not lone:
-                found += as_joints(hinge)
+                joints += as_joints(hinge)
         for holder in Turn.of(scene):
             hinge = scene.hinges[holder.hinge]
             name = f"{hinge.name} (its {holder.called})"
@@ -187,51 +187,51 @@ class Joint(Joined):
             if hinge.slides:
                 pairs = zip(beams, hinge.ends, strict=True)
                 type, beams = "slid", tuple(VirtualBeam(beam.particle, end) for beam, end in pairs)
-            found.append(Joint(name, type, beams, hinge.axes, hinge.references))
-        return found
+            joints.append(Joint(name, type, beams, hinge.axes, hinge.references))
+        return joints
 
     @classmethod
     def pack(cls, batch):
         from fpm.elements.joints import joint_kernels, turn_kernels  # noqa: F401, their hooks
         from fpm.elements.joints.joint_pattern import elimination, neighbours, pattern
 
-        one, joints = batch.one, cls.of(batch.one)
-        on = sorted(set(cls.moved(one)))
-        slot = {p: s for s, p in enumerate(on)}
+        scene, joints = batch.scene, cls.of(batch.scene)
+        bodies = sorted(set(cls.moved(scene)))
+        slot = {p: s for s, p in enumerate(bodies)}
         slots = np.array([[*(slot[p] for p in j.particles), -1][:2] for j in joints], np.int64)
-        movable = ~one.fixed[on].all(axis=1)
-        order, below = elimination(neighbours(slots, movable))
+        movable = ~scene.fixed[bodies].all(axis=1)
+        order, followers = elimination(neighbours(slots, movable))
         joints, slots = [joints[j] for j in order], slots[order]
-        found, entries = pattern([j.conditions for j in joints], slots, movable, below)
-        driven = set(Drive.moved(one))
+        layout, entries = pattern([j.conditions for j in joints], slots, movable, followers)
+        driven_set = set(Drive.moved(scene))
         conditions, rows = sum(j.conditions for j in joints), batch.instants + 1
-        coupled = at.Joints(
+        coupled = arrays.Joints(
             types=batch.integers(TYPES[j.type].number for j in joints),
             names=batch.integers(order),
             slots=slots.ravel(),
-            sides=batch.stack(2 * len(joints), at.SIDE, lambda s: _sides(s, order)),
+            sides=batch.stack(2 * len(joints), arrays.SIDE, lambda s: _sides(s, order)),
             places=batch.stack(len(joints), 3, lambda s: places_of(s, cls.of(s))[order]),
-            held=batch.integers([held_axes(j.held) for j in joints], 3),
-            on=batch.integers(on),
-            driven=batch.integers(p in driven for p in on),
-            bodies=batch.stack(len(on), at.BODY, lambda s: _bodies(s, on)),
-            body_scratch=batch.blank(len(on), at.BODY_SCRATCH),
-            rows=batch.blank(conditions, at.ROW),
+            fixed_axes=batch.integers([held_axes(j.support_axes) for j in joints], 3),
+            on=batch.integers(bodies),
+            is_driven=batch.integers(p in driven_set for p in bodies),
+            bodies=batch.stack(len(bodies), arrays.BODY, lambda s: _bodies(s, bodies)),
+            body_scratch=batch.blank(len(bodies), arrays.BODY_SCRATCH),
+            rows=batch.blank(conditions, arrays.ROW),
             matrix=batch.blank(entries, 1),
-            pattern=found,
+            pattern=layout,
             ease=EASE[np.dtype(batch.dtype).itemsize],
             account=batch.given_by(cls),
             watched=batch.watched_by(cls),
             excess=batch.rows_of(cls),
             gaps=batch.blank(rows, 2),
         )
-        if cls.are_impulses_read(one):
+        if cls.are_impulses_read(scene):
             sums, forces = batch.blank(conditions, 1), batch.blank(rows * len(joints), SUMS)
             coupled = coupled._replace(sums=sums, forces=forces)
-        if not (turns := len(Turn.of(one))):
+        if not (turns := len(Turn.of(scene))):
             return coupled
         first = len(joints) - turns
-        return at.TurnedJoints(*coupled)._replace(
+        return arrays.TurnedJoints(*coupled)._replace(
             turns=batch.part(Turn),
             turn_of=batch.integers(max(number - first, -1) for number in order),
             turn_at=batch.integers(order.index(first + t) for t in range(turns)),
@@ -248,26 +248,26 @@ def as_joints(hinge: Hinge) -> Sequence[Joint]:
     joint = Joint(name, hinge.type, hinge.beams, axes, hinge.references)
     if not hinge.support:
         return [joint]
-    none = np.zeros((2, 3))
+    zeros = np.zeros((2, 3))
     name = f"{hinge.name} (its support)"
-    return [joint, Joint(name, "held", hinge.beams[:1], none, none, hinge.support)]
+    return [joint, Joint(name, "held", hinge.beams[:1], zeros, zeros, hinge.support)]
 
 
 def _sides(scene, order) -> np.ndarray:
     joints = Joint.of(scene)
-    out = np.zeros((2 * len(order), at.SIDE))
+    array = np.zeros((2 * len(order), arrays.SIDE))
     for i, number in enumerate(order):
         joint = joints[number]
         for k, beam in enumerate(joint.beams):  # ARM, AXIS, REFERENCE
-            out[2 * i + k] = np.concatenate([beam.arm, joint.axes[k], joint.references[k]])
-    return out
+            array[2 * i + k] = np.concatenate([beam.arm, joint.axes[k], joint.references[k]])
+    return array
 
 
-def _bodies(scene, on) -> np.ndarray:
-    free = ~scene.fixed[on]
+def _bodies(scene, bodies) -> np.ndarray:
+    free = ~scene.fixed[bodies]
     # Moments on driven bodies change nothing, but they do work.
-    driven = np.isin(on, Drive.moved(scene))[:, None]
-    inverse_mass = free[:, :3] / scene.mass[on][:, None]
-    inverse_inertia = free[:, 3:].any(axis=1)[:, None] / turns_of(scene).inertia[on]
-    root, turns = np.sqrt(inverse_inertia), free[:, 3:] | driven
+    is_driven = np.isin(bodies, Drive.moved(scene))[:, None]
+    inverse_mass = free[:, :3] / scene.mass[bodies][:, None]
+    inverse_inertia = free[:, 3:].any(axis=1)[:, None] / turns_of(scene).inertia[bodies]
+    root, turns = np.sqrt(inverse_inertia), free[:, 3:] | is_driven
     return np.hstack([inverse_mass, inverse_inertia, root, turns])  # HIM, HIJ, ROOT, TURNS

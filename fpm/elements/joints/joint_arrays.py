@@ -10,12 +10,12 @@ SPHERICAL = 1  # a point
 FIXED = 2  # a point and all directions
 UNIVERSAL = 3  # a point; an axis of the one stays normal to an axis of the other
 PRISMATIC = 4  # all directions, and a line: along its axis the second slides on the first
-HELD = 5  # a point of the first, along global axes, where it was at the start
+SUPPORT = 5  # a point of the first, along global axes, where it was at the start
 OPENING = 6  # the opening of a hinge, where something holds it (turn.py)
-SLID = 7  # the same of a slide
+SLIDE = 7  # the same of a slide
 
 # Constants of a body: a particle that joints act on.
-HIM = 0  # inverse masses along the global axes (3)
+AXIS_IM = 0  # inverse masses along the global axes (3)
 HIJ = 3  # inverse principal inertias (3)
 ROOT = 6  # roots of HIJ (3)
 TURNS = 9  # 1 where it may turn about a global axis, 0 where not (3)
@@ -27,7 +27,7 @@ SPIN = 15  # angular velocity (3)
 FORCE, MOMENT = 18, 21  # impulse of a round on the body, about its particle (3 each)
 ALL_FORCE, ALL_MOMENT = 24, 27  # of all rounds of the step (3 each)
 LAST_V, LAST_SPIN = 30, 33  # of a driven body, in the step before (3 each)
-DUE = 36  # work of the impulses of the step up to its start
+WORK_DUE = 36  # work of the impulses of the step up to its start
 BODY_SCRATCH = 37
 
 # Constants of a side of a joint; vectors in its particle's frame.
@@ -37,11 +37,11 @@ REFERENCE = 6  # a direction normal to it (3)
 SIDE = 9
 
 # A row: one condition. Its rate is f (v1 - v2) + m1 w1 - m2 w2 of the two bodies.
-ALONG = 0  # f (3)
+DIRECTION = 0  # f (3)
 TURN1, TURN2 = 3, 6  # m1, m2 (3 each)
 ROOT1, ROOT2 = 9, 12  # J^-1/2 m1 and J^-1/2 m2 along the bodies' axes (3 each)
-OFF = 15  # what is to be closed
-MISSED = 16  # rate that `aim` has to add for what it missed before
+RESIDUAL = 15  # what is to be closed
+MISS = 16  # rate that `aim` has to add for what it missed before
 PIVOT = 17  # inverse of the diagonal of the factor
 IMPULSE = 18
 ROW = 19
@@ -51,7 +51,7 @@ HOLDS = 0  # -1 where the opening is held, 1 where it is free
 TARGET = 1  # at which opening, at the end of the step (rad)
 RATE = 2  # of the opening over the step, as the joints were solved last (rad/s)
 TURN_IMPULSE = 3  # of the step, on the hinge's second particle (N m s)
-NEEDED = 4  # the same as the joints were solved last
+SOLVED_IMPULSE = 4  # the same as the joints were solved last
 TURN = 5
 
 GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which share a kernel
@@ -68,7 +68,7 @@ class Pattern(NamedTuple):
     diagonal: np.ndarray  # (j,) offsets of the blocks (j, j)
     meets: np.ndarray  # (m, 5) joint, other, side of either, offset: blocks and what adds to them
     below_start: np.ndarray  # (j + 1,) of each joint, where in `below` its blocks begin
-    below: np.ndarray  # (b, 2) joint further down that it is coupled to, offset of that block
+    followers: np.ndarray  # (b, 2) joint further down that it is coupled to, offset of that block
     update_start: np.ndarray  # (j + 1,) of each joint, where in `updates` those begin
     updates: np.ndarray  # (u, 5) joint, other, offsets of both blocks and of the one they change
 
@@ -88,9 +88,9 @@ class Joints(NamedTuple):
     slots: np.ndarray  # (2j,) bodies of the sides; -1: none
     sides: np.ndarray  # (2j, SIDE, lanes)
     places: np.ndarray  # (j, 3, lanes) where a held point is
-    held: np.ndarray  # (j, 3) 1 where it is, along a global axis
+    fixed_axes: np.ndarray  # (j, 3) 1 where it is, along a global axis
     on: np.ndarray  # (b,) particles of the bodies
-    driven: np.ndarray  # (b,) 1 if another kind moves the body
+    is_driven: np.ndarray  # (b,) 1 if another kind moves the body
     bodies: np.ndarray  # (b, BODY, lanes)
     body_scratch: np.ndarray  # (b, BODY_SCRATCH, lanes)
     rows: np.ndarray  # (r, ROW, lanes)

@@ -32,22 +32,22 @@ from fpm.elements.joints.hinge_matrix import world_inverse
 from fpm.elements.joints.joint_arrays import (
     ALL_FORCE,
     ALL_MOMENT,
-    ALONG,
-    DUE,
+    AXIS_IM,
+    DIRECTION,
     FORCE,
     HIJ,
-    HIM,
     IMPULSE,
     INVERSE,
     LAST_SPIN,
     LAST_V,
-    MISSED,
+    MISS,
     MOMENT,
-    OFF,
+    RESIDUAL,
     SPIN,
     TURN1,
     TURN2,
     TURNS,
+    WORK_DUE,
     Joints,
 )
 from fpm.elements.joints.joint_matrix import build, factorise, substitute
@@ -73,10 +73,10 @@ from fpm.kernels.vectors import (
 
 
 @hook(Joints)
-def prepare(part, world, now):
+def prepare(part, world, timing):
     """Kick the bodies of all joints, and aim the impulses; all forces must be summed."""
     clear(part.sums)
-    kick_bodies(part, world.state, now.kick)
+    kick_bodies(part, world.state, timing.kick)
     find_rows(part, world.state)
     build(part)
     factorise(part)
@@ -96,8 +96,8 @@ def kick_bodies(part, state, kick):
         put6(b, s, INVERSE, world_inverse(axes, get3(bodies, s, HIJ)))
         for k in (ALL_FORCE, ALL_MOMENT):
             put3(b, s, k, 0.0 * axes[1])
-        if not part.driven[s]:
-            v = get3(state, i, V) + kick * times(get3(bodies, s, HIM), get3(state, i, F))
+        if not part.is_driven[s]:
+            v = get3(state, i, V) + kick * times(get3(bodies, s, AXIS_IM), get3(state, i, F))
             put3(state, i, V, v)
             put3(state, i, P, kick * get3(state, i, M) + get3(state, i, P))
             for k in range(6):
@@ -108,7 +108,7 @@ def kick_bodies(part, state, kick):
 def find_spin(part, state, s):
     """Angular velocity of body s, about axes about which it may turn; of a driven one the last."""
     b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
-    if part.driven[s]:
+    if part.is_driven[s]:
         return get3(b, s, LAST_SPIN)
     return times(turns, symmetric(get6(b, s, INVERSE), get3(state, part.on[s], P)))
 
@@ -120,15 +120,15 @@ def find_rates(part, state):
     for s in range(part.on.shape[0]):
         put3(b, s, SPIN, find_spin(part, state, s))
     for j in range(part.types.shape[0]):
-        one, two = part.slots[2 * j], part.slots[2 * j + 1]
-        v, w1 = get3(state, part.on[one], V), get3(b, one, SPIN)
+        slot1, slot2 = part.slots[2 * j], part.slots[2 * j + 1]
+        v, w1 = get3(state, part.on[slot1], V), get3(b, slot1, SPIN)
         w2 = 0.0 * w1
-        if two >= 0:
-            v = v - get3(state, part.on[two], V)
-            w2 = get3(b, two, SPIN)
+        if slot2 >= 0:
+            v = v - get3(state, part.on[slot2], V)
+            w2 = get3(b, slot2, SPIN)
         for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
             turn = dot(get3(rows, r, TURN1), w1) - dot(get3(rows, r, TURN2), w2)
-            store(rows, r, OFF, dot(get3(rows, r, ALONG), v) + turn + load(rows, r, MISSED))
+            store(rows, r, RESIDUAL, dot(get3(rows, r, DIRECTION), v) + turn + load(rows, r, MISS))
 
 
 @kernel
@@ -147,26 +147,26 @@ def find_impulses(part, factor):
     """
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for r in range(rows.shape[0]):
-        store(rows, r, IMPULSE, factor * load(rows, r, OFF))
+        store(rows, r, IMPULSE, factor * load(rows, r, RESIDUAL))
     substitute(part)
     for s in range(part.on.shape[0]):
-        none = 0.0 * get3(b, s, OLD_X)
-        put3(b, s, FORCE, none)
-        put3(b, s, MOMENT, none)
+        zero = 0.0 * get3(b, s, OLD_X)
+        put3(b, s, FORCE, zero)
+        put3(b, s, MOMENT, zero)
     for j in range(part.types.shape[0]):
-        one, two = part.slots[2 * j], part.slots[2 * j + 1]
-        force = 0.0 * get3(b, one, OLD_X)
+        slot1, slot2 = part.slots[2 * j], part.slots[2 * j + 1]
+        force = 0.0 * get3(b, slot1, OLD_X)
         first, second = force, force
         for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
             impulse = load(rows, r, IMPULSE)
-            force = force + impulse * get3(rows, r, ALONG)
+            force = force + impulse * get3(rows, r, DIRECTION)
             first = first + impulse * get3(rows, r, TURN1)
             second = second + impulse * get3(rows, r, TURN2)
-        add3(b, one, FORCE, force)
-        add3(b, one, MOMENT, first)
-        if two >= 0:
-            add3(b, two, FORCE, -1.0 * force)
-            add3(b, two, MOMENT, -1.0 * second)
+        add3(b, slot1, FORCE, force)
+        add3(b, slot1, MOMENT, first)
+        if slot2 >= 0:
+            add3(b, slot2, FORCE, -1.0 * force)
+            add3(b, slot2, MOMENT, -1.0 * second)
 
 
 @kernel
@@ -174,34 +174,34 @@ def push(part, state, s):
     """Add the impulses of a round to the momenta of body s, unless it is driven."""
     b, i = part.body_scratch, part.on[s]
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
-    if not part.driven[s]:
-        add3(state, i, V, times(get3(part.bodies, s, HIM), force))
+    if not part.is_driven[s]:
+        add3(state, i, V, times(get3(part.bodies, s, AXIS_IM), force))
         add3(state, i, P, moment)
     add3(b, s, ALL_FORCE, force)
     add3(b, s, ALL_MOMENT, moment)
 
 
 @kernel
-def push_where_far(part, state, s, far):
-    """The same in the lanes where `far` is negative; the others are not touched."""
+def push_where_far(part, state, s, condition):
+    """The same in the lanes where `condition` is negative; the others are not touched."""
     b, i = part.body_scratch, part.on[s]
-    inverse_mass = get3(part.bodies, s, HIM)
+    inverse_mass = get3(part.bodies, s, AXIS_IM)
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
-    if not part.driven[s]:
-        add_where(state, i, V, times(inverse_mass, force), far)
-        add_where(state, i, P, moment, far)
-    add_where(b, s, ALL_FORCE, force, far)
-    add_where(b, s, ALL_MOMENT, moment, far)
+    if not part.is_driven[s]:
+        add_where(state, i, V, times(inverse_mass, force), condition)
+        add_where(state, i, P, moment, condition)
+    add_where(b, s, ALL_FORCE, force, condition)
+    add_where(b, s, ALL_MOMENT, moment, condition)
 
 
 @kernel
-def move_bodies(part, state, again, step):
-    """Move the bodies by a step with their momenta; again: from where they were at its start."""
+def move_bodies(part, state, repeat, step):
+    """Move the bodies by a step with their momenta; repeat: from where they were at its start."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
-        if not part.driven[s]:
-            if again:
+        if not part.is_driven[s]:
+            if repeat:
                 restore(b, s, state, i)
             put3(state, i, X, step * get3(state, i, V) + get3(state, i, X))
             axes = frame(state, i)
@@ -215,49 +215,49 @@ def nudge(part, state, s, step):
     """Push body s, and move it by that."""
     b, i = part.body_scratch, part.on[s]
     push(part, state, s)
-    if not part.driven[s]:
-        shift = step * times(get3(part.bodies, s, HIM), get3(b, s, FORCE))
+    if not part.is_driven[s]:
+        shift = step * times(get3(part.bodies, s, AXIS_IM), get3(b, s, FORCE))
         put3(state, i, X, get3(state, i, X) + shift)
         turn_little(state, i, step * symmetric(get6(b, s, INVERSE), get3(b, s, MOMENT)))
 
 
 @hook(Joints)
-def move(part, world, now):
+def move(part, world, timing):
     """Move the bodies of all joints by a step, and close the joints at its end.
 
     What the last round leaves open is watched.
     """
     state, rows = world.state, part.rows
-    inverse_step = 1.0 / now.step
+    inverse_step = 1.0 / timing.step
     most = coarse(1.0, load(world.size, 0, 0))
     for n in range(ROUNDS):
-        move_bodies(part, state, n > 0, now.step)
-        far = 0.0 * load(state, 0, X) + 1.0
+        move_bodies(part, state, n > 0, timing.step)
+        slack = 0.0 * load(state, 0, X) + 1.0
         for j in range(part.types.shape[0]):
             gap2, tilt2 = find_gaps(part, state, j)
-            this = 1.0 - gap2 * (most * most)
-            far = where_negative(this, this, far)
-            this = 1.0 - tilt2 * (1.0 / COARSE_TILT**2)
-            far = where_negative(this, this, far)
+            value = 1.0 - gap2 * (most * most)
+            slack = where_negative(value, value, slack)
+            value = 1.0 - tilt2 * (1.0 / COARSE_TILT**2)
+            slack = where_negative(value, value, slack)
             if n + 1 == ROUNDS:
                 watch(part, gap2, tilt2)
         if n == 0:
             for r in range(rows.shape[0]):
-                missed = inverse_step * load(rows, r, OFF) + load(rows, r, MISSED)
-                store(rows, r, MISSED, missed)
+                miss = inverse_step * load(rows, r, RESIDUAL) + load(rows, r, MISS)
+                store(rows, r, MISS, miss)
         find_impulses(part, -inverse_step)
-        if n + 1 == ROUNDS or not any_negative(far):
+        if n + 1 == ROUNDS or not any_negative(slack):
             break
         for s in range(part.on.shape[0]):
-            push_where_far(part, state, s, far)
-        count_joints(part, far)
+            push_where_far(part, state, s, slack)
+        count_joints(part, slack)
     for s in range(part.on.shape[0]):
-        nudge(part, state, s, now.step)
+        nudge(part, state, s, timing.step)
     count_joints(part, ALL)
 
 
 @hook(Joints)
-def look_back(part, world, now):
+def look_back(part, world, timing):
     """Close the joints half a step before the start as well.
 
     The impulses of the first kick also close gaps of the third order in the step. As those of all
@@ -266,70 +266,70 @@ def look_back(part, world, now):
     a step before the start as well, mu, belong to them, and the impulses of both kicks are twice
     those of the first less mu.
     """
-    move_back(part, world.kept, now.step)
+    move_back(part, world.start_state, timing.step)
     for j in range(part.types.shape[0]):
-        find_gaps(part, world.kept, j)
-    close_before(part, world.kept, now.step)
+        find_gaps(part, world.start_state, j)
+    close_before(part, world.start_state, timing.step)
 
 
 @kernel
-def move_back(part, kept, step):
+def move_back(part, start, step):
     """Move the bodies from the start to a step before it."""
     for s in range(part.on.shape[0]):
         i = part.on[s]
-        put3(kept, i, X, get3(kept, i, X) - step * get3(kept, i, V))
-        axes = frame(kept, i)
-        body, rate = to_local(axes, get3(kept, i, P)), -0.5 * step * get3(part.bodies, s, HIJ)
-        if part.driven[s]:  # by its spin, which stands there
-            put_turned(kept, i, axes, (-0.5 * step) * body)
+        put3(start, i, X, get3(start, i, X) - step * get3(start, i, V))
+        axes = frame(start, i)
+        body, rate = to_local(axes, get3(start, i, P)), -0.5 * step * get3(part.bodies, s, HIJ)
+        if part.is_driven[s]:  # by its spin, which stands there
+            put_turned(start, i, axes, (-0.5 * step) * body)
         else:
-            put_turned(kept, i, axes, half_turn(body, rate))
+            put_turned(start, i, axes, half_turn(body, rate))
 
 
 @kernel
-def close_before(part, kept, step):
+def close_before(part, start, step):
     """Close what is in OFF by the momenta before the start, and bring the bodies back to it."""
     b = part.body_scratch
     find_impulses(part, -0.5 / step)
     for s in range(part.on.shape[0]):
         i, force, moment = part.on[s], get3(b, s, FORCE), get3(b, s, MOMENT)
-        if not part.driven[s]:
-            add3(kept, i, V, -2.0 * times(get3(part.bodies, s, HIM), force))
-            add3(kept, i, P, -2.0 * moment)
+        if not part.is_driven[s]:
+            add3(start, i, V, -2.0 * times(get3(part.bodies, s, AXIS_IM), force))
+            add3(start, i, P, -2.0 * moment)
         add3(b, s, ALL_FORCE, force)
         add3(b, s, ALL_MOMENT, moment)
-        restore(b, s, kept, i)
+        restore(b, s, start, i)
     count_joints(part, ALL)
 
 
 @hook(Joints)
-def work_after(part, world, now):
+def work_after(part, world, timing):
     """Work of what drives bodies, against the impulses of the joints on them."""
     state, b = world.state, part.body_scratch
     total = 0.0 * load(state, 0, X)
     for s in range(part.on.shape[0]):
-        if part.driven[s]:
+        if part.is_driven[s]:
             i = part.on[s]
-            v = (1.0 / now.step) * (get3(state, i, X) - get3(b, s, OLD_X))
+            v = (1.0 / timing.step) * (get3(state, i, X) - get3(b, s, OLD_X))
             axes = frame(state, i)
             first = cross(get3(b, s, OLD_D2), get3(b, s, OLD_D3))
-            turned = cross(first, axes[0]) + cross(get3(b, s, OLD_D2), axes[1])
-            turned = turned + cross(get3(b, s, OLD_D3), axes[2])
-            spin = (0.5 / now.step) * turned
+            rotation = cross(first, axes[0]) + cross(get3(b, s, OLD_D2), axes[1])
+            rotation = rotation + cross(get3(b, s, OLD_D3), axes[2])
+            spin = (0.5 / timing.step) * rotation
             force, moment = get3(b, s, ALL_FORCE), get3(b, s, ALL_MOMENT)
             # An impulse acts over the half steps before and after an instant, the first one only
             # after: what it did before is due at the instant, which is recorded already.
             work = -1.0 * (dot(force, v) + dot(moment, spin))
-            due = 0.0 * work
-            if now.kick == now.step:
-                due = dot(force, get3(b, s, LAST_V)) + dot(moment, get3(b, s, LAST_SPIN))
-                work, due = 0.5 * work, -0.5 * due
-            total = total + work + due
-            store(b, s, DUE, due)
+            work_due = 0.0 * work
+            if timing.kick == timing.step:
+                work_due = dot(force, get3(b, s, LAST_V)) + dot(moment, get3(b, s, LAST_SPIN))
+                work, work_due = 0.5 * work, -0.5 * work_due
+            total = total + work + work_due
+            store(b, s, WORK_DUE, work_due)
             put3(b, s, LAST_V, v)
             put3(b, s, LAST_SPIN, spin)
-    given = load(world.accounts, 0, part.account)
-    store(world.accounts, 0, part.account, given + total)
+    work_sum = load(world.accounts, 0, part.account)
+    store(world.accounts, 0, part.account, work_sum + total)
 
 
 @hook(Joints)
@@ -337,22 +337,22 @@ def work_due(part, world, energies, row):
     """What that did up to now by the impulses of this step."""
     account = ACCOUNTS + part.account
     for s in range(part.on.shape[0]):
-        if part.driven[s]:
-            due = load(energies, row, account) + load(part.body_scratch, s, DUE)
-            store(energies, row, account, due)
+        if part.is_driven[s]:
+            work = load(energies, row, account) + load(part.body_scratch, s, WORK_DUE)
+            store(energies, row, account, work)
 
 
 report_gaps(Joints, find_gaps)
 
 
 @hook(Joints)
-def record_step(part, world, row, now):
+def record_step(part, world, row, timing):
     """Record the constraint forces of the step, where they are counted."""
-    record_sums(part.sums, part, row, now)
+    record_sums(part.sums, part, row, timing)
 
 
 @kernel
-def record_sums(sums, part, row, now):
+def record_sums(sums, part, row, timing):
     """The sums as forces, in the order of the scene.
 
     Of moments only those about axes about which a body may turn.
@@ -360,15 +360,15 @@ def record_sums(sums, part, row, now):
     if sums is not None:
         rows, pattern, count = part.rows, part.pattern, part.types.shape[0]
         for j in range(count):
-            force = 0.0 * get3(rows, 0, ALONG)
+            force = 0.0 * get3(rows, 0, DIRECTION)
             first, second = force, force
             for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
-                impulse = (1.0 / now.kick) * load(sums, r, 0)
-                force = force + impulse * get3(rows, r, ALONG)
+                impulse = (1.0 / timing.kick) * load(sums, r, 0)
+                force = force + impulse * get3(rows, r, DIRECTION)
                 first = first + impulse * get3(rows, r, TURN1)
                 second = second + impulse * get3(rows, r, TURN2)
-            at = row * count + part.names[j]
-            put3(part.forces, at, ON_ONE, force)
-            put3(part.forces, at, ABOUT_ONE, first)
-            put3(part.forces, at, ON_TWO, -1.0 * force)
-            put3(part.forces, at, ABOUT_TWO, -1.0 * second)
+            index = row * count + part.names[j]
+            put3(part.forces, index, ON_ONE, force)
+            put3(part.forces, index, ABOUT_ONE, first)
+            put3(part.forces, index, ON_TWO, -1.0 * force)
+            put3(part.forces, index, ABOUT_TWO, -1.0 * second)

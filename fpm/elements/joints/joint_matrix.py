@@ -9,7 +9,7 @@ makes the impulses of redundant ones the smallest that do it: they differ by wha
 A condition on which no impulse can act gets none.
 """
 
-from fpm.elements.joints.joint_arrays import ALONG, HIM, IMPULSE, PIVOT, ROOT1
+from fpm.elements.joints.joint_arrays import AXIS_IM, DIRECTION, IMPULSE, PIVOT, ROOT1
 from fpm.kernels.lanes import load, sqrt, store, where_negative
 from fpm.kernels.vectors import dot, get3, kernel, larger, times
 
@@ -22,23 +22,25 @@ def build(part):
         store(matrix, e, 0, 0.0)
     for n in range(pattern.meets.shape[0]):
         k, j = pattern.meets[n, 0], pattern.meets[n, 1]
-        one, two = pattern.meets[n, 2], pattern.meets[n, 3]
-        inverse_mass = get3(part.bodies, part.slots[2 * k + one], HIM)
-        sign = 1.0 if one == two else -1.0
-        at = pattern.meets[n, 4]
+        s1, s2 = pattern.meets[n, 2], pattern.meets[n, 3]
+        inverse_mass = get3(part.bodies, part.slots[2 * k + s1], AXIS_IM)
+        sign = 1.0 if s1 == s2 else -1.0
+        index = pattern.meets[n, 4]
         for r in range(pattern.first[k], pattern.first[k] + pattern.count[k]):
-            along = sign * times(inverse_mass, get3(rows, r, ALONG))
-            turn = sign * get3(rows, r, ROOT1 + 3 * one)
+            shift = sign * times(inverse_mass, get3(rows, r, DIRECTION))
+            turn = sign * get3(rows, r, ROOT1 + 3 * s1)
             for c in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
-                entry = dot(along, get3(rows, c, ALONG)) + dot(turn, get3(rows, c, ROOT1 + 3 * two))
-                store(matrix, at, 0, load(matrix, at, 0) + entry)
-                at += 1
+                entry = dot(shift, get3(rows, c, DIRECTION)) + dot(
+                    turn, get3(rows, c, ROOT1 + 3 * s2)
+                )
+                store(matrix, index, 0, load(matrix, index, 0) + entry)
+                index += 1
     for j in range(pattern.count.shape[0]):
-        size, at = pattern.count[j], pattern.diagonal[j]
+        size, index = pattern.count[j], pattern.diagonal[j]
         for r in range(size):
-            entry = load(matrix, at + r * size + r, 0)
+            entry = load(matrix, index + r * size + r, 0)
             store(rows, pattern.first[j] + r, PIVOT, entry)
-            store(matrix, at + r * size + r, 0, entry + part.ease * entry)
+            store(matrix, index + r * size + r, 0, entry + part.ease * entry)
 
 
 @kernel
@@ -46,13 +48,13 @@ def factorise(part):
     """Replace the blocks of A by those of its factor, and PIVOT by the inverse of its diagonal."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     for j in range(pattern.count.shape[0]):
-        first, size, at = pattern.first[j], pattern.count[j], pattern.diagonal[j]
+        first, size, start = pattern.first[j], pattern.count[j], pattern.diagonal[j]
         for c in range(size):
             for r in range(c, size):
-                entry = load(matrix, at + r * size + c, 0)
+                entry = load(matrix, start + r * size + c, 0)
                 for m in range(c):
-                    entry = entry - load(matrix, at + r * size + m, 0) * load(
-                        matrix, at + c * size + m, 0
+                    entry = entry - load(matrix, start + r * size + m, 0) * load(
+                        matrix, start + c * size + m, 0
                     )
                 if r == c:
                     own = load(rows, first + c, PIVOT)
@@ -62,28 +64,28 @@ def factorise(part):
                     entry = pivot * entry
                 else:
                     entry = load(rows, first + c, PIVOT) * entry
-                store(matrix, at + r * size + c, 0, entry)
+                store(matrix, start + r * size + c, 0, entry)
         for n in range(pattern.below_start[j], pattern.below_start[j + 1]):
-            block, height = pattern.below[n, 1], pattern.count[pattern.below[n, 0]]
+            block, height = pattern.followers[n, 1], pattern.count[pattern.followers[n, 0]]
             for r in range(height):
                 for c in range(size):
                     entry = load(matrix, block + r * size + c, 0)
                     for m in range(c):
                         entry = entry - load(matrix, block + r * size + m, 0) * load(
-                            matrix, at + c * size + m, 0
+                            matrix, start + c * size + m, 0
                         )
                     pivot = load(rows, first + c, PIVOT)
                     store(matrix, block + r * size + c, 0, pivot * entry)
         for n in range(pattern.update_start[j], pattern.update_start[j + 1]):
             i, k = pattern.updates[n, 0], pattern.updates[n, 1]
-            left, right = pattern.updates[n, 2], pattern.updates[n, 3]
+            lhs, rhs = pattern.updates[n, 2], pattern.updates[n, 3]
             target, width = pattern.updates[n, 4], pattern.count[k]
             for r in range(pattern.count[i]):
                 for c in range(width):
                     entry = load(matrix, target + r * width + c, 0)
                     for m in range(size):
-                        entry = entry - load(matrix, left + r * size + m, 0) * load(
-                            matrix, right + c * size + m, 0
+                        entry = entry - load(matrix, lhs + r * size + m, 0) * load(
+                            matrix, rhs + c * size + m, 0
                         )
                     store(matrix, target + r * width + c, 0, entry)
 
@@ -94,24 +96,24 @@ def substitute(part):
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     count = pattern.count.shape[0]
     for j in range(count):
-        first, size, at = pattern.first[j], pattern.count[j], pattern.diagonal[j]
+        first, size, start = pattern.first[j], pattern.count[j], pattern.diagonal[j]
         for c in range(size):
             x = load(rows, first + c, IMPULSE)
             for m in range(c):
-                x = x - load(matrix, at + c * size + m, 0) * load(rows, first + m, IMPULSE)
+                x = x - load(matrix, start + c * size + m, 0) * load(rows, first + m, IMPULSE)
             store(rows, first + c, IMPULSE, load(rows, first + c, PIVOT) * x)
         for n in range(pattern.below_start[j], pattern.below_start[j + 1]):
-            k, block = pattern.below[n, 0], pattern.below[n, 1]
+            k, block = pattern.followers[n, 0], pattern.followers[n, 1]
             for r in range(pattern.count[k]):
                 x = load(rows, pattern.first[k] + r, IMPULSE)
                 for m in range(size):
                     x = x - load(matrix, block + r * size + m, 0) * load(rows, first + m, IMPULSE)
                 store(rows, pattern.first[k] + r, IMPULSE, x)
-    for back in range(count):
-        j = count - 1 - back
-        first, size, at = pattern.first[j], pattern.count[j], pattern.diagonal[j]
+    for count_down in range(count):
+        j = count - 1 - count_down
+        first, size, start = pattern.first[j], pattern.count[j], pattern.diagonal[j]
         for n in range(pattern.below_start[j], pattern.below_start[j + 1]):
-            k, block = pattern.below[n, 0], pattern.below[n, 1]
+            k, block = pattern.followers[n, 0], pattern.followers[n, 1]
             for m in range(pattern.count[k]):
                 x = load(rows, pattern.first[k] + m, IMPULSE)
                 for c in range(size):
@@ -122,5 +124,5 @@ def substitute(part):
             c = size - 1 - b
             x = load(rows, first + c, IMPULSE)
             for m in range(c + 1, size):
-                x = x - load(matrix, at + m * size + c, 0) * load(rows, first + m, IMPULSE)
+                x = x - load(matrix, start + m * size + c, 0) * load(rows, first + m, IMPULSE)
             store(rows, first + c, IMPULSE, load(rows, first + c, PIVOT) * x)

@@ -17,17 +17,17 @@ def neighbours(slots: np.ndarray, movable: np.ndarray) -> list[set[int]]:
 
     slots (j, 2): bodies of the sides, -1 for none; movable (b,).
     """
-    at: dict[int, list[int]] = {}
+    by_slot: dict[int, list[int]] = {}
     for joint, sides in enumerate(slots):
         for slot in {int(s) for s in sides if s >= 0 and movable[s]}:
-            at.setdefault(slot, []).append(joint)
-    found: list[set[int]] = [set() for _ in slots]
-    for joints in at.values():
+            by_slot.setdefault(slot, []).append(joint)
+    sets: list[set[int]] = [set() for _ in slots]
+    for joints in by_slot.values():
         for joint in joints:
-            found[joint].update(joints)
-    for joint, others in enumerate(found):
-        others.discard(joint)
-    return found
+            sets[joint].update(joints)
+    for joint, members in enumerate(sets):
+        members.discard(joint)
+    return sets
 
 
 def elimination(graph: Sequence[set[int]]) -> tuple[list[int], list[list[int]]]:
@@ -35,66 +35,66 @@ def elimination(graph: Sequence[set[int]]) -> tuple[list[int], list[list[int]]]:
 
     The later ones come as places in the order, sorted.
     """
-    left = {joint: set(others) for joint, others in enumerate(graph)}
+    active = {joint: set(members) for joint, members in enumerate(graph)}
     by_degree: dict[int, set[int]] = {}
-    for joint, others in left.items():
-        by_degree.setdefault(len(others), set()).add(joint)
-    order, after = [], []
-    while left:
+    for joint, members in active.items():
+        by_degree.setdefault(len(members), set()).add(joint)
+    order, followers = [], []
+    while active:
         degree = min(d for d, joints in by_degree.items() if joints)
         joint = min(by_degree[degree])
         by_degree[degree].discard(joint)
-        others = left.pop(joint)
-        for other in others:
-            by_degree[len(left[other])].discard(other)
-            left[other] |= others
-            left[other] -= {joint, other}
-            by_degree.setdefault(len(left[other]), set()).add(other)
+        members = active.pop(joint)
+        for member in members:
+            by_degree[len(active[member])].discard(member)
+            active[member] |= members
+            active[member] -= {joint, member}
+            by_degree.setdefault(len(active[member]), set()).add(member)
         order.append(joint)
-        after.append(others)
+        followers.append(members)
     place = {joint: i for i, joint in enumerate(order)}
-    return order, [sorted(place[other] for other in others) for others in after]
+    return order, [sorted(place[member] for member in members) for members in followers]
 
 
-def pattern(counts, slots, movable, below: list[list[int]]) -> tuple[Pattern, int]:
+def pattern(counts, slots, movable, followers: list[list[int]]) -> tuple[Pattern, int]:
     """The pattern of joints in their order of elimination, and the number of entries.
 
-    counts (j,): conditions of each; slots (j, 2); movable (b,); below: as `elimination` gives it.
+    counts (j,): conditions of each; slots (j, 2); movable (b,); followers: of `elimination`.
     """
     count = np.asarray(counts, np.int64)
     offsets: dict[tuple[int, int], int] = {}
     entries = 0
     for j in range(len(count)):
-        for k in (j, *below[j]):
+        for k in (j, *followers[j]):
             offsets[k, j] = entries
             entries += int(count[k] * count[j])
     meets = []
     for k, j in offsets:
-        for one, slot in enumerate(slots[k]):
-            for two, other in enumerate(slots[j]):
-                if slot == other >= 0 and movable[slot]:
-                    meets.append((k, j, one, two, offsets[k, j]))
+        for side1, slot in enumerate(slots[k]):
+            for side2, slot2 in enumerate(slots[j]):
+                if slot == slot2 >= 0 and movable[slot]:
+                    meets.append((k, j, side1, side2, offsets[k, j]))
     updates = [
         [
             (i, k, offsets[i, j], offsets[k, j], offsets[i, k])
-            for i in later
-            for k in later
+            for i in members
+            for k in members
             if k <= i
         ]
-        for j, later in enumerate(below)
+        for j, members in enumerate(followers)
     ]
-    blocks = [[(k, offsets[k, j]) for k in later] for j, later in enumerate(below)]
-    found = Pattern(
+    blocks = [[(k, offsets[k, j]) for k in members] for j, members in enumerate(followers)]
+    result = Pattern(
         first=np.cumsum([0, *count[:-1]]),
         count=count,
         diagonal=_table([offsets[j, j] for j in range(len(count))]),
         meets=_table(meets, 5),
         below_start=np.cumsum([0, *map(len, blocks)]),
-        below=_table([block for each in blocks for block in each], 2),
+        followers=_table([block for row in blocks for block in row], 2),
         update_start=np.cumsum([0, *map(len, updates)]),
-        updates=_table([update for each in updates for update in each], 5),
+        updates=_table([update for row in updates for update in row], 5),
     )
-    return found, entries
+    return result, entries
 
 
 def _table(values, columns: int | None = None) -> np.ndarray:

@@ -3,20 +3,20 @@
 import math
 
 from fpm.elements.joints.joint_arrays import (
-    ALONG,
     ARM,
     AXIS,
+    DIRECTION,
     FIXED,
-    HELD,
     HOLDS,
-    MISSED,
-    OFF,
+    MISS,
     PRISMATIC,
     REFERENCE,
+    RESIDUAL,
     REVOLUTE,
     ROOT,
     ROOT1,
-    SLID,
+    SLIDE,
+    SUPPORT,
     TARGET,
     TURN1,
     TURNS,
@@ -42,9 +42,9 @@ FULL = 2 * math.pi
 
 
 @kernel
-def put_row(part, state, j, r, along, turn1, turn2):
+def put_row(part, state, j, r, linear, turn1, turn2):
     """Store condition r of joint j, with the moments of a unit impulse on its bodies."""
-    put3(part.rows, r, ALONG, along)
+    put3(part.rows, r, DIRECTION, linear)
     put_turn(part, state, part.slots[2 * j], r, 0, turn1)
     if part.slots[2 * j + 1] >= 0:
         put_turn(part, state, part.slots[2 * j + 1], r, 3, turn2)
@@ -84,8 +84,8 @@ def directions(part, j, first):
 def unit_vectors(like):
     """The global axes, as vectors of lanes."""
     zero = 0.0 * like
-    one = zero + 1.0
-    return vector(one, zero, zero), vector(zero, one, zero), vector(zero, zero, one)
+    unity = zero + 1.0
+    return vector(unity, zero, zero), vector(zero, unity, zero), vector(zero, zero, unity)
 
 
 @kernel
@@ -97,44 +97,44 @@ def find_rows(part, state):
         kind, r = part.types[j], part.pattern.first[j]
         x1, first, point = place(part, state, j, 0)
         ex, ey, ez = unit_vectors(x1.x)
-        if kind == HELD:
+        if kind == SUPPORT:
             arm = point - x1
-            if part.held[j, 0]:
+            if part.fixed_axes[j, 0]:
                 put_row(part, state, j, r, ex, cross(arm, ex), ex)
                 r += 1
-            if part.held[j, 1]:
+            if part.fixed_axes[j, 1]:
                 put_row(part, state, j, r, ey, cross(arm, ey), ey)
                 r += 1
-            if part.held[j, 2]:
+            if part.fixed_axes[j, 2]:
                 put_row(part, state, j, r, ez, cross(arm, ez), ez)
             continue
-        x2, second, other = place(part, state, j, 1)
+        x2, second, x3 = place(part, state, j, 1)
         axis, p, q = directions(part, j, first)
         if kind == PRISMATIC:
             # Impulses act where the second's point is, which slides on the first.
-            one, two = other - x1, other - x2
-            put_row(part, state, j, r, p, cross(one, p), cross(two, p))
-            put_row(part, state, j, r + 1, q, cross(one, q), cross(two, q))
+            arm1, arm2 = x3 - x1, x3 - x2
+            put_row(part, state, j, r, p, cross(arm1, p), cross(arm2, p))
+            put_row(part, state, j, r + 1, q, cross(arm1, q), cross(arm2, q))
             r += 2
         else:
             # Both at the first's point: they make no moment if the joint gapes.
-            one, two = point - x1, point - x2
-            put_row(part, state, j, r, ex, cross(one, ex), cross(two, ex))
-            put_row(part, state, j, r + 1, ey, cross(one, ey), cross(two, ey))
-            put_row(part, state, j, r + 2, ez, cross(one, ez), cross(two, ez))
+            arm1, arm2 = point - x1, point - x2
+            put_row(part, state, j, r, ex, cross(arm1, ex), cross(arm2, ex))
+            put_row(part, state, j, r + 1, ey, cross(arm1, ey), cross(arm2, ey))
+            put_row(part, state, j, r + 2, ez, cross(arm1, ez), cross(arm2, ez))
             r += 3
-        none = 0.0 * p
-        along = to_global(second, get3(part.sides, 2 * j + 1, AXIS))
+        zero = 0.0 * p
+        axis2 = to_global(second, get3(part.sides, 2 * j + 1, AXIS))
         if kind == UNIVERSAL:
-            turn = cross(axis, along)
-            put_row(part, state, j, r, none, turn, turn)
+            turn = cross(axis, axis2)
+            put_row(part, state, j, r, zero, turn, turn)
         if kind in (REVOLUTE, FIXED, PRISMATIC):
-            about_p, about_q = cross(p, along), cross(q, along)
-            put_row(part, state, j, r, none, about_p, about_p)
-            put_row(part, state, j, r + 1, none, about_q, about_q)
+            about_p, about_q = cross(p, axis2), cross(q, axis2)
+            put_row(part, state, j, r, zero, about_p, about_p)
+            put_row(part, state, j, r + 1, zero, about_q, about_q)
         if kind in (FIXED, PRISMATIC):
             turn = cross(q, to_global(second, get3(part.sides, 2 * j + 1, REFERENCE)))
-            put_row(part, state, j, r + 2, none, turn, turn)
+            put_row(part, state, j, r + 2, zero, turn, turn)
 
 
 @kernel
@@ -144,65 +144,65 @@ def find_gaps(part, state, j):
     Returns the sums of their squares.
     """
     if is_opening(part.turns, part, j):
-        off = opening_gap(part.turns, part, state, j)
-        store(part.rows, part.pattern.first[j], OFF, off)
-        if part.types[j] == SLID:
-            return off * off, 0.0 * off
-        return 0.0 * off, off * off
+        gap = opening_gap(part.turns, part, state, j)
+        store(part.rows, part.pattern.first[j], RESIDUAL, gap)
+        if part.types[j] == SLIDE:
+            return gap * gap, 0.0 * gap
+        return 0.0 * gap, gap * gap
     rows, kind, r = part.rows, part.types[j], part.pattern.first[j]
     _, first, point = place(part, state, j, 0)
-    if kind == HELD:
-        off = point - get3(part.places, j, 0)
-        gap2 = 0.0 * off.x
-        if part.held[j, 0]:
-            store(rows, r, OFF, off.x)
-            gap2 = gap2 + off.x * off.x
+    if kind == SUPPORT:
+        gap = point - get3(part.places, j, 0)
+        gap2 = 0.0 * gap.x
+        if part.fixed_axes[j, 0]:
+            store(rows, r, RESIDUAL, gap.x)
+            gap2 = gap2 + gap.x * gap.x
             r += 1
-        if part.held[j, 1]:
-            store(rows, r, OFF, off.y)
-            gap2 = gap2 + off.y * off.y
+        if part.fixed_axes[j, 1]:
+            store(rows, r, RESIDUAL, gap.y)
+            gap2 = gap2 + gap.y * gap.y
             r += 1
-        if part.held[j, 2]:
-            store(rows, r, OFF, off.z)
-            gap2 = gap2 + off.z * off.z
+        if part.fixed_axes[j, 2]:
+            store(rows, r, RESIDUAL, gap.z)
+            gap2 = gap2 + gap.z * gap.z
         return gap2, 0.0 * gap2
-    _, second, other = place(part, state, j, 1)
+    _, second, point2 = place(part, state, j, 1)
     axis, p, q = directions(part, j, first)
-    off = point - other
+    gap = point - point2
     if kind == PRISMATIC:
-        u, v = dot(p, off), dot(q, off)
-        store(rows, r, OFF, u)
-        store(rows, r + 1, OFF, v)
+        u, v = dot(p, gap), dot(q, gap)
+        store(rows, r, RESIDUAL, u)
+        store(rows, r + 1, RESIDUAL, v)
         gap2 = u * u + v * v
         r += 2
     else:
-        put_gap(rows, r, off)
-        gap2 = dot(off, off)
+        put_gap(rows, r, gap)
+        gap2 = dot(gap, gap)
         r += 3
     tilt2 = 0.0 * gap2
-    along = to_global(second, get3(part.sides, 2 * j + 1, AXIS))
+    axis2 = to_global(second, get3(part.sides, 2 * j + 1, AXIS))
     if kind == UNIVERSAL:
-        tilt = dot(axis, along)
-        store(rows, r, OFF, tilt)
+        tilt = dot(axis, axis2)
+        store(rows, r, RESIDUAL, tilt)
         tilt2 = tilt * tilt
     if kind in (REVOLUTE, FIXED, PRISMATIC):
-        u, v = dot(p, along), dot(q, along)
-        store(rows, r, OFF, u)
-        store(rows, r + 1, OFF, v)
+        u, v = dot(p, axis2), dot(q, axis2)
+        store(rows, r, RESIDUAL, u)
+        store(rows, r + 1, RESIDUAL, v)
         tilt2 = u * u + v * v
     if kind in (FIXED, PRISMATIC):
         tilt = dot(q, to_global(second, get3(part.sides, 2 * j + 1, REFERENCE)))
-        store(rows, r + 2, OFF, tilt)
+        store(rows, r + 2, RESIDUAL, tilt)
         tilt2 = tilt2 + tilt * tilt
     return gap2, tilt2
 
 
 @kernel
-def put_gap(rows, r, off):
+def put_gap(rows, r, gap):
     """Store the three components of a gap in rows r, r + 1, r + 2."""
-    store(rows, r, OFF, off.x)
-    store(rows, r + 1, OFF, off.y)
-    store(rows, r + 2, OFF, off.z)
+    store(rows, r, RESIDUAL, gap.x)
+    store(rows, r + 1, RESIDUAL, gap.y)
+    store(rows, r + 2, RESIDUAL, gap.z)
 
 
 # -- openings that are held: nothing is compiled of these where none is --------------------------
@@ -243,12 +243,12 @@ def put_held_row(part, state, j):
     axis, _, _ = directions(part, j, first)
     holds = where_negative(load(part.turns.state, t, HOLDS), 1.0, 0.0)
     turn = (-1.0 * holds) * axis
-    if part.types[j] == SLID:
-        x2, _, other = place(part, state, j, 1)
-        put_row(part, state, j, r, turn, cross(other - x1, turn), cross(other - x2, turn))
+    if part.types[j] == SLIDE:
+        x2, _, point2 = place(part, state, j, 1)
+        put_row(part, state, j, r, turn, cross(point2 - x1, turn), cross(point2 - x2, turn))
     else:
         put_row(part, state, j, r, 0.0 * axis, turn, turn)
-    store(part.rows, r, MISSED, holds * load(part.rows, r, MISSED))
+    store(part.rows, r, MISS, holds * load(part.rows, r, MISS))
     return True
 
 
@@ -259,10 +259,10 @@ def held_gap(part, state, j):
     _, first, point = place(part, state, j, 0)
     _, second, end = place(part, state, j, 1)
     axis, p, q = directions(part, j, first)
-    if part.types[j] == SLID:
-        way = dot(axis, end - point) - load(part.turns.state, t, TARGET)
-        return where_negative(load(part.turns.state, t, HOLDS), way, 0.0)
-    other = to_global(second, get3(part.sides, 2 * j + 1, REFERENCE))
-    off = arctan2(dot(q, other), dot(p, other)) - load(part.turns.state, t, TARGET)
-    off = off - FULL * floor((1.0 / FULL) * off + 0.5)
-    return where_negative(load(part.turns.state, t, HOLDS), off, 0.0)
+    if part.types[j] == SLIDE:
+        gap = dot(axis, end - point) - load(part.turns.state, t, TARGET)
+        return where_negative(load(part.turns.state, t, HOLDS), gap, 0.0)
+    reference = to_global(second, get3(part.sides, 2 * j + 1, REFERENCE))
+    angle = arctan2(dot(q, reference), dot(p, reference)) - load(part.turns.state, t, TARGET)
+    angle = angle - FULL * floor((1.0 / FULL) * angle + 0.5)
+    return where_negative(load(part.turns.state, t, HOLDS), angle, 0.0)

@@ -44,7 +44,7 @@ from fpm.elements.openings.opening import (
     TURNING,
     moving_at_start,
     on_hinge,
-    opened,
+    start_angles,
     turning_at_start,
     unit_of,
 )
@@ -54,10 +54,10 @@ from fpm.errors import SceneError
 AT_START = 1e-9
 """A rigid motor begins where its hinge is, to this angle (rad)."""
 
-ALWAYS = np.zeros(1), np.ones(1)
+CONSTANT = np.zeros(1), np.ones(1)
 """The curve -1."""
 
-STILL = 1e-11
+RATE_TOL = 1e-11
 """Rate up to which a hinge sticks at the start, as a share of the fastest spin; what joins it to
 others leaves a tenth (AGREES in solver/start.py)."""
 
@@ -78,14 +78,14 @@ class RigidMotor(AnyMotor, Rigid):
     """
 
     hinge: int = on_hinge()
-    start: float = number("rad", words="opening of {title}", said=False)
+    start: float = number("rad", words="opening of {title}", is_shown=False)
     turn: float = number("rad", words="opening of {title}")
     curve: int = index("curves", -1)
     by_rate: bool = same(False)
 
-    def at(self, scene, time: float) -> float:
+    def target(self, scene, time: float) -> float:
         """The opening (rad) that it prescribes at a time (s)."""
-        times, values = scene.curves[self.curve] if self.curve >= 0 else ALWAYS
+        times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if not self.by_rate:
             return float(self.start + self.turn * np.interp(time, times, values))
         bends = np.append(times[(times > 0.0) & (times < time)], [0.0, time])
@@ -95,7 +95,7 @@ class RigidMotor(AnyMotor, Rigid):
 
     def rate_at_start(self, scene) -> float:
         """The rate (rad/s) of the opening at the start, and just after it."""
-        times, values = scene.curves[self.curve] if self.curve >= 0 else ALWAYS
+        times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if self.by_rate:
             return float(self.turn * np.interp(0.0, times, values))
         k = int(np.searchsorted(times, 0.0, side="right"))
@@ -107,11 +107,11 @@ class RigidMotor(AnyMotor, Rigid):
         """It begins where its hinge is."""
         super().check(scene)
         hinge = scene.hinges[self.hinge]
-        if abs(self.at(scene, 0.0) - hinge.opening) > AT_START:
+        if abs(self.target(scene, 0.0) - hinge.opening) > AT_START:
             unit = unit_of(scene, self.hinge, "rad")
             allowed = f"{hinge.opening:g} {unit}, where the hinge is then, or a drive train"
             subject = f"opening of {self.title(scene)} at the start"
-            raise SceneError(subject, self.at(scene, 0.0), allowed)
+            raise SceneError(subject, self.target(scene, 0.0), allowed)
 
     def held_at_start(self, scene):
         return scene.hinges[self.hinge].opening
@@ -124,7 +124,7 @@ class RigidRelease(AnyRelease, Rigid):
     hinge: int = on_hinge()
     time: float = number("s", above=0.0, finite=False, default=np.inf)
     watch: int = index("hinges", -1, words="hinge of release to watch", default=-1)
-    level: float = number("rad", default=0.0, said=False)
+    level: float = number("rad", default=0.0, is_shown=False)
 
     def held_at_start(self, scene):
         return scene.hinges[self.hinge].opening
@@ -149,10 +149,10 @@ class RigidLatch(AnyLatch, Rigid):
     @classmethod
     def array(cls, name, batch):
         """At the start they have looked up to where the hinges are."""
-        found = super().array(name, batch)
+        array = super().array(name, batch)
         if name == "state":
-            found[:, cls.kernels().SEEN] = opened(batch, cls)
-        return found
+            array[:, cls.kernels().SEARCHED] = start_angles(batch, cls)
+        return array
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,7 @@ class RigidFriction(Rigid):
     def held_at_start(self, scene):
         (rate,) = turning_at_start(scene, [self.hinge])
         fastest = np.abs(moving_at_start(scene).spin).max(initial=0.0)
-        return scene.hinges[self.hinge].opening if abs(rate) <= STILL * fastest else None
+        return scene.hinges[self.hinge].opening if abs(rate) <= RATE_TOL * fastest else None
 
     @classmethod
     def held_round(cls, scene):
@@ -187,12 +187,12 @@ class RigidFriction(Rigid):
         """At the start they slip the way that the hinges turn."""
         if name != "state":
             return super().array(name, batch)
-        at, count = cls.kernels(), len(cls.of(batch.one))
+        kernels, count = cls.kernels(), len(cls.of(batch.scene))
 
         def starts(scene):
-            state = np.zeros((count, at.STATE))
+            state = np.zeros((count, kernels.STATE))
             rates = turning_at_start(scene, [f.hinge for f in cls.of(scene)])
-            state[:, at.WAY] = np.where(np.array(rates) < 0, -1.0, 1.0)
+            state[:, kernels.SIGN] = np.where(np.array(rates) < 0, -1.0, 1.0)
             return state
 
-        return batch.stack(count, at.STATE, starts)
+        return batch.stack(count, kernels.STATE, starts)

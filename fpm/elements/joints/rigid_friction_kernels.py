@@ -4,29 +4,29 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.joints.joint_arrays import HOLDS, NEEDED, RATE, TARGET, Turns
+from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET, Turns
 from fpm.elements.joints.turn_kernels import (
-    HELD,
     HELD_BY,
+    HOLD_FIELDS,
     account,
     end_work_of,
     moment_of,
     tell_late,
 )
-from fpm.elements.openings.losses_kernels import LOSING as EARLIER  # which holds a rate here
+from fpm.elements.openings.losses_kernels import LOSS as OLD_RATE  # which holds a rate here
 from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.losses_kernels import half_rate
-from fpm.elements.openings.opening_kernels import NOW, Openings, push, turn
+from fpm.elements.openings.opening_kernels import NEW, Openings, push, turn
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
 from fpm.kernels.vectors import kernel
 
 WORKS = 0  # of turn_kernels
-WAY = WORKS + HELD  # sign of the rate at which it slips, or slipped last
-BRAKE = WAY + 1  # moment while it slips (N m)
-TOLD = BRAKE + 1  # the same as it was before the joints were solved
-LEFT = TOLD + 1  # how often it may change its mind in this step
-STATE = LEFT + 1
+SIGN = WORKS + HOLD_FIELDS  # sign of the rate at which it slips, or slipped last
+BRAKE = SIGN + 1  # moment while it slips (N m)
+LAST_BRAKE = BRAKE + 1  # the same as it was before the joints were solved
+CHANGES_LEFT = LAST_BRAKE + 1  # how often it may change its mind in this step
+STATE = CHANGES_LEFT + 1
 
 NUMBERS = ("moment",)
 
@@ -48,21 +48,21 @@ class RigidFrictions(NamedTuple):
 
 
 @hook(RigidFrictions)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Brake what slips. A blow of the step before still counts, whose rest comes in this one."""
     blow = load(part.turns.blow, 0, 0)
     store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
     for i in range(part.on.shape[0]):
         h = part.on[i]
-        if now.time > 0.0:
-            store(part.past, i, EARLIER, load(part.past, i, LAST))
-            store(part.past, i, LAST, half_rate(part.openings, h, now))
-        held = load(part.turns.state, part.turn[i], HOLDS)
-        brake = -1.0 * load(part.state, i, WAY) * load(part.numbers, i, 0)
-        brake = where_negative(held, 0.0, brake)
+        if timing.time > 0.0:
+            store(part.past, i, OLD_RATE, load(part.past, i, LAST))
+            store(part.past, i, LAST, half_rate(part.openings, h, timing))
+        hold = load(part.turns.state, part.turn[i], HOLDS)
+        brake = -1.0 * load(part.state, i, SIGN) * load(part.numbers, i, 0)
+        brake = where_negative(hold, 0.0, brake)
         store(part.state, i, BRAKE, brake)
-        store(part.state, i, TOLD, brake)
-        store(part.state, i, LEFT, CHANGES)
+        store(part.state, i, LAST_BRAKE, brake)
+        store(part.state, i, CHANGES_LEFT, CHANGES)
         turn(part.openings, world.state, h, brake)
 
 
@@ -70,28 +70,28 @@ account(RigidFrictions, WORKS, -1.0)
 
 
 @kernel
-def turning(part, i, now):
+def turning(part, i, timing):
     """Share of the kick until an opening stands, and how far (rad) it goes still until then.
 
     Its rate would fall in this kick to one below zero. If it fell so before, it stands at the
     vertex of the parabola; else it is braked only now, from where it is, amid the kick.
     """
-    way = load(part.state, i, WAY)
-    last = way * load(part.past, i, LAST)
+    sign = load(part.state, i, SIGN)
+    last = sign * load(part.past, i, LAST)
     last = where_negative(last, 0.0, last)
-    fall = last - way * load(part.turns.state, part.turn[i], RATE)
-    fell = way * load(part.past, i, EARLIER) - last
-    vertex = 0.5 * now.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
-    sudden = 0.5 * now.kick * last * last / fall
+    fall = last - sign * load(part.turns.state, part.turn[i], RATE)
+    fell = sign * load(part.past, i, OLD_RATE) - last
+    vertex = 0.5 * timing.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
+    sudden = 0.5 * timing.kick * last * last / fall
     blow = fell - 0.5 * fall
     share = last / fall
-    if now.time > 0.0:
+    if timing.time > 0.0:
         share = where_negative(blow, 0.5 + load(part.turns.blow, 0, 0), share)
     return share, where_negative(-last, where_negative(blow, sudden, vertex), 0.0)
 
 
 @hook(RigidFrictions)
-def decide(part, world, now):
+def decide(part, world, timing):
     """Let go where more is needed than it bears, turn round or stick where it comes to stand.
 
     What would turn round is braked until it stands and pushed the other way from then on; if it
@@ -99,69 +99,69 @@ def decide(part, world, now):
     to let go: no impulse that it holds is more than it bears.
     """
     for i in range(part.on.shape[0]):
-        t, left = part.turn[i], load(part.state, i, LEFT)
-        held, way = load(part.turns.state, t, HOLDS), load(part.state, i, WAY)
-        over = load(part.numbers, i, 0) - absolute(needed_by(part, i, now))
-        back = where_negative(held, 1.0, way * load(part.turns.state, t, RATE))
-        changed = left - (CHANGES - 0.5)
-        slips = where_negative(held, over, 1.0)
-        turns = where_negative(changed, 1.0, back)
-        sticks = where_negative(changed, where_negative(left - 1.5, 1.0, back), 1.0)
+        t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
+        hold, sign = load(part.turns.state, t, HOLDS), load(part.state, i, SIGN)
+        reserve = load(part.numbers, i, 0) - absolute(needed_by(part, i, timing))
+        speed = where_negative(hold, 1.0, sign * load(part.turns.state, t, RATE))
+        is_first = changes - (CHANGES - 0.5)
+        slips = where_negative(hold, reserve, 1.0)
+        turns = where_negative(is_first, 1.0, speed)
+        sticks = where_negative(is_first, where_negative(changes - 1.5, 1.0, speed), 1.0)
         if any_negative(slips) or any_negative(turns) or any_negative(sticks):
-            change(part, world, now, i, slips, turns, sticks)
+            change(part, world, timing, i, slips, turns, sticks)
 
 
 @kernel
-def needed_by(part, i, now):
+def needed_by(part, i, timing):
     """Moment (N m) that held element i in this step."""
-    return (1.0 / now.kick) * load(part.turns.state, part.turn[i], NEEDED)
+    return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
 
 
 @kernel
-def slipping(part, i, full, now):
+def slipping(part, i, full, timing):
     """Moment (N m) with which it lets go in this step, from how it was held to the full one.
 
     Of a load that grows, both are the same to the first order. A blow comes amid the kick, or a
     share of the step after (before) that: what the next kick (the last) had too little of being
     held, this one has.
     """
-    if now.time == 0.0:
+    if timing.time == 0.0:
         return full
-    after = load(part.turns.blow, 0, 0)
-    mean = (0.5 - after) * full + (0.5 + after) * load(part.state, i, WORKS + HELD_BY)
-    slid = -absolute(load(part.state, i, TOLD))
-    return where_negative(slid, full, mean)
+    delay = load(part.turns.blow, 0, 0)
+    mean = (0.5 - delay) * full + (0.5 + delay) * load(part.state, i, WORKS + HELD_BY)
+    is_slip = -absolute(load(part.state, i, LAST_BRAKE))
+    return where_negative(is_slip, full, mean)
 
 
 @kernel
-def change(part, world, now, i, slips, turns, sticks):
+def change(part, world, timing, i, slips, turns, sticks):
     """Let go, turn or stick in the lanes in which these are below zero."""
     t, h, most = part.turn[i], part.on[i], load(part.numbers, i, 0)
-    way, before = load(part.state, i, WAY), load(part.state, i, BRAKE)
-    sign = where_negative(needed_by(part, i, now), -1.0, 1.0)
-    share, ahead = turning(part, i, now)
-    brake = where_negative(slips, slipping(part, i, sign * most, now), before)
-    brake = where_negative(turns, (1.0 - 2.0 * share) * way * most, brake)
+    old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
+    sign = where_negative(needed_by(part, i, timing), -1.0, 1.0)
+    share, path = turning(part, i, timing)
+    brake = where_negative(slips, slipping(part, i, sign * most, timing), last)
+    brake = where_negative(turns, (1.0 - 2.0 * share) * old * most, brake)
     brake = where_negative(sticks, 0.0, brake)
-    push(part.openings, world.state, h, now.kick * (brake - before))
+    push(part.openings, world.state, h, timing.kick * (brake - last))
     store(part.state, i, BRAKE, brake)
-    store(part.state, i, WAY, where_negative(slips, -sign, where_negative(turns, -way, way)))
-    held = where_negative(slips, 1.0, load(part.turns.state, t, HOLDS))
-    store(part.turns.state, t, HOLDS, where_negative(sticks, -1.0, held))
-    target = load(part.openings.angles, h, NOW) + way * ahead
+    store(part.state, i, SIGN, where_negative(slips, -sign, where_negative(turns, -old, old)))
+    hold = where_negative(slips, 1.0, load(part.turns.state, t, HOLDS))
+    store(part.turns.state, t, HOLDS, where_negative(sticks, -1.0, hold))
+    target = load(part.openings.angles, h, NEW) + old * path
     target = where_negative(turns, target, load(part.turns.state, t, TARGET))
     store(part.turns.state, t, TARGET, target)
-    some = where_negative(slips, -1.0, where_negative(turns, -1.0, sticks))
-    left = load(part.state, i, LEFT)
-    store(part.state, i, LEFT, where_negative(some, left - 1.0, left))
+    is_change = where_negative(slips, -1.0, where_negative(turns, -1.0, sticks))
+    changes = load(part.state, i, CHANGES_LEFT)
+    store(part.state, i, CHANGES_LEFT, where_negative(is_change, changes - 1.0, changes))
     world.undecided[0] = 1
 
 
 @hook(RigidFrictions)
-def work_after(part, world, now):
+def work_after(part, world, timing):
     """What it loses in the half step up to now by the moments of this step."""
     for i in range(part.on.shape[0]):
-        moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], now)
-        late = moment - load(part.state, i, TOLD)
-        tell_late(part.openings.told, part.openings, part.on[i], late)
+        moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
+        late = moment - load(part.state, i, LAST_BRAKE)
+        tell_late(part.openings.moments, part.openings, part.on[i], late)
         end_work_of(part, world, i, moment, WORKS, -1.0)

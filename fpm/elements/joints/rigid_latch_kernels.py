@@ -5,24 +5,24 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.joint_arrays import HOLDS, RATE, TARGET, Turns
-from fpm.elements.joints.turn_kernels import HELD, account, end_work, moment_of
+from fpm.elements.joints.turn_kernels import HOLD_FIELDS, account, end_work, moment_of
 from fpm.elements.openings.latch_kernels import (
-    CAUGHT,
+    CATCH_TIME,
     IMPULSE,
+    IS_CAUGHT,
     MOMENT,
     NEWS,
     RATE_THERE,
-    WHEN,
     note_events,
     pass_by,
-    reached,
+    reach_of,
 )
-from fpm.elements.openings.latch_kernels import HELD as PLACE
+from fpm.elements.openings.latch_kernels import HOLD_ANGLE as PLACE
 from fpm.elements.openings.latch_kernels import NUMBERS as OF_ALL
 from fpm.elements.openings.latch_kernels import STATE as LATCH
 from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.losses_kernels import half_rate
-from fpm.elements.openings.opening_kernels import NOW, Openings
+from fpm.elements.openings.opening_kernels import NEW, Openings
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.vectors import kernel
@@ -30,11 +30,11 @@ from fpm.kernels.world import Log
 
 # State of a rigid latch, behind that of all latches.
 WORKS = LATCH  # of turn_kernels
-AGE = WORKS + HELD  # steps in which it has held
+AGE = WORKS + HOLD_FIELDS  # steps in which it has held
 IMPACT = AGE + 1  # impulse with which it caught
-AHEAD = IMPACT + 1  # opening that is foreseen for the end of this step
-SEEN = AHEAD + 1  # opening up to which it has looked, as foreseen in the step before
-STATE = SEEN + 1
+PREDICTION = IMPACT + 1  # opening that is foreseen for the end of this step
+SEARCHED = PREDICTION + 1  # opening up to which it has looked, as foreseen in the step before
+STATE = SEARCHED + 1
 
 NUMBERS = OF_ALL[:4]  # how it catches
 TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
@@ -64,22 +64,22 @@ account(RigidLatches, WORKS, -1.0)
 
 
 @hook(RigidLatches)
-def prepare(part, world, now):
+def prepare(part, world, timing):
     """Keep the rates of the step before."""
-    if now.time > 0.0:
+    if timing.time > 0.0:
         for i in range(part.on.shape[0]):
-            store(part.past, i, LAST, half_rate(part.openings, part.on[i], now))
+            store(part.past, i, LAST, half_rate(part.openings, part.on[i], timing))
 
 
 @kernel
-def foreseen(part, i, now):
+def predict(part, i, timing):
     """Opening (rad) of latch i at the end of the step."""
     rate = load(part.turns.state, part.turn[i], RATE)
-    return load(part.openings.angles, part.on[i], NOW) + now.step * rate
+    return load(part.openings.angles, part.on[i], NEW) + timing.step * rate
 
 
 @hook(RigidLatches)
-def decide(part, world, now):
+def decide(part, world, timing):
     """Catch the openings that would come by in this step.
 
     It looks on from where it looked to in the step before: what comes about otherwise, in the last
@@ -87,54 +87,54 @@ def decide(part, world, now):
     """
     for i in range(part.on.shape[0]):
         t = part.turn[i]
-        before, after = load(part.state, i, SEEN), foreseen(part, i, now)
-        store(part.state, i, AHEAD, after)
-        reach = reached(part, i, before, after)
-        open_ = 0.5 - load(part.state, i, CAUGHT) - load(part.state, i, NEWS)
+        start, prediction = load(part.state, i, SEARCHED), predict(part, i, timing)
+        store(part.state, i, PREDICTION, prediction)
+        reach = reach_of(part, i, start, prediction)
+        open_ = 0.5 - load(part.state, i, IS_CAUGHT) - load(part.state, i, NEWS)
         if any_negative(where_negative(open_, 1.0, reach)):
-            end = now.time + now.step
+            end = timing.time + timing.step
             for s in range(part.state.shape[2]):
-                if part.state[i, CAUGHT, s] + part.state[i, NEWS, s] == 0.0:
-                    seen, ahead = part.state[i, SEEN, s], part.state[i, AHEAD, s]
-                    pass_by(part, i, s, seen, ahead, part.past[i, LAST, s], end, now.step)
-                    if part.state[i, CAUGHT, s] > 0.0:
+                if part.state[i, IS_CAUGHT, s] + part.state[i, NEWS, s] == 0.0:
+                    psi_start, psi_end = part.state[i, SEARCHED, s], part.state[i, PREDICTION, s]
+                    pass_by(part, i, s, psi_start, psi_end, part.past[i, LAST, s], end, timing.step)
+                    if part.state[i, IS_CAUGHT, s] > 0.0:
                         part.turns.state[t, HOLDS, s] = -1.0
                         part.turns.state[t, TARGET, s] = part.state[i, PLACE, s]
-                        share = (part.state[i, WHEN, s] - now.time) / now.step
+                        share = (part.state[i, CATCH_TIME, s] - timing.time) / timing.step
                         part.turns.blow[0, 0, s] = share
                         world.undecided[0] = 1
 
 
 @hook(RigidLatches)
-def work_after(part, world, now):
+def work_after(part, world, timing):
     """What they lose in the half step up to now by the impulses of this step, and these.
 
     The impulse of catching is that of the two steps which share it, less what the moment of the
     third gives in the time since.
     """
-    end_work(part, world, now, WORKS, -1.0)
+    end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.on.shape[0]):
-        moment = moment_of(part.turns, part.turn[i], now)
-        impulse = now.kick * moment
+        moment = moment_of(part.turns, part.turn[i], timing)
+        impulse = timing.kick * moment
         store(part.state, i, MOMENT, moment)
         store(part.state, i, IMPULSE, load(part.state, i, IMPULSE) + impulse)
-        age = load(part.state, i, AGE) + load(part.state, i, CAUGHT)
+        age = load(part.state, i, AGE) + load(part.state, i, IS_CAUGHT)
         store(part.state, i, AGE, age)
-        store(part.state, i, SEEN, foreseen(part, i, now))
-        since = now.time - 0.5 * now.step - load(part.state, i, WHEN)
-        blow = where_negative(age - 2.5, impulse, -1.0 * since * moment)
+        store(part.state, i, SEARCHED, predict(part, i, timing))
+        time = timing.time - 0.5 * timing.step - load(part.state, i, CATCH_TIME)
+        blow = where_negative(age - 2.5, impulse, -1.0 * time * moment)
         blow = where_negative(age - 3.5, blow, 0.0)
         store(part.state, i, IMPACT, load(part.state, i, IMPACT) + blow)
 
 
 @hook(RigidLatches)
-def record_step(part, world, row, now):
+def record_step(part, world, row, timing):
     """Moment, impulse up to now, rate when it caught, and the impulse of catching."""
     count = part.on.shape[0]
     for i in range(count):
-        at, moment = row * count + i, load(part.state, i, MOMENT)
-        ahead = 0.5 * now.step * moment  # of the kick from now on
-        store(part.track, at, 0, moment)
-        store(part.track, at, 1, load(part.state, i, IMPULSE) - ahead)
-        store(part.track, at, 2, load(part.state, i, RATE_THERE))
-        store(part.track, at, 3, load(part.state, i, IMPACT))
+        index, moment = row * count + i, load(part.state, i, MOMENT)
+        impulse = 0.5 * timing.step * moment  # of the kick from now on
+        store(part.track, index, 0, moment)
+        store(part.track, index, 1, load(part.state, i, IMPULSE) - impulse)
+        store(part.track, index, 2, load(part.state, i, RATE_THERE))
+        store(part.track, index, 3, load(part.state, i, IMPACT))

@@ -5,17 +5,17 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.joint_arrays import TARGET, Turns
-from fpm.elements.joints.turn_kernels import HELD, HELD_BY, account, end_work
+from fpm.elements.joints.turn_kernels import HELD_BY, HOLD_FIELDS, account, end_work
 from fpm.elements.openings.opening_kernels import Openings
 from fpm.kernels.curves import bend_after, travel
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 
 NUMBERS = "start", "turn"
-START, BY = range(2)
+START, TRAVEL = range(2)
 TRACK = 1
 WORKS = 0  # of turn_kernels
-STATE = HELD
+STATE = HOLD_FIELDS
 
 
 class RigidMotors(NamedTuple):
@@ -36,15 +36,15 @@ class RigidMotors(NamedTuple):
 
 
 @hook(RigidMotors)
-def prepare(part, world, now):
+def prepare(part, world, timing):
     """Where the openings have to be at the end of the step."""
     for i in range(part.on.shape[0]):
         if not part.by_rate[i]:
-            bend = bend_after(world, part.curve[i], now.time)
-            if bend < now.step:
-                store(part.turns.blow, 0, 0, bend / now.step)
-        way = travel(world, part.curve[i], part.by_rate[i], now.time + now.step)
-        target = load(part.numbers, i, START) + way * load(part.numbers, i, BY)
+            bend = bend_after(world, part.curve[i], timing.time)
+            if bend < timing.step:
+                store(part.turns.blow, 0, 0, bend / timing.step)
+        distance = travel(world, part.curve[i], part.by_rate[i], timing.time + timing.step)
+        target = load(part.numbers, i, START) + distance * load(part.numbers, i, TRAVEL)
         store(part.turns.state, part.turn[i], TARGET, target)
 
 
@@ -52,13 +52,13 @@ account(RigidMotors, WORKS, 1.0)
 
 
 @hook(RigidMotors)
-def work_after(part, world, now):
+def work_after(part, world, timing):
     """Work of half of the moments of this step, on that way."""
-    end_work(part, world, now, WORKS, 1.0)
+    end_work(part, world, timing, WORKS, 1.0)
 
 
 @hook(RigidMotors)
-def record_step(part, world, row, now):
+def record_step(part, world, row, timing):
     """The moments."""
     count = part.on.shape[0]
     for i in range(count):

@@ -44,14 +44,14 @@ class Turn(Kind):
     @classmethod
     def pack(cls, batch):
         def starts(scene):
-            held = [holder.held_at_start(scene) for holder in cls.of(scene)]
+            angles = [holder.held_at_start(scene) for holder in cls.of(scene)]
             return [
                 [1.0 if opening is None else -1.0, opening or 0.0, *[0.0] * (TURN - 2)]
-                for opening in held
+                for opening in angles
             ]
 
         return Turns(
-            state=batch.stack(len(cls.of(batch.one)), TURN, starts),
+            state=batch.stack(len(cls.of(batch.scene)), TURN, starts),
             blow=batch.blank(1, 1),
         )
 
@@ -78,5 +78,5 @@ class HoldsHinge(OnHinge):
             case "turns":
                 return batch.part(Turn)
             case "turn":
-                return batch.integers(Turn.places(batch.one, cls))
+                return batch.integers(Turn.places(batch.scene, cls))
         return super().array(name, batch)

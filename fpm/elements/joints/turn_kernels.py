@@ -12,17 +12,17 @@ the openings would have; `move` begins with the impulses that stand then.
 from fpm.elements.joints import joint_kernels
 from fpm.elements.joints.closing import clear, report_gaps
 from fpm.elements.joints.joint_arrays import (
-    ALONG,
     AXIS,
+    AXIS_IM,
+    DIRECTION,
     FORCE,
-    HIM,
     IMPULSE,
     INVERSE,
     MOMENT,
-    NEEDED,
-    OFF,
     RATE,
-    SLID,
+    RESIDUAL,
+    SLIDE,
+    SOLVED_IMPULSE,
     SPIN,
     TURN1,
     TURN2,
@@ -40,8 +40,8 @@ from fpm.elements.joints.joint_kernels import (
 )
 from fpm.elements.joints.joint_matrix import build, factorise
 from fpm.elements.joints.joint_rows import find_gaps, find_rows, held_gap, place
-from fpm.elements.openings.opening_kernels import BEFORE, NOW, WORK
 from fpm.elements.openings.opening_kernels import MOMENT as ACTING
+from fpm.elements.openings.opening_kernels import NEW, OLD, WORK
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import ACCOUNTS, P, V, X
@@ -60,14 +60,14 @@ from fpm.kernels.vectors import (
 )
 
 # Kept for each element from one step to the next, in this order from a first field.
-HELD_BY, DUE = 0, 1  # moment (N m) at the last positions; work of the half step up to them (J)
-HELD = 2
+HELD_BY, WORK_DUE = 0, 1  # moment (N m) at the last positions; work of the half step up to them (J)
+HOLD_FIELDS = 2
 
 
 @kernel
 def work_on(openings, h, moment):
     """Work (J) of half of a moment on opening h, on the way of the step up to now."""
-    return 0.5 * moment * (load(openings.angles, h, NOW) - load(openings.angles, h, BEFORE))
+    return 0.5 * moment * (load(openings.angles, h, NEW) - load(openings.angles, h, OLD))
 
 
 @kernel
@@ -77,20 +77,20 @@ def give(world, account, work):
 
 
 @kernel
-def moment_of(turns, t, now):
-    """Moment (N m) on the second particle by which opening t was held at now.time."""
-    return (1.0 / now.kick) * load(turns.state, t, TURN_IMPULSE)
+def moment_of(turns, t, timing):
+    """Moment (N m) on the second particle by which opening t was held at timing.time."""
+    return (1.0 / timing.kick) * load(turns.state, t, TURN_IMPULSE)
 
 
 @kernel
-def tell_late(told, openings, h, moment):
+def tell_late(moments, openings, h, moment):
     """Count a moment of the kicks that are over, and its work up to now, where moments are told
     apart.
     """
-    if told is not None:
-        row = h * openings.parts + openings.which
-        store(told, row, ACTING, load(told, row, ACTING) + moment)
-        store(told, row, WORK, load(told, row, WORK) + work_on(openings, h, moment))
+    if moments is not None:
+        row = h * openings.parts + openings.part
+        store(moments, row, ACTING, load(moments, row, ACTING) + moment)
+        store(moments, row, WORK, load(moments, row, WORK) + work_on(openings, h, moment))
 
 
 def account(arrays, first, sign):
@@ -101,7 +101,7 @@ def account(arrays, first, sign):
     """
 
     @hook(arrays)
-    def work_before(part, world, now):
+    def work_before(part, world, timing):
         """Half of the work of the moments of the step before, on the way up to now."""
         for i in range(part.on.shape[0]):
             work = work_on(part.openings, part.on[i], load(part.state, i, first + HELD_BY))
@@ -112,16 +112,16 @@ def account(arrays, first, sign):
         """What `end_work` has counted, in a row that was recorded before."""
         for i in range(part.on.shape[0]):
             account = ACCOUNTS + part.account
-            due = load(energies, row, account) + load(part.state, i, first + DUE)
-            store(energies, row, account, due)
+            total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)
+            store(energies, row, account, total)
 
 
 @kernel
-def end_work(part, world, now, first, sign):
+def end_work(part, world, timing, first, sign):
     """The other half, of the moments of this step (`work_after`)."""
     for i in range(part.on.shape[0]):
-        moment = moment_of(part.turns, part.turn[i], now)
-        tell_late(part.openings.told, part.openings, part.on[i], moment)
+        moment = moment_of(part.turns, part.turn[i], timing)
+        tell_late(part.openings.moments, part.openings, part.on[i], moment)
         end_work_of(part, world, i, moment, first, sign)
 
 
@@ -131,21 +131,21 @@ def end_work_of(part, world, i, moment, first, sign):
     work = sign * work_on(part.openings, part.on[i], moment)
     give(world, part.account, work)
     store(part.state, i, first + HELD_BY, moment)
-    store(part.state, i, first + DUE, work)
+    store(part.state, i, first + WORK_DUE, work)
 
 
 @hook(TurnedJoints)
-def prepare(part, world, now):
+def prepare(part, world, timing):
     """Kick the bodies of all joints; all forces must be summed."""
     clear(part.sums)
-    kick_bodies(part, world.state, now.kick)
+    kick_bodies(part, world.state, timing.kick)
     world.undecided[0] = 1
     for t in range(part.turn_at.shape[0]):
         store(part.turns.state, t, TURN_IMPULSE, 0.0)
 
 
 @hook(TurnedJoints)
-def solve(part, world, now):
+def solve(part, world, timing):
     """Find the impulses of all joints, with the openings that are held now."""
     find_rows(part, world.state)
     build(part)
@@ -154,7 +154,7 @@ def solve(part, world, now):
     for t in range(part.turn_at.shape[0]):
         j = part.turn_at[t]
         r, gap = part.pattern.first[j], held_gap(part, world.state, j)
-        store(part.rows, r, OFF, load(part.rows, r, OFF) + (1.0 / now.step) * gap)
+        store(part.rows, r, RESIDUAL, load(part.rows, r, RESIDUAL) + (1.0 / timing.step) * gap)
     find_impulses(part, -1.0)
     tell_rates(part, world.state)
 
@@ -164,21 +164,21 @@ def tell_rates(part, state):
     """Rates that the openings will have after the impulses, whether they are held or not."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
-        if not part.driven[s]:
-            turned = symmetric(get6(b, s, INVERSE), get3(b, s, MOMENT))
-            add3(b, s, SPIN, times(get3(part.bodies, s, TURNS), turned))
+        if not part.is_driven[s]:
+            rotation = symmetric(get6(b, s, INVERSE), get3(b, s, MOMENT))
+            add3(b, s, SPIN, times(get3(part.bodies, s, TURNS), rotation))
     for t in range(part.turn_at.shape[0]):
         j = part.turn_at[t]
-        one, two = part.slots[2 * j], part.slots[2 * j + 1]
-        axis = to_global(frame(state, part.on[one]), get3(part.sides, 2 * j, AXIS))
-        if part.types[j] == SLID:
+        slot1, slot2 = part.slots[2 * j], part.slots[2 * j + 1]
+        axis = to_global(frame(state, part.on[slot1]), get3(part.sides, 2 * j, AXIS))
+        if part.types[j] == SLIDE:
             _, _, end = place(part, state, j, 1)
-            between = velocity(part, state, two, end) - velocity(part, state, one, end)
-            rate = dot(axis, between)
+            change = velocity(part, state, slot2, end) - velocity(part, state, slot1, end)
+            rate = dot(axis, change)
         else:
-            rate = dot(axis, get3(b, two, SPIN) - get3(b, one, SPIN))
+            rate = dot(axis, get3(b, slot2, SPIN) - get3(b, slot1, SPIN))
         store(part.turns.state, t, RATE, rate)
-        store(part.turns.state, t, NEEDED, load(part.rows, part.pattern.first[j], IMPULSE))
+        store(part.turns.state, t, SOLVED_IMPULSE, load(part.rows, part.pattern.first[j], IMPULSE))
 
 
 @kernel
@@ -186,41 +186,41 @@ def velocity(part, state, s, point):
     """Velocity that a point of body s will have after the impulses."""
     b, i = part.body_scratch, part.on[s]
     v = get3(state, i, V)
-    if not part.driven[s]:
-        v = v + times(get3(part.bodies, s, HIM), get3(b, s, FORCE))
+    if not part.is_driven[s]:
+        v = v + times(get3(part.bodies, s, AXIS_IM), get3(b, s, FORCE))
     return v + cross(get3(b, s, SPIN), point - get3(state, i, X))
 
 
 @hook(TurnedJoints)
-def move(part, world, now):
+def move(part, world, timing):
     """Push the bodies, move them by a step, and close the joints at its end."""
     push_all(part, world.state)
-    joint_kernels.move(part, world, now)
+    joint_kernels.move(part, world, timing)
 
 
 @hook(TurnedJoints)
-def look_back(part, world, now):
+def look_back(part, world, timing):
     """The same before the start: a held opening was where its way, reflected at its rate, began."""
-    state, kept, b = world.state, world.kept, part.body_scratch
+    state, start, b = world.state, world.start_state, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
-        twice = get3(kept, i, P) + get3(state, i, P)  # that at the start
-        if not part.driven[s]:
-            twice = times(get3(part.bodies, s, TURNS), symmetric(get6(b, s, INVERSE), twice))
-        put3(b, s, SPIN, twice)
-    move_back(part, kept, now.step)
+        total = get3(start, i, P) + get3(state, i, P)  # that at the start
+        if not part.is_driven[s]:
+            total = times(get3(part.bodies, s, TURNS), symmetric(get6(b, s, INVERSE), total))
+        put3(b, s, SPIN, total)
+    move_back(part, start, timing.step)
     for j in range(part.types.shape[0]):
-        find_gaps(part, kept, j)
+        find_gaps(part, start, j)
     for t in range(part.turn_at.shape[0]):
         j = part.turn_at[t]
-        r, one, two = part.pattern.first[j], part.slots[2 * j], part.slots[2 * j + 1]
-        first, second = part.on[one], part.on[two]
-        v = (get3(kept, first, V) + get3(state, first, V)) - get3(kept, second, V)
-        rate = dot(get3(part.rows, r, ALONG), v - get3(state, second, V))
-        rate = rate + dot(get3(part.rows, r, TURN1), get3(b, one, SPIN))
-        rate = rate - dot(get3(part.rows, r, TURN2), get3(b, two, SPIN))
-        store(part.rows, r, OFF, load(part.rows, r, OFF) + now.step * rate)
-    close_before(part, kept, now.step)
+        r, slot1, slot2 = part.pattern.first[j], part.slots[2 * j], part.slots[2 * j + 1]
+        first, second = part.on[slot1], part.on[slot2]
+        v = (get3(start, first, V) + get3(state, first, V)) - get3(start, second, V)
+        rate = dot(get3(part.rows, r, DIRECTION), v - get3(state, second, V))
+        rate = rate + dot(get3(part.rows, r, TURN1), get3(b, slot1, SPIN))
+        rate = rate - dot(get3(part.rows, r, TURN2), get3(b, slot2, SPIN))
+        store(part.rows, r, RESIDUAL, load(part.rows, r, RESIDUAL) + timing.step * rate)
+    close_before(part, start, timing.step)
 
 
 for _name in ("work_after", "work_due", "record_step"):

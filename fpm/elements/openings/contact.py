@@ -18,7 +18,7 @@ class Contact(OnHinge):
     """Faces that touch where the opening of a revolute joint is below zero."""
 
     hinge: int = on_hinge(types=("revolute",))
-    stiffness: float = stiffness(about="moment for each radian below zero")
+    stiffness: float = stiffness(text="moment for each radian below zero")
 
     stores = Energy("contact", "contact_energy", "energy of the face-to-face contacts")
     events = ("opens", "closes")
@@ -39,27 +39,27 @@ class Contact(OnHinge):
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         for hinge in {c.hinge for c in cls.of(scene)}:
             h = scene.hinges[hinge]
-            shut = [
+            triads = [
                 np.column_stack([a, r, np.cross(a, r)])
                 for a, r in zip(h.axes, h.references, strict=True)
             ]
             rows = []
-            for sign, beam, axes in zip((1.0, -1.0), h.beams, shut, strict=True):
+            for sign, beam, axes in zip((1.0, -1.0), h.beams, triads, strict=True):
                 turn = -np.array([np.cross(beam.arm, e) for e in np.eye(3)]).T
                 point = np.hstack([axes.T @ frame[beam.particle].T, axes.T @ turn])
                 tilt = np.hstack([np.zeros((2, 3)), axes.T[1:]])
                 rows.append(sign * np.vstack([point, tilt]))
-            on = np.concatenate([6 * p + np.arange(6) for p in h.particles])
-            scaled = (np.hstack(rows) * np.sqrt(inverse[on])).T
+            indices = np.concatenate([6 * p + np.arange(6) for p in h.particles])
+            scaled = (np.hstack(rows) * np.sqrt(inverse[indices])).T
             u, size, _ = np.linalg.svd(scaled, full_matrices=False)
             u = u[:, size > 1e-10 * size.max(initial=0.0)]
             columns.append(u.T)
-            dofs.append(np.tile(on, (u.shape[1], 1)))
+            dofs.append(np.tile(indices, (u.shape[1], 1)))
         rows, values = np.concatenate(dofs), np.concatenate(columns)
         column = np.repeat(np.arange(len(rows)), 12)
         shape = (len(inverse), len(rows))
-        found = csc_matrix((values.ravel(), (rows.ravel(), column)), shape=shape)
-        if abs(found.T @ found - identity(len(rows))).max() > 1e-9:
-            u, size, _ = np.linalg.svd(found.toarray(), full_matrices=False)
-            found = csc_matrix(u[:, size > 1e-10])
-        return found
+        result = csc_matrix((values.ravel(), (rows.ravel(), column)), shape=shape)
+        if abs(result.T @ result - identity(len(rows))).max() > 1e-9:
+            u, size, _ = np.linalg.svd(result.toarray(), full_matrices=False)
+            result = csc_matrix(u[:, size > 1e-10])
+        return result

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
+from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.events import note_crossing
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, where_negative
@@ -30,32 +30,32 @@ class Contacts(NamedTuple):
 
 
 @hook(Contacts)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments that open the hinges whose faces overlap."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
-        psi = load(part.openings.angles, h, NOW)
+        psi = load(part.openings.angles, h, NEW)
         overlap = where_negative(psi, -psi, 0.0 * psi)
         turn(part.openings, world.state, h, load(part.numbers, i, STIFFNESS) * overlap)
 
 
 @hook(Contacts)
-def note_events(part, world, now):
+def note_events(part, world, timing):
     """Note the contacts that shut or opened since the last step."""
     angles = part.openings.angles
     for c in range(part.on.shape[0]):
         h = part.on[c]
-        after = where_negative(load(angles, h, NOW) + TOUCH, -1.0, 1.0)
-        before = where_negative(load(angles, h, BEFORE) + TOUCH, -1.0, 1.0)
-        if any_negative(after * before):
+        new = where_negative(load(angles, h, NEW) + TOUCH, -1.0, 1.0)
+        old = where_negative(load(angles, h, OLD) + TOUCH, -1.0, 1.0)
+        if any_negative(new * old):
             for s in range(angles.shape[2]):
-                last, this = angles[h, BEFORE, s] + TOUCH, angles[h, NOW, s] + TOUCH
-                note_crossing(part.log, s, c, last, this, now)
+                last, value = angles[h, OLD, s] + TOUCH, angles[h, NEW, s] + TOUCH
+                note_crossing(part.log, s, c, last, value, timing)
 
 
 @hook(Contacts)
 def energy_of(part, world, i):
     """Energy of contact i (J)."""
-    psi = load(part.openings.angles, part.on[i], NOW)
+    psi = load(part.openings.angles, part.on[i], NEW)
     overlap = where_negative(psi, psi, 0.0 * psi)
     return 0.5 * load(part.numbers, i, STIFFNESS) * overlap * overlap

@@ -15,7 +15,7 @@ class Damper(OnHinge):
     """Resists the motion of a joint, in proportion to its rate."""
 
     hinge: int = on_hinge()
-    damping: float = damping(about="moment for each radian a second")
+    damping: float = damping(text="moment for each radian a second")
 
     takes = JOINT_LOSS
     acts_as = "damper"

@@ -24,11 +24,11 @@ class Dampers(NamedTuple):
 
 
 @hook(Dampers)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments against the rates of the openings."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
-        rate = follow_rate(part.openings, part.past, i, h, now)
+        rate = follow_rate(part.openings, part.past, i, h, timing)
         moment = -1.0 * load(part.numbers, i, DAMPING) * rate
         turn(part.openings, world.state, h, moment)
         lose(world, part.account, part.openings, part.past, i, h, moment)

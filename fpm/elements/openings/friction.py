@@ -20,7 +20,7 @@ from fpm.elements.fields import damping, number
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import Energy, Watch
-from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge, opened, softness
+from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge, softness, start_angles
 from fpm.elements.openings.table_spring import bends, check_table, table_array
 from fpm.errors import SceneError
 
@@ -73,13 +73,13 @@ class Friction(OnHinge):
     """Friction in a hinge by a bristle, whose `damping` is None where it is as DAMPED says."""
 
     hinge: int = on_hinge()
-    moment: float = number("N m", 0.0, about="at which it slips; below, it sticks for ever")
+    moment: float = number("N m", 0.0, text="at which it slips; below, it sticks for ever")
     bend: float = number(
-        "rad", above=0.0, default=BEND, said=False, about="by how much it gives before it slips"
+        "rad", above=0.0, default=BEND, is_shown=False, text="by how much it gives before it slips"
     )
     damping: float | None = damping(
         default=None,
-        about="while it sticks; left out: 0.3 of critical for the joint's own two particles",
+        text="while it sticks; left out: 0.3 of critical for the joint's own two particles",
     )
     angles: tuple[float, ...] = ()  # increasing (rad), with the shares of `moment` there, straight
     shares: tuple[float, ...] = ()  # between; without them all of it everywhere
@@ -95,8 +95,8 @@ class Friction(OnHinge):
     @classmethod
     def led(cls, scene):
         """They slip at once, the way that their joints go; what Scene.bearings has does nothing."""
-        found = [replace(friction, bend=AT_ONCE, damping=0.0) for friction in cls.of(scene)]
-        return [f if f.load is None else replace(f, moment=0.0, load=None) for f in found]
+        frictions = [replace(friction, bend=AT_ONCE, damping=0.0) for friction in cls.of(scene)]
+        return [f if f.load is None else replace(f, moment=0.0, load=None) for f in frictions]
 
     def add_to(self, scene):
         """What goes with the joint's force counts where openings are led, too."""
@@ -147,45 +147,45 @@ class Friction(OnHinge):
                      f.damping_in(scene), 0.0 if f.load is None else 1.0 / f.bend]
                     for f in cls.of(scene)]  # fmt: skip
 
-        if name == "borne":
-            return _borne(batch, cls)
+        if name == "bearing":
+            return _bearing_force(batch, cls)
         if name in ("start", "points"):
-            if not any(f.angles for f in cls.of(batch.one)):
+            if not any(f.angles for f in cls.of(batch.scene)):
                 return None
             return table_array(name, batch, cls, lambda f: f.bend * bends(f.angles, f.shares))
         if name == "numbers":
-            return batch.stack(len(cls.of(batch.one)), 4, bristles)
-        found = super().array(name, batch)
+            return batch.stack(len(cls.of(batch.scene)), 4, bristles)
+        array = super().array(name, batch)
         if name == "state":
-            found[:, cls.kernels().FOOT] = opened(batch, cls)
+            array[:, cls.kernels().FOOT] = start_angles(batch, cls)
             kernels = cls.kernels()
-            found[:, [kernels.MOST, kernels.EARLIER, kernels.BORNE]] = batch.table(
+            array[:, [kernels.MOST, kernels.MOST_BEFORE, kernels.FORCE_BEND]] = batch.table(
                 cls, 1, lambda f: [0.0 if f.load is None else f.bend]
             )
-        return found
+        return array
 
 
-def _borne(batch, kind):
+def _bearing_force(batch, kind):
     """The forces of the joints of a kind's elements; None where none goes with them."""
-    from fpm.elements.openings.losses_kernels import Borne
+    from fpm.elements.openings.losses_kernels import JointForce
 
-    one, elements = batch.one, kind.of(batch.one)
-    if not kind.reads_impulses(one):
+    scene, elements = batch.scene, kind.of(batch.scene)
+    if not kind.reads_impulses(scene):
         return None
-    on = [one.hinges[friction.hinge].joint for friction in elements]
-    lone, first, count = np.full((3, len(on)), [[-1], [0], [0]])
+    names = [scene.hinges[friction.hinge].joint for friction in elements]
+    lone, first, count = np.full((3, len(names)), [[-1], [0], [0]])
     hinges, rows, impulses = (batch.blank(0, 1) for _ in range(3))
-    if alone := [hinge.joint for hinge in Hinge.of(one)]:
+    if lone_names := [hinge.joint for hinge in Hinge.of(scene)]:
         hinges = batch.part(Hinge).sums
-        lone[:] = [alone.index(name) if name in alone else -1 for name in on]
-    if joints := [joint.name for joint in Joint.of(one)]:
+        lone[:] = [lone_names.index(name) if name in lone_names else -1 for name in names]
+    if joints := [joint.name for joint in Joint.of(scene)]:
         part = batch.part(Joint)
         rows, impulses = part.rows, part.sums
         place = {joints[number]: j for j, number in enumerate(part.names)}
-        for i, name in enumerate(on):
+        for i, name in enumerate(names):
             if name in place:
                 first[i], count[i] = (
                     x[place[name]] for x in (part.pattern.first, part.pattern.count)
                 )
     share = batch.table(kind, 1, lambda f: [0.0 if f.load is None else f.bend / f.load])
-    return Borne(share, lone, first, count, hinges, rows, impulses)
+    return JointForce(share, lone, first, count, hinges, rows, impulses)

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.losses_kernels import LOSING, Borne, edge, follow_rate, force_of, lose
-from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
+from fpm.elements.openings.losses_kernels import LOSS, JointForce, edge, follow_rate, force_of, lose
+from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, store, where_negative
 from fpm.kernels.vectors import kernel, larger
@@ -15,13 +15,13 @@ STIFFNESS, BEND, DAMPING, LOCKING = range(4)  # the last: 1/bend where it goes w
 ANGLE, SLOPE = 0, 1  # of a point: where, and by how much the slope of the bend changes there
 
 FOOT = 0  # opening at which the bristle is straight
-BENT = 1  # by how much it is bent
+BENDING = 1  # by how much it is bent
 MOST = 2  # and by how much it could be, where that goes with the joint's force
 LEAST = 3  # the least that it was bent since it slipped,
 AT_LEAST = 4  # and by how much it could be then
 LOCKED = 5  # by how many times its bend it was bent on while that grew as much, at most
-EARLIER = 6  # MOST a step before it,
-BORNE = 7  # and by how much it could be by the joint's force as it came out with that
+MOST_BEFORE = 6  # MOST a step before it,
+FORCE_BEND = 7  # and by how much it could be by the joint's force as it came out with that
 STATE = 8
 
 STEEP = 0.5
@@ -42,7 +42,7 @@ class Frictions(NamedTuple):
     watched: np.ndarray  # (1, 1, lanes)
     start: np.ndarray | None = None  # (f + 1,) where the points of each begin,
     points: np.ndarray | None = None  # (p, 2, lanes), where the bend goes by a table
-    borne: Borne | None = None
+    bearing: JointForce | None = None
 
 
 @kernel
@@ -50,112 +50,112 @@ def bend_at(points, start, i, most, psi):
     """By how much bristle i bends at an opening before it slips; most: up to the first point."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
-            after = psi - load(points, j, ANGLE)
-            most = most + load(points, j, SLOPE) * where_negative(after, 0.0, after)
+            ramp = psi - load(points, j, ANGLE)
+            most = most + load(points, j, SLOPE) * where_negative(ramp, 0.0, ramp)
     return most
 
 
 @kernel
-def bend_by_force(borne, state, i, now):
+def bend_by_force(bearing, state, i, timing):
     """By how much more it bends by the joint's force, now and a step ago; at first as stated.
 
     Where friction relieves its own joint by more than itself (beyond the angle of self-locking, led
     out of it), taking the force of the step before would grow from step to step; the secant of the
     last two steps finds the force that agrees with its own friction.
     """
-    before = load(state, i, MOST)
-    most = before
-    if now.time > 0.0:
-        result = load(borne.share, i, 0) * force_of(borne, i, now)
-        change = before - load(state, i, EARLIER)
-        answer = result - load(state, i, BORNE)
+    last = load(state, i, MOST)
+    most = last
+    if timing.time > 0.0:
+        result = load(bearing.share, i, 0) * force_of(bearing, i, timing)
+        change = last - load(state, i, MOST_BEFORE)
+        answer = result - load(state, i, FORCE_BEND)
         steep = (answer + STEEP * change) * change  # < 0: the answer is steep, and the other way
         safe = where_negative(steep, change - answer, 1.0 + 0.0 * change)
-        secant = before + (result - before) * change / safe
+        secant = last + (result - last) * change / safe
         most = where_negative(steep, secant, result)
-        store(state, i, EARLIER, before)
-        store(state, i, BORNE, result)
+        store(state, i, MOST_BEFORE, last)
+        store(state, i, FORCE_BEND, result)
     store(state, i, MOST, most)
-    return most, before
+    return most, last
 
 
 @kernel
-def bends_now(borne, part, i, psi, earlier, now):
+def bends_now(bearing, part, i, psi, psi_before, timing):
     """By how much bristle i bends before it slips, now and a step ago."""
     first = load(part.numbers, i, BEND)
     most = bend_at(part.points, part.start, i, first, psi)
-    before = bend_at(part.points, part.start, i, first, earlier)
-    if borne is not None:
-        by_force = bend_by_force(borne, part.state, i, now)
-        most, before = most + by_force[0], before + by_force[1]
-    return most, before
+    last = bend_at(part.points, part.start, i, first, psi_before)
+    if bearing is not None:
+        by_force = bend_by_force(bearing, part.state, i, timing)
+        most, last = most + by_force[0], last + by_force[1]
+    return most, last
 
 
 @kernel
-def watch_lock(part, i, bent, most, slips):
+def watch_lock(part, i, bend, most, slips):
     """Watch whether bristle i is bent on, without slipping, while what it bears grows as fast.
 
     That counts from where it was bent least, and what it bore within one bend from there.
     """
     state, per_bend = part.state, load(part.numbers, i, LOCKING)
-    size, least = absolute(bent), load(state, i, LEAST)
+    size, least = absolute(bend), load(state, i, LEAST)
     least = where_negative(slips, size, where_negative(size - least, size, least))
-    grown = size - least
-    begins = where_negative(slips, -1.0, per_bend * grown - 1.0)
-    then = where_negative(begins, most, load(state, i, AT_LEAST))
-    locked = per_bend * where_negative(most - then - grown, 0.0, grown)
+    growth = size - least
+    start = where_negative(slips, -1.0, per_bend * growth - 1.0)
+    base = where_negative(start, most, load(state, i, AT_LEAST))
+    locked = per_bend * where_negative(most - base - growth, 0.0, growth)
     store(state, i, LEAST, least)
-    store(state, i, AT_LEAST, then)
+    store(state, i, AT_LEAST, base)
     store(state, i, LOCKED, larger(load(state, i, LOCKED), locked))
     store(part.watched, 0, 0, larger(load(part.watched, 0, 0), locked))
 
 
 @hook(Frictions)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments of the bristles; those that would bear too much slip.
 
     On the way into slipping the forces of both steps do not do the work of the way between; `edge`
     mends that as for a spring that begins where the bristle yields.
     """
     for i in range(part.on.shape[0]):
-        h, last = part.on[i], load(part.state, i, BENT)
+        h, last = part.on[i], load(part.state, i, BENDING)
         stiffness, foot = load(part.numbers, i, STIFFNESS), load(part.state, i, FOOT)
-        psi, earlier = load(part.openings.angles, h, NOW), load(part.openings.angles, h, BEFORE)
-        most, before = bends_now(part.borne, part, i, psi, earlier, now)
-        rate = follow_rate(part.openings, part.past, i, h, now)
+        psi, psi_before = load(part.openings.angles, h, NEW), load(part.openings.angles, h, OLD)
+        most, old_most = bends_now(part.bearing, part, i, psi, psi_before, timing)
+        rate = follow_rate(part.openings, part.past, i, h, timing)
         trial = psi - foot
         sign = where_negative(trial, -1.0, 0.0 * trial + 1.0)
         slips = most - absolute(trial)  # < 0 where it does
-        bent = where_negative(slips, sign * most, trial)
-        moved = where_negative(slips, psi - bent, foot)
-        extra = -1.0 * stiffness * edge(-slips, sign * last - before)
-        spring = -1.0 * (stiffness * bent + sign * extra)
+        bend = where_negative(slips, sign * most, trial)
+        new_foot = where_negative(slips, psi - bend, foot)
+        extra = -1.0 * stiffness * edge(-slips, sign * last - old_most)
+        spring = -1.0 * (stiffness * bend + sign * extra)
         # The damper acts while it sticks, and takes the moment to M at most.
         damper = -1.0 * load(part.numbers, i, DAMPING) * rate
         room = stiffness * most
-        up, down = room - spring, -1.0 * room - spring
-        damper = where_negative(up - damper, up, damper)
-        damper = where_negative(damper - down, down, damper)
+        upper, lower = room - spring, -1.0 * room - spring
+        damper = where_negative(upper - damper, upper, damper)
+        damper = where_negative(damper - lower, lower, damper)
         # Where the damper helped to bear M in the step before, less is missing.
-        helped = -0.5 * sign * load(part.past, i, LOSING)
+        helped = -0.5 * sign * load(part.past, i, LOSS)
         helped = where_negative(helped, 0.0, helped)
         helped = where_negative(extra - helped, extra, helped)
         damper = where_negative(slips, sign * helped, damper)
         turn(part.openings, world.state, h, spring + damper)
         lose(world, part.account, part.openings, part.past, i, h, damper)
-        lost = 0.5 * stiffness * (most + before) * absolute(moved - foot)
-        store(world.accounts, 0, part.account, load(world.accounts, 0, part.account) + lost)
-        if part.borne is not None:
-            watch_lock(part, i, bent, most, slips)
-        store(part.state, i, FOOT, moved)
-        store(part.state, i, BENT, bent)
+        loss = 0.5 * stiffness * (most + old_most) * absolute(new_foot - foot)
+        store(world.accounts, 0, part.account, load(world.accounts, 0, part.account) + loss)
+        if part.bearing is not None:
+            watch_lock(part, i, bend, most, slips)
+        store(part.state, i, FOOT, new_foot)
+        store(part.state, i, BENDING, bend)
 
 
 @hook(Frictions)
 def energy_of(part, world, i):
     """Energy of bristle i (J)."""
-    bent = load(part.state, i, BENT)
-    return 0.5 * load(part.numbers, i, STIFFNESS) * bent * bent
+    bend = load(part.state, i, BENDING)
+    return 0.5 * load(part.numbers, i, STIFFNESS) * bend * bend
 
 
 @hook(Frictions)

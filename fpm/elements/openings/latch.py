@@ -16,14 +16,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.fields import damping, number, same, stiffness, word
-from fpm.elements.kind import Energy, Recorded
+from fpm.elements.kind import Energy, Series
 from fpm.elements.openings.opening import JOINT_LOSS, ONSET, OnHinge, by_unit, on_hinge
 from fpm.errors import SceneError
 
 SIDES = {"below": 1.0, "above": -1.0, "either": 0.0}
 """From where the opening comes when it is caught."""
 
-RECORDED = {
+SERIES = {
     "latch_moment": ("N m", "moment of the latches", "latch", "moment"),
     "latch_impulse": ("N m s", "angular impulse of the latches so far", "latch", "impulse so far"),
     "latch_rate": (
@@ -50,7 +50,7 @@ class AnyLatch(OnHinge):
     def check(self, scene):
         """A label that no other latch has."""
         super().check(scene)
-        if self.label(scene) in [other.label(scene) for other in self.alike(scene)]:
+        if self.label(scene) in [latch.label(scene) for latch in self.alike(scene)]:
             raise SceneError("latch", self.label(scene), "a name that no other latch has")
 
     def label(self, scene):
@@ -63,10 +63,10 @@ class AnyLatch(OnHinge):
         """
         latches = cls.of(scene)
         columns = part.track[:, :, lane].T.reshape(part.track.shape[1], -1, len(latches))
-        pairs = zip(RECORDED.items(), columns, strict=False)
-        found = {name: Recorded(values, *text[:3], ()) for (name, text), values in pairs}
+        pairs = zip(SERIES.items(), columns, strict=False)
+        series = {name: Series(values, *text[:3], ()) for (name, text), values in pairs}
         hinges = [scene.hinges[latch.hinge] for latch in latches]
-        return by_unit(found, hinges, [latch.label(scene) for latch in latches])
+        return by_unit(series, hinges, [latch.label(scene) for latch in latches])
 
 
 @dataclass(frozen=True)
@@ -74,18 +74,16 @@ class Latch(AnyLatch):
     """A latch with a spring and a damper; its name is that of the hinge if "" is given."""
 
     hinge: int = on_hinge()
-    angle: float = number("rad", about="opening at which it catches")
-    stiffness: float = stiffness(about="with which it holds")
-    damping: float = damping(default=0.0, about="with which it holds")
+    angle: float = number("rad", text="opening at which it catches")
+    stiffness: float = stiffness(text="with which it holds")
+    damping: float = damping(default=0.0, text="with which it holds")
     tolerance: float = number(
-        "rad", 0.0, default=0.0, zero=False, about="how far from `angle` it catches as well"
+        "rad", 0.0, default=0.0, zero=False, text="how far from `angle` it catches as well"
     )
-    side: str = word(
-        SIDES, default="either", about="from where the opening comes when it is caught"
-    )
+    side: str = word(SIDES, default="either", text="from where the opening comes when it is caught")
     fastest: float = number(
         "rad/s", above=0.0, finite=False, default=np.inf, words="fastest rate of {title}",
-        about="rate above which it does not catch",
+        text="rate above which it does not catch",
     )  # fmt: skip
     one_sided: bool = word({False: 1.0, True: -1.0}, default=False)
     name: str = same("")

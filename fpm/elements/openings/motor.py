@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from fpm.elements.fields import damping, index, number, same, stiffness
-from fpm.elements.kind import Energy, Recorded
+from fpm.elements.kind import Energy, Series
 from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, by_unit, on_hinge
 
 MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
@@ -37,8 +37,8 @@ class AnyMotor(OnHinge):
         hinges = [scene.hinges[motor.hinge] for motor in cls.of(scene)]
         values = part.track[:, 0, lane].reshape(-1, len(hinges))
         text, dimension = f"moment of the {cls.called}s on their hinges", cls.called
-        found = {cls.variable: Recorded(values, "N m", text, dimension.replace(" ", "_"), ())}
-        return by_unit(found, hinges, [hinge.name for hinge in hinges])
+        series = {cls.variable: Series(values, "N m", text, dimension.replace(" ", "_"), ())}
+        return by_unit(series, hinges, [hinge.name for hinge in hinges])
 
 
 @dataclass(frozen=True)
@@ -50,10 +50,10 @@ class Motor(AnyMotor):
     """
 
     hinge: int = on_hinge()
-    stiffness: float = stiffness(about="of its drive train")
-    damping: float = damping(about="of its drive train")
+    stiffness: float = stiffness(text="of its drive train")
+    damping: float = damping(text="of its drive train")
     start: float = number(
-        "rad", words="opening of {title}", said=False, about="opening before the turn"
+        "rad", words="opening of {title}", is_shown=False, text="opening before the turn"
     )
     turn: float = number("rad", words="opening of {title}")
     curve: int = index("curves", -1)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.openings.losses_kernels import follow_rate
-from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
+from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.curves import travel
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
@@ -17,8 +17,8 @@ STIFFNESS, DAMPING, START, TURN = range(4)
 # Of a motor, at the last forces and a step before.
 MOMENT, MOMENT_BEFORE = 0, 1
 VISCOUS, VISCOUS_BEFORE = 2, 3  # its part by damping
-OFF = 4  # target less opening
-WAY = 5  # of the target over the last step
+ERROR = 4  # target less opening
+ADVANCE = 5  # of the target over the last step
 TARGET = 6
 STATE = 7
 
@@ -46,25 +46,25 @@ class Motors(NamedTuple):
 
 
 @hook(Motors)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments towards the targets."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         for k in (MOMENT, VISCOUS):
             store(part.state, i, k + 1, load(part.state, i, k))
-        travelled = travel(world, part.curve[i], part.by_rate[i], now.time)
+        travelled = travel(world, part.curve[i], part.by_rate[i], timing.time)
         target = load(part.numbers, i, START) + travelled * load(part.numbers, i, TURN)
-        off = target - load(part.openings.angles, h, NOW)
-        way = target - load(part.state, i, TARGET)
-        if now.time == 0.0:
-            way = 0.0 * off
+        error = target - load(part.openings.angles, h, NEW)
+        advance = target - load(part.state, i, TARGET)
+        if timing.time == 0.0:
+            advance = 0.0 * error
         # The target's rate as the opening's: what it lacks at the start, the step after makes up.
-        ahead = (1.0 / now.step) * (1.5 * way - 0.5 * load(part.state, i, WAY))
-        behind = follow_rate(part.openings, part.past, i, h, now)
-        viscous = load(part.numbers, i, DAMPING) * (ahead - behind)
-        moment = load(part.numbers, i, STIFFNESS) * off + viscous
-        store(part.state, i, OFF, off)
-        store(part.state, i, WAY, way)
+        target_rate = (1.0 / timing.step) * (1.5 * advance - 0.5 * load(part.state, i, ADVANCE))
+        rate = follow_rate(part.openings, part.past, i, h, timing)
+        viscous = load(part.numbers, i, DAMPING) * (target_rate - rate)
+        moment = load(part.numbers, i, STIFFNESS) * error + viscous
+        store(part.state, i, ERROR, error)
+        store(part.state, i, ADVANCE, advance)
         store(part.state, i, TARGET, target)
         store(part.state, i, MOMENT, moment)
         store(part.state, i, VISCOUS, viscous)
@@ -72,29 +72,29 @@ def forces(part, world, now):
 
 
 @hook(Motors)
-def work_before(part, world, now):
+def work_before(part, world, timing):
     """Work of the motors over the step up to now, and what their drive trains lost.
 
     By the trapezium rule, as the moments do it on the hinges: so the balance has no error of it.
     """
-    given = load(world.accounts, 0, part.given)
-    taken = load(world.accounts, 0, part.taken)
+    work = load(world.accounts, 0, part.given)
+    loss = load(world.accounts, 0, part.taken)
     for i in range(part.on.shape[0]):
-        way, h = load(part.state, i, WAY), part.on[i]
-        turned = load(part.openings.angles, h, NOW) - load(part.openings.angles, h, BEFORE)
+        advance, h = load(part.state, i, ADVANCE), part.on[i]
+        angle = load(part.openings.angles, h, NEW) - load(part.openings.angles, h, OLD)
         moment = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE)
-        given = given + 0.5 * way * moment
+        work = work + 0.5 * advance * moment
         viscous = load(part.state, i, VISCOUS) + load(part.state, i, VISCOUS_BEFORE)
-        taken = taken + 0.5 * (way - turned) * viscous
-    store(world.accounts, 0, part.given, given)
-    store(world.accounts, 0, part.taken, taken)
+        loss = loss + 0.5 * (advance - angle) * viscous
+    store(world.accounts, 0, part.given, work)
+    store(world.accounts, 0, part.taken, loss)
 
 
 @hook(Motors)
 def energy_of(part, world, i):
     """Energy of the drive train of motor i (J)."""
-    off = load(part.state, i, OFF)
-    return 0.5 * load(part.numbers, i, STIFFNESS) * off * off
+    error = load(part.state, i, ERROR)
+    return 0.5 * load(part.numbers, i, STIFFNESS) * error * error
 
 
 @hook(Motors)

@@ -16,7 +16,7 @@ import numpy as np
 
 from fpm.elements.cross import cross
 from fpm.elements.fields import index
-from fpm.elements.kind import Deformations, Energy, Kind, Recorded
+from fpm.elements.kind import Deformations, Energy, Kind, Series
 from fpm.elements.particles.probe import Probe
 from fpm.elements.particles.turning import turns_of
 from fpm.errors import SceneError
@@ -62,38 +62,38 @@ class Opening(Kind):
 
     @classmethod
     def pack(cls, batch):
-        from fpm.elements.openings import opening_kernels as at
+        from fpm.elements.openings import opening_kernels as kernels
 
-        hinges = batch.one.hinges
+        hinges = batch.scene.hinges
         rows = batch.instants + 1
         slides = [hinge.slides for hinge in hinges]
-        told = Probe.asked(batch.one).moments
+        has_parts = Probe.of_scene(batch.scene).moments
         count = len(hinges) * len(PARTS)
-        return at.Openings(
+        return kernels.Openings(
             ends=batch.integers(p for hinge in hinges for p in hinge.particles),
-            sides=batch.stack(2 * len(hinges), at.SIDE, _sides),
+            sides=batch.stack(2 * len(hinges), kernels.SIDE, _sides),
             axes=batch.blank(len(hinges), 3),
             angles=batch.table(cls, 2, lambda hinge: [hinge.opening] * 2),
-            followed=batch.is_read(cls),
+            is_needed=batch.is_read(cls),
             track=batch.blank(rows * len(hinges), 1),
             slides=batch.integers(slides) if any(slides) else None,
-            told=batch.blank(count, at.TOLD) if told else None,
-            told_track=batch.blank(rows * count, 2) if told else None,
+            moments=batch.blank(count, kernels.PART_FIELDS) if has_parts else None,
+            told_track=batch.blank(rows * count, 2) if has_parts else None,
             parts=len(PARTS),
-            which=PARTS.index("other"),
+            part=PARTS.index("other"),
         )
 
     @classmethod
     def seen_by(cls, kind: type[Kind], batch):
         """The arrays of all openings as a kind that acts on them gets them."""
-        return batch.part(cls)._replace(which=PARTS.index(kind.acts_as or "other"))
+        return batch.part(cls)._replace(part=PARTS.index(kind.acts_as or "other"))
 
     @classmethod
     def recorded(cls, part, scene, lane):
         """The openings."""
         values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
-        found = Recorded(values, "rad", "opening of the hinges", "hinge", ())
-        return by_unit({"opening": found}, scene.hinges, [h.name for h in scene.hinges])
+        series = Series(values, "rad", "opening of the hinges", "hinge", ())
+        return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
 
 
 class OnHinges(Kind):
@@ -105,9 +105,9 @@ class OnHinges(Kind):
         """Hinges may have to be of one of some types, too."""
         super().check_index(scene, field, value)
         if field.types and scene.hinges[value].type not in field.types:
-            found = f"{scene.hinges[value].name} ({scene.hinges[value].type})"
+            text = f"{scene.hinges[value].name} ({scene.hinges[value].type})"
             allowed = f"one that is {' or '.join(field.types)}"
-            raise SceneError(self.subject(scene, field), found, allowed)
+            raise SceneError(self.subject(scene, field), text, allowed)
 
     def unit_in(self, scene, unit):
         return unit_of(scene, self.acts_on()[0], unit) if unit in SLIDING else unit
@@ -142,14 +142,14 @@ class OnHinge(OnHinges):
 
     def check_alone(self, scene) -> None:
         """SceneError if its hinge has one that is called alike."""
-        if self.hinge in [other.hinge for other in self.alike(scene)]:
+        if self.hinge in [element.hinge for element in self.alike(scene)]:
             allowed = f"a hinge without a {self.called}"
             raise SceneError(f"hinge of {self.called}", self.hinge, allowed)
 
     @classmethod
     def eventful(cls, scene):
         pairs = zip(super().eventful(scene), cls.of(scene), strict=False)
-        return [found._replace(joint=scene.hinges[e.hinge].name) for found, e in pairs]
+        return [element._replace(joint=scene.hinges[e.hinge].name) for element, e in pairs]
 
     def stiffness_in(self, scene) -> float | None:
         """Stiffness (N m/rad) that counts in the stable step; None: the kind has no springs."""
@@ -171,8 +171,8 @@ class OnHinge(OnHinges):
 
     @classmethod
     def _turns(cls, scene, values: list) -> Deformations | None:
-        on = [e.hinge for e in cls.of(scene)]
-        return None if None in values else relative_turn(scene, on, values)
+        hinges = [e.hinge for e in cls.of(scene)]
+        return None if None in values else relative_turn(scene, hinges, values)
 
     @classmethod
     def array(cls, name, batch):
@@ -187,23 +187,23 @@ def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> A
     return index("hinges", words=words, types=types)
 
 
-def by_unit(found: dict[str, Recorded], hinges, labels) -> dict[str, Recorded]:
+def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
     """What was recorded of elements on hinges, one a column, with labels: what is on slides has
     variables and a dimension of its own, whose names begin with `slide`.
     """
-    out = {}
+    result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
-    for which, before in ((~slides, ""), (slides, "slide_")):
-        names = tuple(label for label, own in zip(labels, which, strict=True) if own)
-        for name, (values, unit, text, dimension, *_) in found.items() if names else ():
-            if before:
+    for columns, prefix in ((~slides, ""), (slides, "slide_")):
+        names = tuple(label for label, own in zip(labels, columns, strict=True) if own)
+        for name, (values, unit, text, dimension, *_) in series.items() if names else ():
+            if prefix:
                 unit = SLIDING[unit]
-                dimension = "slide" if dimension == "hinge" else before + dimension
+                dimension = "slide" if dimension == "hinge" else prefix + dimension
                 text = text.replace("hinges", "slides").replace("moment", "force")
                 text = text.replace("angular impulse", "impulse")
-                name = before + name.replace("moment", "force")
-            out[name] = Recorded(values[:, which], unit, text, dimension, names)
-    return out
+                name = prefix + name.replace("moment", "force")
+            result[name] = Series(values[:, columns], unit, text, dimension, names)
+    return result
 
 
 def unit_of(scene, hinge: int, unit: str) -> str:
@@ -218,10 +218,10 @@ def _sides(scene) -> np.ndarray:
     return np.hstack([axes, ends, cross(axes, ends)])
 
 
-def relative_turn(scene, on, stiffness) -> Deformations:
-    """The deformations of elements that are strained by the openings `on` (indices)."""
+def relative_turn(scene, hinges, stiffness) -> Deformations:
+    """The deformations of elements that are strained by the openings `hinges` (indices)."""
     dofs, values, factors, element = [], [], [], []
-    for number, h in enumerate(on):
+    for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
         own = np.concatenate([6 * p + np.arange(6) for p in hinge.particles])
         for row, factor in _strains(scene, hinge):
@@ -245,25 +245,25 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
     course of a motion; so does a spring's stiffest direction. By Cauchy and Schwarz springs from
     both sides to the ground, on the second about all axes of the plane, bound it then.
     """
-    one, two = hinge.axes
+    axis1, axis2 = hinge.axes
     zero = np.zeros(3)
     if hinge.type == "revolute":
-        return [(np.concatenate([zero, -one, zero, two]), 1.0)]
-    held = turns_of(scene).held
-    first, second = (~held[p] / scene.inertia[p] for p in hinge.particles)
+        return [(np.concatenate([zero, -axis1, zero, axis2]), 1.0)]
+    no_turn = turns_of(scene).no_turn
+    first, second = (~no_turn[p] / scene.inertia[p] for p in hinge.particles)
     if hinge.slides:
         p, q = hinge.particles
-        turn = np.cross(scene.position[p] - scene.position[q], scene.frame[p] @ one)
+        turn = np.cross(scene.position[p] - scene.position[q], scene.frame[p] @ axis1)
         turns = [scene.frame[particle].T @ turn for particle in (p, q)]
-        soft, other = turns[0] ** 2 @ first, turns[1] ** 2 @ second
-        share = other / (soft + other) if soft + other > 0 else 0.0
+        soft, soft2 = turns[0] ** 2 @ first, turns[1] ** 2 @ second
+        share = soft2 / (soft + soft2) if soft + soft2 > 0 else 0.0
         frame = scene.frame if scene.unstrained is None else scene.unstrained
-        one, two = frame[p] @ one, frame[q] @ two
-        return [(np.concatenate([-one, share * turns[0], two, (1 - share) * turns[1]]), 1.0)]
+        axis1, axis2 = frame[p] @ axis1, frame[q] @ axis2
+        return [(np.concatenate([-axis1, share * turns[0], axis2, (1 - share) * turns[1]]), 1.0)]
     plane = np.linalg.svd(hinge.references[1][None])[2][1:]  # normal to the axis on the second
-    soft = one**2 @ first
+    soft = axis1**2 @ first
     softest = float(np.linalg.eigvalsh(plane * second @ plane.T)[-1])
-    rows = [(np.concatenate([zero, -one, zero, zero]), soft)]
+    rows = [(np.concatenate([zero, -axis1, zero, zero]), soft)]
     rows += [(np.concatenate([zero, zero, zero, axis]), softest) for axis in plane]
     return [(row, (soft + softest) / own) for row, own in rows if own > 0]
 
@@ -272,15 +272,15 @@ def softness(scene, hinge: int) -> float:
     """Inverse inertia (1/kg m²) against which a moment about a hinge of that index turns it; of a
     slide the inverse mass (1/kg).
     """
-    found, held = scene.hinges[hinge], turns_of(scene).held
-    if found.slides:
+    joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
+    if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])
         mass = np.tile(scene.mass, (3, 1)).T
-        free = ~np.hstack([scene.fixed[:, :3], held])
+        free = ~np.hstack([scene.fixed[:, :3], no_turn])
         inverse = free / np.column_stack([mass, scene.inertia])
         return float(rows.values[0] ** 2 @ inverse.ravel()[rows.dofs[0]])
-    free = [~held[p] / scene.inertia[p] for p in found.particles]
-    return float(sum(axis**2 @ inverse for axis, inverse in zip(found.axes, free, strict=True)))
+    free = [~no_turn[p] / scene.inertia[p] for p in joint.particles]
+    return float(sum(axis**2 @ inverse for axis, inverse in zip(joint.axes, free, strict=True)))
 
 
 def moving_at_start(scene) -> SimpleNamespace:
@@ -295,46 +295,45 @@ def moving_at_start(scene) -> SimpleNamespace:
     return motion
 
 
-def turning_at_start(scene, on) -> list[float]:
-    """Rates (rad/s, m/s) of the openings `on` (indices) at the start, also of driven particles."""
+def turning_at_start(scene, hinges) -> list[float]:
+    """Rates (rad/s, m/s) of the openings of `hinges` (indices) at the start, also if driven."""
     motion = moving_at_start(scene)
-    return [rate_at(scene, scene.hinges[h], motion) for h in on]
+    return [rate_at(scene, scene.hinges[h], motion) for h in hinges]
 
 
 def rate_at(places, hinge, motion) -> float:
     """Rate of an opening, particles being in places, with the velocities and spins of a motion."""
-    one, two = hinge.particles
-    axis = places.frame[one] @ hinge.axes[0]
+    i, j = hinge.particles
+    axis = places.frame[i] @ hinge.axes[0]
     if not hinge.slides:
-        return float(axis @ (motion.spin[two] - motion.spin[one]))
-    point = places.position[two] + places.frame[two] @ hinge.beams[1].arm
+        return float(axis @ (motion.spin[j] - motion.spin[i]))
+    point = places.position[j] + places.frame[j] @ hinge.beams[1].arm
     first, second = (
-        motion.velocity[p] + np.cross(motion.spin[p], point - places.position[p])
-        for p in (one, two)
+        motion.velocity[p] + np.cross(motion.spin[p], point - places.position[p]) for p in (i, j)
     )
     return float(axis @ (second - first))
 
 
 def pack_past(batch, kind) -> np.ndarray:
     """What is kept of the motion for losses (losses_kernels.py) of a kind's elements."""
-    from fpm.elements.openings.losses_kernels import PAST
+    from fpm.elements.openings.losses_kernels import HISTORY
 
-    count = len(kind.of(batch.one))
+    count = len(kind.of(batch.scene))
 
-    def past(scene):
+    def history(scene):
         rates = turning_at_start(scene, [element.hinge for element in kind.of(scene)])
-        return np.column_stack([rates, np.zeros((count, PAST - 1))])
+        return np.column_stack([rates, np.zeros((count, HISTORY - 1))])
 
-    return batch.stack(count, PAST, past)
+    return batch.stack(count, HISTORY, history)
 
 
-def opened(batch, kind) -> np.ndarray:
+def start_angles(batch, kind) -> np.ndarray:
     """Openings (n, lanes) at the start of the hinges that a kind's elements are on."""
 
     def openings(scene):
         return [[scene.hinges[element.hinge].opening] for element in kind.of(scene)]
 
-    return batch.stack(len(kind.of(batch.one)), 1, openings)[:, 0]
+    return batch.stack(len(kind.of(batch.scene)), 1, openings)[:, 0]
 
 
 def opening_at(scene, hinge) -> float:
@@ -348,12 +347,12 @@ def opening_at(scene, hinge) -> float:
         )
     )
     if hinge.slides:
-        one, two = (scene.position[p] + e for p, e in zip(hinge.particles, ends, strict=True))
-        return float(axis @ (two - one))
-    return opening_angle(axis, *ends, near=hinge.opening)
+        first, second = (scene.position[p] + e for p, e in zip(hinge.particles, ends, strict=True))
+        return float(axis @ (second - first))
+    return opening_angle(axis, *ends, guess=hinge.opening)
 
 
-def opening_angle(axis, first, second, near: float) -> float:
-    """Angle (rad) from `first` to `second` about `axis`, on the turn closest to `near`."""
+def opening_angle(axis, first, second, guess: float) -> float:
+    """Angle (rad) from `first` to `second` about `axis`, on the turn closest to `guess`."""
     angle = np.arctan2(np.dot(axis, cross(first, second)), np.dot(first, second))
-    return float(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))
+    return float(angle + 2 * np.pi * np.round((guess - angle) / (2 * np.pi)))

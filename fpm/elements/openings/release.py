@@ -43,11 +43,11 @@ class Release(AnyRelease):
     """Holds a hinge by a spring and a damper at the opening `hold`, until it lets go."""
 
     hinge: int = on_hinge()
-    stiffness: float = stiffness(about="with which it holds")
-    damping: float = damping(about="with which it holds")
-    hold: float = number("rad", about="opening at which it holds")
-    time: float = number("s", above=0.0, finite=False, default=np.inf, about="when it lets go")
+    stiffness: float = stiffness(text="with which it holds")
+    damping: float = damping(text="with which it holds")
+    hold: float = number("rad", text="opening at which it holds")
+    time: float = number("s", above=0.0, finite=False, default=np.inf, text="when it lets go")
     watch: int = index("hinges", -1, words="hinge of release to watch", default=-1)
-    level: float = number("rad", default=0.0, said=False)
+    level: float = number("rad", default=0.0, is_shown=False)
 
     stores = Energy("release", "release_energy", "energy of the releases that hold")

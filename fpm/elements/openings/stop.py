@@ -21,8 +21,8 @@ class Stop(OnHinge):
     hinge: int = on_hinge()
     angle: float = number("rad")
     side: str = word({"above": 1.0, "below": -1.0}, same=True)
-    stiffness: float = stiffness(about="moment for each radian beyond")
-    damping: float = damping(default=0.0, about="moment for each radian a second, beyond")
+    stiffness: float = stiffness(text="moment for each radian beyond")
+    damping: float = damping(default=0.0, text="moment for each radian a second, beyond")
 
     stores = Energy("stop", "stop_energy", "energy of the stops")
     takes = JOINT_LOSS

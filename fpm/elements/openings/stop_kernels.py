@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.openings.losses_kernels import follow_rate, lose, press
-from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
+from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.events import note_crossing
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, where_negative
@@ -32,21 +32,21 @@ class Stops(NamedTuple):
 
 
 @kernel
-def overlap(part, i, when):
-    """Overlap (rad) of stop i, `when` NOW or BEFORE; negative where it is free."""
-    off = load(part.openings.angles, part.on[i], when) - load(part.numbers, i, ANGLE)
-    return load(part.numbers, i, SIDE) * off
+def overlap(part, i, field):
+    """Overlap (rad) of stop i, `field` NOW or BEFORE; negative where it is free."""
+    angle = load(part.openings.angles, part.on[i], field) - load(part.numbers, i, ANGLE)
+    return load(part.numbers, i, SIDE) * angle
 
 
 @hook(Stops)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments against the overlaps."""
     for i in range(part.on.shape[0]):
         h, side = part.on[i], load(part.numbers, i, SIDE)
-        rate = side * follow_rate(part.openings, part.past, i, h, now)
+        rate = side * follow_rate(part.openings, part.past, i, h, timing)
         spring, damper = press(
-            overlap(part, i, NOW),
-            overlap(part, i, BEFORE),
+            overlap(part, i, NEW),
+            overlap(part, i, OLD),
             rate,
             load(part.numbers, i, STIFFNESS),
             load(part.numbers, i, DAMPING),
@@ -56,24 +56,24 @@ def forces(part, world, now):
 
 
 @hook(Stops)
-def note_events(part, world, now):
+def note_events(part, world, timing):
     """Note the stops that were hit or left since the last step."""
     for i in range(part.on.shape[0]):
-        after = TOUCH - overlap(part, i, NOW)
-        before = TOUCH - overlap(part, i, BEFORE)
-        signs = where_negative(after, -1.0, 0.0 * after + 1.0)
-        if any_negative(signs * where_negative(before, -1.0, 0.0 * before + 1.0)):
+        new = TOUCH - overlap(part, i, NEW)
+        old = TOUCH - overlap(part, i, OLD)
+        signs = where_negative(new, -1.0, 0.0 * new + 1.0)
+        if any_negative(signs * where_negative(old, -1.0, 0.0 * old + 1.0)):
             angles, stop, h = part.openings.angles, part.numbers, part.on[i]
             for s in range(angles.shape[2]):
                 angle, side = stop[i, ANGLE, s], stop[i, SIDE, s]
-                last = TOUCH - side * (angles[h, BEFORE, s] - angle)
-                this = TOUCH - side * (angles[h, NOW, s] - angle)
-                note_crossing(part.log, s, i, last, this, now)
+                last = TOUCH - side * (angles[h, OLD, s] - angle)
+                value = TOUCH - side * (angles[h, NEW, s] - angle)
+                note_crossing(part.log, s, i, last, value, timing)
 
 
 @hook(Stops)
 def energy_of(part, world, i):
     """Energy of stop i (J)."""
-    over = overlap(part, i, NOW)
-    over = where_negative(over, 0.0, over)
-    return 0.5 * load(part.numbers, i, STIFFNESS) * over * over
+    depth = overlap(part, i, NEW)
+    depth = where_negative(depth, 0.0, depth)
+    return 0.5 * load(part.numbers, i, STIFFNESS) * depth * depth

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.fields import index, number, same, stiffness
-from fpm.elements.kind import Deformations, Energy, Recorded
+from fpm.elements.kind import Deformations, Energy, Series
 from fpm.elements.openings.opening import TURNING, OnHinges, relative_turn, softness
 from fpm.errors import SceneError
 
@@ -29,20 +29,20 @@ class SyncLoop(OnHinges):
     name: str = same()
     hinges: tuple[int, int] = index("hinges", words="hinge of {title}", types=TURNING)
     radii: tuple[float, float] = number(
-        "m", count=2, about="of the pulleys; opposite in sign where the loop is crossed"
+        "m", count=2, text="of the pulleys; opposite in sign where the loop is crossed"
     )
     stiffness: float = stiffness(
-        "N/m", "{title} stiffness", about="pull at the rims for each metre of slip: 2 EA/l"
+        "N/m", "{title} stiffness", text="pull at the rims for each metre of slip: 2 EA/l"
     )
     rest: tuple[float, float] = number(
-        "rad", default=(0.0, 0.0), count=2, about="openings without slip"
+        "rad", default=(0.0, 0.0), count=2, text="openings without slip"
     )
     preload: float = number(
         "N",
         0.0,
         finite=False,
         default=np.inf,
-        about="tension of each strand; left out: never slack",
+        text="tension of each strand; left out: never slack",
     )
 
     stores = Energy("loop", "loop_energy", "energy of the synchronising loops")
@@ -55,7 +55,7 @@ class SyncLoop(OnHinges):
         """Two hinges, with pulleys; names are for messages and files."""
         super().check(scene)
         title = self.title(scene)
-        if self.name in [other.name for other in SyncLoop.of(scene)]:
+        if self.name in [loop.name for loop in SyncLoop.of(scene)]:
             raise SceneError("loop", self.name, "a name that no other loop has")
         if len(set(self.hinges)) != 2:
             raise SceneError(f"hinges of {title}", self.hinges, "two different ones")
@@ -81,25 +81,25 @@ class SyncLoop(OnHinges):
         with shares as r² w, w being the softness of each hinge, nothing is lost where the hinges
         share no body.
         """
-        on, stiffness, element = [], [], []
+        hinges, stiffness, element = [], [], []
         for i, loop in enumerate(cls.of(scene)):
             soft = [softness(scene, hinge) for hinge in loop.hinges]
             total = sum(r**2 * w for r, w in zip(loop.radii, soft, strict=True))
             for hinge, w in zip(loop.hinges, soft, strict=True):
                 if w > 0:
-                    on.append(hinge)
+                    hinges.append(hinge)
                     stiffness.append(loop.stiffness * total / w)
                     element.append(i)
-        if not on:
+        if not hinges:
             return None
-        rows = relative_turn(scene, on, stiffness)
+        rows = relative_turn(scene, hinges, stiffness)
         return Deformations(*rows[:3], np.array(element)[rows.element])
 
     @classmethod
     def array(cls, name, batch):
         """`on`: both hinges of each."""
         if name == "on":
-            return batch.integers((loop.hinges for loop in cls.of(batch.one)), 2)
+            return batch.integers((loop.hinges for loop in cls.of(batch.scene)), 2)
         return super().array(name, batch)
 
     @classmethod
@@ -107,4 +107,4 @@ class SyncLoop(OnHinges):
         """The pulls, difference of the tensions of both strands."""
         names = tuple(loop.name for loop in cls.of(scene))
         values = part.track[:, 0, lane].reshape(-1, len(names))
-        return {"loop_force": Recorded(values, "N", "pull of the loops", "loop", names)}
+        return {"loop_force": Series(values, "N", "pull of the loops", "loop", names)}

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.opening_kernels import NOW, Openings, turn
+from fpm.elements.openings.opening_kernels import NEW, Openings, turn
 from fpm.kernels.events import note_crossing
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
@@ -17,7 +17,7 @@ STIFFNESS, RADII, REST, TIGHT = 0, 1, 3, 5  # radii and rest of both hinges
 
 # Of a loop, at the last forces and a step before.
 SLIP = 0
-LEFT, LEFT_BEFORE = 1, 2  # slip that is left before a strand gets slack
+SLACK, SLACK_BEFORE = 1, 2  # slip that is left before a strand gets slack
 STATE = 3
 
 TRACK = 1
@@ -41,55 +41,55 @@ class Loops(NamedTuple):
 
 
 @kernel
-def beyond(part, i):
+def excess(part, i):
     """By how much the slip of loop i is beyond that at which a strand gets slack (m), or zero."""
-    over = absolute(load(part.state, i, SLIP)) - load(part.numbers, i, TIGHT)
-    return where_negative(over, 0.0, over)
+    slip = absolute(load(part.state, i, SLIP)) - load(part.numbers, i, TIGHT)
+    return where_negative(slip, 0.0, slip)
 
 
 @kernel
 def pull(part, i):
     """Difference of the tensions of both strands of loop i (N), with the sign of the slip."""
     slip = load(part.state, i, SLIP)
-    over = beyond(part, i)
-    return load(part.numbers, i, STIFFNESS) * (slip - 0.5 * where_negative(slip, -over, over))
+    extra = excess(part, i)
+    return load(part.numbers, i, STIFFNESS) * (slip - 0.5 * where_negative(slip, -extra, extra))
 
 
 @hook(Loops)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments on both hinges that take the slip back."""
     for i in range(part.on.shape[0]):
         angles = part.openings.angles
-        one, two = part.on[i, 0], part.on[i, 1]
+        h1, h2 = part.on[i, 0], part.on[i, 1]
         first, second = load(part.numbers, i, RADII), load(part.numbers, i, RADII + 1)
-        off = load(angles, one, NOW) - load(part.numbers, i, REST)
-        slip = first * off - second * (load(angles, two, NOW) - load(part.numbers, i, REST + 1))
+        angle = load(angles, h1, NEW) - load(part.numbers, i, REST)
+        slip = first * angle - second * (load(angles, h2, NEW) - load(part.numbers, i, REST + 1))
         store(part.state, i, SLIP, slip)
-        store(part.state, i, LEFT_BEFORE, load(part.state, i, LEFT))
+        store(part.state, i, SLACK_BEFORE, load(part.state, i, SLACK))
         touch = TOUCH * (absolute(first) + absolute(second))
-        store(part.state, i, LEFT, load(part.numbers, i, TIGHT) + touch - absolute(slip))
+        store(part.state, i, SLACK, load(part.numbers, i, TIGHT) + touch - absolute(slip))
         force = pull(part, i)
-        turn(part.openings, world.state, one, -1.0 * first * force)
-        turn(part.openings, world.state, two, second * force)
+        turn(part.openings, world.state, h1, -1.0 * first * force)
+        turn(part.openings, world.state, h2, second * force)
 
 
 @hook(Loops)
-def note_events(part, world, now):
+def note_events(part, world, timing):
     """Note the loops of which a strand turned slack, or both are tight again."""
     for i in range(part.on.shape[0]):
-        after = where_negative(load(part.state, i, LEFT), -1.0, 1.0)
-        before = where_negative(load(part.state, i, LEFT_BEFORE), -1.0, 1.0)
-        if any_negative(after * before):
+        new = where_negative(load(part.state, i, SLACK), -1.0, 1.0)
+        old = where_negative(load(part.state, i, SLACK_BEFORE), -1.0, 1.0)
+        if any_negative(new * old):
             for s in range(part.state.shape[2]):
-                last, this = part.state[i, LEFT_BEFORE, s], part.state[i, LEFT, s]
-                note_crossing(part.log, s, i, last, this, now)
+                last, value = part.state[i, SLACK_BEFORE, s], part.state[i, SLACK, s]
+                note_crossing(part.log, s, i, last, value, timing)
 
 
 @hook(Loops)
 def energy_of(part, world, i):
     """Energy of loop i (J)."""
-    slip, over = load(part.state, i, SLIP), beyond(part, i)
-    return 0.5 * load(part.numbers, i, STIFFNESS) * (slip * slip - 0.5 * over * over)
+    slip, extra = load(part.state, i, SLIP), excess(part, i)
+    return 0.5 * load(part.numbers, i, STIFFNESS) * (slip * slip - 0.5 * extra * extra)
 
 
 @hook(Loops)

@@ -46,11 +46,11 @@ class TableSpring(OnHinge):
     def lift(self) -> float:
         """Energy (J) at the first point, so that the least one within the table is zero."""
         angles, moments = np.array(self.angles), np.array(self.moments)
-        given = np.concatenate([[0.0], np.cumsum(np.diff(angles) * (moments[1:] + moments[:-1]))])
-        least = [-given / 2]
-        crossed = np.flatnonzero(moments[1:] * moments[:-1] < 0)
-        to_zero = -moments[crossed] / self.slopes[crossed]
-        least.append(-given[crossed] / 2 - moments[crossed] * to_zero / 2)
+        works = np.concatenate([[0.0], np.cumsum(np.diff(angles) * (moments[1:] + moments[:-1]))])
+        least = [-works / 2]
+        zeros = np.flatnonzero(moments[1:] * moments[:-1] < 0)
+        to_zero = -moments[zeros] / self.slopes[zeros]
+        least.append(-works[zeros] / 2 - moments[zeros] * to_zero / 2)
         return -float(np.concatenate(least).min())
 
     def stiffness_in(self, scene):
@@ -70,14 +70,14 @@ class TableSpring(OnHinge):
         return table_array(name, batch, cls, lambda s: bends(s.angles, s.moments))
 
 
-def check_table(angles, values, what: str, whose: str) -> None:
+def check_table(angles, values, noun: str, owner: str) -> None:
     """SceneError unless there is a value for each of increasing angles, two or more."""
-    both = len(angles) == len(values) >= 2
-    if not (both and np.isfinite([angles, values]).all()):
-        allowed = f"as many {what} as angles, two or more, all finite"
-        raise SceneError(f"angles, {what} of {whose}", (len(angles), len(values)), allowed)
+    is_whole = len(angles) == len(values) >= 2
+    if not (is_whole and np.isfinite([angles, values]).all()):
+        allowed = f"as many {noun} as angles, two or more, all finite"
+        raise SceneError(f"angles, {noun} of {owner}", (len(angles), len(values)), allowed)
     if not np.all(np.diff(angles) > 0):
-        raise SceneError(f"angles of {whose}", list(angles), "increasing angles")
+        raise SceneError(f"angles of {owner}", list(angles), "increasing angles")
 
 
 def bends(angles, values) -> np.ndarray:
@@ -87,7 +87,7 @@ def bends(angles, values) -> np.ndarray:
 
 def table_array(name: str, batch, kind, bends_of) -> np.ndarray:
     """All `points` of the tables of a kind's elements, or where those of each `start`."""
-    ends = np.cumsum([0, *(len(element.angles) for element in kind.of(batch.one))])
+    ends = np.cumsum([0, *(len(element.angles) for element in kind.of(batch.scene))])
     if name == "start":
         return batch.integers(ends)
     return batch.stack(ends[-1], 2, lambda scene: np.concatenate(

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.openings.losses_kernels import edge
-from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
+from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, where_negative
 
@@ -27,16 +27,16 @@ class TableSprings(NamedTuple):
 
 
 @hook(TableSprings)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments; where a point of the table is passed, the work of the way is mended by `edge`."""
     angles = part.openings.angles
     for i in range(part.on.shape[0]):
         h = part.on[i]
         moment = load(part.numbers, i, FIRST)
         for j in range(part.start[i], part.start[i + 1]):
-            after = load(angles, h, NOW) - load(part.points, j, ANGLE)
-            before = load(angles, h, BEFORE) - load(part.points, j, ANGLE)
-            ramp = where_negative(after, 0.0, after) + edge(after, before)
+            new = load(angles, h, NEW) - load(part.points, j, ANGLE)
+            old = load(angles, h, OLD) - load(part.points, j, ANGLE)
+            ramp = where_negative(new, 0.0, new) + edge(new, old)
             moment = moment + load(part.points, j, BEND) * ramp
         turn(part.openings, world.state, h, moment)
 
@@ -44,11 +44,11 @@ def forces(part, world, now):
 @hook(TableSprings)
 def energy_of(part, world, i):
     """Energy of spring i (J): less what the moment has given since the first point."""
-    psi = load(part.openings.angles, part.on[i], NOW)
+    psi = load(part.openings.angles, part.on[i], NEW)
     first = psi - load(part.points, part.start[i], ANGLE)
     energy = load(part.numbers, i, LIFT) - load(part.numbers, i, FIRST) * first
     for j in range(part.start[i], part.start[i + 1]):
-        after = psi - load(part.points, j, ANGLE)
-        ramp = where_negative(after, 0.0, after)
+        reach = psi - load(part.points, j, ANGLE)
+        ramp = where_negative(reach, 0.0, reach)
         energy = energy - 0.5 * load(part.points, j, BEND) * ramp * ramp
     return energy

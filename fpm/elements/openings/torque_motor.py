@@ -22,11 +22,11 @@ class TorqueMotor(AnyMotor):
     """
 
     hinge: int = on_hinge()
-    torque: float = number("N m", about="its moment at rest")
-    curve: int = index("curves", -1, default=-1, about="scales it with time; left out: constant")
+    torque: float = number("N m", text="its moment at rest")
+    curve: int = index("curves", -1, default=-1, text="scales it with time; left out: constant")
     no_load: float = number(
         "rad/s", above=0.0, finite=False, default=np.inf, words="no-load speed of {title}",
-        about="speed at which no torque is left; left out: it does not fall",
+        text="speed at which no torque is left; left out: it does not fall",
     )  # fmt: skip
 
     called = "torque motor"

@@ -7,7 +7,7 @@ import numpy as np
 from fpm.elements.openings.losses_kernels import follow_rate
 from fpm.elements.openings.motor_kernels import MOMENT, MOMENT_BEFORE, record
 from fpm.elements.openings.motor_kernels import TRACK as TRACK
-from fpm.elements.openings.opening_kernels import BEFORE, NOW, Openings, turn
+from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.curves import curve_value
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store, where_negative
@@ -35,30 +35,30 @@ class TorqueMotors(NamedTuple):
 
 
 @hook(TorqueMotors)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments, less where the hinges already turn with them."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
-        speed = follow_rate(part.openings, part.past, i, h, now)
-        torque = curve_value(world, part.curve[i], now.time) * load(part.numbers, i, TORQUE)
-        left = 1.0 - where_negative(torque, -speed, speed) / load(part.numbers, i, NO_LOAD)
-        left = where_negative(left, 0.0, left)
-        left = where_negative(1.0 - left, 1.0, left)
-        moment = torque * left
+        speed = follow_rate(part.openings, part.past, i, h, timing)
+        torque = curve_value(world, part.curve[i], timing.time) * load(part.numbers, i, TORQUE)
+        factor = 1.0 - where_negative(torque, -speed, speed) / load(part.numbers, i, NO_LOAD)
+        factor = where_negative(factor, 0.0, factor)
+        factor = where_negative(1.0 - factor, 1.0, factor)
+        moment = torque * factor
         store(part.state, i, MOMENT_BEFORE, load(part.state, i, MOMENT))
         store(part.state, i, MOMENT, moment)
         turn(part.openings, world.state, h, moment)
 
 
 @hook(TorqueMotors)
-def work_before(part, world, now):
+def work_before(part, world, timing):
     """Work over the step up to now."""
-    given = load(world.accounts, 0, part.given)
+    work = load(world.accounts, 0, part.given)
     for i in range(part.on.shape[0]):
         moment, h = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE), part.on[i]
-        turned = load(part.openings.angles, h, NOW) - load(part.openings.angles, h, BEFORE)
-        given = given + 0.5 * turned * moment
-    store(world.accounts, 0, part.given, given)
+        angle = load(part.openings.angles, h, NEW) - load(part.openings.angles, h, OLD)
+        work = work + 0.5 * angle * moment
+    store(world.accounts, 0, part.given, work)
 
 
 hook(TorqueMotors, "record")(record)

@@ -12,8 +12,8 @@ class TorsionSpring(OnHinge):
     """A spring on a hinge."""
 
     hinge: int = on_hinge()
-    stiffness: float = stiffness(about="moment for each radian")
-    rest: float = number("rad", default=0.0, about="opening at which it is at rest")
+    stiffness: float = stiffness(text="moment for each radian")
+    rest: float = number("rad", default=0.0, text="opening at which it is at rest")
 
     stores = Energy("spring", "spring_energy", "energy of the torsion springs")
     acts_as = "spring"

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.opening_kernels import NOW, Openings, turn
+from fpm.elements.openings.opening_kernels import NEW, Openings, turn
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load
 
@@ -22,16 +22,16 @@ class Springs(NamedTuple):
 
 
 @hook(Springs)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Moments towards the openings at rest."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
-        off = load(part.numbers, i, REST) - load(part.openings.angles, h, NOW)
-        turn(part.openings, world.state, h, load(part.numbers, i, STIFFNESS) * off)
+        angle = load(part.numbers, i, REST) - load(part.openings.angles, h, NEW)
+        turn(part.openings, world.state, h, load(part.numbers, i, STIFFNESS) * angle)
 
 
 @hook(Springs)
 def energy_of(part, world, i):
     """Energy of spring i (J)."""
-    off = load(part.openings.angles, part.on[i], NOW) - load(part.numbers, i, REST)
-    return 0.5 * load(part.numbers, i, STIFFNESS) * off * off
+    angle = load(part.openings.angles, part.on[i], NEW) - load(part.numbers, i, REST)
+    return 0.5 * load(part.numbers, i, STIFFNESS) * angle * angle

@@ -31,10 +31,10 @@ class Damping(Kind):
     def pack(cls, batch):
         from fpm.elements.particles.damping_kernels import Damped
 
-        held = set(np.flatnonzero(batch.one.fixed.all(axis=1)))
+        fixed_set = set(np.flatnonzero(batch.scene.fixed.all(axis=1)))
         return Damped(
             batch.stack(1, 1, lambda s: [[s.damping]]),
             batch.integers(batch.free),
-            batch.integers(sorted(batch.moved - held)),
+            batch.integers(sorted(batch.moved - fixed_set)),
             batch.taken_by(cls),
         )

@@ -24,7 +24,7 @@ class Damped(NamedTuple):
 
     rate: np.ndarray
     free: np.ndarray
-    joined: np.ndarray
+    jointed: np.ndarray
     account: int
 
 
@@ -36,54 +36,54 @@ def factors(part, kick):
 
 
 @kernel
-def take(part, world, way):
+def take(part, world, path):
     """Count the work over momenta times their ways (J s)."""
-    taken = load(world.accounts, 0, part.account) + load(part.rate, 0, 0) * way
-    store(world.accounts, 0, part.account, taken)
+    loss = load(world.accounts, 0, part.account) + load(part.rate, 0, 0) * path
+    store(world.accounts, 0, part.account, loss)
 
 
 @hook(Damped)
-def restrain(part, world, now):
+def restrain(part, world, timing):
     """Scale momenta and forces of the joined particles, whose plain kick does the rest."""
     state = world.state
-    before, force = factors(part, now.kick)
-    for n in range(part.joined.shape[0]):
-        i = part.joined[n]
+    factor, force = factors(part, timing.kick)
+    for n in range(part.jointed.shape[0]):
+        i = part.jointed[n]
         for k in (V, P):
-            put3(state, i, k, before * get3(state, i, k))
+            put3(state, i, k, factor * get3(state, i, k))
         for k in (F, M):
             put3(state, i, k, force * get3(state, i, k))
 
 
 @hook(Damped)
-def move(part, world, now):
+def move(part, world, timing):
     """Kick, damp and move the free particles."""
     state, particles = world.state, world.particles
-    before, force = factors(part, now.kick)
-    kick = now.kick * force
+    factor, force = factors(part, timing.kick)
+    kick = timing.kick * force
     linear = 0.0 * kick
     angular = vector(linear, linear, linear)
     for n in range(part.free.shape[0]):
         i = part.free[n]
         # The kick first: of two products it is the one that is fused, as without damping.
-        v = force * load(particles, i, KICK) * get3(state, i, F) + before * get3(state, i, V)
-        carry(state, i, v, now.step)
+        v = force * load(particles, i, KICK) * get3(state, i, F) + factor * get3(state, i, V)
+        carry(state, i, v, timing.step)
         linear = linear + load(particles, i, MASS) * dot(v, v)
-        p = kick * get3(state, i, M) + before * get3(state, i, P)
+        p = kick * get3(state, i, M) + factor * get3(state, i, P)
         body, half = turn(state, particles, i, p)
         angular = angular + times(body, half)
-    take(part, world, now.step * linear + 2.0 * (angular.x + angular.y + angular.z))
+    take(part, world, timing.step * linear + 2.0 * (angular.x + angular.y + angular.z))
 
 
 @hook(Damped)
-def work_after(part, world, now):
+def work_after(part, world, timing):
     """Work on the joined particles, once their joints have corrected the momenta."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
-    for n in range(part.joined.shape[0]):
-        i = part.joined[n]
+    for n in range(part.jointed.shape[0]):
+        i = part.jointed[n]
         v = get3(state, i, V)
         total = total + load(particles, i, MASS) * dot(v, v)
         local = to_local(frame(state, i), get3(state, i, P))
         total = total + dot(local, times(get3(particles, i, IJ), local))
-    take(part, world, now.step * total)
+    take(part, world, timing.step * total)

@@ -28,7 +28,7 @@ class Drives(NamedTuple):
 
 
 @kernel
-def add_work(part, world, now, time):
+def add_work(part, world, timing, time):
     """Add the work of half a step against the particles' forces; time (s) of the velocities."""
     state = world.state
     total = 0.0 * load(state, 0, X)
@@ -37,24 +37,24 @@ def add_work(part, world, now, time):
         factor = curve_value(world, part.curve[n], time)
         power = dot(get3(state, i, F), get3(part.numbers, n, LINEAR))
         total = total - factor * (power + dot(get3(state, i, M), get3(part.numbers, n, SPIN)))
-    given = load(world.accounts, 0, part.account) + 0.5 * now.step * total
-    store(world.accounts, 0, part.account, given)
+    work = load(world.accounts, 0, part.account) + 0.5 * timing.step * total
+    store(world.accounts, 0, part.account, work)
 
 
 @hook(Drives)
-def work_before(part, world, now):
+def work_before(part, world, timing):
     """Work of the half step up to now."""
-    add_work(part, world, now, now.time - 0.5 * now.step)
+    add_work(part, world, timing, timing.time - 0.5 * timing.step)
 
 
 @hook(Drives)
-def restrain(part, world, now):
+def restrain(part, world, timing):
     """Work of the half step after it, against the same forces."""
-    add_work(part, world, now, now.time + 0.5 * now.step)
+    add_work(part, world, timing, timing.time + 0.5 * timing.step)
 
 
 @hook(Drives)
-def move(part, world, now):
+def move(part, world, timing):
     """Move the driven particles by one step, and clear their forces."""
     state = world.state
     for n in range(part.particle.shape[0]):
@@ -63,48 +63,48 @@ def move(part, world, now):
             store(state, part.particle[n], F + k, 0.0)
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
-        factor = curve_value(world, part.curve[n], now.time + 0.5 * now.step)
+        factor = curve_value(world, part.curve[n], timing.time + 0.5 * timing.step)
         v = factor * get3(part.numbers, n, LINEAR)
         add3(state, i, V, v)
-        put3(state, i, X, now.step * v + get3(state, i, X))
-        half = (0.5 * now.step * factor) * get3(part.numbers, n, SPIN)
+        put3(state, i, X, timing.step * v + get3(state, i, X))
+        half = (0.5 * timing.step * factor) * get3(part.numbers, n, SPIN)
         axes = frame(state, i)
         put_turned(state, i, axes, to_local(axes, half))
 
 
 @hook(Drives)
-def look_back(part, world, now):
+def look_back(part, world, timing):
     """Velocities half a step before the start, as if they changed evenly; in place of the momenta,
     which driven particles do not have, the spins on both sides.
     """
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
-        none = 0.0 * get3(world.state, i, X)
-        put3(world.kept, i, V, none)
-        put3(world.kept, i, P, none)
-        put3(world.state, i, P, none)
+        zero = 0.0 * get3(world.state, i, X)
+        put3(world.start_state, i, V, zero)
+        put3(world.start_state, i, P, zero)
+        put3(world.state, i, P, zero)
     for n in range(part.particle.shape[0]):
         i, spin = part.particle[n], get3(part.numbers, n, SPIN)
-        after = curve_value(world, part.curve[n], 0.5 * now.step)
-        before = 2.0 * curve_value(world, part.curve[n], 0.0) - after
-        add3(world.kept, i, V, before * get3(part.numbers, n, LINEAR))
-        add3(world.kept, i, P, before * spin)
-        add3(world.state, i, P, after * spin)
+        new = curve_value(world, part.curve[n], 0.5 * timing.step)
+        old = 2.0 * curve_value(world, part.curve[n], 0.0) - new
+        add3(world.start_state, i, V, old * get3(part.numbers, n, LINEAR))
+        add3(world.start_state, i, P, old * spin)
+        add3(world.state, i, P, new * spin)
 
 
 @hook(Drives)
-def record_points(part, world, points, row, now):
+def record_points(part, world, points, row, timing):
     """Velocities of points on driven particles, which have no momenta: those prescribed now."""
     count = world.point_on.shape[0]
     for n in range(count):
-        i, first, at = world.point_on[n], True, row * count + n
-        arm = to_global(frame(world.kept, i), get3(world.point_arm, n, 0))
+        i, first, index = world.point_on[n], True, row * count + n
+        arm = to_global(frame(world.start_state, i), get3(world.point_arm, n, 0))
         for k in range(part.particle.shape[0]):
             if part.particle[k] == i:
                 if first:
-                    put3(points, at, VELOCITY, 0.0 * get3(points, at, VELOCITY))
+                    put3(points, index, VELOCITY, 0.0 * get3(points, index, VELOCITY))
                     first = False
-                factor = curve_value(world, part.curve[k], now.time)
+                factor = curve_value(world, part.curve[k], timing.time)
                 spin = get3(part.numbers, k, SPIN)
                 v = factor * (get3(part.numbers, k, LINEAR) + cross(spin, arm))
-                add3(points, at, VELOCITY, v)
+                add3(points, index, VELOCITY, v)

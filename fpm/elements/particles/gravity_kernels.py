@@ -18,7 +18,7 @@ class Weight(NamedTuple):
 
 
 @hook(Weight)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Weight of every particle."""
     g = get3(part.acceleration, 0, 0)
     for i in range(world.state.shape[0]):
@@ -33,5 +33,5 @@ def work_of_place(part, world, energies, row):
     total = 0.0 * load(world.state, 0, X)
     for i in range(world.state.shape[0]):
         total = total + load(world.particles, i, MASS) * dot(g, get3(world.state, i, X))
-    at = ACCOUNTS + part.account
-    store(energies, row, at, load(energies, row, at) + total)
+    column = ACCOUNTS + part.account
+    store(energies, row, column, load(energies, row, column) + total)

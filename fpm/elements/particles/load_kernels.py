@@ -33,12 +33,12 @@ class Loads(NamedTuple):
 
 
 @hook(Loads)
-def forces(part, world, now):
+def forces(part, world, timing):
     """Forces at the ends of the arms, and moments; where these ends are, and how they lie."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]
-        factor = curve_value(world, part.curve[n], now.time)
+        factor = curve_value(world, part.curve[n], timing.time)
         force = factor * get3(part.numbers, n, FORCE)
         moment = factor * get3(part.numbers, n, MOMENT)
         axes = frame(state, i)
@@ -51,7 +51,7 @@ def forces(part, world, now):
 
 
 @hook(Loads)
-def work_after(part, world, now):
+def work_after(part, world, timing):
     """Work over the step: the mean of what acts before and after it, on the way between.
 
     That of a constant force is exact however its arm turns. Of a turn by t, the products of the
@@ -63,12 +63,12 @@ def work_after(part, world, now):
         i = part.on[n]
         axes = frame(state, i)
         end = get3(state, i, X) + to_global(axes, get3(part.numbers, n, ARM))
-        turned = 0.5 * cross(get3(part.state, n, AXES), axes[0])
+        rotation = 0.5 * cross(get3(part.state, n, AXES), axes[0])
         for k in range(1, 3):
-            turned = turned + 0.5 * cross(get3(part.state, n, AXES + 3 * k), axes[k])
-        turned = (1.0 + (1.0 / 6.0) * dot(turned, turned)) * turned
-        factor = curve_value(world, part.curve[n], now.time)
-        factor = 0.5 * (factor + curve_value(world, part.curve[n], now.time + now.step))
+            rotation = rotation + 0.5 * cross(get3(part.state, n, AXES + 3 * k), axes[k])
+        rotation = (1.0 + (1.0 / 6.0) * dot(rotation, rotation)) * rotation
+        factor = curve_value(world, part.curve[n], timing.time)
+        factor = 0.5 * (factor + curve_value(world, part.curve[n], timing.time + timing.step))
         work = dot(get3(part.numbers, n, FORCE), end - get3(part.state, n, END))
-        total = total + factor * (work + dot(get3(part.numbers, n, MOMENT), turned))
+        total = total + factor * (work + dot(get3(part.numbers, n, MOMENT), rotation))
     store(world.accounts, 0, part.account, load(world.accounts, 0, part.account) + total)

@@ -22,13 +22,13 @@ class Probe(Kind):
     impulses: bool = False
 
     @staticmethod
-    def asked(scene) -> "Probe":
+    def of_scene(scene) -> "Probe":
         """The probe of a scene; one that keeps nothing where there is none."""
         return next(iter(Probe.of(scene)), Probe())
 
     @classmethod
     def reads_impulses(cls, scene):
-        return cls.asked(scene).impulses
+        return cls.of_scene(scene).impulses
 
     def topology(self):
         """All of it."""
@@ -38,7 +38,7 @@ class Probe(Kind):
     def pack(cls, batch):
         from fpm.elements.particles.probe_kernels import FORCES, FRAME, Probes
 
-        probe, rows = cls.asked(batch.one), batch.instants + 1
+        probe, rows = cls.of_scene(batch.scene), batch.instants + 1
         return Probes(
             frames_of=batch.integers(probe.frames),
             forces_of=batch.integers(probe.forces),

@@ -35,25 +35,25 @@ def record(part, world, row):
     """Forces and moments at the instant; what follows in the step uses them up."""
     count = part.forces_of.shape[0]
     for n in range(count):
-        i, at = part.forces_of[n], row * count + n
-        put3(part.forces, at, FORCE, get3(world.state, i, F))
-        put3(part.forces, at, MOMENT, get3(world.state, i, M))
+        i, index = part.forces_of[n], row * count + n
+        put3(part.forces, index, FORCE, get3(world.state, i, F))
+        put3(part.forces, index, MOMENT, get3(world.state, i, M))
 
 
 @hook(Probes)
-def record_step(part, world, row, now):
+def record_step(part, world, row, timing):
     """Frames, and momenta on both sides of the instant."""
-    kept, state = world.kept, world.state
+    start, state = world.start_state, world.state
     count = part.frames_of.shape[0]
     for n in range(count):
-        i, at = part.frames_of[n], row * count + n
-        put3(part.frames, at, PLACE, get3(kept, i, X))
-        put3(part.frames, at, SECOND, get3(kept, i, D2))
-        put3(part.frames, at, THIRD, get3(kept, i, D3))
+        i, index = part.frames_of[n], row * count + n
+        put3(part.frames, index, PLACE, get3(start, i, X))
+        put3(part.frames, index, SECOND, get3(start, i, D2))
+        put3(part.frames, index, THIRD, get3(start, i, D3))
     count = part.forces_of.shape[0]
     for n in range(count):
-        i, at = part.forces_of[n], row * count + n
+        i, index = part.forces_of[n], row * count + n
         for k, mean, change in ((V, VELOCITY, ACCELERATION), (P, MOMENTUM, CHANGE)):
-            before, after = get3(kept, i, k), get3(state, i, k)
-            put3(part.forces, at, mean, 0.5 * (before + after))
-            put3(part.forces, at, change, (1.0 / now.step) * (after - before))
+            old, new = get3(start, i, k), get3(state, i, k)
+            put3(part.forces, index, mean, 0.5 * (old + new))
+            put3(part.forces, index, change, (1.0 / timing.step) * (new - old))

@@ -25,8 +25,8 @@ class Support(Kind):
     def add_to(self, scene):
         """Hold the particles."""
         if set(self.translations + self.rotations) - set(AXES):
-            found = (self.translations, self.rotations)
-            raise SceneError("fixed axes", found, "letters out of 'xyz'")
+            axes = (self.translations, self.rotations)
+            raise SceneError("fixed axes", axes, "letters out of 'xyz'")
         columns = [AXES.index(c) for c in self.translations]
         columns += [3 + AXES.index(c) for c in self.rotations]
         for particle in self.particles:
@@ -35,8 +35,8 @@ class Support(Kind):
     @classmethod
     def of(cls, scene):
         """The particles that are held along or about some axes, but not all three."""
-        held = scene.fixed.reshape(-1, 2, 3).sum(axis=2)
-        return np.flatnonzero(((held > 0) & (held < 3)).any(axis=1)).tolist()
+        counts = scene.fixed.reshape(-1, 2, 3).sum(axis=2)
+        return np.flatnonzero(((counts > 0) & (counts < 3)).any(axis=1)).tolist()
 
     @classmethod
     def moved(cls, scene):
@@ -50,10 +50,10 @@ class Support(Kind):
 
     @classmethod
     def pack(cls, batch):
-        from fpm.elements.particles.support_kernels import Held
+        from fpm.elements.particles.support_kernels import Supports
 
-        partly = cls.of(batch.one)
+        partly = cls.of(batch.scene)
         free = batch.stack(len(partly), 6, lambda s: ~s.fixed[partly])
-        about_two = batch.integers(cls.moved(batch.one))
-        held = batch.stack(len(about_two), 3, lambda s: s.fixed[about_two, 3:])
-        return Held(batch.integers(partly), free, about_two, held)
+        about_two = batch.integers(cls.moved(batch.scene))
+        axes = batch.stack(len(about_two), 3, lambda s: s.fixed[about_two, 3:])
+        return Supports(batch.integers(partly), free, about_two, axes)

@@ -11,13 +11,13 @@ from fpm.kernels.rotation import frame, half_turn
 from fpm.kernels.run import carry, turn
 from fpm.kernels.vectors import dot, get3, put3, times, to_local
 
-ALONG, ABOUT = 0, 3
+LINEAR, ANGULAR = 0, 3
 
 ROUNDS = 4
 """Each leaves of the spin about the held axis a share like the angle of a step."""
 
 
-class Held(NamedTuple):
+class Supports(NamedTuple):
     """on (f,) particles held along some axes only; free (f, 6, lanes): 1 free, 0 held.
 
     about_two (t,): those that the kind moves; axis (t, 3, lanes): about which each is held.
@@ -29,18 +29,18 @@ class Held(NamedTuple):
     axis: np.ndarray
 
 
-@hook(Held)
-def restrain(part, world, now):
+@hook(Supports)
+def restrain(part, world, timing):
     """Take out forces and moments along held axes."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]
-        put3(state, i, F, times(get3(part.free, n, ALONG), get3(state, i, F)))
-        put3(state, i, M, times(get3(part.free, n, ABOUT), get3(state, i, M)))
+        put3(state, i, F, times(get3(part.free, n, LINEAR), get3(state, i, F)))
+        put3(state, i, M, times(get3(part.free, n, ANGULAR), get3(state, i, M)))
 
 
-@hook(Held)
-def move(part, world, now):
+@hook(Supports)
+def move(part, world, timing):
     """Kick and move by a step what turns about two axes.
 
     The angular momentum about the third is such that in the middle of the step, as of all turns,
@@ -49,8 +49,10 @@ def move(part, world, now):
     state, particles = world.state, world.particles
     for n in range(part.about_two.shape[0]):
         i = part.about_two[n]
-        carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), now.step)
-        p, axis = now.kick * get3(state, i, M) + get3(state, i, P), get3(part.axis, n, 0)
+        carry(
+            state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), timing.step
+        )
+        p, axis = timing.kick * get3(state, i, M) + get3(state, i, P), get3(part.axis, n, 0)
         axes, rate = frame(state, i), get3(particles, i, HALF)
         own = to_local(axes, axis)
         soft = dot(own, times(rate, own))

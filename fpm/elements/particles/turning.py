@@ -22,7 +22,7 @@ class Turning(NamedTuple):
     of unlike inertias that turn about two axes."""
 
     inertia: np.ndarray
-    held: np.ndarray
+    no_turn: np.ndarray
     about_two: list[int]
 
 
@@ -33,14 +33,14 @@ def turns_of(scene) -> Turning:
     """
     fixed = scene.fixed[:, 3:]
     count, inertia = fixed.sum(axis=1), scene.inertia.copy()
-    held = np.repeat(count[:, None] == 3, 3, axis=1)
+    no_turn = np.repeat(count[:, None] == 3, 3, axis=1)
     for p in np.flatnonzero(count == 2):
         shares = scene.frame[p][~fixed[p]][0] ** 2
         inertia[p] = shares @ inertia[p]
-        held[p] = (shares < ALIKE) & (shares.max() > 1 - ALIKE)
+        no_turn[p] = (shares < ALIKE) & (shares.max() > 1 - ALIKE)
     unlike = np.ptp(inertia, axis=1) > ALIKE * inertia.max(axis=1)
     about_two = np.flatnonzero((count == 1) & unlike).tolist()
-    joining = (e for kind, found in scene.kinds.items() if kind.joins for e in found)
+    joining = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
     for p in [p for e in joining for p in e.particles if p in about_two] if about_two else ():
         raise SceneError(
             f"rotations of particle {p} in a joint, held about {'xyz'[fixed[p].argmax()]} alone",
@@ -48,4 +48,4 @@ def turns_of(scene) -> Turning:
             "two or three axes, the same inertia about all of its own, or a joint to the ground "
             "that holds them",
         )
-    return Turning(inertia, held, about_two)
+    return Turning(inertia, no_turn, about_two)

@@ -44,8 +44,8 @@ def _rigid(build, it, **without) -> bool:
 
 
 def _of_slide(key: Number) -> Number:
-    about = key.about.replace("moment", "force").replace("radian", "metre")
-    return replace(key.sliding(["joint"]), about=about)
+    about = key.text.replace("moment", "force").replace("radian", "metre")
+    return replace(key.sliding(["joint"]), text=about)
 
 
 SPRING = {
@@ -113,13 +113,13 @@ def _bend(scene, hinge: int) -> float:
     "actions",
     "bearing",
     joint=JOINT,
-    mu=Number(about="coefficient of friction", least=0),
+    mu=Number(text="coefficient of friction", least=0),
     radius=Number(None, "at which it rubs; of hinges only", unit="m", above=0),
     load=Number(
         None, "force that the joint bears as a rule, at which it gives by `bend` before it slips; "
         "left out: it counts in margins only, and a motion has none of it", unit="N", above=0,
     ),
-    bend=key_of(Friction, "bend", default=None, about="left out: as that of friction"),
+    bend=key_of(Friction, "bend", default=None, text="left out: as that of friction"),
 )  # fmt: skip
 def bearing(build, it):
     """Friction by the force that a joint itself bears."""
@@ -173,7 +173,7 @@ def latch(build, it):
 
 
 MOMENTS = Many(
-    kind=Number(unit="N m"), least=2, about="one for each, > 0 where it opens; straight between"
+    kind=Number(unit="N m"), least=2, text="one for each, > 0 where it opens; straight between"
 )
 
 
@@ -181,14 +181,14 @@ MOMENTS = Many(
     "actions",
     "tape spring",
     joint=JOINT,
-    angles=Many(kind=Number(unit="rad"), least=2, about="openings, increasing"),
+    angles=Many(kind=Number(unit="rad"), least=2, text="openings, increasing"),
     moments=MOMENTS,
     back=replace(
-        MOMENTS, default=None, about="on the way back, none below `moments`; left out: the same"
+        MOMENTS, default=None, text="on the way back, none below `moments`; left out: the same"
     ),
     bend=key_of(
         Friction, "bend", default=None,
-        about="half of the way from one branch to the other; left out: as that of friction",
+        text="half of the way from one branch to the other; left out: as that of friction",
     ),
     **CLASS,
 )  # fmt: skip
@@ -214,7 +214,7 @@ def tape_spring(build, it):
     SyncLoop,
     without=("hinges", "name"),
     left_out={"rest": "those at the start"},
-    joints=Many(kind=TURNING, least=2, most=2, about="the two on which its pulleys sit"),
+    joints=Many(kind=TURNING, least=2, most=2, text="the two on which its pulleys sit"),
 )
 def loop(build, it):
     """A closed cable over pulleys on two joints, which so open in the ratio of the radii."""
@@ -229,7 +229,7 @@ def loop(build, it):
     damping=key_of(Motor, "damping", default=0.0),
     turn=Number(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),
     rate=Number(None, "how fast it turns, times `curve`", unit="rad/s"),
-    curve=Reference(about="of the opening, or of its rate", group="curves"),
+    curve=Reference(text="of the opening, or of its rate", group="curves"),
 )
 def motor(build, it):
     """Prescribes the opening of a joint, exactly or through an elastic drive train."""

@@ -11,10 +11,10 @@ from fpm.structures.keys import Direction, Each, Letters, Many, Number, Referenc
 from fpm.structures.statement import statement
 
 PART = Reference(group="parts", ground=True)
-PARTS = Many(kind=PART, least=2, about="what it joins")
-PAIR = Many(kind=PART, least=2, most=2, about="what it joins")
+PARTS = Many(kind=PART, least=2, text="what it joins")
+PAIR = Many(kind=PART, least=2, most=2, text="what it joins")
 AT = Each(
-    about="its point, which all parts have; or the point of each part, which must coincide",
+    text="its point, which all parts have; or the point of each part, which must coincide",
     kind=Reference(group="points"),
     one=True,
 )
@@ -70,7 +70,7 @@ def _further(it, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
     parts=PARTS,
     at=AT,
     axis=Each(
-        about="of the turn; or the axis of each part, which must agree",
+        text="of the turn; or the axis of each part, which must agree",
         kind=Direction(),
         one=True,
     ),
@@ -138,8 +138,8 @@ def fixed(build, it):
     "universal",
     parts=PAIR,
     at=AT,
-    axis=Direction(about="of the cross, on the first part"),
-    other=Direction(about="axis of the cross on the second part, normal to that on the first"),
+    axis=Direction(text="of the cross, on the first part"),
+    other=Direction(text="axis of the cross on the second part, normal to that on the first"),
     openings=Many(
         None,
         "its angles at the start: of the cross about `axis` against the first part, and of the "
@@ -162,7 +162,7 @@ def universal(build, it):
     "prismatic",
     parts=PAIR,
     at=AT,
-    axis=Direction(about="along which the second part slides on the first"),
+    axis=Direction(text="along which the second part slides on the first"),
     opening=Number(
         0.0,
         "position at the start; grows as the second part slides along the axis against the first",
@@ -177,8 +177,8 @@ def prismatic(build, it):
 
 @statement(
     "supports",
-    part=Reference(group="parts", about="what is held"),
-    at=Reference(group="points", about="one of its points"),
+    part=Reference(group="parts", text="what is held"),
+    at=Reference(group="points", text="one of its points"),
     translations=Letters("xyz", "axes along which it is held"),
     rotations=Letters("xyz", "axes about which it is held"),
 )

@@ -9,15 +9,15 @@ from fpm.structures.keys import Many, Number, PointOfPart, Reference, Vector
 from fpm.structures.statement import CLASS, statement
 
 ZERO = np.zeros(3)
-PART = Reference(group="parts", about="what it is about")
-AT = Reference(group="points", about="one of its points")
+PART = Reference(group="parts", text="what it is about")
+AT = Reference(group="points", text="one of its points")
 CURVE = Reference(None, "scales it with time; left out: constant", group="curves")
 
 
 @statement(
     "curves",
-    times=Many(kind=Number(unit="s"), about="increasing"),
-    values=Many(kind=Number(), about="one for each time"),
+    times=Many(kind=Number(unit="s"), text="increasing"),
+    values=Many(kind=Number(), text="one for each time"),
 )
 def curve(build, it):
     """A curve of time, straight between the values given and constant outside them."""
@@ -32,8 +32,8 @@ def _index(curve: int | None) -> int:
     "loads",
     part=PART,
     at=AT,
-    force=Vector(ZERO, unit="N", about="the force"),
-    moment=Vector(ZERO, unit="N m", about="the moment"),
+    force=Vector(ZERO, unit="N", text="the force"),
+    moment=Vector(ZERO, unit="N m", text="the moment"),
     curve=CURVE,
     **CLASS,
 )
@@ -45,8 +45,8 @@ def load(build, it):
 
 @statement(
     "cables",
-    through=Many(kind=PointOfPart(), least=2, about="its points, in order", units=True),
-    EA=Number(unit="N", above=0, about="tension for a strain of one"),
+    through=Many(kind=PointOfPart(), least=2, text="its points, in order", units=True),
+    EA=Number(unit="N", above=0, text="tension for a strain of one"),
     rest=Number(None, "its length without tension; this or `preload`", unit="m", above=0),
     preload=Number(None, "its tension at the start; this or `rest`", unit="N", least=0),
     reel=Number(0.0, "length that a winch at the first point takes in, times `curve`", unit="m"),
@@ -74,8 +74,8 @@ def cable(build, it):
     "drives",
     part=PART,
     at=AT,
-    velocity=Vector(ZERO, unit="m/s", about="its velocity"),
-    spin=Vector(ZERO, unit="rad/s", about="its angular velocity"),
+    velocity=Vector(ZERO, unit="m/s", text="its velocity"),
+    spin=Vector(ZERO, unit="rad/s", text="its angular velocity"),
     curve=CURVE,
 )
 def drive(build, it):
@@ -93,9 +93,9 @@ def drive(build, it):
 @statement(
     "motions",
     part=PART,
-    velocity=Vector(ZERO, unit="m/s", about="of the point `about`"),
-    spin=Vector(ZERO, unit="rad/s", about="angular velocity"),
-    about=Reference(group="points", about="any point"),
+    velocity=Vector(ZERO, unit="m/s", text="of the point `about`"),
+    spin=Vector(ZERO, unit="rad/s", text="angular velocity"),
+    about=Reference(group="points", text="any point"),
 )
 def motion(build, it):
     """How a part moves at the start, as a rigid body."""
@@ -105,7 +105,7 @@ def motion(build, it):
     scene.spin[particles] = it.spin
 
 
-@statement("record", part=Reference(group="parts", about="what carries it", ground=True), at=AT)
+@statement("record", part=Reference(group="parts", text="what carries it", ground=True), at=AT)
 def recorded(build, it):
     """A point of a part whose motion is recorded under this name."""
     build.scene.add_point(it.name, it.part.particle(it.at.name), it.at.position)

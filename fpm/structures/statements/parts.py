@@ -17,8 +17,8 @@ STRAIGHT = 1e-9
 POINT = Reference(group="points")
 
 
-def _size(about: str, unit: str = "m") -> Number:
-    return Number(unit=unit, above=0, about=about)
+def _size(text: str, unit: str = "m") -> Number:
+    return Number(unit=unit, above=0, text=text)
 
 
 @statement(
@@ -75,10 +75,10 @@ for _type, _about, _sizes, _build in SECTIONS:
 
 @statement(
     "bars",
-    through=Many(kind=POINT, least=2, about="its points, in order"),
-    section=Reference(group="sections", about="its cross-section"),
-    material=Reference(group="materials", about="its material"),
-    elements=Whole(about="beam elements of each stretch between two points"),
+    through=Many(kind=POINT, least=2, text="its points, in order"),
+    section=Reference(group="sections", text="its cross-section"),
+    material=Reference(group="materials", text="its material"),
+    elements=Whole(text="beam elements of each stretch between two points"),
     up=Direction(
         None, "where the section's height points; needed where it matters, and for `curvature`"
     ),
@@ -106,7 +106,8 @@ def bar(build, it):
     scene, before = build.scene, len(build.scene.beams)
     nodes = lay(scene, it, points, directions, up)
     if it.strain or it.curvature is not None:
-        scene.beams[before:] = [b.strained(it.strain, it.curvature) for b in scene.beams[before:]]
+        beams = scene.beams[before:]
+        scene.beams[before:] = [b.with_strain(it.strain, it.curvature) for b in beams]
     particles = dict(zip(names, nodes, strict=True))
     for point, holder in (it.carries or {}).items():
         if holder.name not in particles:
@@ -205,7 +206,7 @@ def _joined(parts) -> tuple[np.ndarray, np.ndarray]:
 @statement(
     "bodies",
     mass=_size("its mass", "kg"),
-    centre=Reference(group="points", about="its centre of mass"),
+    centre=Reference(group="points", text="its centre of mass"),
     box=Vector(
         None, "edges of a box filled evenly with the mass, along x, up × x and up; this or "
         "`inertia`", unit="m",
@@ -246,8 +247,8 @@ def body(build, it):
 
 @statement(
     "masses",
-    part=Reference(group="parts", about="what carries it"),
-    at=Reference(group="points", about="a point that the part goes through"),
+    part=Reference(group="parts", text="what carries it"),
+    at=Reference(group="points", text="a point that the part goes through"),
     mass=_size("its mass", "kg"),
     inertia=Number(0.0, "its moment of inertia, about every axis", unit="kg m2", least=0),
 )

@@ -1,0 +1,146 @@
+"""No name of a value is only a participle, a pronoun, a preposition or an adverb."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+CLEAN = (
+    "fpm/assembly",
+    "fpm/elements",
+    "fpm/files",
+    "fpm/kernels",
+    "fpm/motions",
+    "fpm/scenes",
+    "fpm/solver",
+)
+"""Folders and files that are held to it."""
+
+WORDS = """
+it its one ones other others another each every both either neither any some none such this
+that these those what which who whom whose him same several many few more less much enough
+way ways thing things
+of on at by to from in into onto with without within about above across after against along
+among around as before behind below beneath beside besides between beyond but down during
+except for inside near off outside over past per since through toward under until up upon via
+out apart away aside back ahead
+now then here there where when how why so too once twice again also always never ever only
+just still yet already soon later earlier together alone far ago afterwards meanwhile
+asked began begin begins begun bent borne built called came carried caught changed
+chosen closed come counted crossed cut damaged done driven entered failed fixed followed
+foreseen foretold found gathered given gone got grown had handed having held joined judged
+jumped kept known led left lost made matched meant missed moved needed noted offered opened
+passed placed pushed reached recorded refused removed required said seen settled shown shut
+slid solved sought spun started stated stored strained stretched taken told touched tried
+turned used wanted watched weighed wished written
+being coming doing due ending going losing watching
+"""
+NEVER = frozenset(WORDS.split())
+ALLOWED = {
+    "fixed": "a joint that leaves no freedom",
+    "fpm/elements/fields.py:above": "keyword of `number`, docs/mechanics.md",
+}
+"""Terms of the field, with the reason; `path:name` allows it there."""
+
+ELEMENT_TYPE = (
+    "above", "called", "given", "led", "moved", "of", "on", "past", "recorded", "same", "shut",
+    "stored", "taken", "watched",
+)  # fmt: skip
+MEMBERS = {
+    **dict.fromkeys(ELEMENT_TYPE, "interface of element types, docs/mechanics.md"),
+}
+"""Names of the public interface, allowed for fields and methods and for functions of modules."""
+
+
+def bindings(tree):
+    """Node and name of everything that a module binds, imports without `as` left out."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.Name(id=name, ctx=ast.Store()) | ast.arg(arg=name):
+                yield node, name
+            case ast.Attribute(attr=name, ctx=ast.Store()):
+                yield node, name
+            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name):
+                yield node, name
+            case ast.ClassDef(name=name) | ast.ExceptHandler(name=str(name)):
+                yield node, name
+            case ast.MatchAs(name=str(name)) | ast.MatchStar(name=str(name)):
+                yield node, name
+            case ast.MatchMapping(rest=str(name)):
+                yield node, name
+            case ast.Import(names=aliases) | ast.ImportFrom(names=aliases):
+                yield from ((node, alias.asname) for alias in aliases if alias.asname)
+
+
+def members(tree):
+    """The nodes that bind fields, methods, attributes, and functions of the module."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef):
+            yield from (part for part in node.body if isinstance(part, ast.FunctionDef))
+        if isinstance(node, ast.ClassDef):
+            for part in node.body:
+                yield from [part.target] if isinstance(part, ast.AnnAssign) else []
+                yield from part.targets if isinstance(part, ast.Assign) else []
+        if isinstance(node, ast.Attribute):
+            yield node
+
+
+def words(source, path=""):
+    """Line and name of what a source binds to a word that says nothing about its value."""
+    tree = ast.parse(source)
+    fields = {id(node) for node in members(tree)}
+    for node, name in bindings(tree):
+        bare = name.strip("_").rstrip("0123456789").casefold()
+        allowed = {*ALLOWED, *(MEMBERS if id(node) in fields else ())}
+        if bare in NEVER and not {bare, f"{path}:{bare}"} & allowed:
+            yield node.lineno, name
+
+
+def held_files():
+    """Paths of the Python files that are held to it, from the root."""
+    for entry in CLEAN:
+        path = ROOT / entry
+        assert path.exists(), entry
+        files = path.rglob("*.py") if path.is_dir() else [path]
+        yield from (file.relative_to(ROOT).as_posix() for file in files)
+
+
+@pytest.mark.parametrize("entry", CLEAN)
+def test_names_are_nouns_of_their_values(entry):
+    wrong = [
+        f"{path}:{line}:{name}"
+        for path in sorted(held_files())
+        if path == entry or path.startswith(f"{entry}/")
+        for line, name in sorted(words((ROOT / path).read_text("utf-8"), path))
+    ]
+    assert not wrong, "\n" + "\n".join(wrong)
+
+
+PLANTED = {
+    "found = 1": "found",
+    "NOW = 1": "NOW",
+    "_given, before2 = 1, 2": "_given before2",
+    "def here(it, *, told=1, **others): pass": "here it told others",
+    "f = lambda at: at": "at",
+    "class Held:\n    known: int\n    called = watched = 1\n    shut: int": "Held known",
+    "self.left, self.of = 1, 2": "left",
+    "def stored(): shut = 1": "shut",
+    "for one in x: pass": "one",
+    "with x as this: pass": "this",
+    "y = [both for both in x]": "both",
+    "(seen := 1)": "seen",
+    "import x as there": "there",
+    "try: pass\nexcept X as what: pass": "what",
+    "match x:\n    case {'a': [such, *those], **on}: pass": "such those on",
+    "type_name = found_rows = x.found": "",
+}
+
+
+@pytest.mark.parametrize("source", PLANTED)
+def test_a_planted_name_is_reported(source):
+    assert sorted(name for _, name in words(source)) == sorted(PLANTED[source].split())
+
+
+def test_words_that_are_allowed_are_of_the_list():
+    assert {key.rpartition(":")[2] for key in (*ALLOWED, *MEMBERS)} <= NEVER

@@ -148,10 +148,10 @@ def drawings(experiment: Experiment) -> list[str]:
 
 def _answered(campaign: Campaign) -> list[str]:
     """What sums up a campaign, and answers what it asks for."""
-    found = ["summary.json", "summary.md"]
-    found += ANSWERS * bool(campaign.experiment.quantities)
-    found += ["requirements.json"] * bool(campaign.requirements)
-    return found + ["choice.json"] * bool(campaign.choose.parameters)
+    names = ["summary.json", "summary.md"]
+    names += ANSWERS * bool(campaign.experiment.quantities)
+    names += ["requirements.json"] * bool(campaign.requirements)
+    return names + ["choice.json"] * bool(campaign.choose.parameters)
 
 
 def _pictures(*names: str) -> list[str]:

@@ -16,7 +16,7 @@ rule answers:
     priority: 1  # the page waits for it
     conda:
         ENVIRONMENT
-    threads: WORKFLOW.processes
+    threads: PROCESSES
     resources:
         runtime=minutes,
         mem_mb=megabytes,

@@ -25,6 +25,7 @@ os.environ.update(
 
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.plan.jobs import CORES
+from deployable.campaign.provenance import program_digest
 from deployable.campaign.stages.workflow import Workflow
 
 # Snakemake formats the whole path of an environment, so that braces in it are to be doubled.
@@ -67,7 +68,10 @@ for reason in STALE.values():
     print(f"{reason}; it is made again", file=sys.stderr)
 
 
-CODE = WORKFLOW.code  # with it as `params` rules run again when the program changes
+# With these as `params` rules run again when the program, or what decides about runs, changes.
+CODE = program_digest()
+MECHANICS = WORKFLOW.campaign.experiment.mechanics
+PROCESSES = WORKFLOW.campaign.jobs.processes
 
 
 wildcard_constraints:

@@ -15,7 +15,7 @@ rule plan:
         folder=folder_of,
         config=sections("plan"),
         code=CODE,
-        mechanics=WORKFLOW.mechanics,
+        mechanics=MECHANICS,
     message:
         "Choosing the runs and the time step"
     shell:
@@ -33,7 +33,7 @@ rule simulate:
         "{stage}/logs/batch-{batch}.log",
     conda:
         ENVIRONMENT
-    threads: WORKFLOW.processes
+    threads: PROCESSES
     resources:
         runtime=lambda wildcards, input, attempt: attempt * job_minutes(input),
         mem_mb=megabytes,

@@ -11,7 +11,7 @@ rule rounds:
         "{stage}/logs/rounds.log",
     conda:
         ENVIRONMENT
-    threads: max(WORKFLOW.processes, workflow.cores or 1)
+    threads: max(PROCESSES, workflow.cores or 1)
     resources:
         runtime=minutes,
         mem_mb=megabytes,
@@ -19,7 +19,7 @@ rule rounds:
         folder=folder_of,
         config=sections("rounds"),
         code=CODE,
-        mechanics=WORKFLOW.mechanics,
+        mechanics=MECHANICS,
     message:
         "Making runs until the accuracy is met"
     shell:

@@ -18,7 +18,7 @@ from deployable.campaign.files import open_dataset, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import batch_count, job_megabytes, job_minutes
 from deployable.campaign.plan.plan import read_plan, read_step
-from deployable.campaign.provenance import check_code, program_digest
+from deployable.campaign.provenance import check_code
 from deployable.campaign.runs.progress import Tell, Teller
 from deployable.campaign.stages import STAGES, Stage, stages_of
 from deployable.one_thread import one_thread
@@ -61,25 +61,10 @@ class Workflow:
         structure = {"structure": file} if file else {}
         return as_json(**STAGES[stage].sections_of(self.campaign), **structure)
 
-    @property
-    def code(self) -> str:
-        """Digest of the program."""
-        return program_digest()
-
-    @property
-    def mechanics(self) -> str:
-        """Digest of the mechanics and of the structure; another one makes other runs."""
-        return self.campaign.experiment.mechanics
-
     @cache  # noqa: B019 - there is one campaign in a process
     def batch_count(self) -> int:
         """Number of jobs that the runs are shared among."""
         return batch_count(self.campaign, count_runs(self.campaign.experiment))
-
-    @property
-    def processes(self) -> int:
-        """Cores that a job with runs shall have."""
-        return self.campaign.jobs.processes
 
     @cache  # noqa: B019
     def minutes(self, batches: int = 1, plan_path: str | None = None) -> int:

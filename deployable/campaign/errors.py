@@ -12,7 +12,7 @@ _NO_ROOM = {errno.ENOSPC, errno.EDQUOT}
 _LITTLE = 64 << 20
 """Bytes of room below which that is why netCDF's library, which tells no reason, failed."""
 
-_KEPT = "nothing there is half written, and all runs that were finished are kept"
+_SAFE = "nothing there is half written, and all runs that were finished are kept"
 _REMEDIES = {
     errno.ENOENT: "it was removed, or never made: `snakemake` or `python -m deployable run` with "
     "the campaign makes results",
@@ -49,8 +49,8 @@ def of_files(error: Exception, folder: Path) -> CampaignError | None:
     guessed where there is one.
     """
     if isinstance(error, DamagedError):
-        again = "remove it and call snakemake or `python -m deployable run` to have it made again"
-        return CampaignError(f"{error}; {again}")
+        advice = "remove it and call snakemake or `python -m deployable run` to have it made again"
+        return CampaignError(f"{error}; {advice}")
     library = isinstance(error, RuntimeError) and "NetCDF" in str(error)
     if not library and not isinstance(error, OSError):
         return None
@@ -59,7 +59,7 @@ def of_files(error: Exception, folder: Path) -> CampaignError | None:
     if number == errno.EFBIG or (library and most is not None):
         limit = "the file system's" if most is None else f"{most / 1024:.0f} kB, `ulimit -f`"
         return CampaignError(
-            f"a file in {folder} would be larger than files may be ({limit}); {_KEPT}: raise the "
+            f"a file in {folder} would be larger than files may be ({limit}); {_SAFE}: raise the "
             "limit and give the same command again"
         )
     free = shutil.disk_usage(
@@ -68,12 +68,12 @@ def of_files(error: Exception, folder: Path) -> CampaignError | None:
     if number in _NO_ROOM or (library and free < _LITTLE):
         quota = ", but for a quota" if number == errno.EDQUOT else ""
         return CampaignError(
-            f"no room to write in {folder} ({free / 2**20:.0f} MiB free{quota}); {_KEPT}: make "
+            f"no room to write in {folder} ({free / 2**20:.0f} MiB free{quota}); {_SAFE}: make "
             "room and give the same command again"
         )
-    told = f"{getattr(error, 'filename', None) or folder}: {getattr(error, 'strerror', 0) or error}"
+    text = f"{getattr(error, 'filename', None) or folder}: {getattr(error, 'strerror', 0) or error}"
     remedy = _REMEDIES.get(number)
-    return CampaignError(f"{told}; {remedy}" if remedy else told)
+    return CampaignError(f"{text}; {remedy}" if remedy else text)
 
 
 def _largest_file() -> int | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,14 +9,12 @@ from typing import Any
 CAMPAIGN = "campaign.yaml"
 """Name of the campaign in a folder of one's own."""
 
-# What a round leaves; in an adaptive campaign the last round's become the campaign's.
-ROUND_FILES = ("plan.json", "samples.nc", "surrogate.nc", "bounds.nc", "sensitivities.nc")
 PICTURES = ("png", "pdf", "svg")
 
 
-def _file(name: str, about: str) -> Any:
+def _file(name: str, text: str) -> Any:
     """The path of a file or folder by its name, which a docstring describes."""
-    return property(lambda folder: folder / name, doc=about)
+    return property(lambda folder: folder / name, doc=text)
 
 
 @dataclass(frozen=True)
@@ -55,7 +52,7 @@ class Folder:
         return self.figures / "campaign"
 
     @property
-    def written(self) -> tuple[Path, ...]:
+    def stage_folders(self) -> tuple[Path, ...]:
         """All folders that stages write to, but for those of runs, which their stores sweep."""
         return self.path, self.figures, self.overviews, self / "batches", self.motions
 
@@ -80,11 +77,3 @@ class Folder:
         """The folder of the round before this round's; None for the first."""
         number = int(self.path.name)
         return Folder(self.path.parent / str(number - 1)) if number else None
-
-    def pictures(self, names: Iterable[str], kinds: Iterable[str] = PICTURES) -> list[str]:
-        """The files of the figures of responses."""
-        return [str(self.figures / f"{name}.{kind}") for name in names for kind in kinds]
-
-    def overview(self, stage: str) -> list[str]:
-        """The files of the figure of the whole campaign that a stage draws."""
-        return [str(self.overviews / f"{stage}.{kind}") for kind in PICTURES]

@@ -21,10 +21,10 @@ from fpm.kernels import sources
 PROGRAM = sources.Imported(Path(__file__).parents[1], deployable.FILES)
 """Of the program without the mechanics, from before anything of it was imported."""
 
-MADE = ("campaign/runs",)
+RUN_CODE = ("campaign/runs",)
 """Rooms that decide what is kept of a run, beside the mechanics."""
 
-TOLD = ("campaign/runs/progress.py",)
+LOG_CODE = ("campaign/runs/progress.py",)
 """What of them only says how far it is."""
 
 PACKAGES = ("numpy", "scipy", "numba", "xarray", "netCDF4")
@@ -39,15 +39,15 @@ def program_digest() -> str:
 def made_by(structure: str) -> str:
     """Digest of all code that decides what is kept of runs of a structure, itself of this digest:
     their names depend on it."""
-    both = f"{structure} {PROGRAM.digest(include=MADE, exclude=TOLD)}"
-    return hashlib.sha256(both.encode()).hexdigest()[:16]
+    text = f"{structure} {PROGRAM.digest(include=RUN_CODE, exclude=LOG_CODE)}"
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def check_code(now: bool = False) -> None:
-    """fpm.errors.ChangedError where the program's files were not those that were imported; now:
+def check_code(reread: bool = False) -> None:
+    """fpm.errors.ChangedError where the program's files were not those that were imported; reread:
     or are not any more."""
-    PROGRAM.check(now)
-    sources.MECHANICS.check(now)
+    PROGRAM.check(reread)
+    sources.MECHANICS.check(reread)
 
 
 @cache
@@ -58,7 +58,7 @@ def program() -> dict[str, str]:
     """
     from importlib.metadata import PackageNotFoundError, version
 
-    found = {
+    versions = {
         "program": f"deployable-intervals {_version()}",
         "commit": _commit(),
         "processor": _processor(),
@@ -66,8 +66,8 @@ def program() -> dict[str, str]:
     }
     for package in PACKAGES:
         with suppress(PackageNotFoundError):
-            found[package] = version(package)
-    return found
+            versions[package] = version(package)
+    return versions
 
 
 def as_attribute() -> str:
@@ -77,8 +77,8 @@ def as_attribute() -> str:
 
 def dated() -> dict[str, str]:
     """For the seal of a result: version, commit, processor, and the moment in UTC."""
-    now = datetime.now(UTC).isoformat(timespec="seconds")
-    return {key: program()[key] for key in ("program", "commit", "processor")} | {"made": now}
+    moment = datetime.now(UTC).isoformat(timespec="seconds")
+    return {key: program()[key] for key in ("program", "commit", "processor")} | {"made": moment}
 
 
 def _version() -> str:
@@ -100,12 +100,12 @@ def _commit() -> str:
 
     def git(*arguments: str) -> str:
         command = ["git", "-C", str(_ROOT), *arguments]
-        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
-        return done.stdout.strip()
+        process = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
+        return process.stdout.strip()
 
     with suppress(OSError, subprocess.SubprocessError):
-        changed = git("status", "--porcelain", "--untracked-files=no")
-        return git("rev-parse", "HEAD") + (", changed" if changed else "")
+        changes = git("status", "--porcelain", "--untracked-files=no")
+        return git("rev-parse", "HEAD") + (", changed" if changes else "")
     return "unknown"
 
 

@@ -74,31 +74,31 @@ def bounds_dataset(
     check_options(f"option of model {model}", kind, options)
     data = read_samples(samples, responses)
     by_shares = data.ratios.any() and kind is not MODELS["scan"]
-    fitted = kind(shares_of(data) if by_shares else data, design, **options)
-    found = fitted.range()
-    error = fitted.error(found, window)
+    fit = kind(shares_of(data) if by_shares else data, design, **options)
+    bounds = fit.range()
+    error = fit.error(bounds, window)
     if by_shares:
-        found, error = ratios_of(data, found, error)
+        bounds, error = ratios_of(data, bounds, error)
     least = _least(data)
-    below = np.maximum(least[:, None] - found.inner_lower, 0.0)
-    found = raised(found, least[:, None])
-    attributes = {**samples.attrs, "held_out_runs": len(fitted.tested), "bounds_kind": fitted.kind}
+    lack = np.maximum(least[:, None] - bounds.inner_lower, 0.0)
+    bounds = raised(bounds, least[:, None])
+    attributes = {**samples.attrs, "held_out_runs": len(fit.test_rows), "bounds_kind": fit.kind}
     if design is not None:
         attributes |= {"design_method": design.method, "design_order": list(design.order)}
-    variables = _curves(data, fitted, found, error, by_shares)
-    for name, values in _numbers(data, found, error.total, below, fitted.tested).items():
+    variables = _curves(data, fit, bounds, error, by_shares)
+    for name, values in _numbers(data, bounds, error.total, lack, fit.test_rows).items():
         long_name, unit = _NUMBERS[name]
-        about = {"long_name": long_name} | ({"units": unit} if unit else {})
-        variables[name] = ("response", values, about)
+        attrs = {"long_name": long_name} | ({"units": unit} if unit else {})
+        variables[name] = ("response", values, attrs)
     return xr.Dataset(
-        variables | fitted.variables(),
+        variables | fit.variables(),
         coords=data.coordinates(),
-        attrs=attributes | fitted.attributes,
+        attrs=attributes | fit.attributes,
     )
 
 
 def _curves(
-    samples: Samples, model: Model, found: Range, error: ErrorEstimate, by_shares: bool
+    samples: Samples, model: Model, bounds: Range, error: ErrorEstimate, by_shares: bool
 ) -> dict:
     """The variables over response and time, and where in the box the bounds are taken."""
     centre, label = model.centre(), "model at the centre of the box"
@@ -107,10 +107,10 @@ def _curves(
     if (nominal := samples.nominal_curve()) is not None:
         centre, label = nominal, "nominal run"
     curves = [
-        ("lower", found.lower, "lower bound"),
-        ("upper", found.upper, "upper bound"),
-        ("inner_lower", found.inner_lower, "attained lower bound"),
-        ("inner_upper", found.inner_upper, "attained upper bound"),
+        ("lower", bounds.lower, "lower bound"),
+        ("upper", bounds.upper, "upper bound"),
+        ("inner_lower", bounds.inner_lower, "attained lower bound"),
+        ("inner_upper", bounds.inner_upper, "attained upper bound"),
         ("nominal", centre, label),
         ("error", error.total, "estimated error of the bounds"),
         ("error_held_out", error.held_out, "largest error at the held-out runs"),
@@ -122,9 +122,9 @@ def _curves(
         if values is not None
     }
     to_value = samples.parameters()
-    for name, unit, side in (("argmin", found.argmin, "lower"), ("argmax", found.argmax, "upper")):
+    for name, x, side in (("argmin", bounds.argmin, "lower"), ("argmax", bounds.argmax, "upper")):
         axes, text = ("response", "time", "parameter"), f"parameters at the {side} bound"
-        variables[name] = (axes, to_value(unit), {"long_name": text})
+        variables[name] = (axes, to_value(x), {"long_name": text})
     return variables
 
 
@@ -152,7 +152,7 @@ def _least(samples: Samples) -> np.ndarray:
 
 
 def _numbers(
-    samples: Samples, bounds: Range, error: np.ndarray, below: np.ndarray, tested: np.ndarray
+    samples: Samples, bounds: Range, error: np.ndarray, lack: np.ndarray, test_rows: np.ndarray
 ) -> dict[str, np.ndarray]:
     """The summary numbers (n,) of the responses, from their range, its estimated error (n, T) and
     by how much (n, T) the model falls below what is possible."""
@@ -160,13 +160,13 @@ def _numbers(
     area = np.trapezoid(width, time)
     numbers = _largest("largest_width", width, time)
     numbers["gap_share_of_width"] = share_of(bounds.gap, time, area)
-    if len(tested):
+    if len(test_rows):
         sides = zip(
-            bounds.lower, bounds.upper, np.moveaxis(samples.values[tested], 1, 0), strict=True
+            bounds.lower, bounds.upper, np.moveaxis(samples.values[test_rows], 1, 0), strict=True
         )
-        runs = [compare_runs(*each) for each in sides]
-        numbers |= {name: np.array([each[name] for each in runs]) for name in runs[0]}
-    numbers |= _largest("largest_error", error, time) | _largest("largest_impossible", below, time)
+        runs = [compare_runs(*side) for side in sides]
+        numbers |= {name: np.array([run[name] for run in runs]) for name in runs[0]}
+    numbers |= _largest("largest_error", error, time) | _largest("largest_impossible", lack, time)
     return numbers | {"error_share_of_width": share_of(error, time, area)}
 
 
@@ -191,24 +191,24 @@ def add_errors(
     axes = ("response", "time")
     curves = {"surrogate": bounds["error"].values}
     curves |= {name: widen(time, np.abs(values), window) for name, values in parts.items()}
-    added = {}
+    variables = {}
     for name, values in curves.items():
-        added[f"error_{name}"] = (axes, values, {"long_name": f"part of the error: {name}"})
+        variables[f"error_{name}"] = (axes, values, {"long_name": f"part of the error: {name}"})
         text = f"error of the {name}, as a share of the width"
-        told = {"long_name": text, "units": "1"}
-        added[f"share_{name}"] = ("response", share_of(values, time, area), told)
+        attrs = {"long_name": text, "units": "1"}
+        variables[f"share_{name}"] = ("response", share_of(values, time, area), attrs)
     total = np.sum(list(curves.values()), axis=0)
     numbers = {"error": total} | _largest("largest_error", total, time)
     numbers["error_share_of_width"] = share_of(total, time, area)
     for name, values in numbers.items():
-        added[name] = (bounds[name].dims, values, bounds[name].attrs)
-    return bounds.assign(added).assign_attrs(error_parts=list(curves))
+        variables[name] = (bounds[name].dims, values, bounds[name].attrs)
+    return bounds.assign(variables).assign_attrs(error_parts=list(curves))
 
 
 def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarray:
     """Errors (n, T) integrated over time, as shares (n,) of the widths' integrals `area` (n,)."""
-    found = np.trapezoid(error, time)
-    return np.divide(found, area, out=np.zeros_like(found), where=area > 0)
+    integrals = np.trapezoid(error, time)
+    return np.divide(integrals, area, out=np.zeros_like(integrals), where=area > 0)
 
 
 def hausdorff(
@@ -240,12 +240,12 @@ def compare_bounds(
     """
     distance = hausdorff(lower, upper, reference_lower, reference_upper)
     width = np.trapezoid(reference_upper - reference_lower, time)
-    at = int(np.argmax(distance))
+    index = int(np.argmax(distance))
     duration = float(time[-1] - time[0]) or 1.0
     with np.errstate(divide="ignore", invalid="ignore"):
         return {
-            "hausdorff_largest": float(distance[at]),
-            "hausdorff_largest_time": float(time[at]),
+            "hausdorff_largest": float(distance[index]),
+            "hausdorff_largest_time": float(time[index]),
             "hausdorff_rms": float(np.sqrt(np.trapezoid(distance**2, time) / duration)),
             "hausdorff_integrated": float(np.divide(np.trapezoid(distance, time), width)),
             "width_ratio": float(np.divide(np.trapezoid(upper - lower, time), width)),
@@ -258,12 +258,12 @@ def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> di
     Returns `coverage`, the share of the points (run, instant) within the bounds, and
     `worst_violation`, the largest distance of a point outside them; NaN and 0 without runs.
     """
-    outside = np.maximum(lower - values, values - upper)
-    if not outside.size:
+    distances = np.maximum(lower - values, values - upper)
+    if not distances.size:
         return {"coverage": float("nan"), "worst_violation": 0.0}
     # rounding of a run that is itself a node is not a violation
     scale = np.abs(values).max()
     return {
-        "coverage": float((outside <= 1e-12 * scale).mean()),
-        "worst_violation": float(max(outside.max(), 0.0)),
+        "coverage": float((distances <= 1e-12 * scale).mean()),
+        "worst_violation": float(max(distances.max(), 0.0)),
     }

@@ -34,8 +34,8 @@ class Box:
         if len(set(names)) != len(names):
             raise IntervalError("intervals", names, "names that differ from each other")
         if lower.shape != (len(names),) or upper.shape != (len(names),):
-            found = (lower.shape, upper.shape)
-            raise IntervalError("lower, upper", found, f"one number for each of {list(names)}")
+            shapes = (lower.shape, upper.shape)
+            raise IntervalError("lower, upper", shapes, f"one number for each of {list(names)}")
         for name, low, high in zip(names, lower, upper, strict=True):
             if not (np.isfinite(low) and np.isfinite(high)):
                 raise IntervalError(f"interval {name}", (low, high), "finite numbers")
@@ -71,8 +71,8 @@ class Box:
         """
         unit = np.asarray(unit, dtype=float)
         values = self.lower * ((1.0 - unit) / 2.0) + self.upper * ((1.0 + unit) / 2.0)
-        inside = (np.abs(unit) <= 1.0) & self.free
-        values = np.where(inside, np.clip(values, self.lower, self.upper), values)
+        in_cube = (np.abs(unit) <= 1.0) & self.free
+        values = np.where(in_cube, np.clip(values, self.lower, self.upper), values)
         return np.where(self.free, values, self.lower)
 
     def corners(self) -> np.ndarray:
@@ -112,20 +112,20 @@ def held_out_points(free: np.ndarray, count: int, avoid: np.ndarray | None = Non
     dimension = int(free.sum())
     if dimension == 0 or count == 0:
         return np.zeros((0, len(free)))
-    taken = set() if avoid is None else set(keys(avoid))
-    chosen = [p for p in corner_points(free) if tuple(p + 0.0) not in taken][: (count + 1) // 2]
+    skip = set() if avoid is None else set(keys(avoid))
+    picks = [p for p in corner_points(free) if tuple(p + 0.0) not in skip][: (count + 1) // 2]
     ratio = 2.0
     for _ in range(60):  # fixed point of x^(d+1) = x + 1
         ratio = (1.0 + ratio) ** (1.0 / (dimension + 1))
     steps = ratio ** -np.arange(1.0, dimension + 1)
     for i in itertools.count(1):
-        if len(chosen) >= count:
+        if len(picks) >= count:
             break
         point = np.zeros(len(free))
         point[free] = 2 * np.mod(0.5 + i * steps, 1.0) - 1
-        if keys(point[None])[0] not in taken:
-            chosen.append(point)
-    return np.array(chosen)
+        if keys(point[None])[0] not in skip:
+            picks.append(point)
+    return np.array(picks)
 
 
 def _nearest(points: np.ndarray, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -133,15 +133,15 @@ def _nearest(points: np.ndarray, unit: np.ndarray) -> tuple[np.ndarray, np.ndarr
     a coordinate from it; -1 and infinity if there is none."""
     if not len(unit):
         return np.full(len(points), -1), np.full(len(points), np.inf)
-    away = (np.abs(unit - point).max(axis=1) for point in points)
-    found = np.array([(d.argmin(), d.min()) for d in away]).reshape(-1, 2)
-    return found[:, 0].astype(int), found[:, 1]
+    distances = (np.abs(unit - point).max(axis=1) for point in points)
+    nearest = np.array([(d.argmin(), d.min()) for d in distances]).reshape(-1, 2)
+    return nearest[:, 0].astype(int), nearest[:, 1]
 
 
 def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
     """Index (N) of the run at each design point; runs are known by their coordinates, not place."""
-    found, away = _nearest(points, unit)
-    missing = np.flatnonzero(away > tolerance)
+    index, distance = _nearest(points, unit)
+    missing = np.flatnonzero(distance > tolerance)
     if len(missing):
         first = np.round(points[missing[0]], 6).tolist()
         raise IntervalError(
@@ -149,7 +149,7 @@ def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) 
             f"no run at {len(missing)} of {len(points)} design points, the first at unit {first}",
             "a run at every point of the design",
         )
-    return found
+    return index
 
 
 def other_runs(unit: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:

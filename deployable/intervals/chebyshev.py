@@ -77,12 +77,12 @@ def count_smolyak(order: Sequence[int]) -> int:
     """Number of rows of `smolyak`, without making them."""
     counts = {0.0: 1}  # rows so far, by the share of the order that they use
     for n in (int(n) for n in order if n):
-        grown: dict[float, int] = {}
-        for (used, rows), cost in itertools.product(counts.items(), _nested_costs(n).values()):
-            share = round(used + cost / n, 9)
+        new_counts: dict[float, int] = {}
+        for (fraction, rows), cost in itertools.product(counts.items(), _nested_costs(n).values()):
+            share = round(fraction + cost / n, 9)
             if share <= 1.0:
-                grown[share] = grown.get(share, 0) + rows
-        counts = grown
+                new_counts[share] = new_counts.get(share, 0) + rows
+        counts = new_counts
     return sum(counts.values())
 
 
@@ -102,10 +102,10 @@ def _within_budget(order: Sequence[int], costs: Callable[[int], dict[int, int]])
     # grow direction by direction, so that the full tensor is never built
     for n in (int(n) for n in order):
         steps = [(i, cost / (n or 1)) for i, cost in costs(n).items()]
-        grown = [((*row, i), used + cost) for row, used in rows for i, cost in steps]
-        rows = [(row, used) for row, used in grown if used <= 1.0 + 1e-9]
-    found = sorted((row for row, _ in rows), key=lambda row: (sum(row), tuple(-i for i in row)))
-    return np.array(found, dtype=int).reshape(len(found), len(order))
+        new_rows = [((*row, i), fraction + cost) for row, fraction in rows for i, cost in steps]
+        rows = [(row, fraction) for row, fraction in new_rows if fraction <= 1.0 + 1e-9]
+    indices = sorted((row for row, _ in rows), key=lambda row: (sum(row), tuple(-i for i in row)))
+    return np.array(indices, dtype=int).reshape(len(indices), len(order))
 
 
 def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
@@ -160,12 +160,12 @@ class Surrogate:
 
     def restrict(self, direction: int, unit: np.ndarray) -> np.ndarray:
         """Coefficients (n_j + 1, ...) along one direction, the others held at `unit` (k)."""
-        others = self.multi_indices.copy()
-        others[:, direction] = 0
-        weights = product_basis(np.asarray(unit, dtype=float)[None], others)[0]
+        cross_indices = self.multi_indices.copy()
+        cross_indices[:, direction] = 0
+        weights = product_basis(np.asarray(unit, dtype=float)[None], cross_indices)[0]
         line = np.zeros((int(self.degrees[direction]) + 1, *self.coefficients.shape[1:]))
-        scaled = weights.reshape(-1, *[1] * (self.coefficients.ndim - 1)) * self.coefficients
-        np.add.at(line, self.multi_indices[:, direction], scaled)
+        terms = weights.reshape(-1, *[1] * (self.coefficients.ndim - 1)) * self.coefficients
+        np.add.at(line, self.multi_indices[:, direction], terms)
         return line
 
 

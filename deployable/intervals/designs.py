@@ -136,9 +136,9 @@ def make_design(
             allowed = f"an order for which {method} needs at most {max_runs} runs, not {runs}"
             raise IntervalError("order", order, allowed)
 
-    made = kind.make(orders, free, limit, **options)
-    used = (0,) * len(free) if orders is None else tuple(int(n) for n in orders)
-    return replace(made, method=method, order=used)
+    design = kind.make(orders, free, limit, **options)
+    degrees = (0,) * len(free) if orders is None else tuple(int(n) for n in orders)
+    return replace(design, method=method, order=degrees)
 
 
 def _orders(order: int | Sequence[int] | None, free: np.ndarray) -> np.ndarray:
@@ -266,18 +266,18 @@ def fit(design: Design, values: np.ndarray) -> Surrogate:
     if not np.isfinite(values).all():
         raise IntervalError("values", "not finite", "finite numbers at every point and instant")
     if design.lines is not None:
-        found = values.reshape(*(len(line) for line in design.lines), -1)
+        coefficients = values.reshape(*(len(line) for line in design.lines), -1)
         for j, line in enumerate(design.lines):
             matrix = np.linalg.inv(chebvander(line, len(line) - 1))
-            found = np.moveaxis(np.tensordot(matrix, found, axes=(1, j)), 0, j)
-        found = np.ascontiguousarray(found)
+            coefficients = np.moveaxis(np.tensordot(matrix, coefficients, axes=(1, j)), 0, j)
+        coefficients = np.ascontiguousarray(coefficients)
     else:
         basis = product_basis(design.points, design.multi_indices)
-        solved = least_squares(basis, values.reshape(design.runs, -1))
-        if solved is None:
+        solution = least_squares(basis, values.reshape(design.runs, -1))
+        if solution is None:
             allowed = "points that determine every coefficient"
             raise IntervalError("points", f"{design.runs} of them", allowed)
-        found = solved[0]
+        coefficients = solution[0]
     return Surrogate(
-        found.reshape(len(design.multi_indices), *values.shape[1:]), design.multi_indices
+        coefficients.reshape(len(design.multi_indices), *values.shape[1:]), design.multi_indices
     )

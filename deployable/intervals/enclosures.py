@@ -72,12 +72,12 @@ def grid_enclosure(
         values = basis @ c[:, start : start + step]
         low[start : start + step] = values.min(axis=0)
         high[start : start + step] = values.max(axis=0)
-    used = degrees > 0
+    active = degrees > 0
     # the factor also holds for the extreme points of T_m, which resolve cos(n t) as finely
-    factor = np.prod(1.0 / np.cos(np.pi * degrees[used] / (2 * counts[used])))
+    factor = np.prod(1.0 / np.cos(np.pi * degrees[active] / (2 * counts[active])))
     ehlich_zeller = (factor - 1.0) * (high - low) / 2
     curvature = np.zeros(total)
-    for j in np.flatnonzero(used):
+    for j in np.flatnonzero(active):
         curvature += (np.pi / counts[j]) ** 2 / 8 * ((indices[:, j] ** 2.0) @ np.abs(c))
     rounding = 8 * np.finfo(float).eps * (degrees.sum() + 2) * np.abs(c).sum(axis=0)
     inflation = np.minimum(ehlich_zeller, curvature) + rounding
@@ -91,7 +91,7 @@ _WORK = 60_000  # numbers in all the patches that an instant may use on average
 
 
 def tighten(
-    dense: np.ndarray, known: np.ndarray, outer: np.ndarray, tolerance: np.ndarray
+    dense: np.ndarray, inner: np.ndarray, outer: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Tighten an upper bound of max p over [-1, 1]^k.
 
@@ -99,7 +99,7 @@ def tighten(
     ----------
     dense
         Chebyshev coefficients (n_1 + 1, ..., n_k + 1, T).
-    known, outer, tolerance
+    inner, outer, tolerance
         (T): a value that p attains, an upper bound, and the gap at which to stop.
 
     Returns
@@ -110,21 +110,21 @@ def tighten(
     degrees = np.array(dense.shape[:-1]) - 1
     size = int(np.prod(degrees + 1))
     outer = outer.copy()
-    value = np.full(len(known), -np.inf)
-    argument = np.zeros((len(known), len(degrees)))
+    value = np.full(len(inner), -np.inf)
+    argument = np.zeros((len(inner), len(degrees)))
     if degrees.max() > MAX_DEGREE or size > MAX_TENSOR:
         return outer, value, argument
-    todo = np.flatnonzero(outer - known > tolerance)
+    todo = np.flatnonzero(outer - inner > tolerance)
     step = max(_MEMORY // (8 * size), 1)
     for start in range(0, len(todo), step):
         part = todo[start : start + step]
-        found = _subdivide(dense[..., part], known[part], tolerance[part], degrees)
-        outer[part] = np.minimum(outer[part], found[0])
-        value[part], argument[part] = found[1], found[2]
+        enclosure = _subdivide(dense[..., part], inner[part], tolerance[part], degrees)
+        outer[part] = np.minimum(outer[part], enclosure[0])
+        value[part], argument[part] = enclosure[1], enclosure[2]
     return outer, value, argument
 
 
-def _subdivide(dense, known, tolerance, degrees):
+def _subdivide(dense, inner, tolerance, degrees):
     """Branch and bound over patches (..., P); `owner` (P) is the instant of each."""
     k, total = len(degrees), dense.shape[-1]
     patches, size = dense, np.abs(dense)
@@ -133,9 +133,9 @@ def _subdivide(dense, known, tolerance, degrees):
         size = _apply(np.abs(_from_chebyshev(int(n))), size, j)
     rounding = 4 * np.finfo(float).eps * (degrees + 1).sum()
     slack = rounding * size.reshape(-1, total).max(axis=0)
-    best, argument = known.copy(), np.zeros((total, k))
-    improved = np.zeros(total, dtype=bool)
-    closed = np.full(total, -np.inf)
+    best, argument = inner.copy(), np.zeros((total, k))
+    is_improved = np.zeros(total, dtype=bool)
+    closed_bound = np.full(total, -np.inf)
     owner = np.arange(total)
     centre, half = np.zeros((total, k)), np.ones((total, k))
     budget = max(_WORK // int(np.prod(degrees + 1)), 2) * max(total, 16)
@@ -145,39 +145,39 @@ def _subdivide(dense, known, tolerance, degrees):
     ).T
     while len(owner):
         corner = patches[vertices].reshape(len(signs), -1)
-        at = corner.argmax(axis=0)
-        top = corner[at, np.arange(len(owner))]
-        _record(best, argument, improved, owner, top, centre + half * signs[at])
+        vertex = corner.argmax(axis=0)
+        top = corner[vertex, np.arange(len(owner))]
+        _record(best, argument, is_improved, owner, top, centre + half * signs[vertex])
         bound = patches.reshape(-1, len(owner)).max(axis=0)
-        going = bound > best[owner] + tolerance[owner]
+        is_open = bound > best[owner] + tolerance[owner]
         budget -= len(owner)
-        if budget <= 0 or not going.any():
-            np.maximum.at(closed, owner, bound)
+        if budget <= 0 or not is_open.any():
+            np.maximum.at(closed_bound, owner, bound)
             break
-        np.maximum.at(closed, owner[~going], bound[~going])
-        patches, owner, bound = patches[..., going], owner[going], bound[going]
-        centre, half = centre[going], half[going]
+        np.maximum.at(closed_bound, owner[~is_open], bound[~is_open])
+        patches, owner, bound = patches[..., is_open], owner[is_open], bound[is_open]
+        centre, half = centre[is_open], half[is_open]
         room = max(_MEMORY // (2 * len(patches.reshape(-1, len(owner)))), 1)
         if len(owner) > room:
             # too many to hold: those that promise least are closed with the bound they have
             order = np.argsort(best[owner] - bound, kind="stable")
-            np.maximum.at(closed, owner[order[room:]], bound[order[room:]])
+            np.maximum.at(closed_bound, owner[order[room:]], bound[order[room:]])
             keep = np.sort(order[:room])
             patches, owner = patches[..., keep], owner[keep]
             centre, half = centre[keep], half[keep]
         patches, owner, centre, half = _halve(patches, owner, centre, half, degrees)
-    outer = np.maximum(np.maximum(closed, best), known) + slack
-    return outer, np.where(improved, best, -np.inf), argument
+    outer = np.maximum(np.maximum(closed_bound, best), inner) + slack
+    return outer, np.where(is_improved, best, -np.inf), argument
 
 
-def _record(best, argument, improved, owner, top, points):
+def _record(best, argument, is_improved, owner, top, points):
     """Keep vertex values that beat the best ones known."""
     better = top > best[owner]
     owner, top, points = owner[better], top[better], points[better]
     np.maximum.at(best, owner, top)
     won = top == best[owner]
     argument[owner[won]] = points[won]
-    improved[owner[won]] = True
+    is_improved[owner[won]] = True
 
 
 def _halve(patches, owner, centre, half, degrees):
@@ -190,22 +190,22 @@ def _halve(patches, owner, centre, half, degrees):
     direction = spread.argmax(axis=0)
     parts = []
     for j in np.unique(direction):
-        chosen = np.flatnonzero(direction == j)
-        block, middle, width = patches[..., chosen], centre[chosen], half[chosen].copy()
+        columns = np.flatnonzero(direction == j)
+        block, middle, width = patches[..., columns], centre[columns], half[columns].copy()
         width[:, j] /= 2
         for matrix, sign in zip(_halves(int(degrees[j])), (-1, 1), strict=True):
-            shifted = middle.copy()
-            shifted[:, j] += sign * width[:, j]
-            parts.append((_apply(matrix, block, j), owner[chosen], shifted, width))
+            new_middle = middle.copy()
+            new_middle[:, j] += sign * width[:, j]
+            parts.append((_apply(matrix, block, j), owner[columns], new_middle, width))
     return tuple(np.concatenate([p[i] for p in parts], axis=-1 if i == 0 else 0) for i in range(4))
 
 
 def _apply(matrix: np.ndarray, tensor: np.ndarray, axis: int) -> np.ndarray:
     """Multiply `tensor` along `axis` by `matrix` (m, n)."""
     shape = tensor.shape
-    before = int(np.prod(shape[:axis], dtype=int))
-    folded = tensor.reshape(before, shape[axis], -1)
-    return np.matmul(matrix, folded).reshape(*shape[:axis], len(matrix), *shape[axis + 1 :])
+    rows = int(np.prod(shape[:axis], dtype=int))
+    blocks = tensor.reshape(rows, shape[axis], -1)
+    return np.matmul(matrix, blocks).reshape(*shape[:axis], len(matrix), *shape[axis + 1 :])
 
 
 @cache
@@ -229,5 +229,5 @@ def _from_chebyshev(n: int) -> np.ndarray:
 @cache
 def _halves(n: int) -> tuple[np.ndarray, np.ndarray]:
     """De Casteljau matrices (n+1, n+1) of the left and the right half of a patch."""
-    left = np.array([[comb(i, j) / 2**i for j in range(n + 1)] for i in range(n + 1)])
-    return left, np.ascontiguousarray(left[::-1, ::-1])
+    left_half = np.array([[comb(i, j) / 2**i for j in range(n + 1)] for i in range(n + 1)])
+    return left_half, np.ascontiguousarray(left_half[::-1, ::-1])

@@ -49,7 +49,7 @@ def check_integer(key: str, value: Any, low: int, high: int) -> int:
 def check_options(key: str, function: Callable, options: Mapping[str, Any]) -> None:
     """Raise IntervalError for an option that is no keyword-only argument of `function`."""
     parameters = inspect.signature(function).parameters.values()
-    known = [p.name for p in parameters if p.kind is p.KEYWORD_ONLY]
+    names = [p.name for p in parameters if p.kind is p.KEYWORD_ONLY]
     for name in options:
-        if name not in known:
-            raise IntervalError(key, name, "one of " + ", ".join(known) if known else "none here")
+        if name not in names:
+            raise IntervalError(key, name, "one of " + ", ".join(names) if names else "none here")

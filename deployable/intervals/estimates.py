@@ -24,7 +24,7 @@ from .chebyshev import Surrogate, product_basis
 
 WINDOW = 0.01  # share of the duration
 
-BEYOND = 10.0
+MAX_TAIL_RATIO = 10.0
 """How many times what held-out runs show of the next coefficients a foretold tail may be. On the
 paper's campaign, whose decay is right, it is at most 2.7 times."""
 
@@ -55,22 +55,22 @@ def share_outside(runs: int, confidence: float | None = None) -> float:
     return float(scipy.special.betaincinv(2, runs - 1, confidence))
 
 
-def continued(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
+def richardson_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
     """Error (...) of what changes by so much (...) when its mesh or step is halved: the sum of what
     all halvings after it change, if each changes `ratio` (...) times less than the one before
     (Richardson, Phil. Trans. R. Soc. A 210 (1911) 307): 2**p of the order p. A ratio that is not
     known, None or NaN, is that of the first order, which tells most.
     """
     least, most = RATIOS
-    known = np.full_like(change, least) if ratio is None else np.nan_to_num(ratio, nan=least)
-    ratio = np.clip(known, least, most)
+    ratios = np.full_like(change, least) if ratio is None else np.nan_to_num(ratio, nan=least)
+    ratio = np.clip(ratios, least, most)
     return change * ratio / (ratio - 1)
 
 
-def ratio_of(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+def refinement_ratio(change: np.ndarray, finer_change: np.ndarray) -> np.ndarray:
     """The ratio (...) of the sizes (...) of two changes; NaN where both are zero or not known."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.divide(before, after)
+        return np.divide(change, finer_change)
 
 
 @dataclass(frozen=True)
@@ -113,8 +113,8 @@ def decay_estimate(
         return np.zeros(c.shape[1:])
     if len(indices) == np.prod(degrees + 1):
         return sum(_tail(indices[:, j], c) for j in np.flatnonzero(degrees))
-    scaled = indices / np.where(degrees > 0, degrees, 1)
-    level = np.minimum(np.ceil(scaled.sum(axis=1) * degrees.max() - 1e-9), degrees.max())
+    fractions = indices / np.where(degrees > 0, degrees, 1)
+    level = np.minimum(np.ceil(fractions.sum(axis=1) * degrees.max() - 1e-9), degrees.max())
     return _tail(level.astype(int), c)
 
 
@@ -122,7 +122,7 @@ def overruled(
     surrogate: Surrogate,
     points: np.ndarray,
     unit: np.ndarray,
-    missed: np.ndarray,
+    residuals: np.ndarray,
     decay: np.ndarray,
     time: np.ndarray,
     window: float | None = None,
@@ -132,28 +132,28 @@ def overruled(
     A decay cannot be told from order 1, nor where every second coefficient is zero; a polynomial
     that is exact then has a tail as large as its last coefficients. But the next two coefficients
     along each direction follow from what the fit through `points` (N, k) missed held-out runs at
-    `unit` (R, k) by, `missed` (R, ..., T), if these are so many that they tell all of them apart.
-    Then the tail is at most `BEYOND` times the sum of their sizes, or the largest miss, within
-    `window` of each instant; with fewer runs it stays as it is.
+    `unit` (R, k) by, `residuals` (R, ..., T), if these are so many that they tell all of them
+    apart. Then the tail is at most `MAX_TAIL_RATIO` times the sum of their sizes, or the largest
+    residual, within `window` of each instant; with fewer runs it stays as it is.
     """
     highest = surrogate.degrees
     next_two = [
-        np.where(np.arange(len(highest)) == j, highest[j] + more, 0)
+        np.where(np.arange(len(highest)) == j, highest[j] + excess, 0)
         for j in np.flatnonzero(highest)
-        for more in (1, 2)
+        for excess in (1, 2)
     ]
     if not 0 < len(next_two) <= len(unit):
         return decay
     terms, own = np.array(next_two), surrogate.multi_indices
-    taken = np.linalg.lstsq(product_basis(points, own), product_basis(points, terms), rcond=None)[0]
-    seen = product_basis(unit, terms) - product_basis(unit, own) @ taken
-    size = np.linalg.svd(seen, compute_uv=False)
+    alias = np.linalg.lstsq(product_basis(points, own), product_basis(points, terms), rcond=None)[0]
+    residual_basis = product_basis(unit, terms) - product_basis(unit, own) @ alias
+    size = np.linalg.svd(residual_basis, compute_uv=False)
     if size[-1] < _INDEPENDENT * size[0]:
         return decay
-    coefficients = np.linalg.pinv(seen) @ missed.reshape(len(unit), -1)
-    told = np.abs(coefficients).sum(axis=0).reshape(decay.shape)
-    told = np.maximum(told, np.abs(missed).max(axis=0))
-    return np.minimum(decay, BEYOND * widen(time, told, window))
+    coefficients = np.linalg.pinv(residual_basis) @ residuals.reshape(len(unit), -1)
+    size_sum = np.abs(coefficients).sum(axis=0).reshape(decay.shape)
+    size_sum = np.maximum(size_sum, np.abs(residuals).max(axis=0))
+    return np.minimum(decay, MAX_TAIL_RATIO * widen(time, size_sum, window))
 
 
 def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
@@ -184,10 +184,10 @@ def _tail(level: np.ndarray, c: np.ndarray) -> np.ndarray:
     return after_next + shells[n - 1] * _ratio(shells[pair[0]], shells[pair[1]])
 
 
-def _ratio(last: np.ndarray, before: np.ndarray) -> np.ndarray:
-    """Decay from `before` to `last`, at most 1; 1 where `before` is nothing but rounding."""
-    told = before > 1e-12 * (before.max(initial=0.0) + last)
-    return np.minimum(np.divide(last, before, out=np.ones_like(last), where=told), 1.0)
+def _ratio(last: np.ndarray, previous: np.ndarray) -> np.ndarray:
+    """Decay from `previous` to `last`, at most 1; 1 where `previous` is nothing but rounding."""
+    has_decay = previous > 1e-12 * (previous.max(initial=0.0) + last)
+    return np.minimum(np.divide(last, previous, out=np.ones_like(last), where=has_decay), 1.0)
 
 
 def widen(time: np.ndarray, error: np.ndarray, window: float | None = None) -> np.ndarray:
@@ -205,9 +205,9 @@ def widen(time: np.ndarray, error: np.ndarray, window: float | None = None) -> n
     for p in range(int(level.max())):
         shift = 1 << p
         table.append(np.maximum(table[-1][..., :-shift], table[-1][..., shift:]))
-    out = np.empty_like(error)
+    maxima = np.empty_like(error)
     for p, row in enumerate(table):
-        at = np.flatnonzero(level == p)
-        if len(at):
-            out[..., at] = np.maximum(row[..., first[at]], row[..., last[at] - (1 << p)])
-    return out
+        cols = np.flatnonzero(level == p)
+        if len(cols):
+            maxima[..., cols] = np.maximum(row[..., first[cols]], row[..., last[cols] - (1 << p)])
+    return maxima

@@ -25,7 +25,7 @@ class Formula:
     weights: np.ndarray
     kernel: str
 
-    def below(self, level: float) -> Formula:
+    def shortfall(self, level: float) -> Formula:
         """By how much the function is below a level."""
         constant = np.zeros((1, self.indices.shape[1]), dtype=int)
         return replace(
@@ -39,8 +39,8 @@ class Formula:
 def polynomial(surrogate: Surrogate) -> Formula:
     """The formula of a polynomial with coefficients (M, 1)."""
     k = surrogate.dimension
-    none, coefficients = np.zeros((0, k)), surrogate.coefficients[:, 0]
-    return Formula(surrogate.multi_indices, coefficients, none, np.ones(k), np.zeros(0), "cube")
+    points, coefficients = np.zeros((0, k)), surrogate.coefficients[:, 0]
+    return Formula(surrogate.multi_indices, coefficients, points, np.ones(k), np.zeros(0), "cube")
 
 
 def cubes(

@@ -35,19 +35,19 @@ def line_range(coefficients: np.ndarray) -> tuple[np.ndarray, ...]:
     """
     c = np.asarray(coefficients, dtype=float)
     degree, total = c.shape[0] - 1, c.shape[1]
-    out = np.empty((5, total))
+    ranges = np.empty((5, total))
     step = max(_CHUNK // (8 * max(degree, 1)), 1)
     for start in range(0, total, step):
         part = slice(start, start + step)
         wave = c[1:, part]
-        both = np.concatenate([-wave, wave], axis=1)
-        best, x, slack = _maximum(both)
+        waves = np.concatenate([-wave, wave], axis=1)
+        best, x, slack = _maximum(waves)
         n = wave.shape[1]
-        out[0, part] = c[0, part] - best[:n]
-        out[1, part] = c[0, part] + best[n:]
-        out[2, part], out[3, part] = x[:n], x[n:]
-        out[4, part] = slack[:n]
-    return tuple(out)
+        ranges[0, part] = c[0, part] - best[:n]
+        ranges[1, part] = c[0, part] + best[n:]
+        ranges[2, part], ranges[3, part] = x[:n], x[n:]
+        ranges[4, part] = slack[:n]
+    return tuple(ranges)
 
 
 def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -66,9 +66,9 @@ def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     middle = 0.5 * (ends[1:] + ends[:-1])
     angle = np.concatenate([ends, middle])[:, None] * k
     values = np.cos(angle) @ c
-    at = values.argmax(axis=0)
-    best = values[at, np.arange(total)]
-    where = np.concatenate([ends, middle])[at]
+    index = values.argmax(axis=0)
+    best = values[index, np.arange(total)]
+    angles = np.concatenate([ends, middle])[index]
     sine = np.sin(angle[cells + 1 :])
     cosine = np.cos(angle[cells + 1 :])
     g = values[cells + 1 :]
@@ -76,7 +76,7 @@ def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     g2 = -(cosine * k**2) @ c
     keep, newton = _classify(g, g1, g2, third, radius, best + slack)
 
-    state = (c, best, where)
+    state = (c, best, angles)
     cell, column = np.nonzero(newton)
     _newton(state, column, middle[cell], radius)
     cell, column = np.nonzero(keep)
@@ -101,7 +101,7 @@ def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             keep &= bound > target
         _newton(state, column[newton], centre[newton], radius)
         column, centre = column[keep], centre[keep]
-    return best, np.cos(where), slack
+    return best, np.cos(angles), slack
 
 
 def _classify(g, g1, g2, third, radius, target):
@@ -133,13 +133,13 @@ def _waves(c, column, t, terms=2):
 
 
 def _improve(state, column, t, g):
-    """Put larger values and their angles into `best` and `where`."""
-    _, best, where = state
+    """Put larger values and their angles into `best` and `angles`."""
+    _, best, angles = state
     better = g > best[column]
     column, t, g = column[better], t[better], g[better]
     np.maximum.at(best, column, g)
     won = g == best[column]
-    where[column[won]] = t[won]
+    angles[column[won]] = t[won]
 
 
 def _newton(state, column, t, radius):

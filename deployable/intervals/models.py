@@ -34,14 +34,14 @@ class Model:
     ----------
     kind
         What its bounds are; "enclosed ..." or "attained ..." where they are a model's range.
-    tested
+    test_rows
         Indices of the runs that were not fitted, and test it.
     attributes
         What else a bounds dataset tells of it.
     """
 
     kind: str
-    tested: np.ndarray = np.zeros(0, dtype=int)
+    test_rows: np.ndarray = np.zeros(0, dtype=int)
     attributes: dict
 
     def __init__(self, samples: Samples, design: Design | None) -> None:
@@ -51,7 +51,7 @@ class Model:
         """Its range (n, T) over the box, arguments (n, T, k) in unit coordinates."""
         raise NotImplementedError
 
-    def error(self, found: Range, window: float | None) -> ErrorEstimate:
+    def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
         """Estimated error (n, T) of the bounds that `range` found; `window` as in `widen`."""
         raise NotImplementedError
 
@@ -75,7 +75,7 @@ class PolynomialModel(Model):
 
     def __init__(self, samples: Samples, design: Design, *, tolerance: float = 1e-3) -> None:
         self.samples, self.tolerance = samples, tolerance
-        self.tested = other_runs(samples.unit, design.points)
+        self.test_rows = other_runs(samples.unit, design.points)
         self.design = design
         self.surrogate = fit(design, samples.values[match_points(design.points, samples.unit)])
         self.attributes = {"design_runs": design.runs}
@@ -83,13 +83,13 @@ class PolynomialModel(Model):
     def range(self) -> Range:
         return surrogate_range(self.surrogate, self.tolerance)
 
-    def error(self, found: Range, window: float | None) -> ErrorEstimate:
+    def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
         samples, surrogate = self.samples, self.surrogate
-        unit, time = samples.unit[self.tested], samples.time
-        missed = samples.values[self.tested] - surrogate.evaluate(unit)
+        unit, time = samples.unit[self.test_rows], samples.time
+        residuals = samples.values[self.test_rows] - surrogate.evaluate(unit)
         decay = decay_estimate(surrogate, time, window)
-        decay = overruled(surrogate, self.design.points, unit, missed, decay, time, window)
-        return error_estimate(time, np.abs(missed).max(axis=0, initial=0.0), decay, window)
+        decay = overruled(surrogate, self.design.points, unit, residuals, decay, time, window)
+        return error_estimate(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
 
     def centre(self) -> np.ndarray:
         return self.surrogate.evaluate(np.zeros((1, self.samples.unit.shape[1])))[0]
@@ -109,27 +109,27 @@ class ScanModel(Model):
     kind = "least and largest sample"
 
     def __init__(self, samples: Samples, design: Design | None = None) -> None:
-        self.unit, found = samples.unit, None
-        grown = []
+        self.unit, total = samples.unit, None
+        totals = []
         for quarter in samples.quarters():
-            found = quarter.merged(found) if quarter else found
-            grown.append(found)
-        self.found = found
-        self.growth, self.growth_quarter = (_growth(before, found) for before in grown[1:3])
-        drawn = len(self.unit) - _chosen(samples)
+            total = quarter.merge(total) if quarter else total
+            totals.append(total)
+        self.total = total
+        self.growth, self.growth_quarter = (_growth(part, total) for part in totals[1:3])
+        draws = len(self.unit) - _count_chosen(samples)
         self.attributes = {
             "design_runs": len(self.unit),
             "error_kind": "growth of the bounds from the first half of the samples to all",
-            "drawn_runs": drawn,
-            "share_outside": share_outside(drawn),
-            "share_outside_95": share_outside(drawn, 0.95),
+            "drawn_runs": draws,
+            "share_outside": share_outside(draws),
+            "share_outside_95": share_outside(draws, 0.95),
         }
 
     def range(self) -> Range:
-        found = self.found
-        return attained(found.low, found.high, self.unit[found.low_run], self.unit[found.high_run])
+        total = self.total
+        return attained(total.low, total.high, self.unit[total.low_run], self.unit[total.high_run])
 
-    def error(self, found: Range, window: float | None) -> ErrorEstimate:
+    def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
@@ -137,14 +137,14 @@ class ScanModel(Model):
         return {"growth_quarter": (("response", "time"), self.growth_quarter, {"long_name": text})}
 
 
-def _growth(before: Running | None, after: Running) -> np.ndarray:
+def _growth(previous: Running | None, current: Running) -> np.ndarray:
     """By how much bounds grew, on the side where they grew more."""
-    if before is None:
-        return np.zeros_like(after.low)
-    return np.maximum(before.low - after.low, after.high - before.high)
+    if previous is None:
+        return np.zeros_like(current.low)
+    return np.maximum(previous.low - current.low, current.high - previous.high)
 
 
-def _chosen(samples: Samples) -> int:
+def _count_chosen(samples: Samples) -> int:
     """Runs that were not drawn: the nominal one, and corners of the box."""
     free = np.ptp(samples.unit, axis=0) > 0
     corners = (np.abs(samples.unit[:, free]) == 1.0).all(axis=1)
@@ -180,49 +180,49 @@ class SplineModel(Model):
         unit = samples.unit[:, self.order]
         self.samples, self.spline = samples, fit_spline(unit, samples.values)
         points = self.spline.points
-        judged = (np.abs(points) < 1).all(axis=1)
+        tests_spline = (np.abs(points) < 1).all(axis=1)
         if design is not None:
-            judged[other_runs(points, design.points[:, self.order])] = True
-        self.judged = judged if judged.any() else ~judged
-        sought = design is not None and design.method == "sought"
-        self.averages = sought and (self.spline.scales > 0).sum() <= AVERAGED
+            tests_spline[other_runs(points, design.points[:, self.order])] = True
+        self.tests_spline = tests_spline if tests_spline.any() else ~tests_spline
+        is_adaptive = design is not None and design.method == "sought"
+        self.averages = is_adaptive and (self.spline.scales > 0).sum() <= AVERAGED
         self.attributes = {
             "design_runs": len(points),
             "error_kind": f"{'mean' if self.averages else 'largest'} difference of a run and the "
             "spline through the others",
-            "spline_scales": self.spline.scales[self._back].tolist(),
+            "spline_scales": self.spline.scales[self._inverse].tolist(),
         }
 
     @property
-    def _back(self) -> np.ndarray:
+    def _inverse(self) -> np.ndarray:
         """Places of the dataset's parameters among the spline's."""
         return np.argsort(self.order)
 
     def range(self) -> Range:
-        found = spline_range(self.spline)
-        argmin, argmax = found.argmin[..., self._back], found.argmax[..., self._back]
-        return replace(found, argmin=argmin, argmax=argmax)
+        bounds = spline_range(self.spline)
+        argmin, argmax = bounds.argmin[..., self._inverse], bounds.argmax[..., self._inverse]
+        return replace(bounds, argmin=argmin, argmax=argmax)
 
-    def error(self, found: Range, window: float | None) -> ErrorEstimate:
+    def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:
             left_out = usual(spline.left_out, free)
         else:
-            left_out = np.abs(spline.left_out[self.judged]).max(axis=0)
+            left_out = np.abs(spline.left_out[self.tests_spline]).max(axis=0)
             if free > 1:
-                for at in (found.argmin, found.argmax):
-                    left_out = np.maximum(left_out, self._next_to(at[..., self.order], free + 1))
+                for x in (bounds.argmin, bounds.argmax):
+                    left_out = np.maximum(left_out, self._next_to(x[..., self.order], free + 1))
         left_out = left_out + spline.misfit
         return error_estimate(self.samples.time, left_out, np.zeros_like(left_out), window)
 
-    def _next_to(self, at: np.ndarray, count: int) -> np.ndarray:
+    def _next_to(self, points: np.ndarray, count: int) -> np.ndarray:
         """Largest left-out error (n, T) of the `count` runs nearest to unit points at (n, T, k)."""
         scales = self.spline.scales
         tree = scipy.spatial.cKDTree(self.spline.points * scales)
-        _, near = tree.query(at * scales, k=min(count, len(self.spline.points)))
-        n, instants = np.indices(at.shape[:2])
-        return np.abs(self.spline.left_out[near, n[..., None], instants[..., None]]).max(axis=-1)
+        _, rows = tree.query(points * scales, k=min(count, len(self.spline.points)))
+        n, instants = np.indices(points.shape[:2])
+        return np.abs(self.spline.left_out[rows, n[..., None], instants[..., None]]).max(axis=-1)
 
     def centre(self) -> np.ndarray:
         return self.spline.evaluate(np.zeros((1, self.spline.points.shape[1])))[0]

@@ -48,10 +48,10 @@ def attained(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.n
     return Range(low, high, low, high, argmin, argmax)
 
 
-def raised(found: Range, least: np.ndarray) -> Range:
+def raised(bounds: Range, least: np.ndarray) -> Range:
     """The range of a model of something that is never below `least`, whatever the model says."""
-    ends = (found.lower, found.upper, found.inner_lower, found.inner_upper)
-    return Range(*(np.maximum(end, least) for end in ends), found.argmin, found.argmax)
+    ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
+    return Range(*(np.maximum(end, least) for end in ends), bounds.argmin, bounds.argmax)
 
 
 def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
@@ -100,17 +100,17 @@ def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
     )
 
 
-def _tighten(c, surrogate, outer, attained, argument, close):
+def _tighten(c, surrogate, outer, inner, argument, close):
     """Tighter upper bound, and the attained value and argument, which subdivision may better."""
     dense = Surrogate(c, surrogate.multi_indices).dense()
-    outer, value, where = tighten(dense, attained, outer, close)
-    better = np.flatnonzero(value > attained)
+    outer, value, vertices = tighten(dense, inner, outer, close)
+    better = np.flatnonzero(value > inner)
     if len(better):
-        attained, argument = attained.copy(), argument.copy()
-        climbed, at = climb(c[:, better], surrogate.multi_indices, where[better])
-        attained[better] = np.maximum(value[better], climbed)
-        argument[better] = np.where((climbed > value[better])[:, None], at, where[better])
-    return outer, attained, argument
+        inner, argument = inner.copy(), argument.copy()
+        tops, points = climb(c[:, better], surrogate.multi_indices, vertices[better])
+        inner[better] = np.maximum(value[better], tops)
+        argument[better] = np.where((tops > value[better])[:, None], points, vertices[better])
+    return outer, inner, argument
 
 
 _MAX_GRID = 1024
@@ -146,8 +146,8 @@ def sample_points(degrees: np.ndarray) -> np.ndarray:
     if np.prod([float(len(x)) for x in nodes]) <= _MAX_GRID:
         return grid(nodes)
     generator = np.random.default_rng(0)
-    drawn = np.stack([generator.choice(x, _MAX_GRID) for x in nodes], axis=1)
-    return np.concatenate([corner_points(free), np.zeros((1, len(free))), drawn])
+    draws = np.stack([generator.choice(x, _MAX_GRID) for x in nodes], axis=1)
+    return np.concatenate([corner_points(free), np.zeros((1, len(free))), draws])
 
 
 def climb(
@@ -163,18 +163,18 @@ def climb(
     scale = np.abs(c).sum(axis=0)
     active = np.arange(c.shape[1])
     for _ in range(sweeps):
-        before = best[active]
-        here, cost = x[active], c[:, active]
+        previous = best[active]
+        points, cost = x[active], c[:, active]
         for j in directions:
-            line = plans[j].line(cost, here)
+            line = plans[j].line(cost, points)
             _, value, _, argument, _ = line_range(line)
-            here[:, j] = argument
-        gain = value > before  # the last direction's value is that of the whole point
+            points[:, j] = argument
+        gain = value > previous  # the last direction's value is that of the whole point
         best[active[gain]] = value[gain]
-        x[active[gain]] = here[gain]
+        x[active[gain]] = points[gain]
         with np.errstate(invalid="ignore"):
-            going = ~(value - before <= 1e-13 * scale[active])
-        active = active[going]
+            is_rising = ~(value - previous <= 1e-13 * scale[active])
+        active = active[is_rising]
         if not len(active):
             break
     return best, x
@@ -184,7 +184,7 @@ class _Plan:
     """How to collect the coefficients along one direction, worked out once."""
 
     def __init__(self, indices: np.ndarray, direction: int) -> None:
-        self.others = [j for j in range(indices.shape[1]) if j != direction and indices[:, j].any()]
+        self.axes = [j for j in range(indices.shape[1]) if j != direction and indices[:, j].any()]
         self.order = np.argsort(indices[:, direction], kind="stable")
         self.indices = indices[self.order]
         self.rows, self.starts = np.unique(self.indices[:, direction], return_index=True)
@@ -192,7 +192,7 @@ class _Plan:
     def line(self, c: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Coefficients (n + 1, T) along the direction through the points x (T, k)."""
         terms = c[self.order]
-        for j in self.others:
+        for j in self.axes:
             values = chebvander(x[:, j], int(self.indices[:, j].max()))
             terms *= values.T[self.indices[:, j]]
         line = np.zeros((int(self.rows[-1]) + 1, c.shape[1]))

@@ -21,32 +21,32 @@ SMALLEST = 1e-3
 
 def shares_of(samples: Samples) -> Samples:
     """Samples with the shares of those responses that are ratios."""
-    out = replace(samples)
+    share_samples = replace(samples)
     values = samples.values
     with np.errstate(divide="ignore"):
         shares = 1.0 / (2.0 + values)
-    out.__dict__["values"] = np.where(samples.ratios[:, None], shares, values)
-    return out
+    share_samples.__dict__["values"] = np.where(samples.ratios[:, None], shares, values)
+    return share_samples
 
 
-def ratios_of(samples: Samples, found: Range, error: ErrorEstimate) -> tuple[Range, ErrorEstimate]:
+def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Range, ErrorEstimate]:
     """The range (n, T) of ratios, and its error, from that of their shares."""
-    its, own = samples.ratios[:, None], samples.ratios[:, None, None]
-    ends = (found.upper, found.lower, found.inner_upper, found.inner_lower)
-    old = (found.lower, found.upper, found.inner_lower, found.inner_upper)
-    swapped = [np.where(its, ratio(end), was) for end, was in zip(ends, old, strict=True)]
+    is_ratio, own = samples.ratios[:, None], samples.ratios[:, None, None]
+    ends = (bounds.upper, bounds.lower, bounds.inner_upper, bounds.inner_lower)
+    old = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
+    curves = [np.where(is_ratio, ratio(end), was) for end, was in zip(ends, old, strict=True)]
     places = [
-        np.where(own, one, other)
-        for one, other in ((found.argmax, found.argmin), (found.argmin, found.argmax))
+        np.where(own, mirror, point)
+        for mirror, point in ((bounds.argmax, bounds.argmin), (bounds.argmin, bounds.argmax))
     ]
 
-    def at_ends(off: np.ndarray) -> np.ndarray:
-        sides = ((found.inner_upper, 1.0), (found.inner_lower, -1.0))
-        missed = [np.abs(ratio(end + way * off) - ratio(end)) for end, way in sides]
-        return np.where(its, np.maximum(*missed), off)
+    def at_ends(part: np.ndarray) -> np.ndarray:
+        sides = ((bounds.inner_upper, 1.0), (bounds.inner_lower, -1.0))
+        changes = [np.abs(ratio(end + sign * part) - ratio(end)) for end, sign in sides]
+        return np.where(is_ratio, np.maximum(*changes), part)
 
-    errors = (at_ends(off) for off in (error.total, error.held_out, error.decay))
-    return Range(*swapped, *places), ErrorEstimate(*errors)
+    errors = (at_ends(part) for part in (error.total, error.held_out, error.decay))
+    return Range(*curves, *places), ErrorEstimate(*errors)
 
 
 def ratio(share: np.ndarray) -> np.ndarray:

@@ -27,9 +27,9 @@ class Places:
     def errors(self, changes: np.ndarray) -> np.ndarray:
         """Errors (n, T) of the bounds from changes (P, n, T) of the responses at the places: the
         larger of those at the places of both bounds."""
-        at = np.abs(changes)
+        sizes = np.abs(changes)
         n, instants = np.indices(self.lower.shape)
-        return np.maximum(at[self.lower, n, instants], at[self.upper, n, instants])
+        return np.maximum(sizes[self.lower, n, instants], sizes[self.upper, n, instants])
 
 
 def deciding_places(
@@ -42,22 +42,22 @@ def deciding_places(
     """
     mean = width.mean(axis=1, keepdims=True)
     weight = np.divide(width, mean, out=np.zeros_like(width), where=mean > 0)
-    some = np.unique(np.linspace(0, width.shape[1] - 1, min(width.shape[1], _INSTANTS)).astype(int))
-    points = np.concatenate([at[:, some].reshape(-1, at.shape[2]) for at in (argmin, argmax)])
-    weight = np.tile(weight[:, some].ravel(), 2)
+    t = np.unique(np.linspace(0, width.shape[1] - 1, min(width.shape[1], _INSTANTS)).astype(int))
+    points = np.concatenate([x[:, t].reshape(-1, x.shape[2]) for x in (argmin, argmax)])
+    weight = np.tile(weight[:, t].ravel(), 2)
     trial = _one_of_each_cell(points, weight)
-    apart = np.linalg.norm(trial[:, None] - points[None], axis=2)
+    distances = np.linalg.norm(trial[:, None] - points[None], axis=2)
     nearest = np.full(len(points), np.inf)
-    chosen: list[int] = []
+    indices: list[int] = []
     for _ in range(min(count, len(trial))):
-        left = (np.minimum(apart, nearest) * weight).sum(axis=1)
-        best = int(left.argmin())
-        if chosen and left[best] >= (nearest * weight).sum() * (1 - 1e-9):
+        remainders = (np.minimum(distances, nearest) * weight).sum(axis=1)
+        best = int(remainders.argmin())
+        if indices and remainders[best] >= (nearest * weight).sum() * (1 - 1e-9):
             break
-        chosen.append(best)
-        nearest = np.minimum(nearest, apart[best])
-    unit = trial[chosen]
-    return Places(unit, *(_nearest(at, unit) for at in (argmin, argmax)))
+        indices.append(best)
+        nearest = np.minimum(nearest, distances[best])
+    unit = trial[indices]
+    return Places(unit, *(_nearest(x, unit) for x in (argmin, argmax)))
 
 
 def _one_of_each_cell(points: np.ndarray, weight: np.ndarray) -> np.ndarray:
@@ -68,10 +68,10 @@ def _one_of_each_cell(points: np.ndarray, weight: np.ndarray) -> np.ndarray:
     return points[order[first]]
 
 
-def _nearest(at: np.ndarray, unit: np.ndarray) -> np.ndarray:
+def _nearest(points: np.ndarray, unit: np.ndarray) -> np.ndarray:
     """Index (n, T) of the place (P, k) nearest to each point (n, T, k)."""
-    apart = np.stack([((at - place) ** 2).sum(axis=-1) for place in unit])
-    return apart.argmin(axis=0)
+    distances = np.stack([((points - place) ** 2).sum(axis=-1) for place in unit])
+    return distances.argmin(axis=0)
 
 
 def seek_points(
@@ -97,42 +97,42 @@ def seek_points(
     free = spline.scales > 0
     # a point next to a run tells nothing new, and two that nearly agree spoil the spline
     spacing = 2.0 * len(spline.points) ** (-1.0 / max(int(free.sum()), 1))
-    trial = trial[_far(trial, spline.points, 0.1 * spacing)]
+    trial = trial[_far_mask(trial, spline.points, 0.1 * spacing)]
     low, high = values.min(axis=0), values.max(axis=0)
-    promised = np.empty((len(trial), *low.shape), dtype=np.float32)
+    forecast = np.empty((len(trial), *low.shape), dtype=np.float32)
     for start in range(0, len(trial), 1024):
-        promised[start : start + 1024] = spline.evaluate(trial[start : start + 1024])
-    chosen, new_low, new_high = _greedy(promised, low, high, trial, count, 0.1 * spacing)
+        forecast[start : start + 1024] = spline.evaluate(trial[start : start + 1024])
+    indices, new_low, new_high = _greedy(forecast, low, high, trial, count, 0.1 * spacing)
     growth = np.zeros(len(width))
     growth[width > 0] = np.maximum(low - new_low, new_high - high).mean(axis=1)
-    return trial[chosen], growth
+    return trial[indices], growth
 
 
-def _greedy(promised, low, high, trial, count, distance):
+def _greedy(forecast, low, high, trial, count, distance):
     """Indices of the best points, and the bounds with them; a gain only shrinks as others come."""
     low, high = low.copy(), high.copy()
 
     def gain(i):
-        return float((np.maximum(promised[i] - high, 0) + np.maximum(low - promised[i], 0)).sum())
+        return float((np.maximum(forecast[i] - high, 0) + np.maximum(low - forecast[i], 0)).sum())
 
-    heap = [(-gain(i), i) for i in range(len(promised))]
+    heap = [(-gain(i), i) for i in range(len(forecast))]
     heapq.heapify(heap)
-    chosen: list[int] = []
-    while heap and len(chosen) < count:
-        known, i = heapq.heappop(heap)
-        now = gain(i)
-        if now <= 0:
+    indices: list[int] = []
+    while heap and len(indices) < count:
+        old_gain, i = heapq.heappop(heap)
+        new_gain = gain(i)
+        if new_gain <= 0:
             continue
-        if heap and now < -heap[0][0] and now < -known:
-            heapq.heappush(heap, (-now, i))
-        elif _far(trial[i : i + 1], trial[chosen], distance)[0]:
-            chosen.append(i)
-            low, high = np.minimum(low, promised[i]), np.maximum(high, promised[i])
-    return chosen, low, high
+        if heap and new_gain < -heap[0][0] and new_gain < -old_gain:
+            heapq.heappush(heap, (-new_gain, i))
+        elif _far_mask(trial[i : i + 1], trial[indices], distance)[0]:
+            indices.append(i)
+            low, high = np.minimum(low, forecast[i]), np.maximum(high, forecast[i])
+    return indices, low, high
 
 
-def _far(points: np.ndarray, others: np.ndarray, distance: float) -> np.ndarray:
+def _far_mask(points: np.ndarray, neighbours: np.ndarray, distance: float) -> np.ndarray:
     """Mask of the points (P, k) that are farther than `distance` from all others (N, k)."""
-    if not len(others):
+    if not len(neighbours):
         return np.ones(len(points), dtype=bool)
-    return scipy.spatial.cKDTree(others).query(points)[0] > distance
+    return scipy.spatial.cKDTree(neighbours).query(points)[0] > distance

@@ -49,34 +49,34 @@ class Running:
     high_run: np.ndarray
 
     @classmethod
-    def of(cls, values: np.ndarray, runs: np.ndarray) -> Running:
+    def of_runs(cls, values: np.ndarray, runs: np.ndarray) -> Running:
         """Those of values (R, ...), finite, of runs with numbers (R) that increase."""
         low, high = values.argmin(axis=0)[None], values.argmax(axis=0)[None]
-        at = np.asarray(runs)
+        numbers = np.asarray(runs)
         return cls(
             np.take_along_axis(values, low, axis=0)[0].astype(float),
             np.take_along_axis(values, high, axis=0)[0].astype(float),
-            at[low[0]],
-            at[high[0]],
+            numbers[low[0]],
+            numbers[high[0]],
         )
 
-    def merged(self, other: Running | None) -> Running:
+    def merge(self, rival: Running | None) -> Running:
         """Those of both streams."""
-        if other is None:
+        if rival is None:
             return self
-        lower = _comes_first(other.low, self.low, other.low_run, self.low_run)
-        higher = _comes_first(-other.high, -self.high, other.high_run, self.high_run)
+        lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)
+        higher = _comes_first(-rival.high, -self.high, rival.high_run, self.high_run)
         return Running(
-            np.where(lower, other.low, self.low),
-            np.where(higher, other.high, self.high),
-            np.where(lower, other.low_run, self.low_run),
-            np.where(higher, other.high_run, self.high_run),
+            np.where(lower, rival.low, self.low),
+            np.where(higher, rival.high, self.high),
+            np.where(lower, rival.low_run, self.low_run),
+            np.where(higher, rival.high_run, self.high_run),
         )
 
 
-def _comes_first(one: np.ndarray, other: np.ndarray, run: np.ndarray, rival: np.ndarray):
-    """Where `one` is less than `other`, or as large and of an earlier run."""
-    return (one < other) | ((one == other) & (run < rival))
+def _comes_first(value: np.ndarray, rival: np.ndarray, run: np.ndarray, rival_run: np.ndarray):
+    """Where `value` is less than `rival`, or as large and of an earlier run."""
+    return (value < rival) | ((value == rival) & (run < rival_run))
 
 
 def quarter_ends(runs: int) -> list[int]:
@@ -141,24 +141,24 @@ class Samples:
         the dataset if it has them in the place of values, else from its runs, some at a time."""
         if "values" not in self.source:
             arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
-            found = (Running(*quarter) for quarter in zip(*arrays, strict=True))
-            yield from (None if (quarter.low_run < 0).any() else quarter for quarter in found)
+            quarters = (Running(*quarter) for quarter in zip(*arrays, strict=True))
+            yield from (None if (quarter.low_run < 0).any() else quarter for quarter in quarters)
             return
         step = max(_CHUNK // (len(self.time) * len(self.names)), 1)
         for first, last in pairwise(quarter_ends(len(self.unit))):
-            found = None
+            running = None
             for start in range(first, last, step):
                 stop = min(start + step, last)
                 values = self.read(slice(start, stop))
                 if not np.isfinite(values).all():
                     raise IntervalError("samples", "not finite", "finite responses in every run")
-                found = Running.of(values, np.arange(start, stop)).merged(found)
-            yield found
+                running = Running.of_runs(values, np.arange(start, stop)).merge(running)
+            yield running
 
     def coordinates(self) -> dict:
         """Coordinates of a dataset of these responses over time and parameter, by name."""
-        found = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
-        return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in found.items()}
+        variables = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
+        return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
 
     def parameters(self) -> Callable[[np.ndarray], np.ndarray]:
         """Function from unit coordinates (..., k) to parameter values, as the runs tell it."""
@@ -181,26 +181,26 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
     (quarter, response, time) of each quarter of its runs, and perhaps ``nominal`` (response, time),
     which the first of its runs then is.
     """
-    what = ("values",) if "lower_run" not in samples else _RUNNING
-    for name in ("time", "response", *what, "unit", "value"):
+    arrays = ("values",) if "lower_run" not in samples else _RUNNING
+    for name in ("time", "response", *arrays, "unit", "value"):
         if name not in samples:
             raise IntervalError("samples", list(samples.variables), f"a dataset with {name}")
-    known = [str(name) for name in samples["response"].values]
-    names = known if responses is None else [str(n) for n in responses]
+    responses_all = [str(name) for name in samples["response"].values]
+    names = responses_all if responses is None else [str(n) for n in responses]
     for name in names:
-        if name not in known:
-            raise IntervalError("response", name, "one of " + ", ".join(known))
+        if name not in responses_all:
+            raise IntervalError("response", name, "one of " + ", ".join(responses_all))
     if not names:
         raise IntervalError("responses", names, "at least one")
     nominal = None
     if "role" in samples:
-        found = np.flatnonzero(samples["role"].values.astype(str) == "nominal")
-        nominal = int(found[0]) if len(found) else None
+        nominal_runs = np.flatnonzero(samples["role"].values.astype(str) == "nominal")
+        nominal = int(nominal_runs[0]) if len(nominal_runs) else None
     elif "nominal" in samples:
         nominal = 0
     return Samples(
         names,
-        [known.index(name) for name in names],
+        [responses_all.index(name) for name in names],
         np.asarray(samples["time"].values, dtype=float),
         np.asarray(samples["unit"].values, dtype=float),
         nominal,

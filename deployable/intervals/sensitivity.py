@@ -85,12 +85,12 @@ def sensitivity_dataset(
     data = read_samples(samples, responses)
     surrogate = fit(design, data.values[match_points(design.points, data.unit)])
     error = _error(data, design, surrogate)
-    found = parameter_sensitivity(surrogate)
+    influence = parameter_sensitivity(surrogate)
     width, first, total = (
-        np.moveaxis(array, 0, 1) for array in (found.width, found.first, found.total)
+        np.moveaxis(array, 0, 1) for array in (influence.width, influence.first, influence.total)
     )
     wide, shares = np.zeros((2, *width.shape[:2]))
-    for i, variance in enumerate(found.variance):
+    for i, variance in enumerate(influence.variance):
         area = np.trapezoid(np.where(width[i] > error[i], width[i], 0.0), data.time)
         weight = np.trapezoid(variance, data.time)
         own = np.trapezoid(total[i] * variance, data.time)
@@ -114,11 +114,11 @@ def sensitivity_dataset(
 
 def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
     """What the polynomial misses runs by that it was not fitted to, (n, T), widened in time."""
-    tested = other_runs(data.unit, design.points)
-    if not len(tested):
+    test_rows = other_runs(data.unit, design.points)
+    if not len(test_rows):
         return decay_estimate(surrogate, data.time)
-    missed = np.abs(data.values[tested] - surrogate.evaluate(data.unit[tested]))
-    return widen(data.time, missed.max(axis=0))
+    residuals = np.abs(data.values[test_rows] - surrogate.evaluate(data.unit[test_rows]))
+    return widen(data.time, residuals.max(axis=0))
 
 
 def surrogate_dataset(

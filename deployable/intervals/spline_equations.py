@@ -17,18 +17,18 @@ from .errors import IntervalError
 _COLUMNS = 512
 # Runs closer than this, in unit coordinates, count once: the weights of three runs at distances h
 # are of the order 1 / h^3. On a line no weights are needed.
-NEAR, NEAR_ON_LINE = 1e-4, 1e-6
+MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 
 def distinct(points: np.ndarray) -> np.ndarray:
     """Indices, rising, of runs at unit points (N, k) no two of which are nearly the same."""
-    one = (np.ptp(points, axis=0) > 0).sum() <= 1
+    on_line = (np.ptp(points, axis=0) > 0).sum() <= 1
     # equal runs in bulk first: a tree would list all their pairs
     _, first = np.unique(np.round(points, 9) + 0.0, axis=0, return_index=True)
     first = np.sort(first)
     keep = np.ones(len(first), dtype=bool)
     pairs = scipy.spatial.cKDTree(points[first]).query_pairs(
-        NEAR_ON_LINE if one else NEAR, output_type="ndarray"
+        MIN_SPACING_ON_LINE if on_line else MIN_SPACING, output_type="ndarray"
     )
     for i, j in pairs[np.lexsort(pairs.T[::-1])]:
         keep[j] &= not keep[i]
@@ -48,8 +48,8 @@ def line_rows(x: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     c, d = a**3 - a, b**3 - b
     c, d = np.where(b < 0, -2 * b, c), np.where(b < 0, -b, d)
     c, d = np.where(a < 0, -a, c), np.where(a < 0, -2 * a, d)
-    left, right = order[cell], order[cell + 1]
-    index = np.stack([left, right, left + count, right + count], axis=1)
+    first, second = order[cell], order[cell + 1]
+    index = np.stack([first, second, first + count, second + count], axis=1)
     return index, np.stack([a, b, c * h**2 / 6, d * h**2 / 6], axis=1)
 
 
@@ -95,31 +95,31 @@ class Polyharmonic:
         (raw, self._tau), self._triangle = scipy.linalg.qr(linear, mode="raw")
         self._mirrors = np.tril(raw, -1)[:, :extra] + np.eye(count, extra)
         self._extra, self._cubes = extra, cubes
-        half = self._turned(cubes).T
+        half = self._rotate(cubes).T
         try:
-            self._root = scipy.linalg.cholesky(self._turned(half)[extra:, extra:], lower=True)
+            self._root = scipy.linalg.cholesky(self._rotate(half)[extra:, extra:], lower=True)
         except scipy.linalg.LinAlgError:
             raise IntervalError("runs", count, "runs that are farther apart") from None
 
-    def _turned(self, x: np.ndarray, back: bool = False) -> np.ndarray:
+    def _rotate(self, x: np.ndarray, inverse: bool = False) -> np.ndarray:
         """Q^T x, or Q x: first come the coordinates in the linear functions."""
         x = np.array(x)
         numbers = range(self._extra)
-        for j in reversed(numbers) if back else numbers:
+        for j in reversed(numbers) if inverse else numbers:
             mirror = self._mirrors[:, j]
             x -= np.outer(self._tau[j] * mirror, mirror @ x)
         return x
 
     def weights(self, values: np.ndarray) -> np.ndarray:
         """Weights (N + m, T) of the runs and linear functions, from values (N, T)."""
-        turned = self._turned(values)
-        if len(turned) > self._extra:
-            turned[self._extra :] = scipy.linalg.cho_solve(
-                (self._root, True), turned[self._extra :]
+        coords = self._rotate(values)
+        if len(coords) > self._extra:
+            coords[self._extra :] = scipy.linalg.cho_solve(
+                (self._root, True), coords[self._extra :]
             )
-        turned[: self._extra] = 0.0
-        weights = self._turned(turned, back=True)
-        rest = self._turned(values - self._cubes @ weights)[: self._extra]
+        coords[: self._extra] = 0.0
+        weights = self._rotate(coords, inverse=True)
+        rest = self._rotate(values - self._cubes @ weights)[: self._extra]
         return np.concatenate(
             [weights, scipy.linalg.solve_triangular(self._triangle[: self._extra], rest)]
         )
@@ -127,10 +127,10 @@ class Polyharmonic:
     def left_out(self, weights: np.ndarray) -> np.ndarray:
         """Left-out errors (N, T) from weights (N + m, T): a run's weight over that of a unit."""
         count = len(self._cubes)
-        unit = self._turned(np.eye(count))[self._extra :]
+        unit = self._rotate(np.eye(count))[self._extra :]
         if not len(unit):
             return np.full((count, weights.shape[1]), np.inf)
         unit = (scipy.linalg.solve_triangular(self._root, unit, lower=True) ** 2).sum(axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            found = weights[:count] / unit[:, None]
-        return np.where(np.isfinite(found), found, np.inf)
+            errors = weights[:count] / unit[:, None]
+        return np.where(np.isfinite(errors), errors, np.inf)

@@ -17,7 +17,7 @@ CANDIDATES = 4096
 """Points, beside the runs, among which searches start."""
 
 _BEST = 48  # trial points among which those are that searches start from
-_APART = 0.2  # unit coordinates between two of them
+_MIN_DISTANCE = 0.2  # unit coordinates between two of them
 _STEPS = 60
 _GAIN = 1e-13  # of the spread of the runs' values: a smaller gain is rounding
 
@@ -35,7 +35,7 @@ def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
     flat = spline.weights.reshape(len(spline.weights), -1)
     k = len(spline.scales)
     sides = []
-    for sign, runs, at in (
+    for sign, runs, argument in (
         (-1.0, spline.lowest, spline.argmin),
         (1.0, spline.highest, spline.argmax),
     ):
@@ -47,7 +47,7 @@ def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
             value, x = sign * flat[0], np.repeat(spline.points, flat.shape[1], axis=0)
         run = sign * runs.ravel() >= value
         value, x = np.where(run, sign * runs.ravel(), value), x.copy()
-        x[run] = at.reshape(-1, k)[run]
+        x[run] = argument.reshape(-1, k)[run]
         sides += [(sign * value).reshape(shape), x.reshape(*shape, k)]
     low, x_low, high, x_high = sides
     return attained(low, high, x_low, x_high)
@@ -69,12 +69,12 @@ def _line_maximum(spline: Spline, flat: np.ndarray) -> tuple[np.ndarray, np.ndar
     a = 3 * bend * np.diff(second, axis=0)
     b, c = 3 * bend * second[:-1], rise - bend * (2 * second[:-1] + second[1:])
     root = np.sqrt(np.maximum(b**2 - a * c, 0.0))
-    far = -(b + np.copysign(root, b))
+    root_sum = -(b + np.copysign(root, b))
     points, columns = [np.full(flat.shape[1], x) for x in (-1.0, *knots, 1.0)], flat.shape[1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        for t in (far / a, c / far):
-            inside = (t > 0) & (t < 1)
-            points.extend(np.where(inside, knots[:-1, None] + t * h, knots[:-1, None]))
+        for t in (root_sum / a, c / root_sum):
+            in_interval = (t > 0) & (t < 1)
+            points.extend(np.where(in_interval, knots[:-1, None] + t * h, knots[:-1, None]))
     unit = np.stack(points)  # (P, T)
     best, x = np.full(columns, -np.inf), np.repeat(spline.points[:1], columns, axis=0)
     for row in unit:
@@ -94,36 +94,36 @@ def _maximum(spline: Spline, flat: np.ndarray, candidates: int) -> tuple[np.ndar
     trial[:, ~free] = spline.points[0, ~free]
     trial = np.concatenate([spline.points, trial])
     spread = np.ptp(spline.values.reshape(len(spline.points), -1), axis=0)
-    near = _best_of(spline, flat, trial, _BEST)
+    candidate_tops = _best_of(spline, flat, trial, _BEST)
     count = 2 + 2 * int(free.sum())
-    used = np.zeros(flat.shape[1], dtype=int)
-    best, at = np.full(flat.shape[1], -np.inf), near[0].copy()
-    starts = np.full((count, *at.shape), np.inf)
-    for x in near:
-        apart = (np.abs(starts - x).max(axis=-1) > _APART).all(axis=0)
-        columns = np.flatnonzero(apart & (used < count))
-        starts[used[columns], columns] = x[columns]
-        used[columns] += 1
+    start_counts = np.zeros(flat.shape[1], dtype=int)
+    best, argument = np.full(flat.shape[1], -np.inf), candidate_tops[0].copy()
+    starts = np.full((count, *argument.shape), np.inf)
+    for x in candidate_tops:
+        is_separate = (np.abs(starts - x).max(axis=-1) > _MIN_DISTANCE).all(axis=0)
+        columns = np.flatnonzero(is_separate & (start_counts < count))
+        starts[start_counts[columns], columns] = x[columns]
+        start_counts[columns] += 1
     for i in range(count):
-        columns = np.flatnonzero(used > i)
+        columns = np.flatnonzero(start_counts > i)
         height, top = _climb(spline, flat[:, columns], spread[columns], starts[i, columns])
         better = height > best[columns]
-        best[columns[better]], at[columns[better]] = height[better], top[better]
-    return best, at
+        best[columns[better]], argument[columns[better]] = height[better], top[better]
+    return best, argument
 
 
 def _best_of(spline, flat, trial, count) -> np.ndarray:
     """The trial points (count, T, k) with the largest values, the largest first."""
-    value, where = np.zeros((0, flat.shape[1])), np.zeros((0, flat.shape[1]), dtype=int)
+    value, best_rows = np.zeros((0, flat.shape[1])), np.zeros((0, flat.shape[1]), dtype=int)
     step = max(CHUNK // max(flat.shape), 1)
     for start in range(0, len(trial), step):
         rows = spline.basis(trial[start : start + step]) @ flat
         value = np.concatenate([value, rows])
         index = np.arange(start, start + len(rows))
-        where = np.concatenate([where, np.repeat(index[:, None], flat.shape[1], axis=1)])
+        best_rows = np.concatenate([best_rows, np.repeat(index[:, None], flat.shape[1], axis=1)])
         order = np.argpartition(-value, min(count, len(value)) - 1, axis=0)[:count]
-        value, where = (np.take_along_axis(x, order, axis=0) for x in (value, where))
-    return trial[np.take_along_axis(where, np.argsort(-value, axis=0, kind="stable"), axis=0)]
+        value, best_rows = (np.take_along_axis(x, order, axis=0) for x in (value, best_rows))
+    return trial[np.take_along_axis(best_rows, np.argsort(-value, axis=0, kind="stable"), axis=0)]
 
 
 def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
@@ -136,12 +136,12 @@ def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
     """
     free = np.flatnonzero(spline.scales > 0)
     half = spline.scales[free]
-    x, going = start.copy(), np.arange(len(start))
+    x, columns = start.copy(), np.arange(len(start))
     radius = np.full(len(start), 0.5)
     value, slope, curvature = _derivatives(spline, flat, x)
     for _ in range(_STEPS):
-        y = x[going][:, free] * half
-        g, h = slope[going].copy(), curvature[going].copy()
+        y = x[columns][:, free] * half
+        g, h = slope[columns].copy(), curvature[columns].copy()
         stuck = ((y >= half) & (g > 0)) | ((y <= -half) & (g < 0))
         g[stuck] = 0.0
         h[stuck[:, :, None] | stuck[:, None, :]] = 0.0
@@ -151,32 +151,32 @@ def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
         bends = np.maximum(bends, 1e-12 * largest)
         newton = (axes @ ((axes.transpose(0, 2, 1) @ g[..., None]) / bends[..., None]))[..., 0]
         # the box can turn a step of Newton's downhill, that along the slope never
-        moved, gain = _within(y, newton, g, half, radius[going])
-        along, least = _within(y, g / largest, g, half, radius[going])
+        points, gain = _step_in_box(y, newton, g, half, radius[columns])
+        slope_points, least = _step_in_box(y, g / largest, g, half, radius[columns])
         short = gain < least
-        moved[short], gain[short] = along[short], least[short]
-        go = (gain > _GAIN * spread[going]) & (radius[going] > 1e-9)
-        going, moved = going[go], moved[go]
-        if not len(going):
+        points[short], gain[short] = slope_points[short], least[short]
+        go = (gain > _GAIN * spread[columns]) & (radius[columns] > 1e-9)
+        columns, points = columns[go], points[go]
+        if not len(columns):
             break
-        trial = x[going].copy()
-        trial[:, free] = moved / half
-        height, *rest = _derivatives(spline, flat[:, going], trial)
-        better = height > value[going]
-        radius[going] *= np.where(better, 2.0, 0.25)
-        gained = going[better]
-        x[gained], value[gained] = trial[better], height[better]
-        slope[gained], curvature[gained] = (r[better] for r in rest)
+        trial = x[columns].copy()
+        trial[:, free] = points / half
+        height, *rest = _derivatives(spline, flat[:, columns], trial)
+        better = height > value[columns]
+        radius[columns] *= np.where(better, 2.0, 0.25)
+        winners = columns[better]
+        x[winners], value[winners] = trial[better], height[better]
+        slope[winners], curvature[winners] = (r[better] for r in rest)
     return value, x
 
 
-def _within(y, step, slope, half, radius) -> tuple[np.ndarray, np.ndarray]:
+def _step_in_box(y, step, slope, half, radius) -> tuple[np.ndarray, np.ndarray]:
     """Points (T, f) that a step from y leads to inside the box and a radius, and by how much the
     slope lets the value grow there (T)."""
     size = np.abs(step / half).max(axis=1)
-    moved = y + step * np.minimum(1.0, radius / np.maximum(size, 1e-300))[:, None]
-    moved = np.clip(moved, -half, half)
-    return moved, ((moved - y) * slope).sum(axis=1)
+    points = y + step * np.minimum(1.0, radius / np.maximum(size, 1e-300))[:, None]
+    points = np.clip(points, -half, half)
+    return points, ((points - y) * slope).sum(axis=1)
 
 
 def _derivatives(spline, flat, x) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -189,14 +189,14 @@ def _derivatives(spline, flat, x) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     step = max(CHUNK // (n * f), 1)
     for start in range(0, len(y), step):
         part = slice(start, start + step)
-        apart = y[part, None, :] - points
-        distance = np.sqrt((apart**2).sum(axis=-1))
+        offsets = y[part, None, :] - points
+        distance = np.sqrt((offsets**2).sum(axis=-1))
         weight, linear = flat[:n, part].T, flat[n + 1 :, part].T
         value[part] = (weight * distance**3).sum(axis=1) + flat[n, part]
         value[part] += (linear * y[part]).sum(axis=1)
         by_distance = weight * distance
-        slope[part] = 3 * np.einsum("tn,tnf->tf", by_distance, apart) + linear
-        over = np.divide(weight, distance, out=np.zeros_like(distance), where=distance > 0)
-        curvature[part] = 3 * (apart * over[..., None]).transpose(0, 2, 1) @ apart
+        slope[part] = 3 * np.einsum("tn,tnf->tf", by_distance, offsets) + linear
+        ratio = np.divide(weight, distance, out=np.zeros_like(distance), where=distance > 0)
+        curvature[part] = 3 * (offsets * ratio[..., None]).transpose(0, 2, 1) @ offsets
         curvature[part] += 3 * by_distance.sum(axis=1)[:, None, None] * np.eye(f)
     return value, slope, curvature

@@ -20,7 +20,7 @@ from .formula import Formula, cubes
 from .spline_equations import Polyharmonic, distinct, line_rows, solve_line
 
 MAX_RUNS = 4000  # the spline's matrix is full
-_TRIED = 400  # runs that choose the scales
+_SCALE_RUNS = 400  # runs that choose the scales
 CHUNK = 1 << 20  # numbers at a time: memory that is used again is faster than fresh memory
 _MISFIT = 1e-6  # of the width of the runs' values at an instant: above it no spline is given
 _SMALLEST = np.finfo(float).tiny / np.finfo(float).eps  # below it numbers have fewer digits
@@ -102,9 +102,9 @@ class Spline:
         jumps, weights = np.diff(third) / 12, np.zeros(count)
         weights[order] = jumps
         ends = knots[[0, -1]]
-        left = self.values[order[[0, -1]], 0] - np.abs(ends[:, None] - knots) ** 3 @ jumps
-        linear[1 + j] = (left[1] - left[0]) / (ends[1] - ends[0])
-        linear[0] = left[0] - linear[1 + j] * ends[0]
+        remainder = self.values[order[[0, -1]], 0] - np.abs(ends[:, None] - knots) ** 3 @ jumps
+        linear[1 + j] = (remainder[1] - remainder[0]) / (ends[1] - ends[0])
+        linear[0] = remainder[0] - linear[1 + j] * ends[0]
         return cubes(self.points, free.astype(float), weights, linear)
 
 
@@ -140,26 +140,26 @@ def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None
     values are so close to each other that rounding keeps the spline from going through them.
     """
     runs, shape = np.asarray(points, dtype=float), np.shape(values)[1:]
-    given = np.asarray(values, dtype=float).reshape(len(runs), -1)
-    kept = distinct(runs)
-    points, flat = runs[kept], given[kept]
+    samples = np.asarray(values, dtype=float).reshape(len(runs), -1)
+    rows = distinct(runs)
+    points, flat = runs[rows], samples[rows]
     scales = choose_scales(points, flat) if scales is None else np.where(_spread(points), scales, 0)
     weights, left_out = _solve(points, scales, flat)
     fields = [points, scales, weights.reshape(-1, *shape), left_out.reshape(-1, *shape)]
     columns = np.arange(flat.shape[1])
-    where = given.argmin(axis=0), given.argmax(axis=0)
-    fields += [flat.reshape(-1, *shape), *(given[at, columns].reshape(shape) for at in where)]
-    fields += [runs[at].reshape(*shape, -1) for at in where]
+    extremes = samples.argmin(axis=0), samples.argmax(axis=0)
+    fields += [flat.reshape(-1, *shape), *(samples[i, columns].reshape(shape) for i in extremes)]
+    fields += [runs[i].reshape(*shape, -1) for i in extremes]
     spline = Spline(*fields, misfit=np.zeros(shape))
-    others = np.setdiff1d(np.arange(len(runs)), kept)
+    extra = np.setdiff1d(np.arange(len(runs)), rows)
     misfit = np.abs(_rest(spline, points, flat)).max(axis=0)
     # at an instant at which all runs agree, rounding of their values is all there is
     allowed = _MISFIT * np.ptp(flat, axis=0) + 1e-12 * np.abs(flat).max(axis=0) + _SMALLEST
     if (misfit > allowed).any():
-        told = "runs that are farther apart: rounding keeps the spline from going through these"
-        raise IntervalError("runs", len(runs), told)
-    if len(others):
-        misfit = np.maximum(misfit, np.abs(_rest(spline, runs[others], given[others])).max(axis=0))
+        need = "runs that are farther apart: rounding keeps the spline from going through these"
+        raise IntervalError("runs", len(runs), need)
+    if len(extra):
+        misfit = np.maximum(misfit, np.abs(_rest(spline, runs[extra], samples[extra])).max(axis=0))
     return replace(spline, misfit=misfit.reshape(shape))
 
 
@@ -190,7 +190,7 @@ def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
     scales = spread.astype(float)
     if spread.sum() < 2:
         return scales
-    rows = np.unique(np.linspace(0, len(points) - 1, min(len(points), _TRIED)).astype(int))
+    rows = np.unique(np.linspace(0, len(points) - 1, min(len(points), _SCALE_RUNS)).astype(int))
     columns = np.unique(np.linspace(0, values.shape[1] - 1, 200).astype(int))
     points, values = points[rows], values[rows][:, columns]
     values = values[:, np.ptp(values, axis=0) > 0]
@@ -202,15 +202,15 @@ def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
 
     best = loss(scales)
     for _ in range(3):
-        before = best
+        last_best = best
         for j in np.flatnonzero(spread):
             for factor in (0.5, 2.0):
                 trial = scales.copy()
                 trial[j] *= factor
-                found = loss(trial) if 1 / 16 <= trial[j] <= 16 else np.inf
-                if found < 0.98 * best:
-                    best, scales = found, trial
-        if best == before:
+                trial_loss = loss(trial) if 1 / 16 <= trial[j] <= 16 else np.inf
+                if trial_loss < 0.98 * best:
+                    best, scales = trial_loss, trial
+        if best == last_best:
             break
     return scales
 

@@ -14,8 +14,14 @@ from deployable.campaign.config.check import check_config, load_config, merge
 from deployable.campaign.config.keys import rows
 from deployable.campaign.config.models import BoundsChoice, Solver
 from deployable.campaign.config.read import whole
-from deployable.campaign.config.scene_checks import corners
-from deployable.campaign.config.sections import Campaign, Interval, as_json, digest, from_data
+from deployable.campaign.config.sections import (
+    Campaign,
+    Interval,
+    as_json,
+    corners,
+    digest,
+    from_data,
+)
 from deployable.campaign.errors import ConfigError
 from fpm import SAFETY
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import shutil
+from importlib import import_module
+from inspect import signature
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from deployable import campaign
 from deployable.campaign import provenance
 from deployable.campaign.config.sections import as_json
-from deployable.campaign.stages import STAGES
+from deployable.campaign.stages import OPTIONS, STAGES, stages_of
 from fpm.kernels.sources import Imported
 
 ROOT = Path(__file__).parents[2]
@@ -39,8 +40,33 @@ def test_results_are_of_all_of_the_program(monkeypatch):
             assert provenance.program_digest() != before
 
 
+@pytest.mark.parametrize("asked", ["nothing more", "all", "an accuracy"])
+def test_stages_take_what_those_before_leave(raw, asked):
+    quantities = {"quantities": {"most": {"largest": "BD"}}}
+    limits = {"requirements": {"wide": {"most": {"at_most": 0.2}}}}
+    choose = {"choose": {"parameters": {"a": [0.034, 0.036]}, "minimise": ["upper(most)"]}}
+    if asked == "an accuracy":
+        raw = {key: raw[key] for key in raw if key not in ("design", "held_out")}
+    more = {"nothing more": {}, "all": quantities | limits | choose, "an accuracy": {"accuracy": 1}}
+    whole, left = campaign.check_config(raw | more[asked]), set()
+    for stage in stages_of(whole):
+        assert left >= set(stage.inputs(whole))
+        assert left.isdisjoint(stage.leaves(whole))
+        left |= set(stage.leaves(whole))
+    assert left >= {"plan.json", "bounds.nc", "summary.json", "report.html"}
+    assert ("choice.json" in left) == (asked == "all")
+
+
+@pytest.mark.parametrize("name", STAGES)
+def test_the_work_of_a_stage_takes_its_sections_and_options(name):
+    work = import_module(f"deployable.campaign.stages.{name}").work
+    stage = STAGES[name]
+    assert {*signature(work).parameters} == {"folder", "tell", *stage.sections, *stage.options}
+    assert {*stage.options} <= {*OPTIONS}
+
+
 @pytest.mark.parametrize("name", STAGES)
 def test_sections_of_a_stage_survive_json(raw, name):
     stage, whole = STAGES[name], campaign.check_config(raw)
     sections = stage.sections_of(whole)
-    assert stage.typed(json.loads(as_json(**sections))) == sections
+    assert stage.sections_in(as_json(**sections)) == sections

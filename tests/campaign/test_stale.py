@@ -182,7 +182,7 @@ def test_a_session_in_which_files_are_edited_gives_new_numbers_or_none(
 @pytest.mark.slow
 def test_edits_of_words_prices_and_progress_make_no_run_again(edits):
     files = {f"fpm/{name}" for name in DISPLAY if name.endswith(".py")}
-    files |= {f"deployable/{name}" for name in provenance.TOLD}
+    files |= {f"deployable/{name}" for name in provenance.LOG_CODE}
     files |= {"fpm/motions/motion.py", "deployable/campaign/results/review.py"}
     texts = {name: (edits.place / name).read_text() + "\nMORE = 1\n" for name in files}
     found = edits.compared(texts)

@@ -77,7 +77,7 @@ def test_every_stage_sweeps_what_dead_processes_left_in_any_folder(tmp_path):
         pass
     folder = Folder(tmp_path / "mine")
     left = []
-    for place in folder.written:
+    for place in folder.stage_folders:
         place.mkdir(parents=True, exist_ok=True)
         left.append(place / f".one.{_host()}-{dead.pid}.part.nc")
         left[-1].touch()

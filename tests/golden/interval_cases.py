@@ -17,7 +17,7 @@ from datasets_for_tests import samples_of
 from deployable import intervals
 from deployable.intervals import Box, Design, Surrogate, bounds_dataset, make_design
 from deployable.intervals.enclosures import effects_enclosure
-from deployable.intervals.estimates import continued, ratio_of, share_outside, widen
+from deployable.intervals.estimates import refinement_ratio, richardson_error, share_outside, widen
 from deployable.intervals.samples import Running, quarter_ends
 from deployable.intervals.scalars import requirements as req
 from deployable.intervals.scalars.surrogate import fit_scalar, influence
@@ -79,9 +79,9 @@ def scans() -> Iterator:
         yield bounds_dataset(samples(box, design, 0), design, model="scan")
     values = RNG.normal(size=(30, 2, 5)).round(1)
     one, other = (
-        Running.of(values[part], np.arange(30)[part]) for part in (slice(12), slice(12, 30))
+        Running.of_runs(values[part], np.arange(30)[part]) for part in (slice(12), slice(12, 30))
     )
-    yield from (one.merged(other), other.merged(one), other.merged(None), quarter_ends(30))
+    yield from (one.merge(other), other.merge(one), other.merge(None), quarter_ends(30))
 
 
 def splines() -> Iterator:
@@ -138,9 +138,9 @@ def scalars() -> Iterator:
         for one in found:
             yield one.evaluate(trial), one.error, one.usual_error, one.occurrence.open
             border = one.occurrence
-            yield border.certainty(trial), border.doubt(trial), border.between(4)
+            yield border.certainty(trial), border.doubt(trial), border.infill_points(4)
             yield one.somewhere(*part) is None, one.nowhere(*part) is None
-            if not border.mixed:  # a search that ends at a border is as good as its last step
+            if not border.is_mixed:  # a search that ends at a border is as good as its last step
                 wide = one.range(), one.range(*part)
                 yield [(each.low, each.high, each.width) for each in wide], one.end(-1.0, *part)[0]
             if one is found[0] or one is found[-1]:
@@ -185,7 +185,7 @@ def estimates() -> Iterator:
     yield [widen(TIME, error, window) for window in (None, 0.0, 0.11, 5.0)]
     yield [share_outside(n, c) for n in (1, 2, 30, 500) for c in (None, 0.95)]
     before, after = RNG.normal(size=(2, 20))
-    yield continued(before), continued(after, ratio_of(before, after))
+    yield richardson_error(before), richardson_error(after, refinement_ratio(before, after))
     lower, upper = np.sort(RNG.normal(size=(2, 41)), axis=0)
     yield intervals.compare_bounds(TIME, lower, upper, lower - 0.1, upper + 0.2 * TIME)
     yield intervals.compare_runs(lower, upper, RNG.normal(size=(9, 41)))

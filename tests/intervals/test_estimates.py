@@ -7,7 +7,7 @@ from deployable.intervals import Surrogate, fit, hausdorff, make_design
 from deployable.intervals.bounds import compare_bounds, compare_runs
 from deployable.intervals.box import corner_points, held_out_points
 from deployable.intervals.estimates import (
-    BEYOND,
+    MAX_TAIL_RATIO,
     decay_estimate,
     error_estimate,
     overruled,
@@ -135,7 +135,7 @@ def test_the_next_coefficient_of_one_direction_is_told_by_five_runs(degree):
     missed = curve(held_out) - surrogate.evaluate(held_out)
     left = overruled(surrogate, design.points, held_out, missed, np.ones(1), np.zeros(1))
     largest = max(1e-3, np.abs(missed).max())
-    assert left == pytest.approx(BEYOND * largest, rel=1e-9)
+    assert left == pytest.approx(MAX_TAIL_RATIO * largest, rel=1e-9)
 
 
 CORNERS = np.array([[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]])

@@ -118,7 +118,7 @@ def test_the_share_is_open_by_what_the_runs_themselves_may_be_wrong_by():
     """Of 2 + x at most 2.1: a hundredth moves the border by a two hundredth of the box."""
     points = np.linspace(-1.0, 1.0, 9)[:, None]
     surrogate = fit_scalar(points, 2.0 + points[:, 0])
-    limit = Limit(surrogate, "at_most", 2.1, beyond=0.01)
+    limit = Limit(surrogate, "at_most", 2.1, run_error=0.01)
     assert limit.error == pytest.approx(0.01, abs=1e-9)
     assert share_of_box([limit], np.ones(1)) == pytest.approx((0.55, 0.005), abs=1e-6)
 
@@ -213,7 +213,7 @@ def test_what_does_not_happen_everywhere_has_a_share():
     # The border is somewhere between the runs at -0.2 and -0.15.
     assert share == pytest.approx((1 + 0.175) / 2, abs=1e-3)
     assert open_ == pytest.approx(0.05 / 4, abs=1e-3)
-    asked = surrogate.occurrence.between(5)[:, 0]
+    asked = surrogate.occurrence.infill_points(5)[:, 0]
     assert asked[0] == pytest.approx(-0.175, abs=1e-3)
     np.testing.assert_allclose(np.diff(np.sort([*asked, -0.2, -0.15])), 0.05 / 6, atol=2e-3)
     found = surrogate.range()
@@ -351,7 +351,7 @@ def test_the_share_in_which_something_happens_is_the_true_one_up_to_what_is_open
         if turn in (0, 3, 6):
             share, open_ = share_of_box([Limit(surrogate, "happens", 1.0)], np.ones(k))
             assert abs(share - exact) < open_
-        points = np.concatenate([points, surrogate.occurrence.between(8)])
+        points = np.concatenate([points, surrogate.occurrence.infill_points(8)])
     assert abs(share - exact) < 0.015
     assert open_ < 0.06
 

@@ -11,7 +11,7 @@ from opening import CONFIG
 
 from deployable import campaign
 from deployable.campaign.report import from_results, make_motions
-from deployable.campaign.report.data import FURTHER, Judged
+from deployable.campaign.report.data import FURTHER, RunVerdicts
 from deployable.campaign.report.failing import meets, panels
 from deployable.campaign.report.page import render
 from deployable.campaign.results.templates import sentence, summary_text
@@ -44,7 +44,7 @@ def test_the_runs_that_are_told_add_up_to_those_that_were_made(folder, opened):
     total, *parts = map(int, re.findall(parts, sentence("given", opened.facts)))
     assert len(parts) == 3
     assert total == sum(parts) == len(list((folder / "trajectories").glob("*.nc")))
-    assert opened.work[0].what == (
+    assert opened.work[0].task == (
         f"Integrating {parts[0]} runs, {parts[1] + parts[2]} for quantities and choice not counted"
     )
 
@@ -87,7 +87,7 @@ def test_the_part_of_the_box_that_fails_is_drawn(opened):
     assert all(near for *_, near in panel.marks)  # there is no other parameter
     for x, _, met, _ in panel.marks:
         assert met == (0.095 + 0.01 * x > exact)
-    (low, bottom), (high, top) = panel.kept
+    (low, bottom), (high, top) = panel.feasible
     share = opened.facts["together"]["largest_share"]
     assert (low, high) == pytest.approx((0.5 - 0.5 * share, 0.5 + 0.5 * share))
     assert (bottom, top) == (0, 1)
@@ -107,7 +107,7 @@ def test_marks_whose_other_parameters_lie_outside_the_frame_are_faint(opened):
     data = replace(
         opened,
         facts=opened.facts | {"parameters": [k, {**k, "name": "other"}, {**k, "name": "third"}]},
-        judged=Judged(
+        verdicts=RunVerdicts(
             np.column_stack([values, [0.1] * 4]),
             np.array([True, False, True, True]),
             np.ones((4, 2)),

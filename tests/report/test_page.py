@@ -123,7 +123,7 @@ def test_the_page_names_the_runs_that_do_not_move(results, tmp_path):
     *_, last = shown_runs(results)
     (tmp_path / "swing" / "motions" / f"{last.id}.nc").unlink()
     fewer = from_results(tmp_path / "swing")
-    assert [(one.id, one.label) for one in fewer.left] == [(last.id, last.label)]
+    assert [(one.id, one.label) for one in fewer.omitted] == [(last.id, last.label)]
     write_page(fewer, tmp_path / "page.html")
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert f"{last.label} ({last.id})" in text.replace("\N{NO-BREAK SPACE}", " ")

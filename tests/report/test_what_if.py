@@ -11,7 +11,7 @@ from opening import CONFIG
 
 from deployable import campaign
 from deployable.campaign.report import from_results, make_motions, write_page
-from deployable.campaign.report.data import Judged
+from deployable.campaign.report.data import RunVerdicts
 from deployable.campaign.report.failing import MOST_PARAMETERS, lines, prices
 from deployable.campaign.report.page import render
 
@@ -87,8 +87,8 @@ def test_a_run_that_is_clicked_is_told_as_it_was_simulated(window, opened):
     run = window.ask("Number(document.querySelector('path[data-judged]').dataset.judged)")
     window.ask("document.querySelector('path[data-judged]').dispatchEvent(new Event('click'))")
     slider = float(window.ask("document.querySelector('#sliders input').value"))
-    assert slider == pytest.approx(opened.judged.values[run, 0], rel=1e-9)
-    numbers = [None if np.isnan(n) else n for n in opened.judged.numbers[run]]
+    assert slider == pytest.approx(opened.verdicts.values[run, 0], rel=1e-9)
+    numbers = [None if np.isnan(n) else n for n in opened.verdicts.numbers[run]]
     assert json.loads(window.ask(TOLD)) == numbers
     assert window.ask(VERDICT) == "Fails: in_time (simulated)."
     assert window.ask("document.querySelectorAll('.asked[data-judged]').length") == 1
@@ -111,7 +111,7 @@ def test_runs_of_many_parameters_are_lines_along_all(opened):
     data = replace(
         opened,
         facts=facts,
-        judged=Judged(values, met, np.ones((30, 2))),
+        verdicts=RunVerdicts(values, met, np.ones((30, 2))),
         what_if=None,
         responses=tuple(replace(one, shares=None, widths=None) for one in opened.responses),
     )

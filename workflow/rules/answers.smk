@@ -3,20 +3,20 @@
 
 rule answers:
     input:
-        [f"{{stage}}/{name}" for name in ("plan.json", "samples.nc", "bounds.nc")],
+        WORKFLOW.inputs("answers"),
     output:
         report(
-            "{stage}/summary.md",
+            WORKFLOW.outputs("answers", ".md"),
             caption="../report/summary.rst",
             category="Summary",
         ),
-        [name for name in WORKFLOW.answers("{stage}") if not name.endswith(".md")],
+        WORKFLOW.outputs("answers", ".json", ".nc"),
     log:
         "{stage}/logs/answers.log",
     priority: 1  # the page waits for it
     conda:
         ENVIRONMENT
-    threads: WORKFLOW.processes
+    threads: PROCESSES
     resources:
         runtime=minutes,
         mem_mb=megabytes,
@@ -27,5 +27,4 @@ rule answers:
     message:
         "Finding what the campaign asks for, and summing up"
     shell:
-        "python -P -m deployable answers {params.folder:q} --config {params.config:q}"
-        " --threads {threads} --log {log:q}"
+        call("answers", "--threads {threads}")

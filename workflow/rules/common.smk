@@ -24,8 +24,8 @@ os.environ.update(
 )
 
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.folder import ROUND_FILES
 from deployable.campaign.plan.jobs import CORES
+from deployable.campaign.provenance import program_digest
 from deployable.campaign.stages.workflow import Workflow
 
 # Snakemake formats the whole path of an environment, so that braces in it are to be doubled.
@@ -68,7 +68,10 @@ for reason in STALE.values():
     print(f"{reason}; it is made again", file=sys.stderr)
 
 
-CODE = WORKFLOW.code  # with it as `params` rules run again when the program changes
+# With these as `params` rules run again when the program, or what decides about runs, changes.
+CODE = program_digest()
+MECHANICS = WORKFLOW.campaign.experiment.mechanics
+PROCESSES = WORKFLOW.campaign.jobs.processes
 
 
 wildcard_constraints:
@@ -90,11 +93,6 @@ def no_files(wildcards):
     return []
 
 
-def of_results(stage):
-    """What figures and page are made of: all that the stages before them leave."""
-    return [f"{stage}/{name}" for name in ROUND_FILES] + WORKFLOW.answers(stage)
-
-
 def folder_of(wildcards, output):
     """The folder of a stage's results as its job sees it, with the prefix of a storage or module."""
     path = str(output[0])
@@ -104,6 +102,14 @@ def folder_of(wildcards, output):
 def sections(stage):
     """What a stage needs of the config; with it as `params` a rule runs again when it changes."""
     return WORKFLOW.sections(stage)
+
+
+def call(stage, *more):
+    """The command of a stage."""
+    config = "--config {params.config:q} --log {log:q}"
+    return " ".join(
+        [f"python -P -m deployable {stage} {{params.folder:q}} {config}", *more]
+    )
 
 
 def job_minutes(input):
@@ -123,11 +129,10 @@ def megabytes(wildcards, attempt):
     return attempt * WORKFLOW.megabytes()
 
 
-def batch_files(name):
+def batch_files(manifest):
     """The files that a batch leaves beside its runs: its manifest, and its runs as one file."""
-    return {"manifest": f"{name}.json"} | (
-        {"bundle": f"{name}.tar"} if IS_APART else {}
-    )
+    bundle = manifest.replace(".json", ".tar")
+    return {"manifest": manifest} | ({"bundle": bundle} if IS_APART else {})
 
 
 def batches(kind):

@@ -5,7 +5,7 @@ rule plan:
     input:
         no_files,
     output:
-        "{stage}/plan.json",
+        WORKFLOW.outputs("plan"),
     log:
         "{stage}/logs/plan.log",
     localrule: True
@@ -15,25 +15,25 @@ rule plan:
         folder=folder_of,
         config=sections("plan"),
         code=CODE,
-        mechanics=WORKFLOW.mechanics,
+        mechanics=MECHANICS,
     message:
         "Choosing the runs and the time step"
     shell:
-        "python -P -m deployable plan {params.folder:q} --config {params.config:q} --log {log:q}"
+        call("plan")
 
 
 # Trajectories are not listed as outputs: they are named by their content, so that any later design
 # and a campaign that was killed find them again. Where jobs share no folder, a bundle carries them.
 rule simulate:
     input:
-        "{stage}/plan.json",
+        WORKFLOW.inputs("simulate"),
     output:
-        **batch_files("{stage}/batches/{batch}"),
+        **batch_files(*WORKFLOW.outputs("simulate")),
     log:
         "{stage}/logs/batch-{batch}.log",
     conda:
         ENVIRONMENT
-    threads: WORKFLOW.processes
+    threads: PROCESSES
     resources:
         runtime=lambda wildcards, input, attempt: attempt * job_minutes(input),
         mem_mb=megabytes,
@@ -48,19 +48,21 @@ rule simulate:
     message:
         "Simulating batch {wildcards.batch}"
     shell:
-        "python -P -m deployable simulate {params.folder:q} --config {params.config:q}"
-        " --batch {wildcards.batch} --batches {params.batch_count}"
-        " --processes {threads} {params.bundle} --log {log:q}"
+        call(
+            "simulate",
+            "--batch {wildcards.batch} --batches {params.batch_count}",
+            "--processes {threads} {params.bundle}",
+        )
 
 
 # Gathers the responses, fits the surrogate, and takes its bounds, which may be a spline's.
 rule bounds:
     input:
-        nodes="{stage}/plan.json",
+        nodes=WORKFLOW.inputs("bounds"),
         batches=batches("json"),
         bundles=batches("tar") if IS_APART else [],
     output:
-        [f"{{stage}}/{name}" for name in ROUND_FILES[1:]],
+        WORKFLOW.outputs("bounds"),
     log:
         "{stage}/logs/bounds.log",
     localrule: True
@@ -73,5 +75,4 @@ rule bounds:
     message:
         "Gathering the responses and taking their bounds"
     shell:
-        "python -P -m deployable bounds {params.folder:q} --config {params.config:q} --log {log:q}"
-        " --bundles {input.bundles:q}"
+        call("bounds", "--bundles {input.bundles:q}")

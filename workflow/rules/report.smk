@@ -3,14 +3,14 @@
 
 rule figures:
     input:
-        of_results("{stage}"),
+        WORKFLOW.inputs("figures"),
     output:
         report(
-            WORKFLOW.figures("{stage}", "png"),
+            WORKFLOW.outputs("figures", ".png"),
             caption="../report/figures.rst",
             category="Figures",
         ),
-        WORKFLOW.figures("{stage}", "pdf", "svg"),
+        WORKFLOW.outputs("figures", ".pdf", ".svg"),
     log:
         "{stage}/logs/figures.log",
     localrule: True
@@ -23,24 +23,24 @@ rule figures:
     message:
         "Drawing the figures"
     shell:
-        "python -P -m deployable figures {params.folder:q} --config {params.config:q} --log {log:q}"
+        call("figures")
 
 
 rule page:
     input:
-        of_results("{stage}"),
+        WORKFLOW.inputs("page"),
     output:
         report(
-            "{stage}/report.html",
+            WORKFLOW.outputs("page", ".html"),
             caption="../report/page.rst",
             category="Summary",
         ),
         report(
-            "{stage}/figures/campaign/moments.png",
+            WORKFLOW.outputs("page", ".png"),
             caption="../report/moments.rst",
             category="Figures",
         ),
-        [f"{{stage}}/figures/campaign/moments.{kind}" for kind in ("pdf", "svg")],
+        WORKFLOW.outputs("page", ".pdf", ".svg"),
     log:
         "{stage}/logs/page.log",
     priority: 1  # the longest of the last jobs
@@ -54,4 +54,4 @@ rule page:
     message:
         "Making the page"
     shell:
-        "python -P -m deployable page {params.folder:q} --config {params.config:q} --log {log:q}"
+        call("page")

@@ -6,12 +6,12 @@ rule rounds:
     input:
         no_files,
     output:
-        [f"{{stage}}/{name}" for name in ROUND_FILES],
+        WORKFLOW.outputs("rounds"),
     log:
         "{stage}/logs/rounds.log",
     conda:
         ENVIRONMENT
-    threads: max(WORKFLOW.processes, workflow.cores or 1)
+    threads: max(PROCESSES, workflow.cores or 1)
     resources:
         runtime=minutes,
         mem_mb=megabytes,
@@ -19,9 +19,8 @@ rule rounds:
         folder=folder_of,
         config=sections("rounds"),
         code=CODE,
-        mechanics=WORKFLOW.mechanics,
+        mechanics=MECHANICS,
     message:
         "Making runs until the accuracy is met"
     shell:
-        "python -P -m deployable rounds {params.folder:q} --config {params.config:q}"
-        " --threads {threads} --log {log:q}"
+        call("rounds", "--threads {threads}")

@@ -16,7 +16,7 @@ import numpy as np
 
 from deployable.campaign.answers.bench import Bench
 from deployable.campaign.plan.plan import Plan
-from deployable.intervals.estimates import continued
+from deployable.intervals.estimates import richardson_error
 
 _SIDE = 4  # runs at once on each side of a border: eight side by side cost what three do
 _HALVINGS = 3  # of the stretch on which a border lies
@@ -27,8 +27,8 @@ def moved(bench: Bench, q: int, occurrence: Any, finest: Plan) -> tuple[float, f
     number next to it, NaN where no run there has it. Where all runs agree, by how much their
     margins change; 0 where they have none."""
     happens = np.isfinite(bench.numbers[:, q])
-    if occurrence.mixed:
-        certain, told = occurrence.certainty(bench.unit), occurrence.told
+    if occurrence.is_mixed:
+        certain, told = occurrence.certainty(bench.unit), occurrence.run_certainty
     elif np.isfinite(bench.margins[:, q]).all():
         certain, told = bench.margins[:, q], lambda numbers, margins: margins
     else:
@@ -48,7 +48,7 @@ def moved(bench: Bench, q: int, occurrence: Any, finest: Plan) -> tuple[float, f
     if differ.any() and not np.isfinite(change).any():
         ends = _stretches(bench.unit[taken], happens[taken], differ, np.abs(certain[taken]))
         border = max(border, _ceases(bench, q, occurrence, finest, *ends))
-    border, number = map(float, continued(np.array([border, number])))
+    border, number = map(float, richardson_error(np.array([border, number])))
     return border, number
 
 

@@ -57,7 +57,7 @@ def answer(
     limits = limits_of(requirements, list(experiment.quantities))
     for turn in range(verify.rounds + 1):
         best, tried = _best(bench, asked.experiment, choose, limits)
-        places = [*np.concatenate(best.at), *best.worst, *doubted(best, tried, choose)]
+        places = [*np.concatenate(best.goal_points), *best.worst, *doubted(best, tried, choose)]
         places = [at for at in places if bench.nearest(at)[1] > SAME]
         if turn == verify.rounds or not places:
             break
@@ -66,7 +66,7 @@ def answer(
     found = {
         "parameters": _parameters(experiment, choose, best.values, deciding(tried, error)),
         "kept": best.is_allowed,
-        "goals": list(map(partial(_goal, bench), choose.goals, best.goals, best.at)),
+        "goals": list(map(partial(_goal, bench), choose.goals, best.goals, best.goal_points)),
         "limits": list(map(partial(_limit, bench), limits, best.slacks, best.worst)),
         "tried": [
             {

@@ -86,5 +86,5 @@ def _wanted(bench: Bench, ends: Ends) -> list[np.ndarray]:
             points.append(at)
     occurrence = ends.surrogate.occurrence
     if occurrence.open > TOLD:
-        points += list(occurrence.between(_BORDER))
+        points += list(occurrence.infill_points(_BORDER))
     return points

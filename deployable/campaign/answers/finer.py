@@ -22,7 +22,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, TimeStep, choose_step
 from deployable.campaign.runs.progress import Tell
-from deployable.intervals.estimates import continued, ratio_of
+from deployable.intervals.estimates import refinement_ratio, richardson_error
 
 PLACES = 8
 """Places at which runs are repeated for the responses: eight side by side cost what three do."""
@@ -82,7 +82,7 @@ class Level(NamedTuple):
         """How many times less the later of two halvings changes numbers (..., T) or (...), by their
         means over T; before, now: without and with the finer mesh or step."""
         levels = (before, now, third) if self.ends_finest else (third, before, now)
-        return ratio_of(*(_mean_size(change) for change in np.diff(levels, axis=0)))
+        return refinement_ratio(*(_mean_size(change) for change in np.diff(levels, axis=0)))
 
 
 def _mean_size(change: np.ndarray) -> np.ndarray:
@@ -117,7 +117,7 @@ def finer_errors(bench: Bench, ends: list[Ends], parts: tuple = PARTS) -> dict[s
         third = _third(bench, level, lambda plan, most=most: numbers(plan, most))
         if third is not None:  # which tells no order beside a run at another place
             third = level.ratio(before[most], now[most], np.where(lost[most], np.nan, third))
-        found[name] = continued(change, None if third is None else third[:, None])
+        found[name] = richardson_error(change, None if third is None else third[:, None])
         before = now
     return found
 
@@ -159,7 +159,7 @@ def beyond_of(
         at_ends, _ = bench.told(finest.finer, [end.argmin, end.argmax])
         if not np.isfinite(at_ends[:, q]).all():
             numbers[q] = np.nan_to_num(np.maximum(numbers[q], beside), nan=np.inf)
-            borders[q] = borders[q] if end.surrogate.occurrence.mixed else np.inf
+            borders[q] = borders[q] if end.surrogate.occurrence.is_mixed else np.inf
     return numbers, borders
 
 
@@ -185,7 +185,7 @@ def _curve_errors(bench: Bench, bounds: Any, parts: tuple) -> dict[str, np.ndarr
         at = int(share.sum(axis=1).argmax())
         third = _third(bench, level, lambda plan, at=at: _curves(bench, plan, points[[at]])[0])
         ratio = None if third is None else level.ratio(before[at], now[at], third)[:, None]
-        found[name] = continued(places.errors(change), ratio)
+        found[name] = richardson_error(places.errors(change), ratio)
         before = now
     return found
 

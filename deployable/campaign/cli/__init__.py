@@ -17,7 +17,6 @@ the config as a YAML file (or the sections that it needs, as JSON). `keys` print
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import traceback
 from collections.abc import Callable
@@ -31,7 +30,7 @@ from deployable.campaign.files import refuse_links, unforeseen
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import program
 from deployable.campaign.runs.progress import Teller
-from deployable.campaign.stages import FRAMES, STAGES
+from deployable.campaign.stages import OPTIONS, STAGES
 from fpm.errors import SceneError
 
 PROGRAM = "deployable-intervals"
@@ -63,22 +62,9 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
         one = command(commands, name, stage.about, _run_stage)
         one.set_defaults(stage=stage)
         one.add_argument("folder", type=Path, help="folder of the results")
-        if stage.sections:
-            one.add_argument("--config", required=True, help="YAML file, or sections as JSON")
-        if name == "simulate":
-            one.add_argument("--batch", type=int, default=0, help="number of the batch, from 0")
-            one.add_argument("--batches", type=int, default=1, help="number of batches")
-            one.add_argument("--processes", type=int, default=1, help="that share the runs")
-            one.add_argument(
-                "--bundle", type=Path, help="file for the runs, if no folder is shared"
-            )
-        elif name == "page":
-            words = "frames of the runs that move, evenly spread (%(default)s)"
-            one.add_argument("--frames", type=int, default=FRAMES, help=words)
-        elif stage.threads:
-            one.add_argument("--threads", type=int, default=1, help="that share the runs")
-        if name == "bounds":
-            one.add_argument("--bundles", nargs="*", type=Path, default=[], help="runs, as files")
+        one.add_argument("--config", required=True, help="YAML file, or sections as JSON")
+        for key in stage.options:
+            one.add_argument(f"--{key}", **OPTIONS[key])
         one.add_argument("--log", type=Path, help="file that messages go to as well")
     if _evidence_is_there():
         command(commands, "attack", _attack.__doc__, _attack)  # its words never come here
@@ -126,10 +112,9 @@ def _run_stage(options: argparse.Namespace) -> int:
             log = options.log.open("w", encoding="utf-8")
 
     tell = Teller(*filter(None, (sys.stderr, log)))
-    keys = ("batch", "batches", "processes", "threads", "bundle", "bundles", "frames")
-    more = {key: getattr(options, key) for key in keys if hasattr(options, key)}
+    more = {key: getattr(options, key) for key in options.stage.options}
     try:
-        sections = _sections(options)
+        sections = options.stage.sections_in(options.config)
         options.stage.run(Folder(options.folder), tell, **sections, **more)
     except (CampaignError, SceneError) as error:
         tell(f"error: {error}")
@@ -141,19 +126,3 @@ def _run_stage(options: argparse.Namespace) -> int:
     else:
         return 0
     return 1
-
-
-def _sections(options: argparse.Namespace) -> dict:
-    """The stage's sections: from JSON as the workflow passes it, or from a YAML file."""
-    if not options.stage.sections:
-        return {}
-    if options.config.lstrip().startswith("{"):
-        try:
-            return options.stage.typed(json.loads(options.config))
-        except (AttributeError, LookupError, TypeError, ValueError) as error:
-            text = f"--config is no JSON of the sections that the stage needs: {error!r}"
-            raise CampaignError(text) from None
-
-    # The workflow passes JSON, whose jobs load no checks of a config.
-    check = import_module("deployable.campaign.config.check")
-    return options.stage.sections_of(check.load_config([options.config]))

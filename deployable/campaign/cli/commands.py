@@ -65,7 +65,7 @@ def _add_export(export: argparse.ArgumentParser) -> None:
         "what", metavar="RUN",
         help="folder of a campaign's results, a campaign's config, or a structure's file or name",
     )  # fmt: skip
-    kinds = "; ".join(f"{name}: {kind.about}" for name, kind in KINDS.items())
+    kinds = "; ".join(f"{name}: {kind.summary}" for name, kind in KINDS.items())
     export.add_argument("--to", required=True, choices=KINDS, help=kinds)
     export.add_argument("--run", default="nominal", help="of a folder: nominal, or a run's id")
     export.add_argument(
@@ -115,8 +115,8 @@ def _check(options: argparse.Namespace) -> int:
             print(error if isinstance(error, ConfigError) else f"{path}: {error}", file=sys.stderr)
             status = 1
         else:
-            there = runs_there(campaign, Folder(Path("results", campaign.name)))
-            print(f"{path}: {campaign.name}, {takes}{there and '; '}{there}")
+            progress = runs_there(campaign, Folder(Path("results", campaign.name)))
+            print(f"{path}: {campaign.name}, {takes}{progress and '; '}{progress}")
             for text in campaign.experiment.warnings:
                 print(f"{path}: warning: {text}")
             for text in doubt_texts(campaign.experiment.doubts):
@@ -158,22 +158,22 @@ def _structure(options: argparse.Namespace) -> int:
 
     name = options.structure
     try:
-        found = scene_type(name, name if Path(name).suffix else "")
+        structure = scene_type(name, name if Path(name).suffix else "")
     except fpm.SceneError as error:
         print(error, file=sys.stderr)
         return 1
     if name.endswith(".py"):
         print(f"{name} is a program, which was run")
-    print(describe(found, options.duration))
+    print(describe(structure, options.duration))
     if options.no_picture:
         return 0
 
-    path = options.picture or Path("exports", f"{found.name}.png")
+    path = options.picture or Path("exports", f"{structure.name}.png")
     if path.suffix not in SUFFIXES:
         print(f"--picture {path} is not allowed; allowed: {', '.join(SUFFIXES)}", file=sys.stderr)
         return 1
     try:
-        print(f"\npicture       {write_structure(found.build(), path)}")
+        print(f"\npicture       {write_structure(structure.build(), path)}")
     except OSError as error:
         print(f"error: {of_files(error, path.parent)}", file=sys.stderr)
         return 1
@@ -185,17 +185,17 @@ def _export(options: argparse.Namespace) -> int:
     settings = dict(pair.partition("=")[::2] for pair in options.set)
     place = options.output or Path("exports")
     try:
-        chosen = choose(options.what, options.run, settings, options.duration, options.trust)
-        if chosen.folder and not options.output:
-            place = chosen.folder / "exports"
-        paths = export(chosen, options.to, place, options.frames, options.colour)
+        selection = choose(options.what, options.run, settings, options.duration, options.trust)
+        if selection.folder and not options.output:
+            place = selection.folder / "exports"
+        paths = export(selection, options.to, place, options.frames, options.colour)
     except (CampaignError, fpm.SceneError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     except Exception as error:  # a damaged result, a full disk
-        if (told := of_files(error, place) or unforeseen(error)) is None:
+        if (problem := of_files(error, place) or unforeseen(error)) is None:
             raise
-        print(f"error: {told}", file=sys.stderr)
+        print(f"error: {problem}", file=sys.stderr)
         return 1
     print("\n".join(map(str, paths)))
     return 0

@@ -40,10 +40,10 @@ IGNORED = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
 
 def starts() -> list[str]:
     """Names that a new folder can start from: campaigns, and structures that have none."""
-    known = shipped.campaigns()
-    scenes = [load(path)["scene"] for path in known.values()]
-    asked = {scene.get("name") or Path(scene["file"]).stem for scene in scenes}
-    return sorted({*known, *(shipped.structures().keys() - asked)})
+    campaigns = shipped.campaigns()
+    scenes = [load(path)["scene"] for path in campaigns.values()]
+    scene_names = {scene.get("name") or Path(scene["file"]).stem for scene in scenes}
+    return sorted({*campaigns, *(shipped.structures().keys() - scene_names)})
 
 
 def make_folder(folder: str | Path, start: str) -> None:
@@ -53,10 +53,10 @@ def make_folder(folder: str | Path, start: str) -> None:
     refused with `CampaignError`, before anything is written.
     """
     folder = Path(folder)
-    campaign, structures = _started(start)
-    made = [folder / name for name in ("Snakefile", CAMPAIGN, "profiles", *structures)]
-    if there := [str(path) for path in made if path.exists()]:
-        raise CampaignError(f"{', '.join(there)}: there already; allowed: a folder without")
+    campaign, structures = _start_files(start)
+    paths = [folder / name for name in ("Snakefile", CAMPAIGN, "profiles", *structures)]
+    if existing := [str(path) for path in paths if path.exists()]:
+        raise CampaignError(f"{', '.join(existing)}: there already; allowed: a folder without")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, path in structures.items():
@@ -71,7 +71,7 @@ def make_folder(folder: str | Path, start: str) -> None:
         raise CampaignError(f"{error.filename or folder}: {error.strerror or error}") from None
 
 
-def _started(start: str) -> tuple[str, dict[str, Path]]:
+def _start_files(start: str) -> tuple[str, dict[str, Path]]:
     """The text of the campaign, and the files of its structures by their names in the folder."""
     if start in starts() and (path := shipped.campaigns().get(start)):
         file = load(path)["scene"].get("file")
@@ -92,22 +92,22 @@ def campaign_of(path: Path, name: str) -> str:
     catch, and whether all do. Raises `CampaignError`.
     """
     try:
-        found = scene_type("", str(path))
+        scene = scene_type("", str(path))
     except fpm.SceneError as error:
         raise CampaignError(str(error)) from None
-    real = [key for key, p in found.parameters.items() if p.kind == "real" and p.default]
+    real = [key for key, p in scene.parameters.items() if p.kind == "real" and p.default]
     if not real:
         raise CampaignError(f"{path} has no real parameter, so that nothing can be an interval")
-    table = [_line(key, parameter) for key, parameter in found.parameters.items()]
+    table = [_line(key, parameter) for key, parameter in scene.parameters.items()]
     responses = [
-        f"  {_name(point)}_speed: {{velocity: {point}, component: norm}}" for point in found.points
+        f"  {_name(point)}_speed: {{velocity: {point}, component: norm}}" for point in scene.points
     ]
-    responses += [f"  {_name(hinge)}_opening: {{opening: {hinge}}}" for hinge in found.hinges]
-    first = found.parameters[real[0]]
-    catches = {f"t_{_name(latch)}": latch for latch in _latches(found)}
+    responses += [f"  {_name(hinge)}_opening: {{opening: {hinge}}}" for hinge in scene.hinges]
+    first = scene.parameters[real[0]]
+    catches = {f"t_{_name(latch)}": latch for latch in _latches(scene)}
     return "\n".join(
         [
-            f"# {found.description or found.name}",
+            f"# {scene.description or scene.name}",
             f"campaign: {re.sub('[^A-Za-z0-9_-]+', '-', path.stem).strip('-_')}",
             "",
             "scene:",
@@ -133,14 +133,14 @@ def campaign_of(path: Path, name: str) -> str:
     )
 
 
-def _name(thing: str) -> str:
+def _name(text: str) -> str:
     """What a response or quantity can be called after something."""
-    return re.sub("[^A-Za-z0-9_]+", "_", thing)
+    return re.sub("[^A-Za-z0-9_]+", "_", text)
 
 
-def _latches(found: Any) -> list[str]:
+def _latches(structure: Any) -> list[str]:
     """The latches of a structure by their own names."""
-    elements = eventful(found.sample)
+    elements = eventful(structure.sample)
     return [e.name.removeprefix("latch ") for e in elements if "latches" in e.events]
 
 

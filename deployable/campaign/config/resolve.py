@@ -18,6 +18,7 @@ from deployable.campaign.config.models import (
 from deployable.campaign.config.read import show
 from deployable.campaign.config.sections import (
     ADAPTIVE,
+    BY_STANDARD,
     Accuracy,
     Campaign,
     Choose,
@@ -31,9 +32,6 @@ from fpm.errors import did_you_mean
 
 OWN_FACTORS = ("factors", "drives", "classes")
 """Keys of a margin by which it is no longer that of its standard."""
-
-BY_STANDARD = "_by_standard"
-"""What ends the name of the margin that is the same but for these keys."""
 
 
 def campaign_of(config: Config, given: Mapping, found: Any, intervals: Mapping) -> Campaign:

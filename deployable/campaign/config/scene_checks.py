@@ -4,7 +4,7 @@ solver, requirements and choices."""
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -15,7 +15,6 @@ from deployable.campaign.config.disk import LISTED, room_problems
 from deployable.campaign.config.models import Aim, Config
 from deployable.campaign.config.read import show
 from deployable.campaign.config.resolve import (
-    BY_STANDARD,
     allows,
     campaign_of,
     intervals_of,
@@ -23,10 +22,11 @@ from deployable.campaign.config.resolve import (
     unknown,
 )
 from deployable.campaign.config.sections import (
+    BY_STANDARD,
     Campaign,
     Choose,
     Experiment,
-    Interval,
+    corners,
     make_design,
     scene_type,
     steps_problems,
@@ -73,20 +73,6 @@ def resolve(config: Config, given: Mapping) -> tuple[Campaign | None, list[str]]
     if not trouble:
         problems += _design_problems(campaign)
     return campaign, problems
-
-
-def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[str, float]]:
-    """The nominal values, then corners of the box; beyond `most` only both ends of each axis."""
-    nominal = {name: interval.nominal for name, interval in intervals.items()}
-    yield nominal
-    if 2 ** len(intervals) <= most:
-        ends = [dict.fromkeys((i.lower, i.upper)) for i in intervals.values()]
-        for values in itertools.product(*ends):
-            yield dict(zip(intervals, values, strict=True))
-    else:
-        for name, interval in intervals.items():
-            yield {**nominal, name: interval.lower}
-            yield {**nominal, name: interval.upper}
 
 
 def _build_problems(experiment: Experiment) -> list[str]:

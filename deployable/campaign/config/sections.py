@@ -8,11 +8,12 @@ come back by `from_data`.
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import os
 import re
 import shlex
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, is_dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
@@ -83,6 +84,10 @@ def _of_text(text: str, source: str) -> Any:
     return structures.loads(text, source)
 
 
+BY_STANDARD = "_by_standard"
+"""What ends the name of a margin by its standard's factors, which stands beside one by others."""
+
+
 @dataclass(frozen=True)
 class Interval:
     """An uncertain parameter: `lower` <= `nominal` <= `upper`, in the parameter's unit."""
@@ -90,6 +95,20 @@ class Interval:
     lower: float
     nominal: float
     upper: float
+
+
+def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[str, float]]:
+    """The nominal values, then corners of the box; beyond `most` only both ends of each axis."""
+    nominal = {name: interval.nominal for name, interval in intervals.items()}
+    yield nominal
+    if 2 ** len(intervals) <= most:
+        ends = [dict.fromkeys((i.lower, i.upper)) for i in intervals.values()]
+        for values in itertools.product(*ends):
+            yield dict(zip(intervals, values, strict=True))
+    else:
+        for name, interval in intervals.items():
+            yield {**nominal, name: interval.lower}
+            yield {**nominal, name: interval.upper}
 
 
 @dataclass(frozen=True)

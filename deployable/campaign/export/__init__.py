@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.export.chosen import Chosen, choose
+from deployable.campaign.export.chosen import SelectedRun, choose
 from deployable.campaign.files import check_results
 
 
@@ -16,48 +16,48 @@ class Kind:
     """A kind of file: what writes it into a folder, how many frames it has if nothing is said, and
     which results beside the samples it takes.
 
-    `write(chosen, folder, frames)` returns the files to tell of; moving pictures also take
+    `write(run, folder, frames)` returns the files to tell of; moving pictures also take
     `by_stress`.
     """
 
     write: Callable[..., list[Path]]
-    about: str
+    summary: str
     frames: int
     takes: tuple[str, ...] = ()
 
 
-def _vtk(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+def _vtk(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
     from deployable.campaign.export.vtk import write_vtk
 
-    return [write_vtk(chosen.motion(frames), folder / f"{chosen.name}.pvd")]
+    return [write_vtk(run.motion(frames), folder / f"{run.name}.pvd")]
 
 
-def _glb(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+def _glb(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
     from deployable.campaign.pictures.glb import write_glb
 
-    return [write_glb(chosen.motion(frames), folder / f"{chosen.name}.glb")]
+    return [write_glb(run.motion(frames), folder / f"{run.name}.glb")]
 
 
 def _picture(kind: str) -> Callable[..., list[Path]]:
-    def write(chosen: Chosen, folder: Path, frames: int, by_stress: bool = False) -> list[Path]:
+    def write(run: SelectedRun, folder: Path, frames: int, by_stress: bool = False) -> list[Path]:
         from deployable.campaign.pictures.moving import write_moving
 
-        motion, path = chosen.motion(frames), folder / f"{chosen.name}.{kind}"
+        motion, path = run.motion(frames), folder / f"{run.name}.{kind}"
         return [write_moving(motion, path, by_stress=by_stress)]
 
     return write
 
 
-def _csv(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+def _csv(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
     from deployable.campaign.export.tables import write_tables
 
-    return write_tables(chosen, folder)
+    return write_tables(run, folder)
 
 
-def _figures(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+def _figures(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
     from deployable.campaign.export.figures import write_figures
 
-    return write_figures(chosen, folder, frames)
+    return write_figures(run, folder, frames)
 
 
 _CURVES = "bounds.nc", "sensitivities.nc"
@@ -71,13 +71,13 @@ KINDS = {
 }
 
 
-MOVING = ("gif", "webp")
+MOVIES = ("gif", "webp")
 COLOURS = ("bars", "stress")
 """By what moving pictures are coloured."""
 
 
 def export(
-    chosen: Chosen,
+    run: SelectedRun,
     kind: str,
     folder: str | Path,
     frames: int | None = None,
@@ -88,14 +88,14 @@ def export(
     frames: number of frames, evenly spread over the run; colour: one of `COLOURS`. Raises
     `CampaignError` where a kind has no such colours.
     """
-    how = KINDS[kind]
-    if colour != "bars" and kind not in MOVING:
-        raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVING)}")
-    if chosen.folder:
-        more = ("quantities.nc",) * (kind == "csv" and chosen.folder.quantities.exists())
-        check_results(chosen.folder, ("samples.nc", *how.takes, *more))
+    form = KINDS[kind]
+    if colour != "bars" and kind not in MOVIES:
+        raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVIES)}")
+    if run.folder:
+        extras = ("quantities.nc",) * (kind == "csv" and run.folder.quantities.exists())
+        check_results(run.folder, ("samples.nc", *form.takes, *extras))
     colours = {} if colour == "bars" else {"by_stress": True}
-    return how.write(chosen, Path(folder), frames or how.frames, **colours)
+    return form.write(run, Path(folder), frames or form.frames, **colours)
 
 
-__all__ = ["COLOURS", "KINDS", "Chosen", "choose", "export"]
+__all__ = ["COLOURS", "KINDS", "SelectedRun", "choose", "export"]

@@ -23,7 +23,7 @@ INSTANTS = 2001
 
 
 @dataclass(frozen=True)
-class Chosen:
+class SelectedRun:
     """A run that can be made, or made again: `name` for its files, and how it is integrated.
 
     duration, step in s; responses: those of its campaign; folder: of the campaign's results.
@@ -74,27 +74,27 @@ class Chosen:
 
 
 def choose(
-    what: str,
+    source: str,
     run: str = "nominal",
     settings: Mapping[str, str] | None = None,
     duration: float | None = None,
     trusted: Sequence[str] = (),
-) -> Chosen:
-    """The run that `what` and `run` mean.
+) -> SelectedRun:
+    """The run that `source` and `run` mean.
 
-    what: a campaign's folder of results (run: `nominal`, or a run's id or its beginning), a
+    source: a campaign's folder of results (run: `nominal`, or a run's id or its beginning), a
     campaign's config (its nominal run, which need not have been made), or a structure's file or
     name (at its defaults). settings: parameters that differ, by name, as text, and duration (s),
     for the last two; trusted: files of structures that results may name, which are read, or run,
     then. Raises `CampaignError`, `fpm.SceneError`.
     """
-    path = Path(what)
+    path = Path(source)
     for file in trusted:
         trust(file)
     if path.is_dir():
         if settings or duration:
             raise CampaignError(
-                f"{what}: the runs of a campaign are as they are; parameters and duration can be "
+                f"{source}: the runs of a campaign are as they are; parameters and duration can be "
                 "set where its config stands in place of its folder"
             )
         try:
@@ -104,14 +104,15 @@ def choose(
             raise CampaignError(text) from error
     if run != "nominal":
         raise CampaignError(
-            f"--run {run} needs the folder of a campaign's results, not {what!r}, which has one run"
+            f"--run {run} needs the folder of a campaign's results, not {source!r}, which has one "
+            "run"
         )
     if path.suffix in (".yaml", ".yml") and _is_campaign(path):
         return _of_config(path, settings or {}, duration)
-    return _of_structure(what, settings or {}, duration or 1.0)
+    return _of_structure(source, settings or {}, duration or 1.0)
 
 
-def _of_results(folder: Folder, run: str) -> Chosen:
+def _of_results(folder: Folder, run: str) -> SelectedRun:
     from deployable.campaign.files import open_netcdf, refuse_links
 
     refuse_links(folder.path)
@@ -122,7 +123,7 @@ def _of_results(folder: Folder, run: str) -> Chosen:
         )
     with open_netcdf(folder.samples) as samples:
         nominal, values = nominal_row(samples), samples["value"][:]
-        known, names = ids(samples, slice(None)), list(samples["parameter"][:])
+        run_ids, names = ids(samples, slice(None)), list(samples["parameter"][:])
         experiment, mechanics = Experiment.read(samples.config), samples.mechanics
         step = float(samples.time_step)
     if experiment.mechanics != mechanics:
@@ -130,28 +131,28 @@ def _of_results(folder: Folder, run: str) -> Chosen:
             f"the structure or the mechanics have changed since {folder.path} was made, so that "
             "its runs cannot be made again; run the campaign first"
         )
-    row = _row(run, known, nominal, folder)
-    return _chosen(
+    row = _row(run, run_ids, nominal, folder)
+    return _selected_run(
         experiment, dict(zip(names, values[row].tolist(), strict=True)), step, run,
-        {"run_id": known[row], "campaign": experiment.name}, folder,
+        {"run_id": run_ids[row], "campaign": experiment.name}, folder,
     )  # fmt: skip
 
 
-def _row(run: str, known: list[str], nominal: int | None, folder: Folder) -> int:
+def _row(run: str, run_ids: list[str], nominal: int | None, folder: Folder) -> int:
     """Place of a run among the samples."""
     if run == "nominal" and nominal is not None:
         return nominal
-    found = {name for name in known if run and name.startswith(run)}
-    if len(found) != 1:
-        problem = "several runs begin with" if found else "there is no run"
+    matches = {name for name in run_ids if run and name.startswith(run)}
+    if len(matches) != 1:
+        problem = "several runs begin with" if matches else "there is no run"
         raise CampaignError(
-            f"{folder.path}: {problem} {run!r}; allowed: nominal, or an id of {len(set(known))} "
-            f"runs, e.g. {', '.join(list(dict.fromkeys(known))[:3])}"
+            f"{folder.path}: {problem} {run!r}; allowed: nominal, or an id of {len(set(run_ids))} "
+            f"runs, e.g. {', '.join(list(dict.fromkeys(run_ids))[:3])}"
         )
-    return known.index(found.pop())
+    return run_ids.index(matches.pop())
 
 
-def _of_config(path: Path, settings: Mapping[str, str], duration: float | None) -> Chosen:
+def _of_config(path: Path, settings: Mapping[str, str], duration: float | None) -> SelectedRun:
     from deployable.campaign.config.check import load_config
     from deployable.campaign.plan.plan import choose_step
 
@@ -164,18 +165,18 @@ def _of_config(path: Path, settings: Mapping[str, str], duration: float | None) 
     nominal = dict(zip(experiment.box.names, experiment.nominal, strict=True))
     values = nominal | parsed(settings)
     # Stable with what is set too, as a finer mesh.
-    fixed = {name: value for name, value in values.items() if name not in nominal}
-    scene = replace(experiment.scene, parameters={**experiment.scene.parameters, **fixed})
+    constants = {name: value for name, value in values.items() if name not in nominal}
+    scene = replace(experiment.scene, parameters={**experiment.scene.parameters, **constants})
     step = choose_step(replace(experiment, scene=scene)).step
-    return _chosen(experiment, values, step, experiment.name, {"campaign": experiment.name})
+    return _selected_run(experiment, values, step, experiment.name, {"campaign": experiment.name})
 
 
-def _chosen(
+def _selected_run(
     experiment: Experiment, values: Mapping, step: float, name: str, attributes: Mapping,
     folder: Folder | None = None,
-) -> Chosen:  # fmt: skip
+) -> SelectedRun:  # fmt: skip
     solver = experiment.solver
-    return Chosen(
+    return SelectedRun(
         name=name,
         scene=experiment.build(values),
         duration=solver.duration,
@@ -188,20 +189,20 @@ def _chosen(
     )
 
 
-def _of_structure(what: str, settings: Mapping[str, str], duration: float) -> Chosen:
+def _of_structure(source: str, settings: Mapping[str, str], duration: float) -> SelectedRun:
     import fpm
     from deployable.campaign.config.sections import scene_type
 
-    if not Path(what).suffix and Path(what).name != what:
+    if not Path(source).suffix and Path(source).name != source:
         raise CampaignError(
-            f"{what}: there is no such folder of results; `snakemake` or `python -m deployable "
+            f"{source}: there is no such folder of results; `snakemake` or `python -m deployable "
             "run` with the campaign makes them"
         )
-    found = scene_type(what, what if Path(what).suffix else "")
-    scene = found.build(**parsed(settings))
-    wanted = fpm.SAFETY * fpm.stable_step(scene).step
-    step = fpm.divide_time(duration, INSTANTS, wanted).step
-    return Chosen(found.name, scene, duration, INSTANTS, step)
+    structure = scene_type(source, source if Path(source).suffix else "")
+    scene = structure.build(**parsed(settings))
+    limit = fpm.SAFETY * fpm.stable_step(scene).step
+    step = fpm.divide_time(duration, INSTANTS, limit).step
+    return SelectedRun(structure.name, scene, duration, INSTANTS, step)
 
 
 def parsed(settings: Mapping[str, str]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from deployable.campaign.files import open_netcdf, whole_file
 from deployable.campaign.results.figures import DATELESS, SAME, envelope, shares, without_formulas
 
 if TYPE_CHECKING:
-    from deployable.campaign.export.chosen import Chosen
+    from deployable.campaign.export.chosen import SelectedRun
 
 COLUMN, PAGE = 90 / 25.4, 190 / 25.4
 """Widths of a column and of two, inches: what most journals set."""
@@ -27,14 +27,14 @@ _STYLE = {
 }  # fmt: skip
 
 
-def write_figures(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
+def write_figures(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
     """Draw the structure at some moments of the run and, of a campaign's results, its responses
     with their bounds and what each parameter contributes. Returns the PDF files."""
     import matplotlib
 
     paths = []
     with matplotlib.rc_context(_STYLE):
-        for name, figure in _figures(chosen, frames):
+        for name, figure in _figures(run, frames):
             without_formulas(figure)
             for kind, metadata in DATELESS.items():
                 path = folder / f"{name}.{kind}"
@@ -47,15 +47,15 @@ def write_figures(chosen: Chosen, folder: Path, frames: int) -> list[Path]:
     return paths
 
 
-def _figures(chosen: Chosen, frames: int) -> Iterator[tuple[str, Any]]:
+def _figures(run: SelectedRun, frames: int) -> Iterator[tuple[str, Any]]:
     from deployable.campaign.pictures.moments import draw_moments
 
-    yield f"{chosen.name}-moments", draw_moments(chosen.motion(frames), width=PAGE)
-    if not chosen.folder:
+    yield f"{run.name}-moments", draw_moments(run.motion(frames), width=PAGE)
+    if not run.folder:
         return
-    with open_netcdf(chosen.folder.bounds) as bounds:
+    with open_netcdf(run.folder.bounds) as bounds:
         for name in bounds["response"][:]:
             yield name, envelope(bounds, name, SHADE_ABOVE, width=COLUMN)
-    with open_netcdf(chosen.folder.sensitivities) as data:
+    with open_netcdf(run.folder.sensitivities) as data:
         if "width" in data.variables and len(data["parameter"]) > 1:
-            yield f"{chosen.name}-sensitivities", shares(data, PAGE)
+            yield f"{run.name}-sensitivities", shares(data, PAGE)

@@ -13,20 +13,20 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.results.which import ids, roles
 
 if TYPE_CHECKING:
-    from deployable.campaign.export.chosen import Chosen
+    from deployable.campaign.export.chosen import SelectedRun
 
 _INTERVAL = ("lower", "nominal", "upper", "error", "happens")
 _BOUNDS = ("lower", "upper", "nominal", "error")
 
 
-def write_tables(chosen: Chosen, folder: Path) -> list[Path]:
+def write_tables(run: SelectedRun, folder: Path) -> list[Path]:
     """Write the run's curves, and of a campaign with results its bounds, runs and quantities."""
-    tables = {f"{chosen.name}.csv": _columns(curves(chosen.outcome(), chosen.responses))}
-    if chosen.folder:
-        tables["bounds.csv"] = _columns(bounds(chosen.folder))
-        tables["runs.csv"] = runs(chosen.folder)
-        if chosen.folder.quantities.exists():
-            tables["quantities.csv"] = quantities(chosen.folder)
+    tables = {f"{run.name}.csv": _columns(curves(run.outcome(), run.responses))}
+    if run.folder:
+        tables["bounds.csv"] = _columns(bounds(run.folder))
+        tables["runs.csv"] = runs(run.folder)
+        if run.folder.quantities.exists():
+            tables["quantities.csv"] = quantities(run.folder)
     for name, rows in tables.items():
         write_text(folder / name, csv_text(rows))
     return [folder / name for name in tables]
@@ -35,28 +35,28 @@ def write_tables(chosen: Chosen, folder: Path) -> list[Path]:
 def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]:
     """What a run (`fpm.Outcome`) has over time, by heading: responses, points, openings and
     energies."""
-    found = {"time (s)": outcome.time}
-    found |= {f"{r.name} ({r.unit})": r.evaluate(outcome) for r in responses}
+    columns = {"time (s)": outcome.time}
+    columns |= {f"{r.name} ({r.unit})": r.evaluate(outcome) for r in responses}
     for name, tracks in outcome.points.items():
-        for what, unit, track in zip(("", "velocity "), ("m", "m s-1"), tracks, strict=True):
+        for prefix, unit, track in zip(("", "velocity "), ("m", "m s-1"), tracks, strict=True):
             for axis, values in zip("xyz", track.T, strict=True):
-                found[f"{what}{axis} of {name} ({unit})"] = values
+                columns[f"{prefix}{axis} of {name} ({unit})"] = values
     units = {hinge.name: "m" if hinge.slides else "rad" for hinge in outcome.scene.hinges}
-    found |= {f"opening of {n} ({units[n]})": values for n, values in outcome.openings.items()}
-    found |= {f"{name} energy (J)": values for name, values in outcome.energies.items()}
-    return found
+    columns |= {f"opening of {n} ({units[n]})": values for n, values in outcome.openings.items()}
+    columns |= {f"{name} energy (J)": values for name, values in outcome.energies.items()}
+    return columns
 
 
 def bounds(folder: Folder) -> dict[str, np.ndarray]:
     """The bounds of a campaign over time, by heading."""
     with open_netcdf(folder.bounds) as file:
-        found = {"time (s)": file["time"][:]}
+        columns = {"time (s)": file["time"][:]}
         rows = zip(file["response"][:], file["response_units"][:], strict=True)
         for i, (name, units) in enumerate(rows):
             for key in _BOUNDS:
                 if key in file.variables:
-                    found[f"{name}_{key} ({units})"] = file[key][i]
-    return found
+                    columns[f"{name}_{key} ({units})"] = file[key][i]
+    return columns
 
 
 def runs(folder: Folder) -> list[list]:
@@ -72,8 +72,8 @@ def runs(folder: Folder) -> list[list]:
         if "quantities" in file.variables:
             rows[0] += _headings(file, "quantity", "quantity_units")
             numbers = file["quantities"][:]
-        known = ids(file, slice(None)), roles(file), values.tolist(), numbers
-        for name, role, place, own in zip(*known, strict=True):
+        fields = ids(file, slice(None)), roles(file), values.tolist(), numbers
+        for name, role, place, own in zip(*fields, strict=True):
             rows.append([name, role, *place, *_cells(own)])
     return rows
 
@@ -81,8 +81,8 @@ def runs(folder: Folder) -> list[list]:
 def quantities(folder: Folder) -> list[list]:
     """The intervals of a campaign's quantities and where their ends are, a row each."""
     with open_netcdf(folder.quantities) as file:
-        named = _headings(file, "parameter", "box_units")
-        ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in named]
+        headings = _headings(file, "parameter", "box_units")
+        ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in headings]
         rows = [["quantity", "units", *_INTERVAL, *ends]]
         for i, name in enumerate(file["quantity"][:]):
             numbers = [file[key][i] for key in _INTERVAL]
@@ -101,6 +101,6 @@ def _cells(numbers: Iterable[float]) -> list:
     return [float(number) if np.isfinite(number) else "" for number in numbers]
 
 
-def _columns(found: Mapping[str, np.ndarray]) -> list[list]:
-    columns = [np.asarray(values).tolist() for values in found.values()]
-    return [list(found), *map(list, zip(*columns, strict=True))]
+def _columns(arrays: Mapping[str, np.ndarray]) -> list[list]:
+    columns = [np.asarray(values).tolist() for values in arrays.values()]
+    return [list(arrays), *map(list, zip(*columns, strict=True))]

@@ -33,14 +33,14 @@ def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
     places, entries = path.with_suffix(""), []
     for frame, time in enumerate(motion["time"].values.tolist()):
         grids = {"axes": _axes(motion, solid, frame), "solid": _solid(motion, solid, frame)}
-        if len(solid.cables.of):
+        if len(solid.cables.cable):
             grids["cables"] = _cables(solid, frame)
         for part, (name, grid) in enumerate(grids.items()):
             file = places / f"{name}-{frame:04d}.vtu"
             write_text(file, grid_text(*grid, time))
-            named = quoteattr(f"{places.name}/{file.name}")
+            file_name = quoteattr(f"{places.name}/{file.name}")
             entries.append(
-                f'<DataSet timestep="{time!r}" part="{part}" name="{name}" file={named}/>'
+                f'<DataSet timestep="{time!r}" part="{part}" name="{name}" file={file_name}/>'
             )
     collection = "\n".join(["<Collection>", *entries, "</Collection>"])
     write_text(path, _file("Collection", collection))
@@ -54,7 +54,7 @@ def _axes(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
     radius = np.sqrt(width.prod(axis=1) / np.pi)  # of a circle of the same area
     bars = nodes[:, 0] != nodes[:, 1]  # and no rigid bodies, whose lines have no length
     nodes, width, radius = nodes[bars], width[bars], radius[bars]
-    alone = np.setdiff1d(np.arange(len(position)), nodes)
+    vertices = np.setdiff1d(np.arange(len(position)), nodes)
     at_points = np.zeros(len(position))
     np.maximum.at(at_points, nodes.ravel(), np.repeat(radius, 2))
     points = {"velocity": motion["velocity"].values[frame], "radius": at_points}
@@ -65,11 +65,11 @@ def _axes(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
         "bar": solid.bar[bars], "radius": radius, "section_size": width,
         "section_y": y, "section_z": z,
     }  # fmt: skip
-    padded = {  # cells that are no elements have no strain
-        name: np.concatenate([values, np.zeros((len(alone), *values.shape[1:]), values.dtype)])
+    cell_data = {  # cells that are no elements have no strain
+        name: np.concatenate([values, np.zeros((len(vertices), *values.shape[1:]), values.dtype)])
         for name, values in cells.items()
     }
-    return position, [(_LINE, nodes), (_VERTEX, alone[:, None])], points, padded
+    return position, [(_LINE, nodes), (_VERTEX, vertices[:, None])], points, cell_data
 
 
 def _solid(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
@@ -83,8 +83,8 @@ def _solid(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
 def _cables(solid: Solid, frame: int) -> tuple:
     """Points, cells, data of points and of cells: the cables' straight stretches as lines."""
     cables = solid.cables
-    of = cables.of[cables.stretches[:, 0]]
-    data = {"tension": cables.tension[frame][of], "cable": of}
+    cable = cables.cable[cables.stretches[:, 0]]
+    data = {"tension": cables.tension[frame][cable], "cable": cable}
     return solid.cable_points[frame], [(_LINE, cables.stretches)], {}, data
 
 
@@ -94,8 +94,8 @@ def _section_axes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     ends = corners.reshape(-1, 2, 4, 3)
     chord = ends[:, 1].mean(axis=1) - ends[:, 0].mean(axis=1)
     chord /= np.linalg.norm(chord, axis=1, keepdims=True)
-    along = ends[:, :, 1] + ends[:, :, 2] - ends[:, :, 0] - ends[:, :, 3]
-    y = along.sum(axis=1)
+    width_axis = ends[:, :, 1] + ends[:, :, 2] - ends[:, :, 0] - ends[:, :, 3]
+    y = width_axis.sum(axis=1)
     y -= np.sum(y * chord, axis=1, keepdims=True) * chord
     y /= np.linalg.norm(y, axis=1, keepdims=True)
     return y, np.cross(chord, y)
@@ -110,10 +110,10 @@ def grid_text(
     points (n, 3) m; cells: VTK's number of a type, and its cells (m, k) as indices of points;
     arrays by name, one row for a point and for a cell; time in s.
     """
-    connected = np.concatenate([which.ravel() for _, which in cells]).astype(np.int64)
-    sizes = np.concatenate([np.full(len(which), which.shape[1]) for _, which in cells])
-    kinds = np.concatenate([np.full(len(which), kind, np.uint8) for kind, which in cells])
-    shape = {"connectivity": connected, "offsets": sizes.cumsum(), "types": kinds}
+    connectivity = np.concatenate([nodes.ravel() for _, nodes in cells]).astype(np.int64)
+    sizes = np.concatenate([np.full(len(nodes), nodes.shape[1]) for _, nodes in cells])
+    kinds = np.concatenate([np.full(len(nodes), kind, np.uint8) for kind, nodes in cells])
+    shape = {"connectivity": connectivity, "offsets": sizes.cumsum(), "types": kinds}
     body = [
         "<FieldData>", _array("TimeValue", np.array([time]), ' NumberOfTuples="1"'), "</FieldData>",
         f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(kinds)}">',
@@ -131,15 +131,15 @@ def _section(name: str, arrays: Mapping[str, np.ndarray]) -> list[str]:
     return [f"<{name}>", *(_array(key, values) for key, values in arrays.items()), f"</{name}>"]
 
 
-def _array(name: str, values: np.ndarray, more: str = "") -> str:
+def _array(name: str, values: np.ndarray, attrs: str = "") -> str:
     """An array in base64, behind the number of its bytes."""
     kind = _TYPES[values.dtype.kind]
     raw = np.ascontiguousarray(values, dtype=np.dtype(kind.lower()).newbyteorder("<")).tobytes()
     text = base64.b64encode(len(raw).to_bytes(8, "little") + raw).decode()
     if values.ndim > 1:
-        more += f' NumberOfComponents="{values.shape[1]}"'
+        attrs += f' NumberOfComponents="{values.shape[1]}"'
     return (
-        f'<DataArray type="{kind}" Name={quoteattr(name)}{more} format="binary">{text}</DataArray>'
+        f'<DataArray type="{kind}" Name={quoteattr(name)}{attrs} format="binary">{text}</DataArray>'
     )
 
 

@@ -45,8 +45,8 @@ def results_of(facts: Mapping[str, str]) -> Iterator[None]:
 def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
     """A temporary path of a result: sealed and renamed when the block ends without an error, if the
     program is still the one that was imported."""
-    with whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts}) as made:
-        yield made
+    with whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts}) as file:
+        yield file
         check_code()
 
 
@@ -67,22 +67,22 @@ def _check(path: str | Path) -> Experiment | None:
     """The experiment of a result in netCDF that is whole, and holds what it should."""
     check(path, Path(path).name)
     refuse_outside(path)
-    OPENED.append(Path(path))
+    HISTORY.append(Path(path))
     return experiment_of(path)
 
 
-OPENED: deque[Path] = deque(maxlen=9)
+HISTORY: deque[Path] = deque(maxlen=9)
 """The results that this process has opened last."""
 
 
 def unforeseen(error: Exception) -> CampaignError | None:
     """What is to be told of an error that results may have led to, which hold what none does; None
     where none was opened."""
-    if not OPENED or sys.flags.dev_mode:
+    if not HISTORY or sys.flags.dev_mode:
         return None
-    words, opened = " ".join(str(error).split())[:200], ", ".join(dict.fromkeys(map(str, OPENED)))
+    words, paths = " ".join(str(error).split())[:200], ", ".join(dict.fromkeys(map(str, HISTORY)))
     return CampaignError(
-        f"what {opened} hold led to {type(error).__name__}: {words}; `python -m deployable run` "
+        f"what {paths} hold led to {type(error).__name__}: {words}; `python -m deployable run` "
         "with the campaign makes results again; if that ends so too, the program is at fault: "
         "`python -X dev -m deployable` shows where"
     )
@@ -92,7 +92,7 @@ def read_json(path: str | Path) -> dict:
     """A result in JSON; raises `fpm.files.sealed.DamagedError`."""
     content = read_bytes(path)
     check_content(path, content, Path(path).name)
-    OPENED.append(Path(path))
+    HISTORY.append(Path(path))
     return data_of(path, content)
 
 
@@ -101,16 +101,16 @@ def check_results(folder: Folder, names: Iterable[str]) -> None:
     first: tuple[Path, Experiment] | None = None
     for path in (folder / name for name in names):
         if path.suffix == ".json":
-            data, found = read_json(path), None
+            data, experiment = read_json(path), None
             if path == folder.plan:
                 with reading(path):
-                    found = Experiment.of_results(data["config"])
+                    experiment = Experiment.of_results(data["config"])
             if path.name == "summary.json" and first is not None:
                 _check_summary(path, data, first[1])
         else:
-            found = _check(path)
-        first = first or (found and (path, found))
-        if found is not None and found != first[1]:
+            experiment = _check(path)
+        first = first or (experiment and (path, experiment))
+        if experiment is not None and experiment != first[1]:
             raise DamagedError(path, f"it is of another campaign than {first[0].name}")
 
 
@@ -122,7 +122,7 @@ def _check_summary(path: Path, data: dict, experiment: Experiment) -> None:
     ):
         if [row["name"] for row in data[key]] != list(own):
             raise DamagedError(path, f"its {key} have other names than those of the campaign")
-    for limit in (one for row in data.get("requirements", ()) for one in row["limits"]):
+    for limit in (limit for row in data.get("requirements", ()) for limit in row["limits"]):
         if limit["quantity"] not in experiment.quantities:
             raise DamagedError(path, f"{limit['quantity'][:80]!r} is no name of a quantity")
     names = set(experiment.intervals)
@@ -177,9 +177,9 @@ def write_result(path: str | Path, text: str, **facts: str) -> None:
 def csv_text(rows: Iterable[Sequence]) -> str:
     """Rows as CSV, numbers with all their digits; a text that would be a formula in a spreadsheet
     begins with an apostrophe."""
-    out = io.StringIO()
-    csv.writer(out, lineterminator="\n").writerows([*map(_cell, row)] for row in rows)
-    return out.getvalue()
+    buffer = io.StringIO()
+    csv.writer(buffer, lineterminator="\n").writerows([*map(_cell, row)] for row in rows)
+    return buffer.getvalue()
 
 
 def _cell(value: Any) -> Any:

@@ -79,11 +79,11 @@ number run quantity: quantities margin""",
 """Of a file of this name: variables of text, of numbers, and of numbers none of which is infinite
 or missing, behind their dimensions; behind an @ attributes; those with a ? may be absent."""
 
-_CHANGED = {"scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range",
+_SCALING = {"scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range",
             "_Unsigned"}  # fmt: skip
 """Attributes by which libraries make other numbers, or none, of those that are in a file."""
 
-_ROOM, _PACKED = 1 << 28, 200
+_ROOM, _MAX_EXPANSION = 1 << 28, 200
 """Bytes that a file's numbers may take in memory, or as many times those that it takes itself."""
 
 _LONGEST, _LARGEST = 2000, 1e300
@@ -131,22 +131,22 @@ def _checked(path: Path, *state: int) -> Experiment | None:
             return Experiment.read(file.config)
         for line in _VARIABLES[name].splitlines():
             kind, *dims = line.partition(":")[0].split()
-            for one in line.partition(":")[2].split():
+            for field in line.partition(":")[2].split():
                 if kind.startswith("@"):
-                    _check_attribute(file, one, kind[1:])
+                    _check_attribute(file, field, kind[1:])
                 else:
-                    _check_variable(file, one, kind, tuple(dims))
+                    _check_variable(file, field, kind, tuple(dims))
         return _belongs(file, Experiment.read(file.config))
 
 
 def _check_sizes(file: Any, size: int) -> None:
     total = 0
     for name, variable in file.variables.items():
-        if found := _CHANGED & set(variable.ncattrs()):
-            raise ValueError(f"its variable {name} has {', '.join(sorted(found))}, as none has")
-        each = 64 if variable.dtype is str else variable.dtype.itemsize
-        total += each * math.prod(map(int, variable.shape))
-    if total > max(_ROOM, _PACKED * size):
+        if names := _SCALING & set(variable.ncattrs()):
+            raise ValueError(f"its variable {name} has {', '.join(sorted(names))}, as none has")
+        item_bytes = 64 if variable.dtype is str else variable.dtype.itemsize
+        total += item_bytes * math.prod(map(int, variable.shape))
+    if total > max(_ROOM, _MAX_EXPANSION * size):
         raise ValueError(f"its {size} bytes would be {total:.3g} in memory")
 
 
@@ -169,8 +169,8 @@ def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> N
         raise ValueError(f"it has no variable {name}")
     name = variable.name
     if variable.dimensions != dims:
-        over = " and ".join(variable.dimensions) or "nothing"
-        raise ValueError(f"its variable {name} lies over {over}, not {' and '.join(dims)}")
+        axes = " and ".join(variable.dimensions) or "nothing"
+        raise ValueError(f"its variable {name} lies over {axes}, not {' and '.join(dims)}")
     if not variable.size:  # text is kept as numbers then
         return
     is_text = variable.dtype is str
@@ -178,49 +178,49 @@ def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> N
         raise ValueError(f"its variable {name} holds {variable.dtype}, not {kind}s")
     if not is_text and variable.size * variable.dtype.itemsize > _ALL:
         return
-    values, filled = variable[:], getattr(variable, "_FillValue", np.nan)  # if it can be read
+    values, fill_value = variable[:], getattr(variable, "_FillValue", np.nan)  # if it can be read
     if is_text and max(map(len, values.ravel())) > _LONGEST:
         raise ValueError(f"its variable {name} has a text of more than {_LONGEST} characters")
-    if kind == "known" and not ((np.abs(values) < _LARGEST) & (values != filled)).all():
+    if kind == "known" and not ((np.abs(values) < _LARGEST) & (values != fill_value)).all():
         raise ValueError(f"its variable {name} has values that are no numbers, or too large")
 
 
 def _belongs(file: Any, experiment: Experiment) -> Experiment:
     """The experiment of a file, if what it holds is of that."""
-    there, intervals = file.variables, experiment.intervals.values()
+    variables, intervals = file.variables, experiment.intervals.values()
     own = {"response": experiment.responses, "quantity": experiment.quantities,
            "parameter": experiment.intervals}  # fmt: skip
-    for dim in own.keys() & there.keys():
+    for dim in own.keys() & variables.keys():
         if (names := file[dim][:].tolist()) != list(own[dim]):
-            other = next((name for name in names if name not in own[dim]), names)
-            raise ValueError(f"{str(other)[:80]!r} is no name of a {dim} of its config")
-    for name in file["run_id"][:].tolist() if "run_id" in there else ():
+            stray = next((name for name in names if name not in own[dim]), names)
+            raise ValueError(f"{str(stray)[:80]!r} is no name of a {dim} of its config")
+    for name in file["run_id"][:].tolist() if "run_id" in variables else ():
         if not RUN_ID.fullmatch(name):  # after which files are called
             raise ValueError(f"{name[:80]!r} is no name of a run_id")
     of_config = {"campaign": file.campaign == experiment.name}
     for key in ("lower", "upper", "nominal"):
         ends = [getattr(interval, key) for interval in intervals]
         of_config[f"box_{key}"] = file[f"box_{key}"][:].tolist() == ends
-    if "unit" in there and len(unit := file["unit"][:]):
+    if "unit" in variables and len(unit := file["unit"][:]):
         of_config["unit"] = np.abs(unit).max(initial=0.0) < 1.0 + 1e-6
-    if "role" in there:
+    if "role" in variables:
         of_config["role"] = set(file["role"][:].tolist()) <= set(ROLES)
-    if "time" in there:
+    if "time" in variables:
         of_config["time_step"] = file.time_step > 0
         of_config["time_step"] &= not steps_problems(experiment.solver, file.time_step)
         time = file["time"][:]
         of_config["time"] = len(time) == experiment.solver.instants and (np.diff(time) > 0).all()
-    if "event_time" in there:
-        which = file["event_contact"][:][np.isfinite(file["event_time"][:])]
-        is_known = (which >= 0) & (which < len(file.dimensions["contact"]))
+    if "event_time" in variables:
+        contact = file["event_contact"][:][np.isfinite(file["event_time"][:])]
+        is_known = (contact >= 0) & (contact < len(file.dimensions["contact"]))
         of_config["event_contact"] = is_known.all()
-    for name in {"lower_run", "upper_run"} & there.keys():
+    for name in {"lower_run", "upper_run"} & variables.keys():
         of_config[name] = file[name][:].max(initial=-1) < len(file.dimensions["run"])
-    for text in file["response_along"][:] if "response_along" in there else ():
-        if (along := json.loads(text)) is not None:
-            matches(_schema()["$defs"]["along"], along, "response_along")
-    if others := [name for name, is_own in of_config.items() if not is_own]:
-        raise ValueError(f"its {others[0]} is not what its config has")
+    for text in file["response_along"][:] if "response_along" in variables else ():
+        if (axis := json.loads(text)) is not None:
+            matches(_schema()["$defs"]["along"], axis, "response_along")
+    if mismatches := [name for name, is_own in of_config.items() if not is_own]:
+        raise ValueError(f"its {mismatches[0]} is not what its config has")
     return experiment
 
 
@@ -244,13 +244,13 @@ def _schema() -> dict:
 def data_of(path: str | os.PathLike, content: bytes) -> dict:
     """The data in the content of a result in JSON, without its seal; DamagedError where it is no
     such result."""
-    known = _schema()["properties"]
-    answers = {name: known[name] for name in ("requirements", "together")}
+    properties = _schema()["properties"]
+    answers = {name: properties[name] for name in ("requirements", "together")}
     schemas = {
         "plan.json": {"type": "object"},
         "summary.json": _schema(),
         "requirements.json": {"required": [*answers, "further_runs"], "properties": answers},
-        "choice.json": known["choice"],
+        "choice.json": properties["choice"],
     }
     with reading(path):
         data = json.loads(content, parse_constant=_no_number)
@@ -262,29 +262,29 @@ def _no_number(text: str) -> None:
     raise ValueError(f"{text} is no number")
 
 
-def matches(schema: Mapping, data: Any, where: str = "") -> None:
+def matches(schema: Mapping, data: Any, path: str = "") -> None:
     """ValueError where data are not as a JSON schema has it, by the words of one that are used in
     the schema of summaries."""
     if "$ref" in schema:
-        matches(_schema()["$defs"][schema["$ref"].rpartition("/")[2]], data, where)
+        matches(_schema()["$defs"][schema["$ref"].rpartition("/")[2]], data, path)
     kinds = schema.get("type", "object" if "required" in schema else [])
     kinds = [kinds] if isinstance(kinds, str) else kinds
     is_kind = [isinstance(data, _TYPES[kind]) for kind in kinds]
     if kinds and (not any(is_kind) or (isinstance(data, bool) and "boolean" not in kinds)):
-        raise ValueError(f"{where or 'all of it'} is no {' or '.join(kinds)}")
+        raise ValueError(f"{path or 'all of it'} is no {' or '.join(kinds)}")
     if data not in schema.get("enum", [data]) or data != schema.get("const", data):
-        raise ValueError(f"{where} is not as it may be")
+        raise ValueError(f"{path} is not as it may be")
     if isinstance(data, list):
         if len(data) < schema.get("minItems", 0):
-            raise ValueError(f"{where} is too short")
-        for number, one in enumerate(data):
-            matches(schema.get("items", {}), one, f"{where}[{number}]")
+            raise ValueError(f"{path} is too short")
+        for number, item in enumerate(data):
+            matches(schema.get("items", {}), item, f"{path}[{number}]")
     elif isinstance(data, dict):
         if lacks := [name for name in schema.get("required", ()) if name not in data]:
-            raise ValueError(f"{'.'.join(filter(None, [where, lacks[0]]))} is missing")
-        known, others = schema.get("properties", {}), schema.get("additionalProperties", {})
-        for name, one in data.items():
-            of = known.get(name, others)
-            if of is False:
-                raise ValueError(f"{where}.{name} is not known")
-            matches(of, one, f"{where}.{name}" if where else name)
+            raise ValueError(f"{'.'.join(filter(None, [path, lacks[0]]))} is missing")
+        properties, extra = schema.get("properties", {}), schema.get("additionalProperties", {})
+        for name, item in data.items():
+            rule = properties.get(name, extra)
+            if rule is False:
+                raise ValueError(f"{path}.{name} is not known")
+            matches(rule, item, f"{path}.{name}" if path else name)

@@ -40,17 +40,17 @@ def _is_within(hdf5: Any, file: int, name: bytes) -> bool:
     link = (ctypes.c_int * 32)()
     if hdf5.H5Lget_info2(file, name, link, 0) < 0 or link[0] != _HARD:
         return False
-    thing = hdf5.H5Oopen(file, name, 0)
+    handle = hdf5.H5Oopen(file, name, 0)
     try:
-        if hdf5.H5Iget_type(thing) != _DATASET:
+        if hdf5.H5Iget_type(handle) != _DATASET:
             return False
-        made = hdf5.H5Dget_create_plist(thing)
+        plist = hdf5.H5Dget_create_plist(handle)
         try:
-            return hdf5.H5Pget_external_count(made) == 0 and hdf5.H5Pget_layout(made) != _VIRTUAL
+            return hdf5.H5Pget_external_count(plist) == 0 and hdf5.H5Pget_layout(plist) != _VIRTUAL
         finally:
-            hdf5.H5Pclose(made)
+            hdf5.H5Pclose(plist)
     finally:
-        hdf5.H5Oclose(thing)
+        hdf5.H5Oclose(handle)
 
 
 @cache
@@ -59,7 +59,7 @@ def _library() -> Any:
     none so (Windows)."""
     import netCDF4
 
-    found, ident, text = ctypes.CDLL(netCDF4._netCDF4.__file__), ctypes.c_int64, ctypes.c_char_p
+    library, ident, text = ctypes.CDLL(netCDF4._netCDF4.__file__), ctypes.c_int64, ctypes.c_char_p
     size, pointer = ctypes.c_size_t, ctypes.c_void_p
     try:
         for name, gives, *takes in (
@@ -77,8 +77,8 @@ def _library() -> Any:
             ("H5Oclose", ctypes.c_int, ident),
             ("H5Fclose", ctypes.c_int, ident),
         ):  # fmt: skip
-            function = getattr(found, name)
+            function = getattr(library, name)
             function.restype, function.argtypes = gives, takes
     except AttributeError:
         return None
-    return found
+    return library

@@ -26,13 +26,13 @@ PIN = "#1D2327"
 SCALE = "viridis"
 """Map of colours, even to the eye and for colour-blind people; the page has it too."""
 
-ABOVE = 0.005
+CLIPPED_SHARE = 0.005
 """Share of all values that lie beyond the end of the scale."""
 
 
 def rgb(colour: str) -> tuple[float, float, float]:
     """`#E69F00` as shares of red, green and blue."""
-    return tuple(int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5))
+    return tuple(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
 
 
 def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
@@ -44,7 +44,7 @@ def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
 
     nodes, stress = motion["element_particle"].values, motion["stress"].values
     bars = nodes[:, 0] != nodes[:, 1]
-    top = float(np.quantile(stress[:, bars], 1 - ABOVE)) if bars.any() else 0.0
+    top = float(np.quantile(stress[:, bars], 1 - CLIPPED_SHARE)) if bars.any() else 0.0
     colours = np.tile(np.array(rgb(BODY)), (*stress.shape, 1))
     colours[:, bars] = colormaps[SCALE](stress[:, bars] / (top or 1.0))[..., :3]
     return colours, top

@@ -22,7 +22,7 @@ from deployable.campaign.pictures.solid import FACES, Solid, solid_of_motion
 if TYPE_CHECKING:
     import xarray
 
-UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+TO_GLTF = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """From our axes to glTF's."""
 
 _COMPONENTS = {"f4": 5126, "u4": 5125, "u2": 5123, "i2": 5122}  # glTF's numbers of the types
@@ -41,8 +41,8 @@ class _Buffer:
         self.views: list[dict] = []
         self.accessors: list[dict] = []
 
-    def add(self, values: np.ndarray, kind: str = "f4", target: int | None = None, **more) -> int:
-        """Store an array; returns its accessor. `more`: e.g. normalized=True."""
+    def add(self, values: np.ndarray, kind: str = "f4", target: int | None = None, **fields) -> int:
+        """Store an array; returns its accessor. `fields`: e.g. normalized=True."""
         raw = np.ascontiguousarray(values, dtype=f"<{kind}")
         view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": raw.nbytes}
         self.views.append(view | ({"target": target} if target else {}))
@@ -54,7 +54,7 @@ class _Buffer:
         if kind == "f4" and raw.ndim < 3:  # the format asks for them at some, and allows all
             low, high = raw.min(axis=0), raw.max(axis=0)
             accessor |= {"min": np.atleast_1d(low).tolist(), "max": np.atleast_1d(high).tolist()}
-        self.accessors.append(accessor | more)
+        self.accessors.append(accessor | fields)
         return len(self.accessors) - 1
 
 
@@ -79,11 +79,11 @@ def glb_of(motion: xarray.Dataset, small: bool = False) -> bytes:
 
 def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, Any]:
     """The JSON part: the particles' node, the mesh, then a node for each particle and point."""
-    place = motion["position"].values @ UP.T
+    place = motion["position"].values @ TO_GLTF.T
     if small:
         unit = np.ptp(place, axis=(0, 1)).max() / 65534 or 1.0
         place = unit * np.rint(place / unit)
-    turn = UP @ motion["frame"].values @ UP.T
+    turn = TO_GLTF @ motion["frame"].values @ TO_GLTF.T
     quaternion = _quaternions(turn)
     particles = [
         {"name": f"particle {p}", "translation": place[0, p].tolist(),
@@ -98,11 +98,11 @@ def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, 
     joints = [first + p for p in range(len(particles))]
     nodes += particles
     nodes[0]["children"] = joints
-    for name, on, arm in zip(
+    for name, particle, arm in zip(
         *(motion[f"point{key}"].values for key in ("", "_particle", "_arm")), strict=True
     ):
-        nodes[first + on].setdefault("children", []).append(len(nodes))
-        nodes.append({"name": f"point {name}", "translation": (UP @ arm).tolist()})
+        nodes[first + particle].setdefault("children", []).append(len(nodes))
+        nodes.append({"name": f"point {name}", "translation": (TO_GLTF @ arm).tolist()})
     content = {
         "asset": {"version": "2.0", "generator": "deployable-intervals"},
         "scene": 0,
@@ -122,17 +122,17 @@ def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, 
 def _loads(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, dict]:
     """What viewers may colour by: stress (Pa) of the elements and tension (N) of the cables at each
     frame, as an accessor of shares of `most`; above 0 wherever there is any."""
-    found = {}
+    loads = {}
     for name, key in (("stress", "stress"), ("tension", "cable_tension")):
         values = motion[key].values if key in motion else np.zeros(0)
         if values.size:
             most = float(values.max())
             shares = np.ceil(65535 * np.clip(values / (most or 1.0), 0.0, 1.0))
-            found[name] = {
+            loads[name] = {
                 "most": most,
                 "accessor": buffer.add(shares.ravel(), "u2", normalized=True),
             }
-    return found
+    return loads
 
 
 def _mesh(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
@@ -148,16 +148,14 @@ def _mesh(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
     span = float(np.ptp(motion["position"].values, axis=(0, 1)).max()) or 1.0
     cables, ends = solid.cables, solid.cables.stretches
     if len(ends):
-        primitives.append(
-            _strands(solid.cable_points[0][ends], cables.on[ends], 0.002 * span, CABLE, buffer)
-            | {"material": 1}
-        )
-        of = np.repeat(cables.of[ends[:, 0]], _STRAND)
-        primitives[-1]["attributes"]["_OF"] = buffer.add(of, target=_VERTEX)
+        points, nodes = solid.cable_points[0][ends], cables.particle[ends]
+        primitives.append(_strands(points, nodes, 0.002 * span, CABLE, buffer) | {"material": 1})
+        cable = np.repeat(cables.cable[ends[:, 0]], _STRAND)
+        primitives[-1]["attributes"]["_OF"] = buffer.add(cable, target=_VERTEX)
     if motion.sizes["hinge"]:
         half = solid.thickness or 0.02 * span
-        pins, on = _pins(motion, 0.9 * half)
-        primitives.append(_strands(pins, on, 0.11 * half, PIN, buffer) | {"material": 2})
+        pins, nodes = _pins(motion, 0.9 * half)
+        primitives.append(_strands(pins, nodes, 0.11 * half, PIN, buffer) | {"material": 2})
     if not primitives:
         return {}
     return {
@@ -175,42 +173,42 @@ def _bars(solid: Solid, buffer: _Buffer) -> dict[str, Any]:
     """The visible faces of the bars, two triangles each."""
     element, face = np.nonzero(solid.visible)
     corner = FACES[face]  # (f, 4)
-    points = (solid.corners[0] @ UP.T)[element[:, None], corner]
+    points = (solid.corners[0] @ TO_GLTF.T)[element[:, None], corner]
     normal = np.cross(points[:, 2] - points[:, 0], points[:, 3] - points[:, 1])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     normal = np.where(length > 0, normal / np.maximum(length, 1e-300), [0.0, 1.0, 0.0])  # of a line
     colours = np.array([rgb(BARS[bar % len(BARS)]) for bar in solid.bar])[element]
     follows = solid.nodes[element[:, None], corner // 4].ravel()
-    of = np.where(solid.nodes[:, 0] == solid.nodes[:, 1], -1, np.arange(len(solid.nodes)))
-    found = _quads(points, np.repeat(colours, 4, axis=0), follows, buffer) | {"material": 0}
-    found["attributes"] |= {
+    element_ids = np.where(solid.nodes[:, 0] == solid.nodes[:, 1], -1, np.arange(len(solid.nodes)))
+    primitive = _quads(points, np.repeat(colours, 4, axis=0), follows, buffer) | {"material": 0}
+    primitive["attributes"] |= {
         "NORMAL": buffer.add(np.repeat(normal, 4, axis=0), target=_VERTEX),
-        "_OF": buffer.add(np.repeat(of[element], 4), target=_VERTEX),
+        "_OF": buffer.add(np.repeat(element_ids[element], 4), target=_VERTEX),
     }
-    return found
+    return primitive
 
 
 def _pins(motion: xarray.Dataset, half: float) -> tuple[np.ndarray, np.ndarray]:
     """A piece of each hinge's axis, `half` (m) to either side: ends (h, 2, 3) m in the first frame,
     and their particles (h, 2)."""
-    on = motion["hinge_particle"].values[:, :1]
+    particles = motion["hinge_particle"].values[:, :1]
     ends = (
         np.multiply.outer([-half, half], motion["hinge_axis"].values) + motion["hinge_arm"].values
     )
     first = motion.isel(time=0)
-    turned = np.einsum("hij,ehj->hei", first["frame"].values[on[:, 0]], ends)
-    return first["position"].values[on] + turned, np.repeat(on, 2, axis=1)
+    offsets = np.einsum("hij,ehj->hei", first["frame"].values[particles[:, 0]], ends)
+    return first["position"].values[particles] + offsets, np.repeat(particles, 2, axis=1)
 
 
 def _strands(
-    ends: np.ndarray, on: np.ndarray, half: float, colour: str, buffer: _Buffer
+    ends: np.ndarray, nodes: np.ndarray, half: float, colour: str, buffer: _Buffer
 ) -> dict[str, Any]:
-    """Straight strands between ends (s, 2, 3) m that follow the particles on (s, 2): three ribbons
-    each, across each other and `half` (m) to either side, so that one is seen from wherever."""
-    aside = half * np.stack([np.eye(3), np.eye(3), -np.eye(3), -np.eye(3)], axis=1)  # (3, 4, 3)
-    points = (ends[:, None, [0, 1, 1, 0]] + aside).reshape(-1, 4, 3) @ UP.T
+    """Straight strands between ends (s, 2, 3) m that follow the particles `nodes` (s, 2), by three
+    ribbons across each other, `half` (m) to either side, so that one is seen from wherever."""
+    shift = half * np.stack([np.eye(3), np.eye(3), -np.eye(3), -np.eye(3)], axis=1)  # (3, 4, 3)
+    points = (ends[:, None, [0, 1, 1, 0]] + shift).reshape(-1, 4, 3) @ TO_GLTF.T
     colours = np.tile(rgb(colour), (4 * len(points), 1))
-    return _quads(points, colours, np.tile(on[:, None, [0, 1, 1, 0]], (1, 3, 1)).ravel(), buffer)
+    return _quads(points, colours, np.tile(nodes[:, None, [0, 1, 1, 0]], (1, 3, 1)).ravel(), buffer)
 
 
 def _quads(
@@ -273,8 +271,8 @@ def _quaternions(turn: np.ndarray) -> np.ndarray:
     before, so that a player turns the short way."""
     from scipy.spatial.transform import Rotation
 
-    found = Rotation.from_matrix(turn.reshape(-1, 3, 3)).as_quat().reshape(*turn.shape[:2], 4)
-    flips = np.sum(found[1:] * found[:-1], axis=2) < 0
+    quats = Rotation.from_matrix(turn.reshape(-1, 3, 3)).as_quat().reshape(*turn.shape[:2], 4)
+    flips = np.sum(quats[1:] * quats[:-1], axis=2) < 0
     signs = np.where(np.cumsum(flips, axis=0) % 2 == 1, -1.0, 1.0)
-    found[1:] *= signs[:, :, None]
-    return found
+    quats[1:] *= signs[:, :, None]
+    return quats

@@ -18,14 +18,14 @@ def telling_moments(motion: Any, count: int) -> np.ndarray:
     the root of the mean square of all particles' steps.
     """
     time, position = values_in(motion, "time"), values_in(motion, "position")
-    closing = values_in(motion, "contact_event_closing") == 1
-    closures = values_in(motion, "contact_event_time")[closing]
+    is_closing = values_in(motion, "contact_event_closing") == 1
+    closures = values_in(motion, "contact_event_time")[is_closing]
     last = int(np.abs(time - closures.min()).argmin()) if len(closures) else len(time) - 1
     last = max(last, 1)
     steps = np.sqrt(np.square(np.diff(position[: last + 1], axis=0)).sum(axis=2).mean(axis=1))
-    way = np.concatenate([[0.0], steps.cumsum()])
-    wanted = np.linspace(0.0, way[-1], count)
-    return np.array([int(np.abs(way - one).argmin()) for one in wanted])
+    path_length = np.concatenate([[0.0], steps.cumsum()])
+    targets = np.linspace(0.0, path_length[-1], count)
+    return np.array([int(np.abs(path_length - target).argmin()) for target in targets])
 
 
 def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | None = None) -> Any:
@@ -34,14 +34,14 @@ def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | N
     from matplotlib.figure import Figure
 
     view = view or View()
-    shown = telling_moments(motion, count)
-    solid = solid_of_motion(motion, shown)
+    indices = telling_moments(motion, count)
+    solid = solid_of_motion(motion, indices)
     limits = limits_of(solid.places, view, margin=0.02)
-    across, up = limits[1] - limits[0]
-    shape = min(2.6, (up + 0.2 * max(across, up)) / across)  # of a panel
+    x_span, y_span = limits[1] - limits[0]
+    shape = min(2.6, (y_span + 0.2 * max(x_span, y_span)) / x_span)  # of a panel
     figure = Figure(figsize=(width, width / count * shape + 0.2))
     height = figure.get_figheight()
-    for moment, now in enumerate(values_in(motion, "time")[shown]):
+    for moment, time in enumerate(values_in(motion, "time")[indices]):
         ax = figure.add_axes((moment / count, 0, 1 / count, 1 - 0.2 / height))
         frame_picture(ax, limits, view, signs=moment == 0)
         if len(solid.nodes):
@@ -49,5 +49,5 @@ def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | N
             paint_cables(ax, solid, moment, view)
         else:
             ax.plot(*(view.page @ solid.position[moment].T), "o", color="black", markersize=3)
-        ax.set_title(f"{now:.3g} s", fontsize=8, pad=2)
+        ax.set_title(f"{time:.3g} s", fontsize=8, pad=2)
     return figure

@@ -40,10 +40,10 @@ def write_moving(
     """
     from PIL import Image
 
-    drawn = frames(motion, view or View(), width, by_stress)
-    images = [Image.fromarray(frame) for frame in drawn]
-    each = round(1000 * SECONDS / len(images))
-    durations = [each] * (len(images) - 1) + [each + round(1000 * HOLD)]
+    pictures = frames(motion, view or View(), width, by_stress)
+    images = [Image.fromarray(frame) for frame in pictures]
+    frame_ms = round(1000 * SECONDS / len(images))
+    durations = [frame_ms] * (len(images) - 1) + [frame_ms + round(1000 * HOLD)]
     if path.suffix == ".gif":  # one palette for all, so that nothing flickers
         palette = _palette(images)
         images = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
@@ -71,8 +71,8 @@ def frames(
 
     solid = solid_of_motion(motion)
     limits = limits_of(solid.places, view)
-    across, up = limits[1] - limits[0]
-    height = width * (up + 0.2 * max(across, up)) / across
+    x_span, y_span = limits[1] - limits[0]
+    height = width * (y_span + 0.2 * max(x_span, y_span)) / x_span
     shrink = min(1.0, 1.25 * width / height)  # a mast stands in a picture that is not too tall
     figure = Figure(figsize=(width, shrink * height), dpi=_DPI)
     canvas = FigureCanvasAgg(figure)
@@ -83,17 +83,17 @@ def frames(
     if by_stress:
         colours, top = stress_colours(motion)
         draw_scale(figure, top)
-    for moment, now in enumerate(motion["time"].values):
+    for moment, time in enumerate(motion["time"].values):
         if len(solid.nodes):
             own = None if colours is None else colours[moment]
-            drawn = [paint_solid(ax, solid, moment, view, own)]
-            drawn.append(paint_cables(ax, solid, moment, view))
+            artists = [paint_solid(ax, solid, moment, view, own)]
+            artists.append(paint_cables(ax, solid, moment, view))
         else:
-            drawn = ax.plot(*(view.page @ solid.position[moment].T), "o", color="black")
-        clock.set_text(f"{now:.2f} s")
+            artists = ax.plot(*(view.page @ solid.position[moment].T), "o", color="black")
+        clock.set_text(f"{time:.2f} s")
         canvas.draw()
         yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
-        for artist in drawn:
+        for artist in artists:
             artist.remove()
 
 
@@ -101,14 +101,14 @@ def _palette(images: list) -> Any:
     """A picture whose palette serves all frames: of some of them side by side."""
     from PIL import Image
 
-    some = images[:: max(1, len(images) // 8)]
+    sample = images[:: max(1, len(images) // 8)]
     width, height = images[0].size
-    sheet = Image.new("RGB", (width, height * len(some)), "white")
-    for i, image in enumerate(some):
+    sheet = Image.new("RGB", (width, height * len(sample)), "white")
+    for i, image in enumerate(sample):
         sheet.paste(image, (0, i * height))
-    few = sheet.quantize(128, dither=Image.Dither.NONE)
-    colours = np.array(few.getpalette()).reshape(-1, 3)
+    palette_image = sheet.quantize(128, dither=Image.Dither.NONE)
+    colours = np.array(palette_image.getpalette()).reshape(-1, 3)
     colours[(colours > 244).all(axis=1)] = 255  # paper stays white
-    found = Image.new("P", (1, 1))
-    found.putpalette(colours.ravel().tolist())
-    return found
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(colours.ravel().tolist())
+    return palette

@@ -28,9 +28,9 @@ def paint_solid(
 
     faces, shades = visible_faces(solid, moment, view, colours)
     edges = 0.7 * shades
-    drawn = PolyCollection(faces, facecolors=shades, edgecolors=edges, linewidths=0.25)
-    ax.add_collection(drawn, autolim=False)
-    return drawn
+    collection = PolyCollection(faces, facecolors=shades, edgecolors=edges, linewidths=0.25)
+    ax.add_collection(collection, autolim=False)
+    return collection
 
 
 def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
@@ -41,11 +41,11 @@ def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
     lines = (solid.cable_points[moment] @ view.page.T)[cables.stretches]
     styles: list[Any] = ["solid"] * len(lines)
     if cables.tension is not None:
-        taut = cables.tension[moment][cables.of[cables.stretches[:, 0]]] > 0
+        taut = cables.tension[moment][cables.cable[cables.stretches[:, 0]]] > 0
         styles = ["solid" if pulls else (0, (3, 2)) for pulls in taut]
-    drawn = LineCollection(lines, colors=CABLE, linewidths=0.9, linestyles=styles)
-    ax.add_collection(drawn, autolim=False)
-    return drawn
+    collection = LineCollection(lines, colors=CABLE, linewidths=0.9, linestyles=styles)
+    ax.add_collection(collection, autolim=False)
+    return collection
 
 
 def visible_faces(
@@ -59,8 +59,8 @@ def visible_faces(
     corners = solid.corners[moment][element[:, None], FACES[face]]
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-    seen = normal @ view.towards > 0
-    corners, normal, element = corners[seen], normal[seen], element[seen]
+    is_visible = normal @ view.towards > 0
+    corners, normal, element = corners[is_visible], normal[is_visible], element[is_visible]
     order = paint_order(corners @ view.page.T, corners @ view.towards)
     bright = 0.6 + 0.4 * np.clip(normal @ _LIGHT, 0, 1)
     if colours is None:
@@ -74,12 +74,12 @@ def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: fl
     if not flat:
         return
     centre = np.mean(list(flat.values()), axis=0)
-    for name, at in flat.items():
-        away = at - centre
-        length = np.linalg.norm(away)
-        away = away / length if length > 1e-6 * size else np.array([0.0, 1.0])
-        ax.plot(*at, "o", color="black", markersize=2.5)
-        place = at + 0.045 * size * away
+    for name, point in flat.items():
+        direction = point - centre
+        length = np.linalg.norm(direction)
+        direction = direction / length if length > 1e-6 * size else np.array([0.0, 1.0])
+        ax.plot(*point, "o", color="black", markersize=2.5)
+        place = point + 0.045 * size * direction
         ax.text(*place, name, fontsize=7, ha="center", va="center", bbox=_HALO)
 
 

@@ -21,19 +21,19 @@ FACES = np.array([
 class Cables:
     """The p points of cables, one cable after the other.
 
-    of (p,): index of the point's cable; on (p,): its particle; arm (p, 3) m: from there, in the
+    cable (p,): index of the point's cable; particle (p,): its own; arm (p, 3) m: from there, in the
     particle's frame; tension (t, c) N of each cable, None where it is not known.
     """
 
-    of: np.ndarray
-    on: np.ndarray
+    cable: np.ndarray
+    particle: np.ndarray
     arm: np.ndarray
     tension: np.ndarray | None = None
 
     @cached_property
     def stretches(self) -> np.ndarray:
         """Indices (s, 2) of the points at the ends of each straight stretch."""
-        first = np.flatnonzero(self.of[1:] == self.of[:-1])
+        first = np.flatnonzero(self.cable[1:] == self.cable[:-1])
         return np.stack([first, first + 1], axis=1)
 
 
@@ -59,22 +59,22 @@ class Solid:
     @cached_property
     def cable_points(self) -> np.ndarray:
         """Places (t, p, 3), m, of the cables' points."""
-        on, arm = self.cables.on, self.cables.arm
-        return self.position[:, on] + np.einsum("tpij,pj->tpi", self.frame[:, on], arm)
+        particle, arm = self.cables.particle, self.cables.arm
+        return self.position[:, particle] + np.einsum("tpij,pj->tpi", self.frame[:, particle], arm)
 
     @cached_property
     def places(self) -> np.ndarray:
         """Places (t, k, 3), m, that a picture must hold."""
         count = len(self.position)
-        found = [self.corners.reshape(count, -1, 3), self.cable_points]
-        return np.concatenate(found, axis=1) if len(self.nodes) else self.position
+        points = [self.corners.reshape(count, -1, 3), self.cable_points]
+        return np.concatenate(points, axis=1) if len(self.nodes) else self.position
 
     @cached_property
     def corners(self) -> np.ndarray:
         """Corners (t, m, 8, 3) of the elements, m: four at the first end, four at the second."""
-        turned = np.einsum("tmeij,mecj->tmeci", self.frame[:, self.nodes], self.sections)
-        placed = turned + self.position[:, self.nodes, None, :]
-        return placed.reshape(len(placed), len(self.nodes), 8, 3)
+        offsets = np.einsum("tmeij,mecj->tmeci", self.frame[:, self.nodes], self.sections)
+        corners = offsets + self.position[:, self.nodes, None, :]
+        return corners.reshape(len(corners), len(self.nodes), 8, 3)
 
     @cached_property
     def thickness(self) -> float:
@@ -96,12 +96,12 @@ class Solid:
     def visible(self) -> np.ndarray:
         """Which of the six faces of each element (m, 6) are not hidden by its neighbour's."""
         stretches = np.array([name.rsplit("[", 1)[0] for name in self.elements])
-        same = stretches[1:] == stretches[:-1]
-        same &= self.nodes[1:, 0] == self.nodes[:-1, 1]
-        shown = np.ones((len(self.nodes), len(FACES)), bool)
-        shown[1:, 4] = ~same
-        shown[:-1, 5] = ~same
-        return shown
+        is_joined = stretches[1:] == stretches[:-1]
+        is_joined &= self.nodes[1:, 0] == self.nodes[:-1, 1]
+        mask = np.ones((len(self.nodes), len(FACES)), bool)
+        mask[1:, 4] = ~is_joined
+        mask[:-1, 5] = ~is_joined
+        return mask
 
 
 def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
@@ -150,5 +150,5 @@ def _cables_of_scene(scene: Any) -> Cables:
     if not beams:
         return NO_CABLES
     count = [len(cable.beams) for cable in scene.cables]
-    of, on = np.repeat(np.arange(len(count)), count), np.array([b.particle for b in beams])
-    return Cables(of, on, np.array([beam.arm for beam in beams]))
+    index, particle = np.repeat(np.arange(len(count)), count), np.array([b.particle for b in beams])
+    return Cables(index, particle, np.array([beam.arm for beam in beams]))

@@ -21,7 +21,7 @@ from deployable.campaign.pictures.view import View
 
 SUFFIXES = (".png", ".svg", ".pdf")
 _HINGE = {"color": "black", "linewidth": 0.9, "zorder": 4}
-_HELD = {"marker": "^", "color": "none", "markeredgecolor": "black", "markersize": 6, "zorder": 5}
+_MARKER = {"marker": "^", "color": "none", "markeredgecolor": "black", "markersize": 6, "zorder": 5}
 
 
 def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> Any:
@@ -31,14 +31,14 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
     view = view or View()
     solid = solid_of_scene(scene)
     points = {name: _place(scene, beam) for name, beam in scene.points.items()}
-    held = scene.position[scene.fixed[:, :3].all(axis=1)]
+    supports = scene.position[scene.fixed[:, :3].all(axis=1)]
     hinges = list(_hinge_lines(scene))
     own = _own(scene)
     places = [solid.corners, solid.cable_points, scene.position[own], *points.values()]
     limits = limits_of(np.vstack([np.reshape(p, (-1, 3)) for p in places]), view)
-    across, up = limits[1] - limits[0]
-    size = max(across, up)
-    figure = Figure(figsize=(width, min(1.1 * width, width * (up + 0.2 * size) / across)))
+    x_span, y_span = limits[1] - limits[0]
+    size = max(x_span, y_span)
+    figure = Figure(figsize=(width, min(1.1 * width, width * (y_span + 0.2 * size) / x_span)))
     ax = figure.add_axes((0, 0, 1, 1))
     frame_picture(ax, limits, view)
     if len(solid.nodes):
@@ -47,10 +47,10 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
     for place, axis in hinges:
         ends = np.stack([place - 0.02 * size * axis, place + 0.02 * size * axis])
         ax.plot(*(ends @ view.page.T).T, **_HINGE)
-    for place in held[_inside(held @ view.page.T, limits)]:
-        ax.plot(*(view.page @ place), **_HELD)
-    alone = np.setdiff1d(own, solid.nodes)
-    ax.plot(*(scene.position[alone] @ view.page.T).T, "o", color="black", markersize=4)
+    for place in supports[_in_limits(supports @ view.page.T, limits)]:
+        ax.plot(*(view.page @ place), **_MARKER)
+    particles = np.setdiff1d(own, solid.nodes)
+    ax.plot(*(scene.position[particles] @ view.page.T).T, "o", color="black", markersize=4)
     paint_points(ax, points, view, size)
     return figure
 
@@ -83,5 +83,5 @@ def _own(scene: Any) -> np.ndarray:
     return np.flatnonzero(on_beams | ~scene.fixed.all(axis=1))
 
 
-def _inside(flat: np.ndarray, limits: np.ndarray) -> np.ndarray:
+def _in_limits(flat: np.ndarray, limits: np.ndarray) -> np.ndarray:
     return ((flat >= limits[0]) & (flat <= limits[1])).all(axis=1)

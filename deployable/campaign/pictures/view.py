@@ -29,9 +29,9 @@ class View:
         return np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
 
 
-def nice_length(wanted: float) -> float:
-    """The largest of 1, 2 or 5 times a power of ten that is at most `wanted` (above 0)."""
-    power = 10.0 ** np.floor(np.log10(wanted))
+def nice_length(limit: float) -> float:
+    """The largest of 1, 2 or 5 times a power of ten that is at most `limit` (above 0)."""
+    power = 10.0 ** np.floor(np.log10(limit))
     return float(
-        max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1 + 1e-9)) * power
+        max(step for step in (1.0, 2.0, 5.0) if step * power <= limit * (1 + 1e-9)) * power
     )

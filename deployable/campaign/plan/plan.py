@@ -155,12 +155,13 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
     return Plan(experiment, mechanics, time, runs)
 
 
-def choose_step(experiment: Experiment) -> TimeStep:
-    """One time step for all runs: stable at the centre and at every corner of the box, times the
-    safety, then shortened until the recording interval is a whole number of steps (s)."""
+def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
+    """One time step for all runs: stable at the centre and, unless `corners` is false, at every
+    corner of the box, times the safety, then shortened until the recording interval is a whole
+    number of steps (s)."""
     solver, box = experiment.solver, experiment.box
     limit, element, energy = math.inf, "", 0.0
-    for unit in np.vstack([np.zeros((1, box.dimension)), box.corners()]):
+    for unit in [np.zeros(box.dimension), *(box.corners() if corners else ())]:
         named = dict(zip(box.names, map(float, box.from_unit(unit)), strict=True))
         scene = experiment.build(named)
         stable = fpm.stable_step(scene)

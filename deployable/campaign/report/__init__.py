@@ -1,28 +1,7 @@
 """The report of a campaign: one HTML page that moves (`page.py`), from plain data (`data.py`)."""
 
-from deployable.campaign.report.data import (
-    Event,
-    LeftOut,
-    MovingRun,
-    PageData,
-    Response,
-    Run,
-    Work,
-)
 from deployable.campaign.report.motions import draw_nominal, make_motions
 from deployable.campaign.report.page import write_page
 from deployable.campaign.report.read import from_results
 
-__all__ = [
-    "Event",
-    "LeftOut",
-    "MovingRun",
-    "PageData",
-    "Response",
-    "Run",
-    "Work",
-    "draw_nominal",
-    "from_results",
-    "make_motions",
-    "write_page",
-]
+__all__ = ["draw_nominal", "from_results", "make_motions", "write_page"]

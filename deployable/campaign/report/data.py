@@ -25,8 +25,8 @@ class Response:
 
     error: estimated error of the bounds; shares (k,), widths (k, t): what each parameter
     contributes, overall and at every instant, not a number where that is not above the error of the
-    fit. along: over what it lies instead of time (`results.facts.along_of`); least: what it can not
-    be below.
+    fit. abscissa: over what it lies instead of time (`results.facts.along_of`); least: what it can
+    not be below.
     """
 
     name: str
@@ -38,7 +38,7 @@ class Response:
     error: np.ndarray | None = None
     shares: np.ndarray | None = None
     widths: np.ndarray | None = None
-    along: Mapping[str, Any] | None = None
+    abscissa: Mapping[str, Any] | None = None
     least: float | None = None
 
     @property
@@ -88,7 +88,7 @@ class LeftOut:
 
 
 @dataclass(frozen=True)
-class Judged:
+class RunVerdicts:
     """Runs with their parameter values (R, k), which of them meet all requirements (R,), and their
     quantities (R, q), not a number where there is none."""
 
@@ -110,9 +110,9 @@ class WhatIf:
 
 @dataclass(frozen=True)
 class Work:
-    """A piece of work: what, seconds of the clock and of the processor (if known)."""
+    """A piece of work: task, seconds of the clock and of the processor (if known)."""
 
-    what: str
+    task: str
     clock: float
     cpu: float | None = None
 
@@ -124,9 +124,9 @@ class PageData:
     facts: what `summary.json` holds; time (t,) s; runs: those of the design, and of those for the
     ends of quantities the ones that move;
     moving: the nominal run first, then those at which quantities and bounds are attained;
-    left: those of them that do not move, since the page would be too large;
+    omitted: those of them that do not move, since the page would be too large;
     provenance: name -> text; config: text to start from again;
-    judged: the runs with their quantities, and which meet the requirements, if there are any;
+    verdicts: the runs with their quantities, and which meet the requirements, if there are any;
     what_if: what sliders ask.
     """
 
@@ -135,11 +135,11 @@ class PageData:
     responses: tuple[Response, ...]
     runs: tuple[Run, ...]
     moving: tuple[MovingRun, ...] = ()
-    left: tuple[LeftOut, ...] = ()
+    omitted: tuple[LeftOut, ...] = ()
     work: tuple[Work, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
-    judged: Judged | None = None
+    verdicts: RunVerdicts | None = None
     what_if: WhatIf | None = None
 
     @property
@@ -155,12 +155,12 @@ class PageData:
     @property
     def unfitted(self) -> tuple[int, ...]:
         """Indices of the runs that no surrogate was fitted to; the nominal run is among them."""
-        fitted = {run.id for run in self.runs if run.role in ("node", FURTHER)}
-        return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted)
+        fitted_ids = {run.id for run in self.runs if run.role in ("node", FURTHER)}
+        return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted_ids)
 
     @property
     def lines(self) -> list[int]:
         """Indices of the runs drawn as thin lines: unfitted ones, evenly chosen where many are."""
         runs = [i for i in self.unfitted if self.runs[i].role != "nominal"]
-        chosen = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), MOST_LINES)).round())
-        return [runs[int(i)] for i in chosen] if runs else []
+        indices = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), MOST_LINES)).round())
+        return [runs[int(i)] for i in indices] if runs else []

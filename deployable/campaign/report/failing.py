@@ -21,13 +21,13 @@ MOST_MARKS = 400
 @dataclass(frozen=True)
 class Panel:
     """The box along two parameters, or one: marks (x, y, met, near) of `runs`, by their places
-    among all that are judged, and the part in which nothing fails, from `kept[0]` to `kept[1]`;
+    among all that are judged, and the part in which nothing fails, `feasible[0]` to `feasible[1]`;
     coordinates from 0 to 1. Runs are near where all other parameters lie in that part."""
 
-    across: Mapping[str, Any]
-    up: Mapping[str, Any] | None
+    x_axis: Mapping[str, Any]
+    y_axis: Mapping[str, Any] | None
     marks: list[tuple[float, float, bool, bool]]
-    kept: tuple[tuple[float, float], tuple[float, float]] | None
+    feasible: tuple[tuple[float, float], tuple[float, float]] | None
     runs: list[int]
 
 
@@ -45,21 +45,21 @@ def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) 
 
 def _tells_apart(data: PageData) -> bool:
     """Whether some runs fail and some meet all requirements."""
-    return data.judged is not None and 0 < data.judged.met.sum() < len(data.judged.met)
+    return data.verdicts is not None and 0 < data.verdicts.met.sum() < len(data.verdicts.met)
 
 
 def panels(data: PageData) -> list[Panel]:
     """The panels of a page; none where there is nothing that fails, or nothing that meets all."""
     if not _tells_apart(data):
         return []
-    unit = [_unit(p, data.judged.values[:, k]) for k, p in enumerate(data.parameters)]
+    unit = [_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
     free = [k for k, p in enumerate(data.parameters) if p["upper"] > p["lower"]]
-    met = data.judged.met
+    met = data.verdicts.met
     free.sort(key=lambda k: -abs(unit[k][met].mean() - unit[k][~met].mean()))
-    chosen = sorted(free[:MOST_PARAMETERS])
-    pairs = list(combinations(chosen, 2)) or [(chosen[0], None)]
-    few = min(MOST_MARKS, len(met))
-    runs = np.linspace(0, len(met) - 1, few).round().astype(int)
+    axes = sorted(free[:MOST_PARAMETERS])
+    pairs = list(combinations(axes, 2)) or [(axes[0], None)]
+    count = min(MOST_MARKS, len(met))
+    runs = np.linspace(0, len(met) - 1, count).round().astype(int)
     runs = runs[np.argsort(~met[runs], kind="stable")]  # what fails lies above
     return [_panel(data, unit, runs, *pair) for pair in pairs]
 
@@ -68,21 +68,21 @@ def _panel(data: PageData, unit: list, runs: np.ndarray, i: int, j: int | None) 
     share = data.facts["together"]["largest_share"]
     nominal = [_unit(p, p["nominal"]) for p in data.parameters]
     ends = [(middle * (1 - share), middle + share * (1 - middle)) for middle in nominal]
-    inside = [
+    in_part = [
         (values >= low) & (values <= high) for values, (low, high) in zip(unit, ends, strict=True)
     ]
-    others = [k for k in range(len(unit)) if share > 0 and k not in (i, j)]
-    near = np.all([inside[k] for k in others], axis=0) if others else np.full(len(unit[i]), True)
-    up = np.full(len(near), 0.5) if j is None else unit[j]
-    framed = inside[i] & (True if j is None else inside[j]) & (share > 0)
-    runs = runs[~(framed & ~near & ~data.judged.met)[runs]]
-    marks = zip(unit[i][runs], up[runs], data.judged.met[runs], near[runs], strict=True)
-    kept = zip(ends[i], (0.0, 1.0) if j is None else ends[j], strict=True)
+    rest = [k for k in range(len(unit)) if share > 0 and k not in (i, j)]
+    is_near = np.all([in_part[k] for k in rest], axis=0) if rest else np.full(len(unit[i]), True)
+    y_values = np.full(len(is_near), 0.5) if j is None else unit[j]
+    in_frame = in_part[i] & (True if j is None else in_part[j]) & (share > 0)
+    runs = runs[~(in_frame & ~is_near & ~data.verdicts.met)[runs]]
+    marks = zip(unit[i][runs], y_values[runs], data.verdicts.met[runs], is_near[runs], strict=True)
+    feasible = zip(ends[i], (0.0, 1.0) if j is None else ends[j], strict=True)
     return Panel(
         data.parameters[i],
         None if j is None else data.parameters[j],
-        [(round(float(x), 4), round(float(y), 4), bool(met), bool(by)) for x, y, met, by in marks],
-        tuple((float(x), float(y)) for x, y in kept) if share > 0 else None,
+        [(round(float(x), 4), round(float(y), 4), bool(met), bool(c)) for x, y, met, c in marks],
+        tuple((float(x), float(y)) for x, y in feasible) if share > 0 else None,
         runs.tolist(),
     )
 
@@ -92,43 +92,43 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
     place along each parameter, from 0 to 1; what fails lies above."""
     if len(data.parameters) <= MOST_PARAMETERS or not _tells_apart(data):
         return []
-    unit = np.array([_unit(p, data.judged.values[:, k]) for k, p in enumerate(data.parameters)])
+    unit = np.array([_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)])
     return [
-        (int(run), bool(data.judged.met[run]), unit[:, run].round(4).tolist())
-        for run in np.argsort(~data.judged.met, kind="stable")[-MOST_MARKS:]
+        (int(run), bool(data.verdicts.met[run]), unit[:, run].round(4).tolist())
+        for run in np.argsort(~data.verdicts.met, kind="stable")[-MOST_MARKS:]
     ]
 
 
 def prices(facts: Mapping[str, Any]) -> Panel | None:
     """The choices that were tried: both goals, or the one over the first chosen parameter. Those
     whose latest time is the end of the runs are left out: it has none."""
-    found = facts.get("choice")
-    if found is None:
+    choice = facts.get("choice")
+    if choice is None:
         return None
     aims = [
         {"name": f"{goal['quantity']} {_ENDS[goal['end']]}", "units": goal["units"]}
-        for goal in found["goals"][:2]
+        for goal in choice["goals"][:2]
     ]
-    late = [g["units"] == "s" and g["end"] == "upper" for g in found["goals"]]
-    best = {"values": [p["value"] for p in found["parameters"]], "kept": None}
-    best["goals"] = [goal["value"] for goal in found["goals"]]
-    rows, kept = [], []
-    for one in [*found["tried"], best]:
-        goals = [np.inf if value is None else value for value in one["goals"]]
+    late = [g["units"] == "s" and g["end"] == "upper" for g in choice["goals"]]
+    best = {"values": [p["value"] for p in choice["parameters"]], "kept": None}
+    best["goals"] = [goal["value"] for goal in choice["goals"]]
+    rows, feasible = [], []
+    for trial in [*choice["tried"], best]:
+        goals = [np.inf if value is None else value for value in trial["goals"]]
         if not (np.array(late) & (np.array(goals) > 0.95 * facts["duration"])).any():
-            rows.append(goals[:2] if len(aims) > 1 else [one["values"][0], goals[0]])
-            kept.append(one["kept"])
+            rows.append(goals[:2] if len(aims) > 1 else [trial["values"][0], goals[0]])
+            feasible.append(trial["kept"])
     places = np.array(rows)
     if len(aims) == 1:
-        aims.insert(0, {key: found["parameters"][0][key] for key in ("name", "units")})
+        aims.insert(0, {key: choice["parameters"][0][key] for key in ("name", "units")})
     if len(rows) < 2 or not np.isfinite(places).all():
         return None
-    across, up = (
+    x_axis, y_axis = (
         {**aim, "lower": float(column.min()), "upper": float(column.max())}
         for aim, column in zip(aims, places.T, strict=True)
     )
-    unit = zip(_unit(across, places[:, 0]), _unit(up, places[:, 1]), kept, strict=True)
-    return Panel(across, up, [(float(x), float(y), met, True) for x, y, met in unit], None, [])
+    unit = zip(_unit(x_axis, places[:, 0]), _unit(y_axis, places[:, 1]), feasible, strict=True)
+    return Panel(x_axis, y_axis, [(float(x), float(y), met, True) for x, y, met in unit], None, [])
 
 
 _ENDS = {"upper": "at most", "lower": "at least", "width": "known to"}

@@ -34,7 +34,7 @@ _FEW_RUNS, _FEW_FRAMES = 7, 100
 
 
 @dataclass(frozen=True)
-class Shown:
+class ShownRun:
     """A run that is shown moving: its id, its parameter values (k,), and what it is.
 
     row: its place among the samples; None for a further run, which was made for the end of a
@@ -47,7 +47,7 @@ class Shown:
     row: int | None
 
 
-def shown_runs(folder: str | Path) -> list[Shown]:
+def shown_runs(folder: str | Path) -> list[ShownRun]:
     """The runs of a campaign's folder that are shown: the nominal run first.
 
     Then the runs at the ends of the quantities' intervals, and those with the least and the largest
@@ -68,19 +68,19 @@ def shown_runs(folder: str | Path) -> list[Shown]:
         nominal = nominal_row(samples)
         further, further_ids = values[:0], []
         if numbers is not None and (folder / "further.nc").exists():
-            with open_dataset(folder / "further.nc") as more:
-                further, further_ids = more["value"].values, more["run_id"].values.tolist()
-                numbers = np.concatenate([numbers, more["quantities"].values])
+            with open_dataset(folder / "further.nc") as file:
+                further, further_ids = file["value"].values, file["run_id"].values.tolist()
+                numbers = np.concatenate([numbers, file["quantities"].values])
         if numbers is not None:
             ends = [*_ends_of(samples["quantity"].values, numbers), *ends]
-        chosen = _labelled(ends, np.concatenate([values, further]), nominal)
-        known = ids(samples, rows := [run for run in chosen if run < len(values)])
-    of_sample = dict(zip(rows, known, strict=True))
+        labels = _labelled(ends, np.concatenate([values, further]), nominal)
+        run_ids = ids(samples, rows := [run for run in labels if run < len(values)])
+    of_sample = dict(zip(rows, run_ids, strict=True))
     return [
-        Shown(of_sample[run], values[run], label, run)
+        ShownRun(of_sample[run], values[run], label, run)
         if run in of_sample
-        else Shown(further_ids[run - len(values)], further[run - len(values)], label, None)
-        for run, label in chosen.items()
+        else ShownRun(further_ids[run - len(values)], further[run - len(values)], label, None)
+        for run, label in labels.items()
     ]
 
 
@@ -112,17 +112,17 @@ def _labelled(
     """Runs, by their places among values (R, k), with what they are; those with the same values are
     the same."""
     first = nominal or 0
-    found: dict[int, dict[str, list[str]]] = {}
+    ends_by_run: dict[int, dict[str, list[str]]] = {}
     for name, runs in ends:
-        for run, what in zip(runs, ("least", "largest"), strict=True):
-            same = next((r for r in found if (values[r] == values[run]).all()), run)
-            found.setdefault(same, {}).setdefault(what, []).append(name)
-    shown = {first: "first run" if nominal is None else "nominal run"}
-    for run, texts in found.items():
-        if (values[run] != values[first]).any() and len(shown) < MOST_MOVING:
-            parts = [f"{what} {', '.join(names)}" for what, names in texts.items()]
-            shown[run] = f"run of {' and '.join(parts)}"
-    return shown
+        for run, end in zip(runs, ("least", "largest"), strict=True):
+            twin = next((r for r in ends_by_run if (values[r] == values[run]).all()), run)
+            ends_by_run.setdefault(twin, {}).setdefault(end, []).append(name)
+    labels = {first: "first run" if nominal is None else "nominal run"}
+    for run, texts in ends_by_run.items():
+        if (values[run] != values[first]).any() and len(labels) < MOST_MOVING:
+            parts = [f"{end} {', '.join(names)}" for end, names in texts.items()]
+            labels[run] = f"run of {' and '.join(parts)}"
+    return labels
 
 
 def _extreme_runs(samples: xarray.Dataset, response: int, instant: int) -> tuple[int, int]:
@@ -132,13 +132,13 @@ def _extreme_runs(samples: xarray.Dataset, response: int, instant: int) -> tuple
             samples[name][:, response, instant].values
             for name in ("lower", "upper", "lower_run", "upper_run")
         )
-        there = np.flatnonzero(low_run >= 0)
-        return int(low_run[there[low[there].argmin()]]), int(high_run[there[high[there].argmax()]])
+        rows = np.flatnonzero(low_run >= 0)
+        return int(low_run[rows[low[rows].argmin()]]), int(high_run[rows[high[rows].argmax()]])
     values = samples["values"][:, response, instant].values
     return int(values.argmin()), int(values.argmax())
 
 
-def motions_of(samples: xarray.Dataset, shown: Sequence[Shown], frames: int = 401) -> list:
+def motions_of(samples: xarray.Dataset, runs: Sequence[ShownRun], frames: int = 401) -> list:
     """The whole motion of runs of a campaign, an xarray.Dataset each, made again side by side.
 
     Of runs whose curves are not in `samples.nc` it has them: ``curves`` (response, instant), and
@@ -148,10 +148,10 @@ def motions_of(samples: xarray.Dataset, shown: Sequence[Shown], frames: int = 40
 
     experiment = Experiment.read(samples.attrs["config"])
     names = samples["parameter"].values.tolist()
-    scenes = [experiment.build(dict(zip(names, run.values.tolist(), strict=True))) for run in shown]
+    scenes = [experiment.build(dict(zip(names, run.values.tolist(), strict=True))) for run in runs]
     solver = experiment.solver
-    closures = samples["event_time"].values[shown[0].row]
-    bare = {i for i, run in enumerate(shown) if run.row is None or keeps_extremes(samples)}
+    closures = samples["event_time"].values[runs[0].row]
+    bare = {i for i, run in enumerate(runs) if run.row is None or keeps_extremes(samples)}
     return whole_motion(
         scenes,
         duration=solver.duration,
@@ -161,7 +161,7 @@ def motions_of(samples: xarray.Dataset, shown: Sequence[Shown], frames: int = 40
         record=experiment.record if bare else (),
         frames=frames,
         times=closures[np.isfinite(closures)],
-        attributes=[{"run_id": run.id, "campaign": samples.attrs["campaign"]} for run in shown],
+        attributes=[{"run_id": run.id, "campaign": samples.attrs["campaign"]} for run in runs],
         extra_variables=lambda i, outcome: _own_curves(experiment, outcome) if i in bare else {},
     )
 
@@ -191,7 +191,7 @@ def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
             open_dataset(Folder(folder).motions / f"{name}.nc") as motion,
         ):
             return motion.load()
-        return motions_of(samples, [Shown(name, samples["value"].values[row], "", row)])[0]
+        return motions_of(samples, [ShownRun(name, samples["value"].values[row], "", row)])[0]
 
 
 def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
@@ -207,11 +207,11 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
         experiment = Experiment.read(samples.attrs["config"])
         if experiment.mechanics != samples.attrs["mechanics"]:
             return []
-        shown = shown_runs(folder)
-        values = dict(zip(samples["parameter"].values.tolist(), shown[0].values, strict=True))
-        shown = shown[: how_many_move(len(experiment.build(values).position))]
-        paths = [Folder(folder).motions / f"{run.id}.nc" for run in shown]
-        for motion, path in zip(motions_of(samples, shown, frames), paths, strict=True):
+        runs = shown_runs(folder)
+        values = dict(zip(samples["parameter"].values.tolist(), runs[0].values, strict=True))
+        runs = runs[: how_many_move(len(experiment.build(values).position))]
+        paths = [Folder(folder).motions / f"{run.id}.nc" for run in runs]
+        for motion, path in zip(motions_of(samples, runs, frames), paths, strict=True):
             write_dataset(motion, path, "Whole motion of a run")
     for path in set(Folder(folder).motions.glob("*.nc")) - set(paths):
         try:

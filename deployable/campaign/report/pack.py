@@ -42,9 +42,9 @@ class _Arrays:
     def add(self, values: np.ndarray, kind: str) -> dict[str, Any]:
         """Where an array is, for the script; kind is a little-endian numpy type, e.g. `f4`."""
         raw = np.ascontiguousarray(values, dtype=np.dtype(kind).newbyteorder("<"))
-        found = {"kind": kind, "at": len(self.data), "count": raw.size}
+        entry = {"kind": kind, "at": len(self.data), "count": raw.size}
         self.data += raw.tobytes() + b"\0" * (-raw.nbytes % 8)
-        return found
+        return entry
 
 
 def compressed(raw: bytes) -> str:
@@ -89,7 +89,7 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
 
     grades = {row["name"]: row["grade"] for row in data.facts["responses"]}
 
-    def shown(response: Response) -> bool:
+    def has_widths(response: Response) -> bool:
         """Whether what parameters contribute is known well enough to be drawn."""
         return response.widths is not None and grades.get(response.name) not in ("large", "none")
 
@@ -108,7 +108,7 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
             {
                 "name": r.name, "longName": r.long_name, "units": r.units,
                 "unit": pretty(r.units),
-                "widest": float(data.time[r.widest]), "along": r.along,
+                "widest": float(data.time[r.widest]), "along": r.abscissa,
                 "least": None if r.least is None or np.isnan(r.least) else float(r.least),
                 **{
                     key: None if values is None else arrays.add(values[..., keep], "f8")
@@ -117,13 +117,13 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
                         ("error", r.error),
                     )
                 },
-                "widths": [arrays.add(w[keep], "f4") for w in r.widths] if shown(r) else None,
+                "widths": [arrays.add(w[keep], "f4") for w in r.widths] if has_widths(r) else None,
             }
             for r in data.responses
         ],
         "runs": _runs(data),
         "whatIf": _what_if(data, keep, arrays),
-        "judged": _judged(data, arrays),
+        "judged": _verdicts(data, arrays),
         "lines": [_line(data, run, keep, arrays) for run in data.lines],
         "moving": [_line(data, m.run, keep, arrays) | {"label": m.label} for m in data.moving],
         "motion": _motion(data.moving, frames, arrays) if data.moving else None,
@@ -131,7 +131,7 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
 
 
 def _runs(data: PageData) -> list[dict[str, Any]]:
-    drawn = {0, *(moving.run for moving in data.moving)}
+    visible_runs = {0, *(mover.run for mover in data.moving)}
     return [
         {
             "id": run.id,
@@ -140,7 +140,7 @@ def _runs(data: PageData) -> list[dict[str, Any]]:
             "events": [
                 {"time": e.time, "contact": e.contact, "closing": e.closing}
                 for e in run.events
-                if len(data.runs) <= MOST_TOLD or i in drawn
+                if len(data.runs) <= MOST_TOLD or i in visible_runs
             ],
         }
         for i, run in enumerate(data.runs)
@@ -149,23 +149,23 @@ def _runs(data: PageData) -> list[dict[str, Any]]:
 
 def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any] | None:
     """What was fitted; a polynomial's constant, which is most of it, in double precision."""
-    if (found := data.what_if) is None:
+    if (model := data.what_if) is None:
         return None
-    rows = [row for row in data.facts["quantities"] if row["name"] in found.quantities]
-    told = {"quantities": [_quantity(row, found.quantities[row["name"]], arrays) for row in rows]}
-    told["limits"] = [
+    rows = [row for row in data.facts["quantities"] if row["name"] in model.quantities]
+    body = {"quantities": [_quantity(row, model.quantities[row["name"]], arrays) for row in rows]}
+    body["limits"] = [
         {"of": row["name"], **{key: limit[key] for key in ("quantity", "kind", "level")}}
         for row in data.facts.get("requirements", ()) for limit in row["limits"]
     ]  # fmt: skip
-    if found.coefficients is None or found.coefficients[..., keep].size > MOST_COEFFICIENTS:
-        return told
-    constant = ~found.indices.any(axis=1)
-    return told | {
-        "indices": found.indices[~constant].tolist(),
+    if model.coefficients is None or model.coefficients[..., keep].size > MOST_COEFFICIENTS:
+        return body
+    constant = ~model.indices.any(axis=1)
+    return body | {
+        "indices": model.indices[~constant].tolist(),
         "constants": [arrays.add(c[constant][:, keep].sum(axis=0), "f8")
-                      for c in found.coefficients],
+                      for c in model.coefficients],
         "slopes": [[arrays.add(row, "f4") for row in c[~constant][:, keep]]
-                   for c in found.coefficients],
+                   for c in model.coefficients],
     }  # fmt: skip
 
 
@@ -178,36 +178,36 @@ def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str,
             key: arrays.add(getattr(formula, key), "f8") for key in numbers
         }
 
-    value, there = surrogate.formulas()
+    value, happens = surrogate.formulas()
     ends = {key: end if np.isfinite(end) else None
             for key, end in (("least", surrogate.least), ("latest", surrogate.latest))}  # fmt: skip
-    named = {"name": row["name"], "unit": pretty(row["units"]), "error": row["error"]}
-    return {**named, "words": row.get("words", row["long_name"]), **ends,
-            "value": table(value), "there": table(there)}  # fmt: skip
+    fields = {"name": row["name"], "unit": pretty(row["units"]), "error": row["error"]}
+    return {**fields, "words": row.get("words", row["long_name"]), **ends,
+            "value": table(value), "there": table(happens)}  # fmt: skip
 
 
-def _judged(data: PageData, arrays: _Arrays) -> dict[str, Any] | None:
-    if data.judged is None:
+def _verdicts(data: PageData, arrays: _Arrays) -> dict[str, Any] | None:
+    if data.verdicts is None:
         return None
-    kept = {"values": "f8", "numbers": "f8", "met": "u1"}
-    return {key: arrays.add(getattr(data.judged, key), kind) for key, kind in kept.items()}
+    kinds = {"values": "f8", "numbers": "f8", "met": "u1"}
+    return {key: arrays.add(getattr(data.verdicts, key), kind) for key, kind in kinds.items()}
 
 
 def _line(data: PageData, run: int, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any]:
     return {"run": run, "curves": [arrays.add(c[keep], "f4") for c in data.runs[run].curves]}
 
 
-def _motion(moving: Sequence[MovingRun], frames: int | None, arrays: _Arrays) -> dict[str, Any]:
+def _motion(movers: Sequence[MovingRun], frames: int | None, arrays: _Arrays) -> dict[str, Any]:
     """The moving runs as glTF files, and what their colours have in common."""
-    found = [m.motion for m in moving]
+    clips = [m.motion for m in movers]
     if frames:
-        each = (np.linspace(0, m.sizes["time"] - 1, frames).round().astype(int) for m in found)
-        found = [m.isel(time=np.unique(kept)) for m, kept in zip(found, each, strict=True)]
+        indices = (np.linspace(0, m.sizes["time"] - 1, frames).round().astype(int) for m in clips)
+        clips = [m.isel(time=np.unique(index)) for m, index in zip(clips, indices, strict=True)]
 
     def largest(name: str) -> float:
-        return max((float(m[name].max()) for m in found if name in m and m[name].size), default=0.0)
+        return max((float(m[name].max()) for m in clips if name in m and m[name].size), default=0.0)
 
-    files = (np.frombuffer(glb_of(motion, small=True), np.uint8) for motion in found)
+    files = (np.frombuffer(glb_of(motion, small=True), np.uint8) for motion in clips)
     return {
         "largestStress": largest("stress"),
         "largestTension": largest("cable_tension"),

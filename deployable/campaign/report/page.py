@@ -40,7 +40,7 @@ def write_page(data: PageData, path: str | Path) -> None:
 
 def render(data: PageData) -> str:
     """The page as text."""
-    units = {pretty(each.units) for each in data.responses}
+    units = {pretty(response.units) for response in data.responses}
     units |= {pretty(parameter["units"]) for parameter in data.parameters}
     return (
         environment(units - {"1"}, html=True)
@@ -54,7 +54,7 @@ def render(data: PageData) -> str:
             prices=prices(data.facts),
             style=_text("style.css"),
             script="\n".join(_text(f"js/{name}.js") for name in SCRIPTS),
-            still=still(data.moving[0].motion) if data.moving else "",
+            still=still_picture(data.moving[0].motion) if data.moving else "",
             library=compressed(_text("vendor/three.min.js").encode()),
             payload=packed(data),
         )
@@ -65,11 +65,11 @@ def _text(name: str) -> str:
     return (_FOLDER / name).read_text(encoding="utf-8")
 
 
-def still(motion: xarray.Dataset) -> str:
+def still_picture(motion: xarray.Dataset) -> str:
     """An SVG picture of some moments of a whole motion side by side, for browsers that cannot move
     it."""
-    shown, view = telling_moments(motion, _MOMENTS), View()
-    solid = solid_of_motion(motion, shown)
+    frames, view = telling_moments(motion, _MOMENTS), View()
+    solid = solid_of_motion(motion, frames)
     low, high = limits_of(solid.places, view, margin=0.03)
     unit = _WIDE / max(high - low)
     parts = []

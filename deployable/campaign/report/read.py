@@ -15,17 +15,17 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.report.data import (
     FURTHER,
     Event,
-    Judged,
     LeftOut,
     MovingRun,
     PageData,
     Response,
     Run,
+    RunVerdicts,
     WhatIf,
     Work,
 )  # fmt: skip
 from deployable.campaign.report.failing import meets
-from deployable.campaign.report.motions import Shown, shown_runs
+from deployable.campaign.report.motions import ShownRun, shown_runs
 from deployable.campaign.results.facts import along_of
 from deployable.campaign.results.ranges import runs_of
 from deployable.campaign.results.which import counts, ids, keeps_extremes, roles
@@ -45,34 +45,34 @@ def from_results(folder: str | Path) -> PageData:
     facts = read_json(folder / "summary.json")
     samples, bounds = _load(folder / "samples.nc", "values"), _load(folder / "bounds.nc")
     sensitivities = folder / "sensitivities.nc"
-    shown = shown_runs(folder)
-    rows = _rows(samples, shown)
-    runs, moving = _moving(folder, _runs(samples, rows), rows, shown)
+    movers = shown_runs(folder)
+    rows = _rows(samples, movers)
+    runs, moving = _moving(folder, _runs(samples, rows), rows, movers)
     data = PageData(
         facts=facts,
         time=bounds["time"].values,
         responses=_responses(bounds, _load(sensitivities) if sensitivities.exists() else None),
         runs=runs,
         moving=moving,
-        left=_left(shown, runs, moving),
+        omitted=_omitted(movers, runs, moving),
         work=_work(folder, facts["runs"]),
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
-        judged=_judged(samples, folder, facts),
+        verdicts=_verdicts(samples, folder, facts),
         what_if=_what_if(folder, facts),
     )
     own = {m.run: m.motion["curves"].values for m in data.moving if "curves" in m.motion}
     runs = tuple(replace(run, curves=own.get(i)) for i, run in enumerate(runs))
     if keeps_extremes(samples):
         return replace(data, runs=runs)
-    drawn = {*data.lines, *(moving.run for moving in data.moving)} - own.keys()
-    return replace(data, runs=_with_curves(runs, rows, folder / "samples.nc", drawn))
+    drawn_runs = {*data.lines, *(mover.run for mover in data.moving)} - own.keys()
+    return replace(data, runs=_with_curves(runs, rows, folder / "samples.nc", drawn_runs))
 
 
-def _load(path: Path, but: str = "") -> xarray.Dataset:
+def _load(path: Path, omit: str = "") -> xarray.Dataset:
     """A dataset in memory, without one of its variables."""
     with open_dataset(path) as dataset:
-        return dataset.drop_vars(but, errors="ignore").load()
+        return dataset.drop_vars(omit, errors="ignore").load()
 
 
 def _responses(
@@ -86,20 +86,20 @@ def _responses(
             name=name,
             long_name=str(bounds["response_long_name"].values[i]),
             units=str(bounds["response_units"].values[i]),
-            along=along_of(bounds, i),
+            abscissa=along_of(bounds, i),
             least=values("response_least", i),
             lower=bounds["lower"].values[i],
             upper=bounds["upper"].values[i],
             nominal=values("nominal", i),
             error=values("error", i),
             shares=values("width_overall", i, sensitivities),
-            widths=_known(values("width", i, sensitivities), values("error", i, sensitivities)),
+            widths=_resolved(values("width", i, sensitivities), values("error", i, sensitivities)),
         )
         for i, name in enumerate(bounds["response"].values.tolist())
     )
 
 
-def _known(widths: np.ndarray | None, error: np.ndarray | None) -> np.ndarray | None:
+def _resolved(widths: np.ndarray | None, error: np.ndarray | None) -> np.ndarray | None:
     """Widths (k, t), not a number where they are not above the error of the fit (t)."""
     return widths if widths is None or error is None else np.where(widths > error, widths, np.nan)
 
@@ -108,21 +108,21 @@ MOST_RUNS = 10_000
 """Runs that a page has, with their parameters; of more, it has those that move."""
 
 
-def _rows(samples: xarray.Dataset, shown: Iterable[Shown]) -> np.ndarray:
+def _rows(samples: xarray.Dataset, movers: Iterable[ShownRun]) -> np.ndarray:
     """Places among the samples of the runs that the page has."""
     if len(samples["value"]) <= MOST_RUNS and not keeps_extremes(samples):
         return np.arange(len(samples["value"]))
-    return np.array(sorted(run.row for run in shown if run.row is not None))
+    return np.array(sorted(run.row for run in movers if run.row is not None))
 
 
 def _runs(samples: xarray.Dataset, rows: np.ndarray) -> tuple[Run, ...]:
     contacts = samples["contact"].values.tolist() if "contact" in samples.coords else []
     events = [samples[f"event_{key}"].values[rows] for key in ("time", "contact", "closing")]
     names, values = ids(samples, rows), samples["value"].values[rows]
-    known = roles(samples)
+    run_roles = roles(samples)
     return tuple(
         Run(
-            id=names[i], role=known[rows[i]], values=values[i],
+            id=names[i], role=run_roles[rows[i]], values=values[i],
             events=tuple(
                 Event(float(time), contacts[int(contact)], bool(closing))
                 for time, contact, closing in sorted(zip(*(e[i] for e in events), strict=True))
@@ -134,79 +134,79 @@ def _runs(samples: xarray.Dataset, rows: np.ndarray) -> tuple[Run, ...]:
 
 
 def _with_curves(
-    runs: tuple[Run, ...], rows: np.ndarray, path: Path, drawn: Iterable[int]
+    runs: tuple[Run, ...], rows: np.ndarray, path: Path, indices: Iterable[int]
 ) -> tuple[Run, ...]:
-    """The runs, those `drawn` with their curves: a scan may have more than fit into memory."""
-    made = list(runs)
+    """The runs, those at `indices` with their curves: a scan may have more than fit into memory."""
+    new_runs = list(runs)
     with open_netcdf(path) as samples:
-        for run in sorted(drawn):
-            made[run] = replace(runs[run], curves=samples["values"][rows[run]])
-    return tuple(made)
+        for run in sorted(indices):
+            new_runs[run] = replace(runs[run], curves=samples["values"][rows[run]])
+    return tuple(new_runs)
 
 
 def _moving(
-    folder: Path, runs: tuple[Run, ...], rows: np.ndarray, shown: Iterable[Shown]
+    folder: Path, runs: tuple[Run, ...], rows: np.ndarray, movers: Iterable[ShownRun]
 ) -> tuple[tuple[Run, ...], tuple[MovingRun, ...]]:
     """The runs, further ones that move added, and the moving runs whose motion is there; none
     without the first, with which all compare."""
-    found: list[MovingRun] = []
-    more = list(runs)
-    for one in shown:
+    moving: list[MovingRun] = []
+    all_runs = list(runs)
+    for mover in movers:
         try:
-            motion = _load(Folder(folder).motions / f"{one.id}.nc")
+            motion = _load(Folder(folder).motions / f"{mover.id}.nc")
         except (FileNotFoundError, DamagedError):  # of a structure that has changed since
-            if not found:
+            if not moving:
                 return runs, ()
             continue
-        run = len(more) if one.row is None else int(np.searchsorted(rows, one.row))
-        if one.row is None:
-            more.append(Run(one.id, FURTHER, one.values, events=_impacts(motion)))
-        found.append(MovingRun(run, one.label, motion))
-    return tuple(more), tuple(found)
+        run = len(all_runs) if mover.row is None else int(np.searchsorted(rows, mover.row))
+        if mover.row is None:
+            all_runs.append(Run(mover.id, FURTHER, mover.values, events=_impacts(motion)))
+        moving.append(MovingRun(run, mover.label, motion))
+    return tuple(all_runs), tuple(moving)
 
 
-def _judged(samples: xarray.Dataset, folder: Path, summary: Mapping) -> Judged | None:
+def _verdicts(samples: xarray.Dataset, folder: Path, summary: Mapping) -> RunVerdicts | None:
     """The runs and which meet the requirements, further ones too."""
     if not summary["quantities"]:
         return None
-    found = [samples]
+    parts = [samples]
     if (folder / "further.nc").exists():
-        found.append(_load(folder / "further.nc"))
+        parts.append(_load(folder / "further.nc"))
     values, numbers = (
-        np.concatenate([each[name].values for each in found]) for name in ("value", "quantities")
+        np.concatenate([part[name].values for part in parts]) for name in ("value", "quantities")
     )
     limits = [limit for row in summary.get("requirements", ()) for limit in row["limits"]]
-    return Judged(values, meets(limits, samples["quantity"].values.tolist(), numbers), numbers)
+    return RunVerdicts(values, meets(limits, samples["quantity"].values.tolist(), numbers), numbers)
 
 
 def _what_if(folder: Path, summary: Mapping) -> WhatIf:
     """What was fitted to quantities and, where bounds are a polynomial's, to responses."""
     place, quantities = Folder(folder), {}
     if summary["quantities"]:
-        seen = runs_of(place)
-        with open_netcdf(place.quantities) as found:
-            names = found["quantity"][:].tolist()
-            quantities = {name: seen.surrogate(found, q) for q, name in enumerate(names)}
+        runs = runs_of(place)
+        with open_netcdf(place.quantities) as file:
+            names = file["quantity"][:].tolist()
+            quantities = {name: runs.surrogate(file, q) for q, name in enumerate(names)}
     if "polynomial" not in summary["bounds"]:
         return WhatIf(quantities, None, None)
-    with open_netcdf(place.surrogate) as found:
-        return WhatIf(quantities, found["multi_index"][:], found["coefficient"][:])
+    with open_netcdf(place.surrogate) as file:
+        return WhatIf(quantities, file["multi_index"][:], file["coefficient"][:])
 
 
-def _left(
-    shown: Iterable[Shown], runs: tuple[Run, ...], moving: tuple[MovingRun, ...]
+def _omitted(
+    movers: Iterable[ShownRun], runs: tuple[Run, ...], moving: tuple[MovingRun, ...]
 ) -> tuple[LeftOut, ...]:
     """Runs that would be shown, beside those that move."""
-    there = {runs[one.run].id for one in moving}
-    return tuple(LeftOut(one.id, one.label) for one in shown if there and one.id not in there)
+    on_page = {runs[mover.run].id for mover in moving}
+    return tuple(LeftOut(run.id, run.label) for run in movers if on_page and run.id not in on_page)
 
 
 def _impacts(motion: xarray.Dataset) -> tuple[Event, ...]:
     """The events of a run that is not among the samples."""
     names = motion["eventful"].values.tolist()
     return tuple(
-        Event(time, names[int(which)], closing == 1)
-        for time, which, closing in sorted(motion["impact"].values.tolist())
+        Event(time, names[int(index)], closing == 1)
+        for time, index, closing in sorted(motion["impact"].values.tolist())
     )
 
 
@@ -216,37 +216,37 @@ def _manifests(folder: Path) -> list[Path]:
     return sorted(path for pattern in patterns for path in folder.glob(pattern))
 
 
-def _work(folder: Path, made: Mapping[str, int]) -> tuple[Work, ...]:
+def _work(folder: Path, run_counts: Mapping[str, int]) -> tuple[Work, ...]:
     """Time in the batches of runs, of all processes together; made: how many runs for what (the
     summary's), of which further ones and those of choices are in no batch."""
     if not (manifests := list(map(read_json, _manifests(folder)))):
         return ()
     total = np.sum([m["seconds"] for m in manifests], axis=0)
-    inside = np.sum([m["seconds_integrating"] for m in manifests], axis=0)
+    solver = np.sum([m["seconds_integrating"] for m in manifests], axis=0)
     runs = sum(m["simulated"] for m in manifests)
-    apart = made.get("further", 0) + made.get("choice", 0)
-    rest = f", {apart} for quantities and choice not counted" if apart else ""
+    extra_runs = run_counts.get("further", 0) + run_counts.get("choice", 0)
+    rest = f", {extra_runs} for quantities and choice not counted" if extra_runs else ""
     return (
-        Work(f"Integrating {runs} runs{rest}", *inside.tolist()),
-        Work("Starting, compiling or loading the kernels, writing", *(total - inside).tolist()),
+        Work(f"Integrating {runs} runs{rest}", *solver.tolist()),
+        Work("Starting, compiling or loading the kernels, writing", *(total - solver).tolist()),
     )
 
 
 def _provenance(bounds: xarray.Dataset, samples: xarray.Dataset, folder: Path) -> dict[str, str]:
     attributes = bounds.attrs
-    found = counts(samples)
+    design = counts(samples)
     limit = f"{attributes['time_step_limit']:.4g} s, by {attributes['limiting_element']}"
     facts = {
         "Config digest": str(attributes["config_hash"]),
-        "Design": f"{attributes.get('design_method', '')}, {found.nodes} runs fitted, "
-        f"{found.held_out} held out",
+        "Design": f"{attributes.get('design_method', '')}, {design.nodes} runs fitted, "
+        f"{design.held_out} held out",
         "Time step": f"{attributes['time_step']:.6g} s",
         "Largest stable step": limit,
     }
     if "mechanics" in attributes:
         facts["Digest of the mechanics"] = str(attributes["mechanics"])
-    made = json.loads(attributes["provenance"])
-    facts["Program"] = f"{made.pop('program')}, commit {made.pop('commit')}"
-    facts["Made"] = f"{check(folder / 'bounds.nc').get('made')}, on {made.pop('processor')}"
-    facts["Packages"] = ", ".join(f"{name} {version}" for name, version in made.items())
+    origin = json.loads(attributes["provenance"])
+    facts["Program"] = f"{origin.pop('program')}, commit {origin.pop('commit')}"
+    facts["Made"] = f"{check(folder / 'bounds.nc').get('made')}, on {origin.pop('processor')}"
+    facts["Packages"] = ", ".join(f"{name} {version}" for name, version in origin.items())
     return facts

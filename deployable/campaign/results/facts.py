@@ -17,7 +17,7 @@ from deployable.campaign.plan.plan import Plan, read_plan
 from deployable.campaign.results.which import counts, nominal_row
 from deployable.campaign.text.numbers import percent
 from deployable.campaign.text.words import words_of
-from deployable.intervals.estimates import BEYOND
+from deployable.intervals.estimates import MAX_TAIL_RATIO
 from fpm.elements import Contact, Latch, RigidLatch
 from fpm.errors import SceneError
 
@@ -280,7 +280,8 @@ def _foretold(bounds: Any, i: int, at: int) -> dict[str, float]:
     if "polynomial" not in bounds.bounds_kind:
         return {}
     decay, missed = (float(bounds[f"error_{name}"][i][at]) for name in ("decay", "held_out"))
-    return {"missed": missed, "runs": int(bounds.held_out_runs)} if decay > BEYOND * missed else {}
+    runs = int(bounds.held_out_runs)
+    return {"missed": missed, "runs": runs} if decay > MAX_TAIL_RATIO * missed else {}
 
 
 def _response_errors(bounds: Any, i: int) -> dict[str, float]:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.config.scene_checks import corners
+from deployable.campaign.config.sections import corners
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from fpm.elements import Latch, Motor, RigidLatch, Stop

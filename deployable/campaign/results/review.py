@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from deployable.campaign.config.resolve import BY_STANDARD
+from deployable.campaign.config.sections import BY_STANDARD
 from deployable.campaign.files import csv_text
 from deployable.campaign.results.facts import decisive
 from deployable.campaign.text import numbers

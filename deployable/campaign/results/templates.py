@@ -17,7 +17,7 @@ from deployable.campaign.results.facts import (
 )
 from deployable.campaign.text import numbers
 
-_HERE = Path(__file__).parent
+_FOLDER = Path(__file__).parent
 
 
 def environment(units: Iterable[str] = (), html: bool = False) -> Any:
@@ -28,26 +28,26 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     import jinja2
 
     units = list(units)
-    found = jinja2.Environment(
-        loader=jinja2.FileSystemLoader([_HERE, _HERE.parent / "report"]), autoescape=html,
+    env = jinja2.Environment(
+        loader=jinja2.FileSystemLoader([_FOLDER, _FOLDER.parent / "report"]), autoescape=html,
         trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined,
         finalize=(lambda v: numbers.unbroken(v, units) if type(v) is str else v) if html else None,
     )  # fmt: skip
     of_numbers = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
                   "position", "measured", "earliest", "capitalised")  # fmt: skip
-    found.filters |= {name: getattr(numbers, name) for name in of_numbers}
-    found.filters |= {
+    env.filters |= {name: getattr(numbers, name) for name in of_numbers}
+    env.filters |= {
         "met_text": met_text, "decisive": decisive, "moments": moments,
         "happens_only": happens_only, "doubts": doubts,
         "first_lower": lambda text: text[:1].lower() + text[1:],
         "coded": partial(numbers.coded, units=units),
     }  # fmt: skip
-    found.tests |= {
+    env.tests |= {
         "varying": varies,
         "in_any": lambda part, rows: any(part in row["errors"] for row in rows),
     }
-    found.globals |= {"SOFT": SOFT, "PARTS": PARTS}
-    return found
+    env.globals |= {"SOFT": SOFT, "PARTS": PARTS}
+    return env
 
 
 def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -> str:
@@ -65,7 +65,7 @@ def _escaped(facts: Any, code: str = "") -> Any:
             for key, value in facts.items()
         }
     if isinstance(facts, list | tuple):
-        return [_escaped(one) for one in facts]
+        return [_escaped(item) for item in facts]
     return numbers.escaped(facts, code) if isinstance(facts, str) else facts
 
 
@@ -87,9 +87,9 @@ def doubts(facts: Mapping[str, Any]) -> list[str]:
 def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
     """The same from the reasons by name."""
     names: dict[str, list[str]] = {}
-    for name, why in doubts.items():
-        names.setdefault(why, []).append(name)
-    return [f"Not determined by the model: {', '.join(own)}: {why}" for why, own in names.items()]
+    for name, text in doubts.items():
+        names.setdefault(text, []).append(name)
+    return [f"Not determined by the model: {', '.join(own)}: {text}" for text, own in names.items()]
 
 
 def sentence(name: str, *facts: Any) -> str:

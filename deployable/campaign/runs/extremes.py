@@ -70,7 +70,7 @@ class Share:
         """
         outcomes = [result.outcome for result in results]
         values = common.values_of(self.responses, outcomes)
-        self.running = Running.of(values, np.array(rows, np.int32)).merged(self.running)
+        self.running = Running.of_runs(values, np.array(rows, np.int32)).merge(self.running)
         if not self.done.any():
             self.time, self.first = outcomes[0].time, np.zeros_like(values[0])
         if rows[0] == 0:

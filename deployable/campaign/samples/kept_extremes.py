@@ -71,7 +71,7 @@ def gather(
             quarter = next(i for i in range(4) if first < ends[i + 1])
             found = share.running
             moved = Running(found.low, found.high, found.low_run + first, found.high_run + first)
-            quarters[quarter] = moved.merged(quarters[quarter])
+            quarters[quarter] = moved.merge(quarters[quarter])
             file["overlap"][:] = max(float(file["overlap"][:]), share.overlap)
             first += len(group)
         _write_quarters(file, quarters)

@@ -8,9 +8,10 @@ of the workflow.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from typing import Any, get_type_hints
 
 from deployable.campaign.config.sections import (
@@ -22,24 +23,41 @@ from deployable.campaign.config.sections import (
     trust,
 )
 from deployable.campaign.errors import CampaignError, of_files
-from deployable.campaign.files import OPENED, check_results, refuse_links, results_of
-from deployable.campaign.folder import Folder
+from deployable.campaign.files import HISTORY, check_results, refuse_links, results_of
+from deployable.campaign.folder import PICTURES, Folder
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import Tell
 from fpm.errors import SceneError
 from fpm.files.sealed import DamagedError, check, sweep
 
 PLAN, SAMPLES, BOX = "plan.json", "samples.nc", "bounds.nc"
+BOUND = SAMPLES, "surrogate.nc", BOX, "sensitivities.nc"
 ANSWERS = "quantities.nc", "further.nc"
 
 FRAMES = 401
 """Frames of the runs that move on a page, unless others are asked for."""
 
+OPTIONS = {
+    "batch": {"type": int, "default": 0, "help": "number of the batch, from 0"},
+    "batches": {"type": int, "default": 1, "help": "number of batches"},
+    "processes": {"type": int, "default": 1, "help": "that share the runs"},
+    "threads": {"type": int, "default": 1, "help": "that share the runs"},
+    "bundle": {"type": Path, "help": "file for the runs, if no folder is shared"},
+    "bundles": {"nargs": "*", "type": Path, "default": [], "help": "runs, as files"},
+    "frames": {"type": int, "default": FRAMES,
+               "help": "frames of the runs that move, evenly spread (%(default)s)"},
+}  # fmt: skip
+"""What commands of stages may be told beside the config, as `argparse` takes it."""
+
 
 @dataclass(frozen=True)
 class Stage:
-    """A stage of a campaign: what it does, the sections of the config that it takes, and the
-    results that it reads; threads: whether it makes runs that threads can share.
+    """A stage of a campaign: what it does, the sections of the config that it takes, the names of
+    the results that it takes and leaves (of a batch, with its number in braces), and the `OPTIONS`
+    of its command.
+
+    is_sought: whether it is of campaigns alone whose runs are sought, or planned; None: of all.
+    draws: whether it shows results, of which nothing is made.
 
     Its module here has the name of the stage, and a function `work(folder, tell, **arguments)`. It
     is imported where the stage runs, so that a process loads what its own work needs.
@@ -48,8 +66,11 @@ class Stage:
     name: str
     about: str
     sections: tuple[str, ...]
-    takes: tuple[str, ...] = ()
-    threads: bool = True
+    takes: tuple[str, ...]
+    leaves: Callable[[Campaign], Sequence[str]]
+    options: tuple[str, ...] = ()
+    is_sought: bool | None = None
+    draws: bool = False
 
     def work(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
         """Do the work of the stage, by its module."""
@@ -63,13 +84,13 @@ class Stage:
         sections = {name: arguments[name] for name in self.sections}
         try:
             refuse_links(folder.whole)
-            for place in folder.written:
+            for place in folder.stage_folders:
                 sweep(place)
             facts = {"basis": self.basis(sections), **plan_of(folder, self.takes)}
             with results_of(facts):
                 self.work(folder, tell, **arguments)
         except SceneError as error:  # of the structure that the results name
-            place = OPENED[-1] if OPENED else folder.path
+            place = HISTORY[-1] if HISTORY else folder.path
             raise CampaignError(f"{place}: {error}; run the campaign again") from error
         except (OSError, RuntimeError) as error:
             told = of_files(error, folder.path)
@@ -82,12 +103,25 @@ class Stage:
         mechanics = [s.mechanics for s in sections.values() if isinstance(s, Experiment)]
         return digest([program_digest(), json.loads(as_json(**sections)), mechanics])
 
-    def typed(self, data: dict) -> dict[str, Any]:
-        """The stage's sections from plain data of a user's config, and the `structure` that it
-        names."""
-        trust(data.get("structure") or "")
-        kinds = get_type_hints(Campaign)
-        return {name: from_data(kinds[name], data[name]) for name in self.sections}
+    def inputs(self, campaign: Campaign) -> list[str]:
+        """Names of all results that the stage may read, which are those of all stages before where
+        it shows them."""
+        more = [PLAN, *BOUND, *_answered(campaign)] if self.draws else []
+        return list(dict.fromkeys([*self.takes, *more]))
+
+    def sections_in(self, config: str) -> dict[str, Any]:
+        """The stage's sections in the name of a YAML file, or in JSON, as the workflow passes
+        them with the `structure` that the user's config names."""
+        if not config.lstrip().startswith("{"):  # jobs of the workflow load no checks of a config
+            check = import_module("deployable.campaign.config.check")
+            return self.sections_of(check.load_config([config]))
+        try:
+            data, kinds = json.loads(config), get_type_hints(Campaign)
+            trust(data.get("structure") or "")
+            return {name: from_data(kinds[name], data[name]) for name in self.sections}
+        except (AttributeError, LookupError, TypeError, ValueError) as error:
+            text = f"--config is no JSON of the sections that the stage needs: {error!r}"
+            raise CampaignError(text) from None
 
     def sections_of(self, campaign: Campaign) -> dict[str, Any]:
         """The stage's sections of a campaign."""
@@ -106,29 +140,55 @@ def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
     return {"plan": next(iter(found.values()))} if found else {}
 
 
-STAGES = {
-    stage.name: stage
-    for stage in (
-        Stage("plan", "Choose the runs of a campaign and the time step that serves them all.",
-              ("experiment",), threads=False),
-        Stage("rounds", "Make runs in rounds until an accuracy is met or its budget is spent.",
-              ("experiment", "bounds", "verify", "jobs")),
-        Stage("simulate", "Simulate one batch of the planned runs, except those that are there.",
-              ("jobs",), (PLAN,)),
-        Stage("bounds", "Gather the responses of all runs, fit the surrogate, take its bounds.",
-              ("bounds", "verify", "jobs"), (PLAN,)),
-        Stage("answers", "Find intervals of quantities, what meets the requirements, the choice.",
-              ("requirements", "choose", "published", "review", "verify", "jobs"),
-              (PLAN, SAMPLES, BOX)),
-        Stage("figures", "Draw responses with their bounds, and what parameters contribute.",
-              ("error",), (PLAN, BOX, "sensitivities.nc"), threads=False),
-        Stage("page", "Make the page, with the motion of some runs and moments of the nominal one.",
-              ("figures",), (SAMPLES, BOX, "sensitivities.nc", "summary.json"), threads=False),
-    )
-}  # fmt: skip
-
-
 def drawings(experiment: Experiment) -> list[str]:
     """Names of the figures of the whole campaign that `figures` draws."""
     several = len(experiment.intervals) > 1 and experiment.design.order is not None
     return ["sensitivities"] * several + ["ranges"] * bool(experiment.quantities)
+
+
+def _answered(campaign: Campaign) -> list[str]:
+    """What sums up a campaign, and answers what it asks for."""
+    names = ["summary.json", "summary.md"]
+    names += ANSWERS * bool(campaign.experiment.quantities)
+    names += ["requirements.json"] * bool(campaign.requirements)
+    return names + ["choice.json"] * bool(campaign.choose.parameters)
+
+
+def _pictures(*names: str) -> list[str]:
+    return [f"figures/{name}.{kind}" for name in names for kind in PICTURES]
+
+
+def _figures(campaign: Campaign) -> list[str]:
+    experiment = campaign.experiment
+    return _pictures(*experiment.responses, *(f"campaign/{n}" for n in drawings(experiment)))
+
+
+STAGES = {
+    stage.name: stage
+    for stage in (
+        Stage("rounds", "Make runs in rounds until an accuracy is met or its budget is spent.",
+              ("experiment", "bounds", "verify", "jobs"), (), lambda _: (PLAN, *BOUND),
+              ("threads",), is_sought=True),
+        Stage("plan", "Choose the runs of a campaign and the time step that serves them all.",
+              ("experiment",), (), lambda _: (PLAN,), is_sought=False),
+        Stage("simulate", "Simulate one batch of the planned runs, except those that are there.",
+              ("jobs",), (PLAN,), lambda _: ("batches/{batch}.json",),
+              ("batch", "batches", "processes", "threads", "bundle"), is_sought=False),
+        Stage("bounds", "Gather the responses of all runs, fit the surrogate, take its bounds.",
+              ("bounds", "verify", "jobs"), (PLAN,), lambda _: BOUND, ("threads", "bundles"),
+              is_sought=False),
+        Stage("answers", "Find intervals of quantities, what meets the requirements, the choice.",
+              ("requirements", "choose", "published", "review", "verify", "jobs"),
+              (PLAN, SAMPLES, BOX), _answered, ("threads",)),
+        Stage("figures", "Draw responses with their bounds, and what parameters contribute.",
+              ("error",), (PLAN, BOX, "sensitivities.nc"), _figures, draws=True),
+        Stage("page", "Make the page, with the motion of some runs and moments of the nominal one.",
+              ("figures",), (SAMPLES, BOX, "sensitivities.nc", "summary.json"),
+              lambda _: ("report.html", *_pictures("campaign/moments")), ("frames",), draws=True),
+    )
+}  # fmt: skip
+
+
+def stages_of(campaign: Campaign) -> list[Stage]:
+    """The stages of a campaign, in the order in which they run."""
+    return [s for s in STAGES.values() if s.is_sought in (None, campaign.experiment.is_sought)]

@@ -15,12 +15,12 @@ from deployable.campaign.config.loader import retyped
 from deployable.campaign.config.sections import Campaign, as_json, count_runs, scene_type
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_dataset, read_json
-from deployable.campaign.folder import PICTURES, Folder
+from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import batch_count, job_megabytes, job_minutes
 from deployable.campaign.plan.plan import read_plan, read_step
-from deployable.campaign.provenance import check_code, program_digest
+from deployable.campaign.provenance import check_code
 from deployable.campaign.runs.progress import Tell, Teller
-from deployable.campaign.stages import STAGES, drawings
+from deployable.campaign.stages import STAGES, Stage, stages_of
 from deployable.one_thread import one_thread
 from fpm.errors import ChangedError, SceneError
 from fpm.files.sealed import DamagedError, check, unsealed
@@ -61,25 +61,10 @@ class Workflow:
         structure = {"structure": file} if file else {}
         return as_json(**STAGES[stage].sections_of(self.campaign), **structure)
 
-    @property
-    def code(self) -> str:
-        """Digest of the program."""
-        return program_digest()
-
-    @property
-    def mechanics(self) -> str:
-        """Digest of the mechanics and of the structure; another one makes other runs."""
-        return self.campaign.experiment.mechanics
-
     @cache  # noqa: B019 - there is one campaign in a process
     def batch_count(self) -> int:
         """Number of jobs that the runs are shared among."""
         return batch_count(self.campaign, count_runs(self.campaign.experiment))
-
-    @property
-    def processes(self) -> int:
-        """Cores that a job with runs shall have."""
-        return self.campaign.jobs.processes
 
     @cache  # noqa: B019
     def minutes(self, batches: int = 1, plan_path: str | None = None) -> int:
@@ -103,9 +88,9 @@ class Workflow:
         """
         folder, of, found = self.folder, None, {}
         self._damaged_motions(folder, found)
-        for stage, paths in self.files_of_stages().items():
-            there = [path for path in map(Path, paths) if path.exists()]
-            basis = there and STAGES[stage].basis(STAGES[stage].sections_of(self.campaign))
+        for stage in stages_of(self.campaign):
+            there = [path for path in self.files_of(stage) if path.exists()]
+            basis = there and stage.basis(stage.sections_of(self.campaign))
             for path in there:
                 try:
                     facts = check(path, path.name)
@@ -118,21 +103,21 @@ class Workflow:
                     found[str(path)] = f"{path} was made from something else"
         return found
 
-    def files_of_stages(self) -> dict[str, list[Any]]:
-        """The files that each stage leaves, in the order of the stages."""
-        folder = self.folder
-        bounds = [folder.samples, folder.bounds, folder.surrogate, folder.sensitivities]
-        if self.campaign.experiment.is_sought:
-            found = {"rounds": [folder.plan, *bounds]}
-        else:
-            batches = sorted(folder.path.glob("batches/*.json"))
-            found = {"plan": [folder.plan], "simulate": batches, "bounds": bounds}
-        stage = str(folder.path)
-        return found | {
-            "answers": self.answers(stage),
-            "figures": self.figures(stage),
-            "page": [folder.report, *folder.overview("moments")],
-        }
+    def files_of(self, stage: Stage) -> list[Path]:
+        """The files that a stage leaves here; of batches, those that are there."""
+        names = stage.leaves(self.campaign)
+        if any("{batch}" in name for name in names):
+            return sorted(self.folder.path.glob("batches/*.json"))
+        return [self.folder / name for name in names]
+
+    def inputs(self, stage: str) -> list[str]:
+        """The files that the job of a stage reads, for its rule."""
+        return [f"{{stage}}/{name}" for name in STAGES[stage].inputs(self.campaign)]
+
+    def outputs(self, stage: str, *kinds: str) -> list[str]:
+        """The files that the job of a stage leaves, for its rule: of some kinds, or all."""
+        names = STAGES[stage].leaves(self.campaign)
+        return [f"{{stage}}/{name}" for name in names if name.endswith(kinds or "")]
 
     def _damaged_motions(self, folder: Folder, found: dict[str, str]) -> None:
         """Have the page made again, and with it motions that are damaged."""
@@ -143,26 +128,11 @@ class Workflow:
                 self.damaged[str(path)] = error
                 found[str(folder.report)] = str(error)
 
-    def answers(self, stage: str) -> list[str]:
-        """The files that sum up a campaign, in the folder `stage`, and answer its questions."""
-        folder, campaign = Folder(stage), self.campaign
-        found = [folder / "summary.json", folder / "summary.md"]
-        found += [folder.quantities, folder.further] * bool(campaign.experiment.quantities)
-        found += [folder.requirements] * bool(campaign.requirements)
-        return list(map(str, found + [folder.choice] * bool(campaign.choose.parameters)))
-
-    def figures(self, stage: str, *kinds: str) -> list[str]:
-        """The figures in the folder `stage` but for that of the structure, of some kinds or all."""
-        names = [*self.campaign.experiment.responses]
-        drawn = drawings(self.campaign.experiment)
-        names += [f"{Folder(stage).overviews.name}/{name}" for name in drawn]
-        return Folder(stage).pictures(names, kinds or PICTURES)
-
     def results(self) -> list[str]:
         """The files that a campaign leaves for its reader."""
-        stage = str(self.folder.path)
-        page = [*self.folder.overview("moments"), str(self.folder.report)]
-        return [*self.figures(stage), *self.answers(stage)[:2], *page]
+        last = [stage for stage in stages_of(self.campaign) if stage.draws]
+        names = ["summary.json", "summary.md", *(n for s in last for n in s.leaves(self.campaign))]
+        return [str(self.folder / name) for name in names]
 
     def other_report(self, results: Path = Path("results")) -> str:
         """What to say where the campaign of `--report` was not asked for and is not the last one
@@ -213,7 +183,7 @@ def run(
 def _check_memory(campaign: Campaign) -> None:
     """Refuse a program or a structure that was edited since: numbers would be those of before."""
     try:
-        check_code(now=True)
+        check_code(reread=True)
         held, scene = campaign.experiment.scene_type, campaign.experiment.scene
         if scene_type(scene.name, scene.file).digest != held.digest:
             raise ChangedError(scene.file or scene.name)
@@ -224,25 +194,22 @@ def _check_memory(campaign: Campaign) -> None:
 def _run(campaign: Campaign, results: str | Path, figures: bool, tell: Tell) -> Any:
     workflow = Workflow(campaign, results)
     folder, stale, changed = workflow.folder, workflow.stale(), False
-    files = workflow.files_of_stages()
     drawn = {folder.figures, folder.motions, folder.report}
     for error in workflow.damaged.values():
         if figures or drawn.isdisjoint([error.path, *error.path.parents]):
             tell(f"{error}; it is made again")
-
-    def is_there(name: str) -> bool:
-        paths = [*map(Path, files[name])]
-        return all(path.exists() and str(path) not in stale for path in paths)
-
-    for name in ("rounds", "plan", "simulate", "bounds", "answers", *["figures", "page"] * figures):
-        if name == "simulate" and name in files:
+    for stage in stages_of(campaign):
+        paths = workflow.files_of(stage)
+        if stage.draws and not figures:
+            continue
+        if stage.name == "simulate":
             changed |= _simulate(campaign, folder, tell)
-        elif name in files and (changed or not is_there(name)):
-            _stage(name, campaign, folder, tell)
+        elif changed or not all(path.exists() and str(path) not in stale for path in paths):
+            _stage(stage, campaign, folder, tell)
             changed = True
-        elif name == "answers":
+        elif stage.name == "answers":
             tell(unsealed(folder / "summary.md").decode())
-        elif name == "page":
+        elif stage.name == "page":
             tell(f"Open {folder.report}")
     with open_dataset(folder.bounds) as data:
         return data.load()
@@ -252,7 +219,7 @@ def _simulate(campaign: Campaign, folder: Folder, tell: Tell) -> bool:
     """Make the runs of a plan that are not there; whether there were any."""
     batches = batch_count(campaign, len(read_plan(folder.plan).runs))
     for batch in range(batches):
-        _stage("simulate", campaign, folder, tell, batch=batch, batches=batches)
+        _stage(STAGES["simulate"], campaign, folder, tell, batch=batch, batches=batches)
     return any(read_json(folder.batch(batch))["simulated"] for batch in range(batches))
 
 
@@ -262,8 +229,7 @@ def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
     return check_config(config) if isinstance(config, Mapping) else load_config([config])
 
 
-def _stage(name: str, campaign: Campaign, folder: Folder, tell: Tell, **more: Any) -> None:
-    stage = STAGES[name]
-    if stage.threads:
+def _stage(stage: Stage, campaign: Campaign, folder: Folder, tell: Tell, **more: Any) -> None:
+    if "threads" in stage.options:
         more["threads"] = os.cpu_count() or 1
     stage.run(folder, tell, **stage.sections_of(campaign), **more)

@@ -8,19 +8,19 @@ from typing import Any
 
 import numpy as np
 
-_FIXED = "\N{NO-BREAK SPACE}"
+_NO_BREAK = "\N{NO-BREAK SPACE}"
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _ANGLES = {"degree": "°", "rad": " rad"}
 
 
 def pretty(units: str) -> str:
     """`m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`; a unit of 1 as 1."""
-    above, below = [], []
+    numerator, denominator = [], []
     for name, power in re.findall(r"([A-Za-z%]+)(-?\d+)?", units):
         exponent = abs(int(power or 1))
         text = name + ("" if exponent == 1 else "²" if exponent == 2 else f"^{exponent}")
-        (below if (power or "").startswith("-") else above).append(text)
-    return (" ".join(above) or "1") + ("/" + "/".join(below) if below else "")
+        (denominator if (power or "").startswith("-") else numerator).append(text)
+    return (" ".join(numerator) or "1") + ("/" + "/".join(denominator) if denominator else "")
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -33,9 +33,9 @@ def number(value: float, digits: int = 3) -> str:
     return f"{head}10{str(int(exponent)).translate(_RAISED)}".replace("-", "−")
 
 
-def quantity(value: float | None, units: str, digits: int = 3, none: str = "unknown") -> str:
-    """A number with its unit, or `none` where there is none."""
-    return none if value is None else with_unit(number(value, digits), units)
+def quantity(value: float | None, units: str, digits: int = 3, missing: str = "unknown") -> str:
+    """A number with its unit, or `missing` where there is none."""
+    return missing if value is None else with_unit(number(value, digits), units)
 
 
 def measured(value: float, error: float | None, units: str) -> str:
@@ -66,21 +66,21 @@ def percent(share: float) -> str:
 def share(share: float, open_: float = 0.0) -> str:
     """A share in per cent, never rounded to all or nothing, with by how much it may be more or less
     (rounded up to one digit), and as many digits as that leaves: `81 ± 2 %`, `at least 98 %`."""
-    percent, off = 100 * share, 100 * open_
-    if off < OPEN:
+    percent, half_width = 100 * share, 100 * open_
+    if half_width < OPEN:
         if 0 < percent < 0.01 or 99.99 < percent < 100:
             return "less than 0.01 %" if percent < 50 else "more than 99.99 %"
         return f"{percent:.4g} %"
-    places = max(0, -int(np.floor(np.log10(off))))
+    places = max(0, -int(np.floor(np.log10(half_width))))
     least = 10.0**-places
-    off = np.ceil(off / least - 1e-9) * least
-    if percent + off >= 100 and percent - off < least:
+    half_width = np.ceil(half_width / least - 1e-9) * least
+    if percent + half_width >= 100 and percent - half_width < least:
         return "an unknown share"
-    if percent + off >= 100:
-        return f"at least {np.floor((percent - off) / least + 1e-9) * least:.{places}f} %"
-    if percent - off <= 0:
-        return f"at most {np.ceil((percent + off) / least - 1e-9) * least:.{places}f} %"
-    return f"{percent:.{places}f} ± {off:.{places}f} %"
+    if percent + half_width >= 100:
+        return f"at least {np.floor((percent - half_width) / least + 1e-9) * least:.{places}f} %"
+    if percent - half_width <= 0:
+        return f"at most {np.ceil((percent + half_width) / least - 1e-9) * least:.{places}f} %"
+    return f"{percent:.{places}f} ± {half_width:.{places}f} %"
 
 
 OPEN = 0.05
@@ -125,18 +125,18 @@ def _power(value: float) -> int:
 def place(values: Mapping[str, float | None], parameters: Iterable[Mapping[str, Any]]) -> str:
     """Parameter values by name, each with the unit that `parameters` have."""
     units = {parameter["name"]: parameter["units"] for parameter in parameters}
-    known = {name: value for name, value in values.items() if value is not None}
-    return ", ".join(f"{name} = {quantity(known[name], units[name], 4)}" for name in known)
+    values = {name: value for name, value in values.items() if value is not None}
+    return ", ".join(f"{name} = {quantity(values[name], units[name], 4)}" for name in values)
 
 
 def spread(parameter: Mapping[str, Any]) -> str:
     """How far a parameter is known: `± 1 %`, else its ends."""
     nominal, units = parameter["nominal"], parameter["units"]
-    below, above = nominal - parameter["lower"], parameter["upper"] - nominal
-    if abs(above - below) < 1e-6 * abs(nominal):
+    minus, plus = nominal - parameter["lower"], parameter["upper"] - nominal
+    if abs(plus - minus) < 1e-6 * abs(nominal):
         if unit := _ANGLES.get(units):  # a share of an angle says little
-            return f"± {number(above)}{unit}"
-        return f"± {100 * above / abs(nominal):.2g} %"
+            return f"± {number(plus)}{unit}"
+        return f"± {100 * plus / abs(nominal):.2g} %"
     return f"{number(parameter['lower'], 4)} to {quantity(parameter['upper'], units, 4)}"
 
 
@@ -152,13 +152,13 @@ def unbroken(text: str, units: Iterable[str]) -> str:
 
     units: as they are written, such as `m/s`; seconds and shares need not be among them.
     """
-    known = "|".join(sorted(map(re.escape, {*units, "s", "rad", "%"}), key=len, reverse=True))
-    text = re.sub(rf"(?<=[\d⁰-⁹]) (?=(?:{known})(?!\w))", _FIXED, text)
+    pattern = "|".join(sorted(map(re.escape, {*units, "s", "rad", "%"}), key=len, reverse=True))
+    text = re.sub(rf"(?<=[\d⁰-⁹]) (?=(?:{pattern})(?!\w))", _NO_BREAK, text)
     for unit in units:
-        text = text.replace(_FIXED + unit, _FIXED + unit.replace(" ", _FIXED))
-    text = re.sub(r" = (?=[\d−-])", f"{_FIXED}={_FIXED}", text)
+        text = text.replace(_NO_BREAK + unit, _NO_BREAK + unit.replace(" ", _NO_BREAK))
+    text = re.sub(r" = (?=[\d−-])", f"{_NO_BREAK}={_NO_BREAK}", text)
     text = re.sub(r"(?<![\w)-])-(?=\d)", "−", text)
-    return re.sub(r"(?<=[\d±]) (?=[\d×])|(?<=\d) (?=±)|(?<=×) (?=10)", _FIXED, text)
+    return re.sub(r"(?<=[\d±]) (?=[\d×])|(?<=\d) (?=±)|(?<=×) (?=10)", _NO_BREAK, text)
 
 
 def coded(text: str, units: Iterable[str] = ()) -> Any:
@@ -170,9 +170,9 @@ def coded(text: str, units: Iterable[str] = ()) -> Any:
 
 def position(row: Mapping[str, Any], time: float) -> str:
     """A time (s), or the place that it stands for where a response does not lie over time."""
-    if along := row.get("along"):
-        way = along["last"] - along["first"]
-        return quantity(along["first"] + way * time / along["duration"], along["unit"], 4)
+    if axis := row.get("along"):
+        length = axis["last"] - axis["first"]
+        return quantity(axis["first"] + length * time / axis["duration"], axis["unit"], 4)
     return quantity(time, "s", 4)
 
 

@@ -19,15 +19,15 @@ def words_of(quantity: Quantity) -> dict[str, str]:
     if isinstance(quantity.at, Quantity):
         happens = words_of(quantity.at)["event"]
         return {"event": happens, "words": f"{name} when {happens}"}
-    again = f" (number {quantity.number})" if quantity.number > 1 else ""
+    suffix = f" (number {quantity.number})" if quantity.number > 1 else ""
     if quantity.kind == "event":
         kind = f"{quantity.event.removesuffix('es')} "  # `latch L latches` says it twice
-        many = len(quantity.places) != 1
-        who = "something" if many else quantity.places[0].removeprefix(kind)
-        happens = f"{who} {quantity.event}{again}"
+        is_many = len(quantity.places) != 1
+        subject = "something" if is_many else quantity.places[0].removeprefix(kind)
+        happens = f"{subject} {quantity.event}{suffix}"
     elif quantity.kind == "crossing":
         level = with_unit(quantity.level, quantity.response.unit)
-        happens = f"the {name} reaches {level}{again}"
+        happens = f"the {name} reaches {level}{suffix}"
     elif quantity.kind == "settling":
         happens = f"the {name} settles"
     else:

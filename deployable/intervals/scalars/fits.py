@@ -20,13 +20,13 @@ from ..spline_equations import distinct
 from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 
 _HIGHEST = 12  # degree of a polynomial
-_MISSED = 1e-3  # of the width, by which a polynomial may miss a run
-_CORRECTED = 2000  # runs for which that is corrected
+_RESIDUAL = 1e-3  # of the width, by which a polynomial may miss a run
+_MAX_KRIGED = 2000  # runs for which that is corrected
 _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing tests it
 
 
 @dataclass(frozen=True)
-class Corrected:
+class Kriging:
     """A polynomial, and what it leaves of runs at unit points (N, k), which fades with the distance
     from them, within `length`: kriging of the rest with an exponential covariance, whose extreme
     values are at runs, so that noise does not swing beyond them."""
@@ -63,7 +63,7 @@ class Fit:
     values: np.ndarray
     left_out: np.ndarray
     kind: str
-    function: Surrogate | Spline | Corrected
+    function: Surrogate | Spline | Kriging
 
     @property
     def error(self) -> float:
@@ -102,11 +102,11 @@ def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     if not len(values) or not np.isfinite(values).all():
         raise IntervalError("values", "none or not finite", "a finite number for at least one run")
-    kept = distinct(points)
-    points, values = points[kept], values[kept]
+    rows = distinct(points)
+    points, values = points[rows], values[rows]
     spline = _spline(points, values)
-    tried = [fit for fit in (*_polynomials(points, values), spline) if fit]
-    best = min(tried, key=lambda fit: float(np.sqrt(np.mean(fit.left_out**2))))
+    fits = [fit for fit in (*_polynomials(points, values), spline) if fit]
+    best = min(fits, key=lambda fit: float(np.sqrt(np.mean(fit.left_out**2))))
     return best if best is spline else _through_runs(best)
 
 
@@ -114,36 +114,36 @@ def _through_runs(fit: Fit) -> Fit:
     """A polynomial with what it leaves of the runs, where that is worth telling: what was simulated
     is not foretold otherwise."""
     points, rest = fit.points, fit.values - fit.evaluate(fit.points)
-    few = len(points) <= _CORRECTED
-    if not few or np.abs(rest).max() <= _MISSED * np.ptp(fit.values):
+    correctable = len(points) <= _MAX_KRIGED
+    if not correctable or np.abs(rest).max() <= _RESIDUAL * np.ptp(fit.values):
         return fit
     directions = max(int((np.ptp(points, axis=0) > 0).sum()), 1)
     length = 2.0 * len(points) ** (-1.0 / directions)  # about how far apart runs are
     weights = np.linalg.solve(_fading(points, points, length), rest[:, None])
-    return replace(fit, function=Corrected(fit.function, points, weights, length))
+    return replace(fit, function=Kriging(fit.function, points, weights, length))
 
 
 def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
     """Polynomials of every total degree that leaves runs to test them, the constant among them."""
     free = np.ptp(points, axis=0) > 0
-    found = []
+    fits = []
     for degree in range(_HIGHEST + 1):
         terms = comb(degree + int(free.sum()), degree)
         if degree and (not free.any() or terms >= len(points)):
             break
         indices = total_degree(np.where(free, degree, 0))
         basis = product_basis(points, indices)
-        if (solved := least_squares(basis, values, 1e-9)) is None:
+        if (solution := least_squares(basis, values, 1e-9)) is None:
             break
-        coefficients, leverage = solved
-        tested = leverage < _LEVERAGE
+        coefficients, leverage = solution
+        is_tested = leverage < _LEVERAGE
         rest = values - basis @ coefficients
-        left_out = np.where(tested, rest / np.where(tested, 1 - leverage, 1.0), np.inf)
+        left_out = np.where(is_tested, rest / np.where(is_tested, 1 - leverage, 1.0), np.inf)
         if len(points) == 1 and not free.any():
             left_out = np.zeros(1)  # a box without width has one run, and nothing to be tested
         kind = f"polynomial of degree {degree}"
-        found.append(Fit(points, values, left_out, kind, Surrogate(coefficients[:, None], indices)))
-    return found
+        fits.append(Fit(points, values, left_out, kind, Surrogate(coefficients[:, None], indices)))
+    return fits
 
 
 def _spline(points: np.ndarray, values: np.ndarray) -> Fit | None:

@@ -44,7 +44,7 @@ class Occurrence:
     happens: np.ndarray
 
     @property
-    def mixed(self) -> bool:
+    def is_mixed(self) -> bool:
         """Whether it happens in some runs and not in others."""
         return bool(self.happens.any() and not self.happens.all())
 
@@ -56,14 +56,14 @@ class Occurrence:
         """A function (P) of unit coordinates (P, k) that is below 0 where it does not happen, and
         open where its size is below `doubt`; infinite where all runs agree."""
         unit = np.asarray(unit, dtype=float)
-        if not self.mixed:
+        if not self.is_mixed:
             return np.full(len(unit), np.inf if self.happens.all() else -np.inf)
         return self._border(unit)
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
         """Size (P) of the certainty at unit coordinates (P, k) up to which the runs leave open what
         happens."""
-        if not self.mixed:
+        if not self.is_mixed:
             return np.zeros(len(unit))
         certain = self._certain
         nearest = [
@@ -73,7 +73,7 @@ class Occurrence:
         # Runs too close together, or too rough a border: some lie on the wrong side of it.
         return np.maximum(np.minimum(*nearest), max(1.0, float(-certain.min())))
 
-    def told(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
+    def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """The certainty (R) as runs themselves tell it by their numbers (R) and margins (R); NaN
         where they tell no more than whether it happens."""
         return np.full(len(numbers), np.nan)
@@ -84,18 +84,18 @@ class Occurrence:
         spread = self._spread()
         return float((np.abs(self.certainty(spread)) < self.doubt(spread)).mean())
 
-    def between(self, count: int) -> np.ndarray:
+    def infill_points(self, count: int) -> np.ndarray:
         """Unit points (at most `count`, k) where it is open whether it happens, as far from all
         runs and each other as can be, for runs that would narrow down where the border is."""
-        chosen = np.zeros((0, self.points.shape[1]))
-        if not self.mixed:
-            return chosen
+        points = np.zeros((0, self.points.shape[1]))
+        if not self.is_mixed:
+            return points
         places = self._open_places()
-        away = scipy.spatial.cKDTree(self.points).query(places)[0] if len(places) else np.zeros(0)
-        while len(chosen) < count and away.max(initial=0.0) > _LEAST:
-            chosen = np.concatenate([chosen, places[[away.argmax()]]])
-            away = np.minimum(away, np.linalg.norm(places - chosen[-1], axis=1))
-        return chosen
+        gaps = scipy.spatial.cKDTree(self.points).query(places)[0] if len(places) else np.zeros(0)
+        while len(points) < count and gaps.max(initial=0.0) > _LEAST:
+            points = np.concatenate([points, places[[gaps.argmax()]]])
+            gaps = np.minimum(gaps, np.linalg.norm(places - points[-1], axis=1))
+        return points
 
     def _open_places(self) -> np.ndarray:
         """Unit points (P, k) at which the certainty has one of a few sizes, each between two points
@@ -104,18 +104,18 @@ class Occurrence:
         spread[:, ~self._free] = self.points[0, ~self._free]
         spread = np.concatenate([spread, self.points])
         certain = self.certainty(spread) / self._scale
-        above, below = spread[certain > max(_LEVELS)], spread[certain < min(_LEVELS)]
-        if not len(above) or not len(below):
+        highs, lows = spread[certain > max(_LEVELS)], spread[certain < min(_LEVELS)]
+        if not len(highs) or not len(lows):
             return spread[:0]
-        below, found = below[scipy.spatial.cKDTree(below).query(above)[1]], []
+        lows, border_points = lows[scipy.spatial.cKDTree(lows).query(highs)[1]], []
         for level in _LEVELS:
-            high, low = above, below
+            high, low = highs, lows
             for _ in range(20):
                 middle = (high + low) / 2
-                up = (self.certainty(middle) >= level * self._scale)[:, None]
-                high, low = np.where(up, middle, high), np.where(up, low, middle)
-            found.append((high + low) / 2)
-        return np.concatenate(found)
+                happens = (self.certainty(middle) >= level * self._scale)[:, None]
+                high, low = np.where(happens, middle, high), np.where(happens, low, middle)
+            border_points.append((high + low) / 2)
+        return np.concatenate(border_points)
 
     @property
     def _scale(self) -> float:
@@ -128,43 +128,43 @@ class Occurrence:
 
     def _border(self, unit: np.ndarray) -> np.ndarray:
         """The smoothest function that tells the runs apart."""
-        points, weights = self._bearing
+        points, weights = self._support_vectors
         return _matern(unit, points) @ weights
 
     def formula(self) -> Formula:
         """The certainty as a table, where the runs do not agree."""
-        points, weights = self._bearing
+        points, weights = self._support_vectors
         k = points.shape[1]
-        none, scales = np.zeros((1, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
-        return Formula(none, np.zeros(1), points, scales, weights, "matern")
+        constant, scales = np.zeros((1, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
+        return Formula(constant, np.zeros(1), points, scales, weights, "matern")
 
     @cached_property
-    def _bearing(self) -> tuple[np.ndarray, np.ndarray]:
+    def _support_vectors(self) -> tuple[np.ndarray, np.ndarray]:
         """Unit points (n, k) and weights (n) of that function, by its dual: the least |L' a - b|
         with a >= 0, where L L' is the kernel with the runs' signs and L b = 1."""
-        points, signs = self._deciding()
+        points, signs = self._training_runs()
         kernel = _matern(points, points) * signs * signs[:, None]
         root = scipy.linalg.cholesky(kernel + _NOISE * np.eye(len(points)), lower=True)
-        ones = scipy.linalg.solve_triangular(root, np.ones(len(points)), lower=True)
-        weights, _ = scipy.optimize.nnls(root.T, ones, maxiter=100 * len(points))
-        bearing = weights > 0
-        return points[bearing], (weights * signs)[bearing]
+        bound = scipy.linalg.solve_triangular(root, np.ones(len(points)), lower=True)
+        weights, _ = scipy.optimize.nnls(root.T, bound, maxiter=100 * len(points))
+        is_support = weights > 0
+        return points[is_support], (weights * signs)[is_support]
 
     @cached_property
     def _certain(self) -> np.ndarray:
         """Size (N) of the border's function at the runs, below 0 on its wrong side."""
         return np.where(self.happens, 1.0, -1.0) * self._border(self.points)
 
-    def _deciding(self) -> tuple[np.ndarray, np.ndarray]:
+    def _training_runs(self) -> tuple[np.ndarray, np.ndarray]:
         """Unit points (n, k) and signs (n) of the runs that a border is fitted to."""
         rows = distinct(self.points)
         if len(rows) > _MOST:
-            away = np.empty(len(rows))
+            distance = np.empty(len(rows))
             for kind in (True, False):
                 own = self.happens[rows] == kind
-                others = self.points[self.happens != kind]
-                away[own] = scipy.spatial.cKDTree(others).query(self.points[rows[own]])[0]
-            rows = rows[np.argsort(away, kind="stable")[:_MOST]]
+                rivals = self.points[self.happens != kind]
+                distance[own] = scipy.spatial.cKDTree(rivals).query(self.points[rows[own]])[0]
+            rows = rows[np.argsort(distance, kind="stable")[:_MOST]]
         return self.points[rows], np.where(self.happens[rows], 1.0, -1.0)
 
     def _spread(self) -> np.ndarray:
@@ -187,7 +187,7 @@ def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Foretold(Occurrence):
+class FittedOccurrence(Occurrence):
     """It happens where a fit is not below 0, or not above `latest`, up to its `error`.
 
     Such a function tells the border better than whether it happens does: by how much it does, or,
@@ -201,19 +201,19 @@ class Foretold(Occurrence):
     def agrees(self, slack: float = 0.0) -> bool:
         """Whether the function tells of every run what happened in it, up to its error, and a slack
         where it did not."""
-        found = self.certainty(self.points)
-        there = found[self.happens] >= -self.error
-        return bool(there.all() and (found[~self.happens] < slack).all())
+        certainty = self.certainty(self.points)
+        agreement = certainty[self.happens] >= -self.error
+        return bool(agreement.all() and (certainty[~self.happens] < slack).all())
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
-        found = self.fit.evaluate(unit)
-        return found if self.latest is None else self.latest - found
+        values = self.fit.evaluate(unit)
+        return values if self.latest is None else self.latest - values
 
     def formula(self) -> Formula:
-        found = self.fit.formula()
-        return found if self.latest is None else found.below(self.latest)
+        formula = self.fit.formula()
+        return formula if self.latest is None else formula.shortfall(self.latest)
 
-    def told(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
+    def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         return margins if self.latest is None else self.latest - numbers
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:

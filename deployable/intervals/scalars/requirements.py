@@ -19,14 +19,14 @@ _AT_ONCE = 64  # lines
 @dataclass(frozen=True)
 class Limit:
     """What a number must keep: `kind` "at_most" or "at_least" a `level`, or "happens", whose level
-    is 1 if there must be a number and 0 if there must be none. beyond, border: what the runs
+    is 1 if there must be a number and 0 if there must be none. run_error, border: what the runs
     themselves may be wrong by, as by their mesh and step: the number, and the certainty that there
     is one (see `Occurrence`)."""
 
     surrogate: ScalarSurrogate | None
     kind: str
     level: float
-    beyond: float = 0.0
+    run_error: float = 0.0
     border: float = 0.0
 
     def conditions(self, unit: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -34,23 +34,23 @@ class Limit:
 
         There must be the number, or none; and it must keep its level.
         """
-        found = self.surrogate
-        certain = found.occurrence.certainty(unit)
-        doubt = found.occurrence.doubt(unit) + self.border
+        surrogate = self.surrogate
+        certain = surrogate.occurrence.certainty(unit)
+        doubt = surrogate.occurrence.doubt(unit) + self.border
         if np.isinf(self.border):  # all runs agree, and finer ones do not
             certain, doubt = np.sign(certain), np.full(len(unit), 2.0)
         if self.kind == "happens":
             return [(certain if self.level else -certain, doubt)]
-        if found.fit is None:
+        if surrogate.fit is None:
             return [(certain, doubt)]
         sign = 1.0 if self.kind == "at_most" else -1.0
-        slack = sign * (self.level - found.foretold(unit))
+        slack = sign * (self.level - surrogate.predict(unit))
         return [(certain, doubt), (slack, np.full(len(unit), self.error))]
 
     @property
     def error(self) -> float:
         """Estimated error of the number: of its surrogate, and beyond that of its runs."""
-        return self.surrogate.error + self.beyond
+        return self.surrogate.error + self.run_error
 
     def slack_of(self, values: np.ndarray) -> np.ndarray:
         """By how much the limit is kept by values (...) of the number, NaN where there is none:
@@ -59,11 +59,11 @@ class Limit:
         Where there is no number, no level is kept; "happens" is kept or broken by infinity.
         """
         values = np.asarray(values, dtype=float)
-        there = np.isfinite(values)
+        is_number = np.isfinite(values)
         if self.kind == "happens":
-            return np.where(there == bool(self.level), np.inf, -np.inf)
+            return np.where(is_number == bool(self.level), np.inf, -np.inf)
         sign = 1.0 if self.kind == "at_most" else -1.0
-        return np.where(there, sign * (self.level - np.where(there, values, 0.0)), -np.inf)
+        return np.where(is_number, sign * (self.level - np.where(is_number, values, 0.0)), -np.inf)
 
     def worst(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
         """Least slack over the part [lower, upper] (k each) of the box, and where it is (k)."""
@@ -74,19 +74,19 @@ class Limit:
         return self._end(lower, upper, worst=False)
 
     def _end(self, lower: np.ndarray, upper: np.ndarray, worst: bool) -> tuple[float, np.ndarray]:
-        found, middle = self.surrogate, (lower + upper) / 2
+        surrogate, middle = self.surrogate, (lower + upper) / 2
         if self.kind == "happens":
-            place = found.somewhere if bool(self.level) != worst else found.nowhere
-            at = place(lower, upper)
-            kept = (at is None) == worst
-            return (np.inf if kept else -np.inf), middle if at is None else at
-        if worst and (at := found.nowhere(lower, upper)) is not None:
-            return -np.inf, at
+            place = surrogate.somewhere if bool(self.level) != worst else surrogate.nowhere
+            point = place(lower, upper)
+            feasible = (point is None) == worst
+            return (np.inf if feasible else -np.inf), middle if point is None else point
+        if worst and (point := surrogate.nowhere(lower, upper)) is not None:
+            return -np.inf, point
         sign = 1.0 if (self.kind == "at_most") == worst else -1.0
-        value, at = found.end(sign, lower, upper)
+        value, point = surrogate.end(sign, lower, upper)
         if not np.isfinite(value):
             return -np.inf, middle
-        return (self.level - value if self.kind == "at_most" else value - self.level), at
+        return (self.level - value if self.kind == "at_most" else value - self.level), point
 
 
 def sub_box(nominal: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
@@ -98,9 +98,9 @@ def sub_box(nominal: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
 def share_reaching(nominal: np.ndarray, unit: np.ndarray) -> np.ndarray:
     """The least shares (P) to which the box may be shrunk towards a nominal point (k) so that it
     still holds unit points (P, k)."""
-    away = np.asarray(unit, dtype=float) - nominal
-    room = np.where(away > 0, 1.0 - nominal, 1.0 + nominal)
-    return np.divide(np.abs(away), room, out=np.zeros_like(away), where=room > 0).max(axis=1)
+    offset = np.asarray(unit, dtype=float) - nominal
+    room = np.where(offset > 0, 1.0 - nominal, 1.0 + nominal)
+    return np.divide(np.abs(offset), room, out=np.zeros_like(offset), where=room > 0).max(axis=1)
 
 
 def share_of_box(
@@ -118,23 +118,23 @@ def share_of_box(
     single = free.sum() == 1
     count = _ON_ONE_LINE if single else _ON_LINE
     line = np.linspace(-1.0, 1.0, count) if free.any() else np.zeros(2)
-    along = int(np.argmax(free)) if single else _steepest(limits, free)
-    others = free.copy()
-    others[along] = False
-    starts = scan_points(others, _LINES if others.any() else 1, corners=False)
-    kept = []
+    direction = int(np.argmax(free)) if single else _steepest(limits, free)
+    start_axes = free.copy()
+    start_axes[direction] = False
+    starts = scan_points(start_axes, _LINES if start_axes.any() else 1, corners=False)
+    fractions = []
     for first in range(0, len(starts), _AT_ONCE):
         points = np.repeat(starts[first : first + _AT_ONCE, None], len(line), axis=1)
-        points[:, :, along] = line
+        points[:, :, direction] = line
         flat = lower + 0.5 * (points.reshape(-1, len(free)) + 1.0) * (upper - lower)
-        found = [one for limit in limits for one in limit.conditions(flat)]
-        found = [tuple(each.reshape(-1, len(line)) for each in one) for one in found]
-        kept.append([_kept(found, sign).mean(axis=1) for sign in (0.0, -1.0, 1.0)])
-    share, least, most = np.concatenate(kept, axis=1).mean(axis=1)
+        rows = [row for limit in limits for row in limit.conditions(flat)]
+        rows = [tuple(array.reshape(-1, len(line)) for array in row) for row in rows]
+        fractions.append([_parts_met(rows, sign).mean(axis=1) for sign in (0.0, -1.0, 1.0)])
+    share, least, most = np.concatenate(fractions, axis=1).mean(axis=1)
     return float(share), float(max(most - share, share - least))
 
 
-def _kept(conditions: Sequence[tuple[np.ndarray, np.ndarray]], sign: float) -> np.ndarray:
+def _parts_met(conditions: Sequence[tuple[np.ndarray, np.ndarray]], sign: float) -> np.ndarray:
     """Parts (L, S - 1) of the stretches between points on lines, on which values (L, S), with so
     many times their errors (L, S) added, are not below 0."""
     start, end = np.zeros((1, 1)), np.ones((1, 1))
@@ -173,27 +173,27 @@ def largest_share(
     be broken beyond it, and the unit point (k) where: the nearest one, in shares of the box.
     """
 
-    def broken(share: float) -> tuple[float, int, np.ndarray] | None:
+    def first_violation(share: float) -> tuple[float, int, np.ndarray] | None:
         worst = [(*limit.worst(*sub_box(nominal, share)), i) for i, limit in enumerate(limits)]
-        slack, at, i = min(worst, key=lambda row: row[0])
-        return None if slack >= 0 else (slack, i, at)
+        slack, point, i = min(worst, key=lambda row: row[0])
+        return None if slack >= 0 else (slack, i, point)
 
-    found = broken(1.0)
-    if found is None:
+    worst_limit = first_violation(1.0)
+    if worst_limit is None:
         return 1.0, None, None
     low, high = 0.0, 1.0
-    if (at_nominal := broken(0.0)) is not None:
+    if (at_nominal := first_violation(0.0)) is not None:
         return 0.0, at_nominal[1], at_nominal[2]
     for _ in range(steps):
         middle = 0.5 * (low + high)
-        if (there := broken(middle)) is None:
+        if (violation := first_violation(middle)) is None:
             low = middle
         else:
-            high, found = middle, there
-    return low, found[1], found[2]
+            high, worst_limit = middle, violation
+    return low, worst_limit[1], worst_limit[2]
 
 
-_GRID, _ZOOMED, _ZOOMS, _SPREAD = 33, 7, 22, 128
+_GRID, _ZOOM_GRID, _ZOOMS, _SPREAD = 33, 7, 22, 128
 
 # From choices (c) to the corners (k each), in unit coordinates, of the box that they leave.
 BoxOf = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -215,24 +215,24 @@ class Goal:
     def value(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
         """The goal over a part (k each) of the box, and where its end is (1, k), or both (2, k)."""
         if self.kind == "width":
-            found = self.surrogate.range(lower, upper, climbs=1)
-            return found.width, np.array([found.argmin, found.argmax])
-        value, at = self.surrogate.end(1.0 if self.kind == "upper" else -1.0, lower, upper)
-        return value, at[None]
+            interval = self.surrogate.range(lower, upper, climbs=1)
+            return interval.width, np.array([interval.argmin, interval.argmax])
+        value, point = self.surrogate.end(1.0 if self.kind == "upper" else -1.0, lower, upper)
+        return value, point[None]
 
 
 @dataclass(frozen=True)
 class Choice:
     """A choice (c): its goals (g), and its worst slack of all limits, with each one's (l) and where
-    it is (l, k); `at`: the places that decide the goals, (1, k) each, or (2, k) of a width. Without
-    limits the slack is infinite."""
+    it is (l, k); `goal_points`: the places that decide the goals, (1, k) each, or (2, k) of a
+    width. Without limits the slack is infinite."""
 
     values: np.ndarray
     goals: np.ndarray
     slack: float
     slacks: np.ndarray
     worst: np.ndarray
-    at: list[np.ndarray]
+    goal_points: list[np.ndarray]
 
     @property
     def is_allowed(self) -> bool:
@@ -243,16 +243,16 @@ class Choice:
 def judge(values: np.ndarray, goals: Sequence[Goal], limits: Sequence[Limit], box: BoxOf) -> Choice:
     """A choice (c) with its goals and its worst case."""
     lower, upper = box(values)
-    found = [goal.value(lower, upper) for goal in goals]
-    kept = [limit.worst(lower, upper) for limit in limits]
-    slacks = np.array([slack for slack, _ in kept])
+    goal_values = [goal.value(lower, upper) for goal in goals]
+    limit_values = [limit.worst(lower, upper) for limit in limits]
+    slacks = np.array([slack for slack, _ in limit_values])
     return Choice(
         np.asarray(values, dtype=float),
-        np.array([value for value, _ in found]),
+        np.array([value for value, _ in goal_values]),
         float(slacks.min(initial=np.inf)),
         slacks,
-        np.array([at for _, at in kept]).reshape(len(kept), len(lower)),
-        [at for _, at in found],
+        np.array([point for _, point in limit_values]).reshape(len(limit_values), len(lower)),
+        [point for _, point in goal_values],
     )
 
 
@@ -270,7 +270,7 @@ def best_choice(
     ends = np.array(ranges, dtype=float)
     wide = ends[:, 1] > ends[:, 0]
     if len(ends) <= 2:
-        count = _GRID if len(ends) == 1 else _ZOOMED + 6
+        count = _GRID if len(ends) == 1 else _ZOOM_GRID + 6
         sizes = [count if free else 1 for free in wide]
         lines = [np.linspace(*end, size) for end, size in zip(ends, sizes, strict=True)]
         places = np.array(list(itertools.product(*lines)))
@@ -285,7 +285,7 @@ def best_choice(
     first = [judge(place, goals, limits, box) for place in places]
     best = min(first, key=order)
     reach = (ends[:, 1] - ends[:, 0]) * (1.5 / len(places) ** (1 / len(ends)))
-    steps = np.linspace(-1.0, 1.0, _ZOOMED if len(ends) == 1 else 3)
+    steps = np.linspace(-1.0, 1.0, _ZOOM_GRID if len(ends) == 1 else 3)
     for _ in range(_ZOOMS):
         for offset in itertools.product(*[steps if free else [0.0] for free in wide]):
             place = np.clip(best.values + reach * offset, ends[:, 0], ends[:, 1])

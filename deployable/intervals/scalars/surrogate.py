@@ -13,7 +13,7 @@ import scipy
 from ..designs import spread_points
 from ..formula import Formula
 from .fits import Fit, best_fit
-from .occurrence import Foretold, Occurrence
+from .occurrence import FittedOccurrence, Occurrence
 
 _CANDIDATES = 1024
 _CLIMBS = 3
@@ -41,15 +41,15 @@ def extremes(
     function: Function,
     lower: np.ndarray,
     upper: np.ndarray,
-    also: np.ndarray | None = None,
+    extra_points: np.ndarray | None = None,
     climbs: int = _CLIMBS,
 ) -> Extremes:
     """The range that a function attains over the part [lower, upper] (k each) of the unit box.
 
     The arguments are those of `extreme`.
     """
-    low, argmin = extreme(function, -1.0, lower, upper, also, climbs)
-    high, argmax = extreme(function, 1.0, lower, upper, also, climbs)
+    low, argmin = extreme(function, -1.0, lower, upper, extra_points, climbs)
+    high, argmax = extreme(function, 1.0, lower, upper, extra_points, climbs)
     return Extremes(low, high, argmin, argmax)
 
 
@@ -58,35 +58,35 @@ def extreme(
     sign: float,
     lower: np.ndarray,
     upper: np.ndarray,
-    also: np.ndarray | None = None,
+    extra_points: np.ndarray | None = None,
     climbs: int = _CLIMBS,
 ) -> tuple[float, np.ndarray]:
     """The largest (sign 1) or least (sign -1) value that a function attains over the part
     [lower, upper] (k each) of the unit box, and where (k); NaN if it has none there.
 
-    The best of points spread over the part, its faces and corners, and of those of `also` (P, k)
-    that lie in it; from the best `climbs` of them a quasi-Newton search goes on (L-BFGS-B), which
-    takes a smooth function. `function` takes unit coordinates (P, k) and gives values (P), NaN
-    where it has none.
+    The best of points spread over the part, its faces and corners, and of those `extra_points`
+    (P, k) that lie in it; from the best `climbs` of them a quasi-Newton search goes on (L-BFGS-B),
+    which takes a smooth function. `function` takes unit coordinates (P, k) and gives values (P),
+    NaN where it has none.
     """
     lower, upper = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
     middle, half = (lower + upper) / 2, (upper - lower) / 2
     trial = np.clip(middle + half * _spread(tuple(half > 0)), lower, upper)
-    if also is not None and len(also):
-        inside = ((also >= lower - 1e-12) & (also <= upper + 1e-12)).all(axis=1)
-        trial = np.concatenate([trial, np.clip(also[inside], lower, upper)])
+    if extra_points is not None and len(extra_points):
+        in_part = ((extra_points >= lower - 1e-12) & (extra_points <= upper + 1e-12)).all(axis=1)
+        trial = np.concatenate([trial, np.clip(extra_points[in_part], lower, upper)])
     values = function(trial)
-    there = np.isfinite(values)
-    if not there.any():
+    is_number = np.isfinite(values)
+    if not is_number.any():
         return np.nan, np.full(len(lower), np.nan)
-    trial, values = trial[there], values[there]
+    trial, values = trial[is_number], values[is_number]
     free = half > 0
     if free.sum() == 1:
         climbs = min(climbs, 1)  # on a line the points are close enough
     order = np.argsort(-sign * values, kind="stable")[: max(climbs, 1)]
-    best, where = float(values[order[0]]), trial[order[0]].copy()
+    best, argument = float(values[order[0]]), trial[order[0]].copy()
     if not free.any() or not climbs:
-        return best, where
+        return best, argument
     # The search needs numbers everywhere; where there are none is worse than all that was tried.
     worst, scale = float((sign * values).min()), float(np.ptp(values)) or 1.0
     rows = np.flatnonzero(free)
@@ -97,21 +97,21 @@ def extreme(
         points = np.repeat(middle[None], len(rows) + 1, axis=0)
         points[:, rows] += half[rows] * local
         points[np.arange(1, len(rows) + 1), rows] += half[rows] * steps
-        found = sign * function(np.clip(points, lower, upper))
-        found = -np.where(np.isfinite(found), found, worst - scale) / scale
-        return float(found[0]), (found[1:] - found[0]) / steps
+        losses = sign * function(np.clip(points, lower, upper))
+        losses = -np.where(np.isfinite(losses), losses, worst - scale) / scale
+        return float(losses[0]), (losses[1:] - losses[0]) / steps
 
     for i in order:
         start = ((trial[i] - middle)[rows] / half[rows]).clip(-1.0, 1.0)
         bounds = [(-1.0, 1.0)] * len(rows)
-        found = scipy.optimize.minimize(loss, start, method="L-BFGS-B", jac=True, bounds=bounds)
+        optimum = scipy.optimize.minimize(loss, start, method="L-BFGS-B", jac=True, bounds=bounds)
         x = middle.copy()
-        x[rows] += half[rows] * found.x
+        x[rows] += half[rows] * optimum.x
         x = np.clip(x, lower, upper)
         value = float(function(x[None])[0])
         if np.isfinite(value) and sign * (value - best) > 0:
-            best, where = value, x
-    return best, where
+            best, argument = value, x
+    return best, argument
 
 
 @cache
@@ -147,7 +147,7 @@ class ScalarSurrogate:
         with each other."""
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 
-    def foretold(self, unit: np.ndarray) -> np.ndarray:
+    def predict(self, unit: np.ndarray) -> np.ndarray:
         """What the fit tells (P) at unit coordinates (P, k), within what is possible, be there a
         number or not."""
         return np.clip(self.fit.evaluate(np.asarray(unit, dtype=float)), self.least, self.latest)
@@ -156,12 +156,12 @@ class ScalarSurrogate:
         """Values (P) at unit coordinates (P, k), NaN where there is none."""
         if self.fit is None:
             return np.full(len(unit), np.nan)
-        return np.where(self.occurrence.evaluate(unit), self.foretold(unit), np.nan)
+        return np.where(self.occurrence.evaluate(unit), self.predict(unit), np.nan)
 
     def formulas(self) -> tuple[Formula | None, Formula | bool]:
         """What the fit tells, None where there is none; and what is not below 0 where there is a
         number, or whether there is one everywhere."""
-        sure = not self.occurrence.mixed
+        sure = not self.occurrence.is_mixed
         return (
             None if self.fit is None else self.fit.formula(),
             bool(self.occurrence.happens.all()) if sure else self.occurrence.formula(),
@@ -173,42 +173,42 @@ class ScalarSurrogate:
         """The range attained over the part [lower, upper] (k each) of the unit box, by default the
         whole; NaN where there is no number anywhere. `options` are those of `extremes`."""
         lower, upper = self._part(lower, upper)
-        also = None if self.fit is None else self.fit.points
-        return extremes(self.evaluate, lower, upper, also, **options)
+        extra_points = None if self.fit is None else self.fit.points
+        return extremes(self.evaluate, lower, upper, extra_points, **options)
 
     def end(
         self, sign: float, lower: np.ndarray, upper: np.ndarray, climbs: int = 1
     ) -> tuple[float, np.ndarray]:
         """The upper (sign 1) or lower (sign -1) end of that range, and where it is (k)."""
-        also = None if self.fit is None else self.fit.points
-        return extreme(self.evaluate, sign, *self._part(lower, upper), also, climbs)
+        extra_points = None if self.fit is None else self.fit.points
+        return extreme(self.evaluate, sign, *self._part(lower, upper), extra_points, climbs)
 
     def _part(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
         """The part of the box, without extent along parameters that do not vary."""
-        ones = np.ones(self.occurrence.points.shape[1])
+        side = np.ones(self.occurrence.points.shape[1])
         free = np.ptp(self.occurrence.points, axis=0) > 0
-        lower = np.where(free, -ones if lower is None else lower, 0.0)
-        return lower, np.where(free, ones if upper is None else upper, 0.0)
+        lower = np.where(free, -side if lower is None else lower, 0.0)
+        return lower, np.where(free, side if upper is None else upper, 0.0)
 
     def nowhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
         """The place (k) in the part [lower, upper] of the unit box where there is most certainly no
         number; None if there is one all over it."""
-        return self._where(lower, upper, False)
+        return self._place(lower, upper, False)
 
     def somewhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
         """The place (k) in the part [lower, upper] where there most certainly is a number; None if
         there is none in it."""
-        return self._where(lower, upper, True)
+        return self._place(lower, upper, True)
 
-    def _where(self, lower: np.ndarray, upper: np.ndarray, wanted: bool) -> np.ndarray | None:
+    def _place(self, lower: np.ndarray, upper: np.ndarray, happens: bool) -> np.ndarray | None:
         lower, upper = self._part(lower, upper)
-        if not self.occurrence.mixed:
-            return (lower + upper) / 2 if self.occurrence.happens.all() == wanted else None
+        if not self.occurrence.is_mixed:
+            return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None
         certainty, points = self.occurrence.certainty, self.occurrence.points
-        value, at = extreme(certainty, 1.0 if wanted else -1.0, lower, upper, points, climbs=1)
-        return at if (value >= 0) == wanted else None
+        value, point = extreme(certainty, 1.0 if happens else -1.0, lower, upper, points, climbs=1)
+        return point if (value >= 0) == happens else None
 
 
 def fit_scalar(
@@ -227,13 +227,13 @@ def fit_scalar(
     least open does.
     """
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
-    there = np.isfinite(values)
-    fit = best_fit(points[there], values[there]) if there.any() else None
-    if there.sum() == 1 and np.ptp(points, axis=0).any():  # which no other run tests
+    happens = np.isfinite(values)
+    fit = best_fit(points[happens], values[happens]) if happens.any() else None
+    if happens.sum() == 1 and np.ptp(points, axis=0).any():  # which no other run tests
         fit = replace(fit, left_out=np.full(1, np.inf))
     return ScalarSurrogate(
         fit,
-        _occurrence(points, there, fit, latest, margin),
+        _occurrence(points, happens, fit, latest, margin),
         -np.inf if least is None else least,
         np.inf if latest is None else latest,
     )
@@ -241,23 +241,23 @@ def fit_scalar(
 
 def _occurrence(
     points: np.ndarray,
-    there: np.ndarray,
+    happens: np.ndarray,
     fit: Fit | None,
     latest: float | None,
     margin: np.ndarray | None,
 ) -> Occurrence:
-    found = Occurrence(points, there)
-    if not found.mixed:
-        return found
-    told = [found]
+    by_runs = Occurrence(points, happens)
+    if not by_runs.is_mixed:
+        return by_runs
+    borders = [by_runs]
     if margin is not None and np.isfinite(margin).all():
         by_how_much = best_fit(points, margin)
-        one = Foretold(points, there, by_how_much, by_how_much.error)
-        told += [one] if np.isfinite(one.error) and one.agrees(one.error) else []
+        border = FittedOccurrence(points, happens, by_how_much, by_how_much.error)
+        borders += [border] if np.isfinite(border.error) and border.agrees(border.error) else []
     if latest is not None and np.isfinite(fit.error):
-        until = Foretold(points, there, fit, fit.error, latest)
-        told += [until] if until.agrees() else []
-    return min(reversed(told), key=lambda one: one.open)
+        by_time = FittedOccurrence(points, happens, fit, fit.error, latest)
+        borders += [by_time] if by_time.agrees() else []
+    return min(reversed(borders), key=lambda border: border.open)
 
 
 @dataclass(frozen=True)
@@ -284,17 +284,17 @@ def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
     surrogate = surrogate.trend
     nominal = np.asarray(nominal, dtype=float)
     k = len(nominal)
-    ones = np.ones(k)
-    alone, fixed, halved = np.zeros((3, k))
+    side = np.ones(k)
+    own_widths, fixed_widths, halved = np.zeros((3, k))
     for j in range(k):
         lower, upper = nominal.copy(), nominal.copy()
         lower[j], upper[j] = -1.0, 1.0
-        alone[j] = surrogate.range(lower, upper).width
-        for out, part in ((fixed, 0.0), (halved, 0.5)):
-            lower, upper = -ones, ones.copy()
+        own_widths[j] = surrogate.range(lower, upper).width
+        for widths, part in ((fixed_widths, 0.0), (halved, 0.5)):
+            lower, upper = -side, side.copy()
             lower[j] = nominal[j] + part * (-1.0 - nominal[j])
             upper[j] = nominal[j] + part * (1.0 - nominal[j])
-            out[j] = surrogate.range(lower, upper).width
-    told = np.where(alone > surrogate.error, alone, 0.0)
-    share = told / (told.sum() or 1.0)
-    return Influence(surrogate.range().width, alone, share, fixed, halved)
+            widths[j] = surrogate.range(lower, upper).width
+    significant = np.where(own_widths > surrogate.error, own_widths, 0.0)
+    share = significant / (significant.sum() or 1.0)
+    return Influence(surrogate.range().width, own_widths, share, fixed_widths, halved)

@@ -37,7 +37,7 @@ def number(name, kind="largest", of="", about=(), event="", places=(), signed=Fa
     """A quantity's definition: its kind, and that of its response, or an event."""
     response = None
     if of:
-        response = SimpleNamespace(kind=of, about=about, least=None if signed else 0.0)
+        response = SimpleNamespace(kind=of, subjects=about, least=None if signed else 0.0)
     return SimpleNamespace(name=name, kind=kind, response=response, event=event, places=places)
 
 

@@ -98,14 +98,14 @@ def _scaled(scene: Scene, deformations: Deformations):
 
 def fastest(modes) -> tuple[float, np.ndarray]:
     """Square of the highest frequency and the share (r,) of each row in its mode's energy."""
-    from scipy.sparse.linalg import eigsh
-
     if modes.shape[0] == 0 or modes.nnz == 0:
         return 0.0, np.zeros(modes.shape[0])
     matrix = modes.T @ modes
     if matrix.shape[0] <= DENSE:
         values, vectors = np.linalg.eigh(matrix.toarray())
     else:
+        from scipy.sparse.linalg import eigsh  # takes a quarter of a second
+
         start = np.ones(matrix.shape[0])  # fixed, so that the result is always the same
         values, vectors = eigsh(matrix, k=1, which="LA", v0=start, tol=1e-8)
     return values[-1], (modes @ vectors[:, -1]) ** 2

@@ -140,7 +140,7 @@ def test_jobs_of_a_workflow_are_told_the_program_that_its_config_names(
     monkeypatch.setattr(sections, "_TRUSTED", set())  # as in the job's process
     with pytest.raises(CampaignError, match="was not run"):
         read_plan(theirs.plan).experiment.scene_type  # noqa: B018
-    STAGES["page"].typed(json.loads(jobs))
+    STAGES["page"].sections_in(jobs)
     assert read_plan(theirs.plan).experiment.scene_type.name == "own"
 
 

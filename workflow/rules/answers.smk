@@ -22,7 +22,7 @@ rule answers:
         mem_mb=megabytes,
     params:
         folder=folder_of,
-        config=sections("answers"),
+        config=WORKFLOW.sections("answers"),
         code=CODE,
     message:
         "Finding what the campaign asks for, and summing up"

@@ -99,11 +99,6 @@ def folder_of(wildcards, output):
     return path[: path.rindex(f"{wildcards.stage}/") + len(wildcards.stage)]
 
 
-def sections(stage):
-    """What a stage needs of the config; with it as `params` a rule runs again when it changes."""
-    return WORKFLOW.sections(stage)
-
-
 def call(stage, *more):
     """The command of a stage."""
     config = "--config {params.config:q} --log {log:q}"
@@ -112,16 +107,21 @@ def call(stage, *more):
     )
 
 
+def asked_minutes(*of):
+    """Minutes to ask a queue for; none where jobs run here, since the step takes 0.3 s to find."""
+    return WORKFLOW.minutes(*of) if workflow.non_local_exec_or_dryrun else 1
+
+
 def job_minutes(input):
     """Minutes to ask a queue for, for a batch of runs."""
     plan = str(input[0])
     there = Path(plan).exists() and plan not in STALE
-    return WORKFLOW.minutes(WORKFLOW.batch_count(), plan if there else None)
+    return asked_minutes(WORKFLOW.batch_count(), plan if there else None)
 
 
 def minutes(wildcards, attempt):
     """Minutes to ask a queue for, for a job that may make all runs."""
-    return attempt * WORKFLOW.minutes()
+    return attempt * asked_minutes()
 
 
 def megabytes(wildcards, attempt):

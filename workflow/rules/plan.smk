@@ -13,7 +13,7 @@ rule plan:
         ENVIRONMENT
     params:
         folder=folder_of,
-        config=sections("plan"),
+        config=WORKFLOW.sections("plan"),
         code=CODE,
         mechanics=MECHANICS,
     message:
@@ -39,7 +39,7 @@ rule simulate:
         mem_mb=megabytes,
     params:
         folder=folder_of,
-        config=sections("simulate"),
+        config=WORKFLOW.sections("simulate"),
         code=CODE,
         batch_count=WORKFLOW.batch_count(),
         bundle=lambda wildcards, output: (
@@ -70,7 +70,7 @@ rule bounds:
         ENVIRONMENT
     params:
         folder=folder_of,
-        config=sections("bounds"),
+        config=WORKFLOW.sections("bounds"),
         code=CODE,
     message:
         "Gathering the responses and taking their bounds"

@@ -18,7 +18,7 @@ rule figures:
         ENVIRONMENT
     params:
         folder=folder_of,
-        config=sections("figures"),
+        config=WORKFLOW.sections("figures"),
         code=CODE,
     message:
         "Drawing the figures"
@@ -49,7 +49,7 @@ rule page:
         ENVIRONMENT
     params:
         folder=folder_of,
-        config=sections("page"),
+        config=WORKFLOW.sections("page"),
         code=CODE,
     message:
         "Making the page"

@@ -17,7 +17,7 @@ rule rounds:
         mem_mb=megabytes,
     params:
         folder=folder_of,
-        config=sections("rounds"),
+        config=WORKFLOW.sections("rounds"),
         code=CODE,
         mechanics=MECHANICS,
     message:

@@ -171,7 +171,7 @@ def _travel_problems(experiment: Experiment) -> list[str]:
 
 def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> list[str]:
     """Whether a margin by the factors of a spring that is out is without one, of several."""
-    if "spring out" not in curve.about:
+    if "spring out" not in curve.subjects:
         return []
     drive = driving(work)
     springs = [name for name in springs_of(experiment.nominal_scene) if name in drive]

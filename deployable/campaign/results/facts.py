@@ -393,7 +393,7 @@ def _reached(quantity: Any, experiment: Any, folder: Folder) -> dict[str, Any]:
         }
         latch = latches[quantity.places[0]]
         of = "opening", (scene.hinges[latch.hinge].name,)
-        response = next((c for c in experiment.curves if (c.kind, c.about) == of), None)
+        response = next((c for c in experiment.curves if (c.kind, c.subjects) == of), None)
         level = latch.angle
     elif quantity.kind != "crossing":
         response = None

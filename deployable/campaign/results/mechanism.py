@@ -68,7 +68,7 @@ def margin_of(
     curves of the work of all parts, by values of the interval parameters and a response."""
     definition, standard = experiment.responses[response.name], standard_of(response)
     nominal, along = scenes[0], response.along
-    openings = response.about[: response.about.index(standard)]
+    openings = response.subjects[: response.subjects.index(standard)]
     worst = tuple(row["argmin"].values())
     worst = tuple(experiment.nominal) if None in worst else worst
     curves, label = led(worst, response), response.columns[0][1]
@@ -137,17 +137,17 @@ def _leader(experiment: Any) -> Callable:
 
 def standard_of(margin: Any) -> str:
     """The name of the standard of a margin (`fpm.reading.margins`)."""
-    return next(word for word in margin.about if word in STANDARDS)
+    return next(word for word in margin.subjects if word in STANDARDS)
 
 
 def evidence_of(margin: Any) -> str:
     """What the factors of a margin rest on."""
-    return margin.about[margin.about.index(standard_of(margin)) + 1]
+    return margin.subjects[margin.subjects.index(standard_of(margin)) + 1]
 
 
 def left_out(margin: Any) -> list[str]:
     """The parts that a margin is without."""
-    return list(margin.about[margin.about.index(standard_of(margin)) + 2 :])
+    return list(margin.subjects[margin.subjects.index(standard_of(margin)) + 2 :])
 
 
 def travel_of(

@@ -239,7 +239,7 @@ class _Sheet:
         if of is None:
             return TOPICS.get(number.event, set())
         if of.kind == "joint_moment":
-            return {"stop": {"stop"}, "latch": {"latch shock", "shock"}}.get(of.about[1], set())
+            return {"stop": {"stop"}, "latch": {"latch shock", "shock"}}.get(of.subjects[1], set())
         return TOPICS.get(of.kind, set())
 
     # -- rows of quantities ------------------------------------------------------------------------

@@ -33,11 +33,11 @@ def required(name, *limits, met=None):
             "limits": list(limits)}  # fmt: skip
 
 
-def number(name, kind="largest", of="", about=(), event="", places=(), signed=False):
+def number(name, kind="largest", of="", subjects=(), event="", places=(), signed=False):
     """A quantity's definition: its kind, and that of its response, or an event."""
     response = None
     if of:
-        response = SimpleNamespace(kind=of, subjects=about, least=None if signed else 0.0)
+        response = SimpleNamespace(kind=of, subjects=subjects, least=None if signed else 0.0)
     return SimpleNamespace(name=name, kind=kind, response=response, event=event, places=places)
 
 

@@ -33,10 +33,10 @@ from deployable.campaign.results.review import (
 from deployable.campaign.results.templates import environment, summary_text
 
 LATCH, OTHER = ("latch a",), ("latch a", "latch b")
-STRESS = {"of": "stress", "about": ("bar",)}
-MOMENT = {"of": "joint_moment", "about": ("h", "stop"), "signed": True}
-LATCHED = {"of": "joint_moment", "about": ("h", "latch"), "signed": True}
-IMPULSE = {"of": "latch_impulse", "about": ("a",), "signed": True}
+STRESS = {"of": "stress", "subjects": ("bar",)}
+MOMENT = {"of": "joint_moment", "subjects": ("h", "stop"), "signed": True}
+LATCHED = {"of": "joint_moment", "subjects": ("h", "latch"), "signed": True}
+IMPULSE = {"of": "latch_impulse", "subjects": ("a",), "signed": True}
 GAP = {"kind": "smallest", "of": "clearance"}
 TIME = {"kind": "event", "event": "latches", "places": LATCH}
 

@@ -10,8 +10,6 @@ from deployable.one_thread import set_environment
 set_environment()  # before numpy is loaded
 # After each 700 new objects Python looks for circles that nobody uses: a tenth of a short stage.
 gc.set_threshold(10_000)
-# xarray loads dask where that is installed, which takes a third of a second; no command uses it.
-sys.modules["dask"] = None
 
 
 def program() -> int:

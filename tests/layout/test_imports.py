@@ -146,10 +146,3 @@ print([name for name in {sorted(HEAVY[name]) + others} if name in sys.modules])
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
-
-
-def test_no_command_loads_dask():
-    code = "import deployable.__main__, sys, xarray; xarray.Dataset({'a': ('x', [1.0])}); "
-    code += "print([name for name in sys.modules if name.startswith('dask.')])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"

@@ -156,6 +156,10 @@ def test_the_travel_of_runs_that_start_apart_is_that_of_them_all(way, stowed):
     along = SimpleNamespace(first=way * np.radians(1), last=way)
     travel = mechanism.travel_of(scenes, ["hinge"], along, stowed)
     assert np.degrees(travel) * way == pytest.approx([1 if stowed else -3, 72])
+    started = [build(start=way * 5, far=way * 30, near=way * 25)]
+    assert np.degrees(mechanism.travel_of(started, ["hinge"], along, False)) * way == (
+        pytest.approx([5, 25])
+    )
     scenes = [build(start=0, far=way * 20, near=way * 10)]
     assert mechanism.travel_of(scenes, ["hinge"], along, False)[1] == pytest.approx(
         way * np.radians(10)
@@ -176,7 +180,7 @@ def test_latches_on_the_way_are_those_between_its_ends():
         (20, 30, ["l1", "l2"]), (10.001, 59.999, ["l1", "l2"]), (10, 60, []), (9, 61, []),
         (60, 30, ["l2"]),
     ):  # fmt: skip
-        scene = build(inner=inner, outer=outer)
+        scene = build(inner=inner, outer=outer, start=2)
         response = parse("m", definition, scene)
         experiment = SimpleNamespace(
             responses={"m": definition}, intervals=["far"], nominal=(80.0,), nominal_scene=scene
@@ -185,10 +189,28 @@ def test_latches_on_the_way_are_those_between_its_ends():
         row = {"argmin": {"far": None}}
         known = mechanism.margin_of(experiment, [scene], response, row, lambda *_, run=run: run)
         assert known["latches"] == names
-        assert known["travel"] == pytest.approx([0, np.radians(max(inner, outer))])
+        assert known["travel"] == pytest.approx(np.radians([2, max(inner, outer)]))
         assert (known["first"], known["last"]) == pytest.approx(np.radians([10, 60]))
         assert known["openings"] == ["hinge"] and not known["starts_vary"]
         assert known["at"] == {"far": 80.0} and known["unit"] == "rad"
+
+
+@pytest.mark.parametrize(
+    ("first", "starts", "vary"),
+    [("stow", [1, 4], True), ("stow", [1, 1], False), ("3 deg", [1, 4], False)],
+)
+def test_starts_vary_where_each_run_is_led_from_its_own(first, starts, vary):
+    text = PANEL.replace("SIDE", "most")
+    scenes = [structures.loads(text).build(start=start) for start in starts]
+    definition = {"margin": "hinge", "from": first, "to": "60 deg", "standard": ECSS}
+    response = parse("m", definition, scenes[0])
+    experiment = SimpleNamespace(
+        responses={"m": definition}, intervals=["start"], nominal=(1.0,), nominal_scene=scenes[0]
+    )
+    run = margins.led_curves(scenes[0], [response])
+    row = {"argmin": {"start": 1.0}}
+    known = mechanism.margin_of(experiment, scenes, response, row, lambda *_: run)
+    assert known["starts_vary"] is vary
 
 
 def test_each_least_margin_is_known_and_nothing_else(monkeypatch, tmp_path):

@@ -102,6 +102,8 @@ ROWS = {
         least(travel=None), "4.7.5.3", EVERY, "partly analysed: met from 0 to 1.5 rad; no latch"),
     "beyond the end": (least(last=1.6), "4.7.5.3", EVERY, "met in all"),
     "part of it fails": (least(-0.1, 0.2, last=0.1), "4.7.5.3", EVERY, "not met in at least"),
+    "just all of it": (
+        least(first=0.0, last=1.5, travel=[1.5e-6, 1.5 + 1.5e-6]), "4.7.5.3", EVERY, "met in all"),
     "another stands": (
         least(stand=["g"]), "4.7.5.3", EVERY,
         "partly analysed: met from 0 to 1.5 rad; g, which stands, is not led"),
@@ -204,6 +206,40 @@ ROWS = {
 }  # fmt: skip
 
 
+def of_many_digits(empty):
+    """Heads and rows where numbers have more digits than are printed, and parameters no width."""
+    stated, limits, numbers_, margins = least(0.123456789, 2.123456789, [ZERO], 0.0123456789)
+    stated[0]["simulated_lower"] = limits[0]["limits"][0]["simulated"] = 0.123456789
+    margins["m_least"] |= {"first": 0.123456789, "own": ["FR 1 for 6"]}
+    facts = sheets.facts_of(stated, limits, margins)
+    facts["parameters"] += [
+        {
+            "name": "w",
+            "description": "width",
+            "lower": 1.23456789,
+            "upper": 2.3456789,
+            "units": "m",
+        },
+        {"name": "none", "description": "", "lower": 1.0, "upper": 1.0, "units": "m"},
+    ]
+    facts["fixed"] = [
+        {"name": "k1", "description": "", "value": 1.23456789, "units": "N"},
+        {"name": "k2", "description": "a stiffness", "value": 2.0, "units": "N"},
+        {"name": "n", "description": "", "value": 3, "units": "1"},
+    ]
+    texts = {}
+    for exchanged in (0.19, 0.2, 0.21):  # twenty times what may be off is 0.2
+        facts["mechanism"]["motion"] = {"exchanged": exchanged, "largest": 2.0, "off": 1.2345e-4}
+        rows = rows_of(facts, sheets.experiment(numbers_), ECSS)
+        texts[f"digits {exchanged}"] = [
+            " | ".join(row.values()) for row in rows if row not in empty
+        ]
+    texts["digits"] = head_of(facts, rows, ECSS)
+    for budget in budgets_of(facts):
+        texts["digits"] += [budget["title"], budget["sum"], " | ".join(budget["heads"])]
+    return texts
+
+
 def sheets_of_before():
     """All that sheets say of hand-made facts: rows that are not those of a sheet without facts,
     heads and budgets; and of a hundred drawn campaigns digests of the same."""
@@ -218,7 +254,9 @@ def sheets_of_before():
     texts["none"] = [" | ".join(row.values()) for row in empty]
     texts["none"] += head_of(facts, empty, ECSS)
     for budget in budgets_of(facts):
-        texts["none"] += [budget["title"], budget["sum"], *map(" | ".join, budget["rows"])]
+        texts["none"] += [budget["title"], budget["sum"], " | ".join(budget["heads"]),
+                          *map(" | ".join, budget["rows"])]  # fmt: skip
+    texts |= of_many_digits(empty)
     for seed in range(100):
         quantities, limits, numbers_, margins, motion = drawn(np.random.default_rng(1000 + seed))
         facts = sheets.facts_of(quantities, limits, margins, motion=motion)

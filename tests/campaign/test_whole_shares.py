@@ -128,9 +128,38 @@ def test_stretches_lead_from_the_farthest_runs_that_differ_to_the_nearest_that_d
     differ = x < 12
     sides = np.where(x < 20, happens, not happens)
     size = np.abs(x - 3.2)
-    first, second = borders._stretches(x[:, None], sides, differ, size)
-    assert first[:, 0].tolist() == [11, 10, 9, 8, 7, 0, 6, 1]
-    assert second[:, 0].tolist() == [12.0] * 8
+    points = np.column_stack([x - 14.0, 0.5 * x, 0 * x])
+    first, second = borders._stretches(points, sides, differ, size)
+    assert (first[:, 0] + 14).tolist() == [11, 10, 9, 8, 7, 0, 6, 1]
+    assert second.tolist() == [[-2.0, 6.0, 0.0]] * 8
+    for none in borders._stretches(points, sides, sides == happens, size):
+        assert none.shape == (0, 3), "all of that side differ"
+    assert borders._ceases(None, 0, None, None, *[np.zeros((0, 3))] * 2) == 0.0
+
+
+def test_a_border_that_no_number_tells_of_does_not_move():
+    """All runs have the number, and none tells by how much."""
+    bench = SimpleNamespace(numbers=np.ones((4, 1)), margins=np.full((4, 1), np.nan))
+    assert borders.moved(bench, 0, SimpleNamespace(is_mixed=False), None) == (0.0, ANY_NAN)
+
+
+class _AnyNan:
+    def __eq__(self, other):
+        return np.isnan(other)
+
+
+ANY_NAN = _AnyNan()
+
+
+def test_a_limit_is_described_by_its_own_kind_of_level(monkeypatch):
+    monkeypatch.setattr(limits, "words_of", lambda quantity: {})
+    quantity = SimpleNamespace(name="q", unit="s")
+    bench = SimpleNamespace(experiment=SimpleNamespace(numbers=[quantity]))
+    for asked, level in ((Asked("r", 0, "happens", 1.0), True), (Asked("r", 0, "happens", 0.0),
+                         False), (Asked("r", 0, "at_most", 1.0), 1.0)):  # fmt: skip
+        row = limits.told(bench, asked)
+        assert row["level"] is level or (row["level"] == level and isinstance(level, float))
+        assert type(row["level"]) is type(level) and row["kind"] == asked.kind
 
 
 def test_a_number_that_finer_runs_lose_everywhere_leaves_all_open():

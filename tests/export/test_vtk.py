@@ -76,6 +76,7 @@ def test_meshio_reads_the_solid_bars(collection, motion):
     assert set(grid.cell_data_dict["bar"]["hexahedron"]) == {0, 1, 2, 3}
 
 
+@pytest.mark.slow  # CI installs VTK for the slow tests
 def test_vtk_reads_it_and_no_bar_is_inside_out(collection, motion):
     vtk = pytest.importorskip("vtk", reason="the library of ParaView is not installed")
     path = next(path for _, name, path in datasets(collection) if name == "solid")

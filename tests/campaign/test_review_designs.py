@@ -257,6 +257,10 @@ def test_settings_of_ones_own_are_told_with_those_of_the_standard():
     scene.classes |= {(kinds["Friction"], 0): "TL", (kinds["TorsionSpring"], 1): "HM"}
     found = mechanism.weaker_classes(scene, response)
     assert found == ["right as HM for S", "rub as TL for FR"]
+    scene.classes = {(kinds["TableSpring"], 0): "S"}  # it says that it is a spring
+    assert mechanism.weaker_classes(scene, response) == []
+    scene.classes = {(kinds["TableSpring"], 0): "TL"}
+    assert mechanism.weaker_classes(scene, response) == ["wires as TL for HA"]
 
 
 def test_springs_that_drive_are_those_that_drive_somewhere():

@@ -102,6 +102,9 @@ ROWS = {
         least(travel=None), "4.7.5.3", EVERY, "partly analysed: met from 0 to 1.5 rad; no latch"),
     "beyond the end": (least(last=1.6), "4.7.5.3", EVERY, "met in all"),
     "part of it fails": (least(-0.1, 0.2, last=0.1), "4.7.5.3", EVERY, "not met in at least"),
+    "just by its error": (least(0.25, 0.5, error=0.25), "4.7.5.3", EVERY, "met in all"),
+    "just from the start": (
+        least(first=1.5e-6, last=1.5, travel=[0.0, 1.5]), "4.7.5.3", EVERY, "met in all"),
     "just all of it": (
         least(first=0.0, last=1.5, travel=[1.5e-6, 1.5 + 1.5e-6]), "4.7.5.3", EVERY, "met in all"),
     "another stands": (

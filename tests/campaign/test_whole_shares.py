@@ -137,18 +137,26 @@ def test_stretches_lead_from_the_farthest_runs_that_differ_to_the_nearest_that_d
     assert borders._ceases(None, 0, None, None, *[np.zeros((0, 3))] * 2) == 0.0
 
 
+def test_a_border_moves_to_the_farthest_of_several_stretches():
+    """On one of two stretches finer runs cease to differ at 0.25, on the other at 0.75."""
+    x = np.linspace(-1, 1, 21)[:, None]
+    occurrence = Occurrence(x, x[:, 0] > 0.01)
+
+    def told(plan, points):
+        return np.where(points > [[0.25], [0.75]], 1.0, np.nan), None
+
+    bench = SimpleNamespace(told=told)
+    size = borders._ceases(bench, 0, occurrence, None, np.full((2, 1), 0.1), np.full((2, 1), 0.95))
+    exact = float(occurrence.certainty(np.array([[0.75]]))[0])
+    assert size == pytest.approx(abs(exact), rel=0.1)
+
+
 def test_a_border_that_no_number_tells_of_does_not_move():
-    """All runs have the number, and none tells by how much."""
-    bench = SimpleNamespace(numbers=np.ones((4, 1)), margins=np.full((4, 1), np.nan))
-    assert borders.moved(bench, 0, SimpleNamespace(is_mixed=False), None) == (0.0, ANY_NAN)
-
-
-class _AnyNan:
-    def __eq__(self, other):
-        return np.isnan(other)
-
-
-ANY_NAN = _AnyNan()
+    """All runs have the number, and none, or not all, tell by how much."""
+    for margins in ([np.nan] * 4, [np.nan, 1.0, 1.0, 1.0]):
+        bench = SimpleNamespace(numbers=np.ones((4, 1)), margins=np.array(margins)[:, None])
+        border, number = borders.moved(bench, 0, SimpleNamespace(is_mixed=False), None)
+        assert border == 0.0 and np.isnan(number)
 
 
 def test_a_limit_is_described_by_its_own_kind_of_level(monkeypatch):

@@ -33,7 +33,7 @@ CASES = {
     "scissor": ("scissor", None, 0.0, -0.2, {}),
     "umbrella": ("umbrella", None, 0.0, 0.1, {}),
 }
-"""Structure, or its text; opening; from and to (rad), of the first opening, where that is None, from
+"""Structure, or its text; opening; from and to (rad), where that is None of the first opening, from
 its start on; parameters."""
 
 

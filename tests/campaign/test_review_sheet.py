@@ -385,6 +385,16 @@ def test_limits_of_both_signs_are_an_allowable():
 
 
 @pytest.mark.parametrize(
+    ("kind", "states"),
+    [("final", [MET, MET]), ("smallest", [NOT_ANALYSED, PARTLY]), ("mean", [NOT_ANALYSED] * 2)],
+)
+def test_the_impulse_of_a_latch_is_bounded_by_its_last_value(kind, states):
+    limits = [required("a", limit("q", "at_most", 3.0)), required("b", limit("q", level=-6.0))]
+    rows = sheet([quantity("q", -5, 2)], limits, [number("q", kind=kind, **IMPULSE)])
+    assert [row["state"] for row in of(rows, "4.7.5.4.3", LOADS)] == states
+
+
+@pytest.mark.parametrize(
     ("other", "state"),
     [
         ({"openings": ["g"]}, MET),

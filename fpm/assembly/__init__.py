@@ -32,7 +32,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.assembly.conditions import Conditions, Places, conditions_of
+from fpm.assembly.conditions import Conditions, Places, conditions_of, scaled
 from fpm.assembly.elastic import Elastic, elastic_of
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.openings.opening import opening_at
@@ -280,14 +280,14 @@ def linearised(
     gradient, stiffness = elastic.derivatives(places)
     rows, curvature = conditions.derivatives(places, weight * impulses)
     stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
-    stiffness = _scaled(stiffness, scales, scales)
-    mass = _scaled(masses(scene, places), scales, scales)
+    stiffness = scaled(stiffness, scales, scales)
+    mass = scaled(masses(scene, places), scales, scales)
     largest = abs(stiffness).max() if stiffness.nnz else 0.0
     if ease is None:
         ease = share * largest if largest > 0 else 1.0
     unit = max(largest, ease)
     inner = (stiffness / unit + mass * (ease / unit / mass.max())).tocsc()[free][:, free]
-    rows = _scaled(rows, weight, scales)[:, free]
+    rows = scaled(rows, weight, scales)[:, free]
     matrix = bmat([[inner, rows.T], [rows, -EASE * identity(len(weight))]], format="csc")
     try:
         solver = splu(matrix)
@@ -302,14 +302,6 @@ def linearised(
         return step, unit * solution[len(free) :]
 
     return solve, gradient
-
-
-def _scaled(matrix, rows: np.ndarray, columns: np.ndarray):
-    """A sparse matrix with its rows and columns times factors, in columns."""
-    matrix = matrix.tocsc(copy=True)
-    own = np.repeat(columns, np.diff(matrix.indptr))
-    matrix.data = matrix.data * rows[matrix.indices] * own
-    return matrix
 
 
 def masses(scene, places: Places):

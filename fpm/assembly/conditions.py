@@ -69,6 +69,27 @@ def dofs_of(pairs: np.ndarray) -> np.ndarray:
     return (6 * pairs[:, :, None] + np.arange(6)).reshape(len(pairs), 12)
 
 
+SMALLEST = 1e-9
+"""Share of the largest singular value of conditions below which they depend on each other."""
+
+
+def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
+    """Rank of conditions with derivatives (c, f), and the share (c,) of each one in combinations
+    of them whose derivatives vanish."""
+    if not rows.size:
+        return 0, np.zeros(len(rows))
+    vectors, sizes, _ = np.linalg.svd(rows)
+    rank = int((sizes > SMALLEST * sizes[0]).sum())
+    return rank, np.linalg.norm(vectors[:, rank:], axis=1)
+
+
+def scaled(matrix, rows: np.ndarray, columns: np.ndarray):
+    """A sparse matrix with its rows and columns times factors, in columns."""
+    matrix = matrix.tocsc(copy=True)
+    matrix.data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
+    return matrix
+
+
 GLOBAL, BODY_FIXED, NORMAL = 0, 1, 2
 
 

@@ -7,11 +7,12 @@ like all other forces, to the second order in the step. Conditions that others i
 solver gives them: of all impulses that keep the joints closed the smallest.
 """
 
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.assembly.conditions import Places, conditions_of
+from fpm.assembly.conditions import Places, conditions_of, dependence, scaled
 from fpm.elements import kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge
@@ -129,28 +130,27 @@ def _is_ground(scene: Scene, particle: int) -> bool:
     return bool(scene.fixed[particle].all()) and not has_role
 
 
-DEPENDENT = 1e-9
-"""Share of the largest singular value of conditions, below which these depend on others."""
+SHARE = 3e-5
+"""Share of a condition in combinations that vanish, above which its force is not determined."""
 
 
-def why_undetermined(scene: Scene, response: Any) -> str:
-    """Why a response (`fpm.reading.responses.Response`) of the force or moment of a joint or
-    support is not determined, and what to do, as a sentence; empty where it is."""
-    name = response.subjects[0] if response.subjects else ""
-    if response.kind.startswith("constraint_"):
-        joints = {name}
-    elif response.kind.startswith("reaction_"):
-        joints = {f"{holder}{end}" for holder in reactions_of(scene)[name].holders
-                  for end in ("", SUPPORT)}  # fmt: skip
-    else:
-        return ""
-    if not joints & undetermined(scene):
-        return ""
-    return (
-        f"conditions of {name} depend on those of other joints of rigid parts, so that only the "
-        "sum of their forces is determined: let a part between them be elastic, or take joints "
-        "with fewer conditions"
-    )
+def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str]:
+    """Responses of forces and moments of joints and supports that are not determined, by name:
+    why, and what to do, as a sentence. responses: `fpm.reading.responses.Response`."""
+    joints = []
+    for response in responses:
+        if response.kind.startswith("constraint_"):
+            joints.append((response, {response.subjects[0]}))
+        elif response.kind.startswith("reaction_"):
+            holders = reactions_of(scene)[response.subjects[0]].holders
+            joints.append((response, {f"{h}{end}" for h in holders for end in ("", SUPPORT)}))
+    names = undetermined(scene) if joints else set()
+    return {
+        response.name: f"conditions of {response.subjects[0]} depend on those of other joints of "
+        "rigid parts, so that only the sum of their forces is determined: let a part between them "
+        "be elastic, or take joints with fewer conditions"
+        for response, own in joints if own & names
+    }  # fmt: skip
 
 
 def undetermined(scene: Scene) -> set[str]:
@@ -166,17 +166,12 @@ def undetermined(scene: Scene) -> set[str]:
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
     scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
     places = Places(scene.position, scene.frame)
-    rows = conditions.jacobian(places).multiply(scales).tocsc()
-    rows = (rows[:, np.flatnonzero(free)].multiply(conditions.weight(size)[:, None])).tocsr()
+    rows = scaled(conditions.jacobian(places), conditions.weight(size), scales)
+    rows = rows[:, np.flatnonzero(free)].tocsr()
     joints: set[str] = set()
     count, groups = connected_components(abs(rows) @ abs(rows).T, directed=False)
     for group in range(count):
         own = np.flatnonzero(groups == group)
-        block = rows[own][:, np.unique(rows[own].indices)].toarray()
-        if not block.size:
-            continue  # between parts that are held
-        vectors, sizes, _ = np.linalg.svd(block)
-        rank = int((sizes > DEPENDENT * sizes.max(initial=0.0)).sum())
-        shares = np.linalg.norm(vectors[:, rank:], axis=1)
-        joints.update(names[own][shares > np.sqrt(DEPENDENT)].tolist())
+        shares = dependence(rows[own][:, np.unique(rows[own].indices)].toarray())[1]
+        joints.update(names[own][shares > SHARE].tolist())
     return joints

@@ -99,8 +99,7 @@ def check_masses(scene: Scene) -> None:
 
 def _rows(scene: Scene, conditions: Conditions):
     """Sparse rows (c, 6n) of conditions at the start."""
-    places = Places(scene.position, scene.frame)
-    return conditions.jacobian(places)
+    return conditions.jacobian(Places(scene.position, scene.frame))
 
 
 def _scaled(scene: Scene, rows):

@@ -7,14 +7,11 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fpm.assembly.conditions import Places, conditions_of
+from fpm.assembly.conditions import Places, conditions_of, dependence
 from fpm.scenes.effort import machine, run_seconds
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
 from fpm.scenes.timestep import stable_step
-
-SMALLEST = 1e-9
-"""Singular values below this share of the largest are zero: what a joint adds there is rounding."""
 
 
 class Mobility(NamedTuple):
@@ -73,7 +70,7 @@ def mobility(scene: Scene) -> Mobility:
     a mechanism that is folded flat, more ways are open than in the motion that follows.
     """
     rows, _ = jacobian(scene)
-    rank, count = _dependent(rows)[0], rows.shape[1]
+    rank, count = dependence(rows)[0], rows.shape[1]
     return Mobility(count // 6, len(rows), len(rows) - rank, count - rank)
 
 
@@ -106,22 +103,13 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
     return np.concatenate([supports, joints]), names
 
 
-def _dependent(rows: np.ndarray) -> tuple[int, np.ndarray]:
-    """Rank of some conditions, and the share (c,) of each in what is nothing when combined."""
-    if not rows.size:
-        return 0, np.zeros(len(rows))
-    vectors, sizes, _ = np.linalg.svd(rows)
-    rank = int((sizes > SMALLEST * sizes[0]).sum())
-    return rank, np.linalg.norm(vectors[:, rank:], axis=1)
-
-
 def redundant(scene: Scene) -> list[str]:
     """Names of the joints and supports whose conditions depend on those of others.
 
     Rigid parts can only bear them if lengths and axes fit exactly; elastic ones give way.
     """
     rows, names = jacobian(scene)
-    shares = _dependent(rows)[1]
+    shares = dependence(rows)[1]
     return list(dict.fromkeys(n for n, share in zip(names, shares, strict=True) if share > 1e-6))
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fpm.assembly import FARTHEST, MisfitError, linearised
-from fpm.assembly.conditions import NORMAL, Conditions, conditions_of
+from fpm.assembly.conditions import NORMAL, Conditions, conditions_of, scaled
 from fpm.assembly.conditions import Places as At
 from fpm.elements.openings.opening import opening_at, rate_at
 from fpm.errors import SceneError
@@ -123,8 +123,8 @@ class Path:
 
     def _derivatives(self, places: At) -> np.ndarray:
         """Derivatives (c, f) of the conditions, scaled."""
-        rows = self._conditions.jacobian(places).multiply(self._scales).tocsc()[:, self._free]
-        return self._weight[:, None] * rows.toarray()
+        rows = scaled(self._conditions.jacobian(places), self._weight, self._scales)
+        return rows[:, self._free].toarray()
 
     def _step(self, value: float) -> None:
         """Lead the opening to a value at once; MisfitError where it cannot be."""
@@ -249,8 +249,8 @@ class Path:
         drift[:, :3, :3] = drift[:, 3:, 3:] = np.eye(3)
         drift[:, :3, 3:] = np.cross(np.eye(3), off[:, None] / self._size).swapaxes(1, 2)
         drift = drift.reshape(-1, 6)  # lengths by the size
-        rows = self._conditions.jacobian(places).multiply(self._scales).tocsr()
-        ruled_out = np.vstack([self._weight[:, None] * (rows @ drift), drift[held]])
+        rows = scaled(self._conditions.jacobian(places), self._weight, self._scales)
+        ruled_out = np.vstack([rows @ drift, drift[held]])
         _, sizes, ways = np.linalg.svd(ruled_out)
         free = ways[np.sum(sizes > DRIFTS * sizes.max(initial=1.0)) :]
         if len(free):

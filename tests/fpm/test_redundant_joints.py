@@ -3,7 +3,7 @@
 import pytest
 
 from fpm import structures
-from fpm.reading.constraint_forces import undetermined, why_undetermined
+from fpm.reading.constraint_forces import undetermined, undetermined_forces
 from fpm.reading.responses import parse
 
 POINTS = """
@@ -56,6 +56,6 @@ def test_joints_whose_conditions_others_imply_are_told_apart(parts, second, thir
     for joint in "ADE":
         for kind in ("constraint_force", "constraint_moment"):
             response = parse("x", {kind: joint, "component": "x"}, scene)
-            assert bool(why_undetermined(scene, response)) == (joint in undetermined(scene))
+            assert bool(undetermined_forces(scene, [response])) == (joint in undetermined(scene))
         response = parse("x", {"opening": joint}, scene)
-        assert not why_undetermined(scene, response)
+        assert not undetermined_forces(scene, [response])

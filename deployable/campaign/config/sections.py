@@ -40,7 +40,7 @@ from deployable.campaign.errors import CampaignError, HeldConfigError
 from deployable.campaign.provenance import made_by
 from fpm import SceneError, structures
 from fpm.files.outcome import eventful
-from fpm.reading.constraint_forces import why_undetermined
+from fpm.reading.constraint_forces import undetermined_forces
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.shocks import doubt
 from fpm.structures.reading import read_text
@@ -243,9 +243,10 @@ class Experiment:
         (fpm.reading.shocks), all are those of joints that others make redundant."""
         curves = [(curve.name, curve, True) for curve in self.curves]
         quantities = [(q.name, q.response, q.is_peak) for q in self.numbers if q.response]
+        undetermined = undetermined_forces(self.nominal_scene, self.curves)
         reasons = {
             name: (doubt(self.nominal_scene, response) if peak else "")
-            or why_undetermined(self.nominal_scene, response)
+            or undetermined.get(response.name, "")
             for name, response, peak in curves + quantities
         }
         return {name: reason for name, reason in reasons.items() if reason}

@@ -30,8 +30,9 @@ from deployable.campaign.runs.progress import Tell
 from fpm.errors import SceneError
 from fpm.files.sealed import DamagedError, check, sweep
 
-PLAN, SAMPLES, BOX = "plan.json", "samples.nc", "bounds.nc"
-BOUND = SAMPLES, "surrogate.nc", BOX, "sensitivities.nc"
+PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
+SENSITIVITIES = "sensitivities.nc"
+BOUNDS_FILES = SAMPLES, "surrogate.nc", BOUNDS, SENSITIVITIES
 ANSWERS = "quantities.nc", "further.nc"
 
 FRAMES = 401
@@ -106,7 +107,7 @@ class Stage:
     def inputs(self, campaign: Campaign) -> list[str]:
         """Names of all results that the stage may read, which are those of all stages before where
         it shows them."""
-        more = [PLAN, *BOUND, *_answered(campaign)] if self.draws else []
+        more = [PLAN, *BOUNDS_FILES, *_answered(campaign)] if self.draws else []
         return list(dict.fromkeys([*self.takes, *more]))
 
     def sections_in(self, config: str) -> dict[str, Any]:
@@ -167,7 +168,7 @@ STAGES = {
     stage.name: stage
     for stage in (
         Stage("rounds", "Make runs in rounds until an accuracy is met or its budget is spent.",
-              ("experiment", "bounds", "verify", "jobs"), (), lambda _: (PLAN, *BOUND),
+              ("experiment", "bounds", "verify", "jobs"), (), lambda _: (PLAN, *BOUNDS_FILES),
               ("threads",), is_sought=True),
         Stage("plan", "Choose the runs of a campaign and the time step that serves them all.",
               ("experiment",), (), lambda _: (PLAN,), is_sought=False),
@@ -175,15 +176,15 @@ STAGES = {
               ("jobs",), (PLAN,), lambda _: ("batches/{batch}.json",),
               ("batch", "batches", "processes", "threads", "bundle"), is_sought=False),
         Stage("bounds", "Gather the responses of all runs, fit the surrogate, take its bounds.",
-              ("bounds", "verify", "jobs"), (PLAN,), lambda _: BOUND, ("threads", "bundles"),
+              ("bounds", "verify", "jobs"), (PLAN,), lambda _: BOUNDS_FILES, ("threads", "bundles"),
               is_sought=False),
         Stage("answers", "Find intervals of quantities, what meets the requirements, the choice.",
               ("requirements", "choose", "published", "review", "verify", "jobs"),
-              (PLAN, SAMPLES, BOX), _answered, ("threads",)),
+              (PLAN, SAMPLES, BOUNDS), _answered, ("threads",)),
         Stage("figures", "Draw responses with their bounds, and what parameters contribute.",
-              ("error",), (PLAN, BOX, "sensitivities.nc"), _figures, draws=True),
+              ("error",), (PLAN, BOUNDS, SENSITIVITIES), _figures, draws=True),
         Stage("page", "Make the page, with the motion of some runs and moments of the nominal one.",
-              ("figures",), (SAMPLES, BOX, "sensitivities.nc", "summary.json"),
+              ("figures",), (SAMPLES, BOUNDS, SENSITIVITIES, "summary.json"),
               lambda _: ("report.html", *_pictures("campaign/moments")), ("frames",), draws=True),
     )
 }  # fmt: skip

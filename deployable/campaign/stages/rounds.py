@@ -10,7 +10,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import first_plan, next_plan
 from deployable.campaign.plan.plan import read_plan, write_plan
 from deployable.campaign.runs.progress import Tell
-from deployable.campaign.stages import BOUND, PLAN, plan_of, simulate
+from deployable.campaign.stages import BOUNDS_FILES, PLAN, plan_of, simulate
 from deployable.campaign.stages.bounds import bound
 from deployable.campaign.stages.plan import warn
 
@@ -27,7 +27,7 @@ def work(
             simulate.work(place, tell, jobs, threads=threads)
             bound(place, tell, bounds, verify, jobs, threads)
         number += 1
-    last = [place.plan, *(place.previous() / name for name in BOUND)]
+    last = [place.plan, *(place.previous() / name for name in BOUNDS_FILES)]
     for path in last:
         shutil.copy(path, folder.path)
 

@@ -15,7 +15,9 @@ class Formula:
     [m] T_(i_m1)(x_1) ... T_(i_mk)(x_k) + sum_n weights[n] kernel(|scales (x - points[n])|).
 
     indices (M, k), coefficients (M), points (N, k), scales (k), weights (N); kernel, of a distance
-    d: `cube` d^3, `fading` exp(-d), or `matern` (1 + d + d^2 / 3) exp(-d).
+    d: `cube` d^3, `fading` exp(-d), or `matern` (1 + d + d^2 / 3) exp(-d). root: where it is given,
+    a formula r of the other coordinates from which the last one follows: 2 sqrt(r / root_scale) -
+    1, with r / root_scale clipped to [0, 1].
     """
 
     indices: np.ndarray
@@ -24,6 +26,8 @@ class Formula:
     scales: np.ndarray
     weights: np.ndarray
     kernel: str
+    root: Formula | None = None
+    root_scale: float = 1.0
 
     def shortfall(self, level: float) -> Formula:
         """By how much the function is below a level."""

@@ -1,4 +1,4 @@
-"""The ends of each quantity's interval: sought with a surrogate, simulated, and sought again."""
+"""Bounds of each quantity: sought with a surrogate, simulated, and sought again."""
 
 from __future__ import annotations
 
@@ -11,80 +11,117 @@ import numpy as np
 from deployable.campaign.answers.bench import SAME, Bench
 from deployable.campaign.answers.limits import Asked, judged
 
-TOLD = 1e-3
-"""An end has settled when the surrogate promises no more than this share of the width beyond what
-was simulated. Also the share of the box that may remain open about where something happens."""
+TOLERANCE = 1e-3
+"""Convergence tolerance: a bound is converged when the surrogate exceeds the extreme run by less
+than this fraction of the width. Also the undecided volume fraction of the box at which refinement
+of a limit-state surface stops."""
 
-_BORDER = 8  # further runs in a round about where something happens: eight take what three do
+_SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
 
 
 @dataclass(frozen=True)
 class Ends:
-    """The interval of a quantity, by its surrogate and by the runs.
+    """Bounds of a quantity, by its surrogate and by the runs.
 
-    surrogate: `intervals.scalars.ScalarSurrogate` from all runs; found: the `Extremes` of it.
-    lower, upper: the least and largest simulated value, NaN where there is none; argmin, argmax
-    (k): unit coordinates of the runs. moving (2): whether the surrogate promises more at an end.
+    surrogate: `intervals.scalars.ScalarSurrogate` from all runs; surrogate_range: the `Extremes` of
+    it. lower, upper: the extreme values of the runs, NaN where there is none; argmin, argmax (k):
+    unit coordinates of these runs. estimates: `BoundEstimate` of the lower and upper bound, none
+    without a value. unconverged (2): whether the surrogate exceeds a bound of the runs.
     """
 
     surrogate: Any
-    found: Any
+    surrogate_range: Any
     lower: float
     upper: float
     argmin: np.ndarray
     argmax: np.ndarray
-    moving: tuple[bool, bool]
+    estimates: tuple[Any, ...] = ()
+    unconverged: tuple[bool, bool] = (False, False)
 
     @property
     def outer(self) -> tuple[float, float]:
-        """The interval that contains both the simulated ends and the surrogate's."""
-        return (
-            float(np.fmin(self.lower, self.found.low)),
-            float(np.fmax(self.upper, self.found.high)),
-        )
+        """The bounds that are reported: attained by a run, or the surrogate's where it goes farther
+        by several times its own error."""
+        return tuple(e.value for e in self.estimates) or (np.nan, np.nan)
+
+    @property
+    def error(self) -> float:
+        """By how much either bound may be off by what the surrogate leaves possible; NaN where
+        there is none."""
+        return max((e.error for e in self.estimates), default=np.nan)
 
 
 def settle(bench: Bench, rounds: int, asked: Sequence[Asked] = ()) -> list[Ends]:
-    """The ends of all quantities, after at most so many rounds of further runs: where surrogates
-    have their ends, until they promise no more, about where something ceases to happen, and at the
-    places that decide the limits that are asked."""
+    """The bounds of all quantities, after at most so many iterations of further runs: at the bounds
+    of the surrogates and where runs may still extend them, about limit-state surfaces of events,
+    and at the points that decide the limits that are asked."""
+    mispredictions = np.zeros((len(bench.experiment.numbers), 2))
     for number in range(rounds + 1):
         surrogates = bench.surrogates()
-        ends = [_ends(bench, q, s) for q, s in enumerate(surrogates)]
+        bounds = [_bounds(bench, q, s, mispredictions[q]) for q, s in enumerate(surrogates)]
         if number == rounds:
             break
-        points = [point for end in ends for point in _wanted(bench, end)]
+        points = [point for one in bounds for point in _infill(one)]
         if asked:
             places = judged(bench, surrogates, asked).places
-            points += [at for at in places if bench.nearest(at)[1] > SAME]
-        if not points:
-            break
-        before = len(bench.unit)
+            points += [point for point in places if bench.nearest(point)[1] > SAME]
+        count = len(bench.unit)
         bench.add(points)
-        if len(bench.unit) == before:
+        if len(bench.unit) == count:
             break
-    return ends
+        mispredictions = _mispredictions(bench, bounds, mispredictions)
+    return bounds
 
 
-def _ends(bench: Bench, q: int, surrogate: Any) -> Ends:
-    found, values = surrogate.range(), bench.numbers[:, q]
+def _bounds(bench: Bench, q: int, surrogate: Any, mispredictions: np.ndarray) -> Ends:
+    from deployable.intervals.scalars import estimate_bound
+
+    surrogate_range, values = surrogate.range(), bench.numbers[:, q]
     if not np.isfinite(values).any():
         nowhere = np.full(bench.unit.shape[1], np.nan)
-        return Ends(surrogate, found, np.nan, np.nan, nowhere, nowhere, (False, False))
-    at = int(np.nanargmin(values)), int(np.nanargmax(values))
-    lower, upper = float(values[at[0]]), float(values[at[1]])
-    slack = TOLD * max(upper - lower, found.width)
-    moving = found.low < lower - slack, found.high > upper + slack
-    return Ends(surrogate, found, lower, upper, *bench.unit[list(at)], moving)
+        return Ends(surrogate, surrogate_range, np.nan, np.nan, nowhere, nowhere)
+    rows = int(np.nanargmin(values)), int(np.nanargmax(values))
+    lower, upper = (float(values[row]) for row in rows)
+    tolerance = TOLERANCE * max(upper - lower, surrogate_range.width)
+    estimates = tuple(
+        estimate_bound(
+            surrogate,
+            surrogate_range,
+            sign,
+            (values[row], bench.unit[row]),
+            tolerance,
+            misprediction,
+        )
+        for sign, row, misprediction in zip((-1.0, 1.0), rows, mispredictions, strict=True)
+    )
+    unconverged = surrogate_range.low < lower - tolerance, surrogate_range.high > upper + tolerance
+    return Ends(
+        surrogate, surrogate_range, lower, upper, *bench.unit[list(rows)], estimates, unconverged
+    )
 
 
-def _wanted(bench: Bench, ends: Ends) -> list[np.ndarray]:
-    """Where the next runs should be for one quantity."""
-    points = []
-    for moving, at in zip(ends.moving, (ends.found.argmin, ends.found.argmax), strict=True):
-        if moving and bench.nearest(at)[1] > SAME:
-            points.append(at)
-    occurrence = ends.surrogate.occurrence
-    if occurrence.open > TOLD:
-        points += list(occurrence.infill_points(_BORDER))
+def _infill(bounds: Ends) -> list[np.ndarray]:
+    """Unit points (k) of the next runs for one quantity."""
+    points = [point for estimate in bounds.estimates for point in estimate.points]
+    occurrence = bounds.surrogate.occurrence
+    if occurrence.open > TOLERANCE:
+        points += list(occurrence.infill_points(_SURFACE))
     return points
+
+
+def _mispredictions(bench: Bench, bounds: list[Ends], known: np.ndarray) -> np.ndarray:
+    """By how much (q, 2) the surrogates' bounds differ from the runs that were made there, infinite
+    where these have no number; what was known before where no run was made."""
+    mispredictions = known.copy()
+    for q, one in enumerate(bounds):
+        ends = (
+            (one.surrogate_range.low, one.surrogate_range.argmin),
+            (one.surrogate_range.high, one.surrogate_range.argmax),
+        )
+        for side, (value, point) in enumerate(ends):
+            if one.unconverged[side]:
+                row, distance = bench.nearest(point)
+                difference = abs(bench.numbers[row, q] - value)
+                if distance <= SAME:
+                    mispredictions[q, side] = difference if np.isfinite(difference) else np.inf
+    return mispredictions

@@ -70,6 +70,7 @@ def quantities_dataset(bench: Bench, ends: list[Ends], finer: Mapping[str, np.nd
     _put_ends(variables, bench, ends)
     sought = bench.experiment.is_sought
     errors = [e.surrogate.usual_error if sought else e.surrogate.error for e in ends]
+    errors = np.fmax(errors, [e.error for e in ends])
     errors = [error if np.isfinite(error) else np.nan for error in errors]
     averaged = sought and bench.experiment.box.free.sum() <= AVERAGED
     kind = "mean" if averaged else "largest"
@@ -114,9 +115,9 @@ def _put_ends(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
         variables.put(side, _OF, outer, f"{side} end, of runs and surrogate")
         simulated = [getattr(e, side) for e in ends]
         variables.put(f"simulated_{side}", _OF, simulated, f"{side} end of the simulated runs")
-        found = [(e.found.low, e.found.high)[i] for e in ends]
-        variables.put(f"surrogate_{side}", _OF, found, f"{side} end by the surrogate")
-        moving = [int(e.moving[i]) for e in ends]
+        predicted = [(e.surrogate_range.low, e.surrogate_range.high)[i] for e in ends]
+        variables.put(f"surrogate_{side}", _OF, predicted, f"{side} end by the surrogate")
+        moving = [int(e.unconverged[i]) for e in ends]
         text = f"1 where the surrogate goes beyond the {side} end"
         variables.put(f"moving_{side}", _OF, moving, text, "1")
         which = ("argmin", "argmax")[i]

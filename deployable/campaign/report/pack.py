@@ -174,9 +174,10 @@ def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str,
         if not isinstance(formula, Formula):
             return formula
         numbers = ("coefficients", "points", "scales", "weights")
-        return {"indices": formula.indices.tolist(), "kernel": formula.kernel} | {
+        root = {"root": table(formula.root), "root_scale": formula.root_scale}
+        return {"indices": formula.indices.tolist(), "kernel": formula.kernel} | root | {
             key: arrays.add(getattr(formula, key), "f8") for key in numbers
-        }
+        }  # fmt: skip
 
     value, happens = surrogate.formulas()
     ends = {key: end if np.isfinite(end) else None

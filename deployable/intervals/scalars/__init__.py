@@ -16,9 +16,11 @@ from .requirements import (
     share_reaching,
     sub_box,
 )
+from .search import BoundEstimate, estimate_bound, local_errors
 from .surrogate import Extremes, Influence, ScalarSurrogate, extremes, fit_scalar, influence
 
 __all__ = [
+    "BoundEstimate",
     "Choice",
     "Extremes",
     "Fit",
@@ -29,10 +31,12 @@ __all__ = [
     "ScalarSurrogate",
     "best_choice",
     "best_fit",
+    "estimate_bound",
     "extremes",
     "fit_scalar",
     "influence",
     "largest_share",
+    "local_errors",
     "share_of_box",
     "share_reaching",
     "sub_box",

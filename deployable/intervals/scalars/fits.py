@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import comb
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -19,6 +20,10 @@ from ..formula import Formula, polynomial
 from ..spline_equations import distinct
 from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 
+if TYPE_CHECKING:
+    from .occurrence import Occurrence
+
+_LEAST_RUNS = 4  # below them one more coordinate is not tested
 _HIGHEST = 12  # degree of a polynomial
 _RESIDUAL = 1e-3  # of the width, by which a polynomial may miss a run
 _MAX_KRIGED = 2000  # runs for which that is corrected
@@ -47,6 +52,53 @@ class Kriging:
         return replace(polynomial(self.trend), kernel="fading", **fading)
 
 
+@dataclass(frozen=True)
+class RootFunction:
+    """A function of unit coordinates (k) and of the root of an event margin, which is 0 on the
+    limit-state surface: the time of an event ends there like a root.
+
+    function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin: a function of
+    unit coordinates (P, k) that gives values (P).
+    """
+
+    function: Surrogate | Spline | Kriging
+    margin: Occurrence
+    scale: float
+
+    def evaluate(self, unit: np.ndarray) -> np.ndarray:
+        """Values (P, 1) at unit coordinates (P, k); margins below 0 count as 0."""
+        roots = root_coordinates(self.margin.certainty(unit), self.scale)
+        return self.function.evaluate(np.column_stack([unit, roots]))
+
+    @property
+    def trend(self) -> RootFunction:
+        """The function without what a polynomial leaves of the runs."""
+        return replace(self, function=getattr(self.function, "trend", self.function))
+
+    def formula(self) -> Formula:
+        """The same as a table."""
+        return replace(_formula(self.function), root=self.margin.formula(), root_scale=self.scale)
+
+
+def root_coordinates(margins: np.ndarray, scale: float) -> np.ndarray:
+    """Unit coordinates (P) that stand for the roots of event margins (P), up to `scale`."""
+    return 2.0 * np.sqrt(np.clip(margins / scale, 0.0, 1.0)) - 1.0
+
+
+def root_fit(
+    points: np.ndarray, values: np.ndarray, occurrence: Occurrence, margins: np.ndarray
+) -> Fit | None:
+    """The best fit to values (N) of runs at unit points (N, k) as a function of the points and of
+    the roots of their event margins (N); None where no margin is positive."""
+    scale = float(margins.max(initial=0.0))
+    if not scale > 0 or len(values) <= _LEAST_RUNS:
+        return None
+    fit = best_fit(np.column_stack([points, root_coordinates(margins, scale)]), values)
+    function = RootFunction(fit.function, occurrence, scale)
+    return replace(fit, points=fit.points[:, :-1], kind=f"{fit.kind}, with the root of its margin",
+                   function=function)  # fmt: skip
+
+
 def _fading(unit: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
     return np.exp(-scipy.spatial.distance.cdist(unit, points) / length)
 
@@ -63,7 +115,7 @@ class Fit:
     values: np.ndarray
     left_out: np.ndarray
     kind: str
-    function: Surrogate | Spline | Kriging
+    function: Surrogate | Spline | Kriging | RootFunction
 
     @property
     def error(self) -> float:
@@ -85,11 +137,18 @@ class Fit:
         """Values (P) at unit coordinates (P, k)."""
         return self.function.evaluate(np.asarray(unit, dtype=float))[:, 0]
 
+    @property
+    def mean_error(self) -> float:
+        """Root mean square of the left-out errors."""
+        return float(np.sqrt(np.mean(self.left_out**2)))
+
     def formula(self) -> Formula:
         """The same as a table."""
-        if isinstance(self.function, Surrogate):
-            return polynomial(self.function)
-        return self.function.formula()
+        return _formula(self.function)
+
+
+def _formula(function: Surrogate | Spline | Kriging | RootFunction) -> Formula:
+    return polynomial(function) if isinstance(function, Surrogate) else function.formula()
 
 
 def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
@@ -106,7 +165,7 @@ def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     points, values = points[rows], values[rows]
     spline = _spline(points, values)
     fits = [fit for fit in (*_polynomials(points, values), spline) if fit]
-    best = min(fits, key=lambda fit: float(np.sqrt(np.mean(fit.left_out**2))))
+    best = min(fits, key=lambda fit: fit.mean_error)
     return best if best is spline else _through_runs(best)
 
 

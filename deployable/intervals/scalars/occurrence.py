@@ -10,6 +10,7 @@ docs/quantities.md.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -97,24 +98,34 @@ class Occurrence:
             gaps = np.minimum(gaps, np.linalg.norm(places - points[-1], axis=1))
         return points
 
+    @cached_property
+    def surface_points(self) -> np.ndarray:
+        """Unit points (P, k) just inside the limit-state surface of the event; none where all runs
+        agree."""
+        return self._level_points((0.0,)) if self.is_mixed else self.points[:0]
+
     def _open_places(self) -> np.ndarray:
-        """Unit points (P, k) at which the certainty has one of a few sizes, each between two points
-        of the box of which one is above and one below all of them."""
+        """Unit points (P, k) at which the certainty has one of a few sizes."""
+        return self._level_points(_LEVELS)
+
+    def _level_points(self, levels: Sequence[float]) -> np.ndarray:
+        """Unit points (P, k) just above each level of the certainty over its scale, each between
+        two points of the box of which one is above and one below all levels."""
         spread = spread_points(self._free, _CANDIDATES)
         spread[:, ~self._free] = self.points[0, ~self._free]
         spread = np.concatenate([spread, self.points])
         certain = self.certainty(spread) / self._scale
-        highs, lows = spread[certain > max(_LEVELS)], spread[certain < min(_LEVELS)]
+        highs, lows = spread[certain > max(levels)], spread[certain < min(levels)]
         if not len(highs) or not len(lows):
             return spread[:0]
         lows, border_points = lows[scipy.spatial.cKDTree(lows).query(highs)[1]], []
-        for level in _LEVELS:
+        for level in levels:
             high, low = highs, lows
-            for _ in range(20):
+            for _ in range(30):
                 middle = (high + low) / 2
                 happens = (self.certainty(middle) >= level * self._scale)[:, None]
                 high, low = np.where(happens, middle, high), np.where(happens, low, middle)
-            border_points.append((high + low) / 2)
+            border_points.append(high)
         return np.concatenate(border_points)
 
     @property

@@ -5,14 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 import scipy
 
 from ..designs import spread_points
 from ..formula import Formula
-from .fits import Fit, best_fit
+from .fits import Fit, best_fit, root_fit
 from .occurrence import FittedOccurrence, Occurrence
 
 _CANDIDATES = 1024
@@ -147,6 +147,11 @@ class ScalarSurrogate:
         with each other."""
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 
+    @property
+    def physical_bounds(self) -> tuple[float, float]:
+        """Least and largest value that the quantity can have."""
+        return self.least, self.latest
+
     def predict(self, unit: np.ndarray) -> np.ndarray:
         """What the fit tells (P) at unit coordinates (P, k), within what is possible, be there a
         number or not."""
@@ -173,15 +178,22 @@ class ScalarSurrogate:
         """The range attained over the part [lower, upper] (k each) of the unit box, by default the
         whole; NaN where there is no number anywhere. `options` are those of `extremes`."""
         lower, upper = self._part(lower, upper)
-        extra_points = None if self.fit is None else self.fit.points
-        return extremes(self.evaluate, lower, upper, extra_points, **options)
+        return extremes(self.evaluate, lower, upper, self._trial_points, **options)
 
     def end(
         self, sign: float, lower: np.ndarray, upper: np.ndarray, climbs: int = 1
     ) -> tuple[float, np.ndarray]:
         """The upper (sign 1) or lower (sign -1) end of that range, and where it is (k)."""
-        extra_points = None if self.fit is None else self.fit.points
-        return extreme(self.evaluate, sign, *self._part(lower, upper), extra_points, climbs)
+        part = self._part(lower, upper)
+        return extreme(self.evaluate, sign, *part, self._trial_points, climbs)
+
+    @cached_property
+    def _trial_points(self) -> np.ndarray | None:
+        """Unit points (P, k) at which extremes are sought, too: of runs, and on the limit-state
+        surface."""
+        if self.fit is None:
+            return None
+        return np.concatenate([self.fit.points, self.occurrence.surface_points])
 
     def _part(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None
@@ -231,9 +243,14 @@ def fit_scalar(
     fit = best_fit(points[happens], values[happens]) if happens.any() else None
     if happens.sum() == 1 and np.ptp(points, axis=0).any():  # which no other run tests
         fit = replace(fit, left_out=np.full(1, np.inf))
+    occurrence = _occurrence(points, happens, fit, latest, margin)
+    if isinstance(occurrence, FittedOccurrence) and occurrence.latest is None:
+        edge_fit = root_fit(points[happens], values[happens], occurrence, margin[happens])
+        if edge_fit is not None and edge_fit.mean_error < fit.mean_error:
+            fit = edge_fit
     return ScalarSurrogate(
         fit,
-        _occurrence(points, happens, fit, latest, margin),
+        occurrence,
         -np.inf if least is None else least,
         np.inf if latest is None else latest,
     )

@@ -5,7 +5,8 @@ const KERNELS = { cube: (d) => d ** 3, fading: (d) => Math.exp(-d), matern: (d) 
 // Chebyshev products at unit coordinates.
 const products = (indices, unit) => indices.map((powers) => powers.reduce((product, n, j) => (n ? product * Math.cos(n * Math.acos(unit[j])) : product), 1));
 
-function evaluate({ indices, coefficients, points, scales, weights, kernel }, unit) {
+function evaluate({ indices, coefficients, points, scales, weights, kernel, root, root_scale }, unit) {
+  if (root) unit = [...unit, 2 * Math.sqrt(Math.min(1, Math.max(0, evaluate(root, unit) / root_scale))) - 1];
   let sum = products(indices, unit).reduce((total, value, m) => total + value * coefficients[m], 0);
   for (let n = 0; n < weights.length; n++) {
     const square = unit.reduce((total, x, j) => total + (scales[j] * (x - points[n * unit.length + j])) ** 2, 0);

@@ -1,0 +1,137 @@
+"""Search for the bounds of a quantity: what runs attain, what the surrogate may add, and the points
+at which further runs may extend a bound.
+
+A point is worth a run where the surrogate, with its local error in favour, exceeds the extreme run:
+an upper confidence bound, as in Bayesian optimisation (Jones, Schonlau and Welch 1998), with errors
+by leave-one-out validation in place of a posterior deviation. Next to jumps and limit-state
+surfaces these errors stay large until runs enclose the place, so that the search goes on there.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from ..designs import spread_points
+from .fits import Fit
+from .occurrence import Occurrence
+from .surrogate import Extremes, ScalarSurrogate
+
+_CANDIDATES, _CLOUD = 1024, 96
+_CLOUD_SIZES = (1.0, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4)  # about the extreme run
+_INFILL, _SECTIONS = 3, 3  # runs of one iteration by confidence, and towards a limit-state surface
+_TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to be a bound
+_NEAREST = 1e-6  # unit coordinates by which a run must differ from all others
+
+
+class BoundEstimate(NamedTuple):
+    """A bound of a quantity.
+
+    value: the extreme run's, or the surrogate's where that goes farther by several times its own
+    error; error: by how much the bound may be off, by what the surrogate leaves possible; points
+    (P, k): unit points at which further runs may extend it.
+    """
+
+    value: float
+    error: float
+    points: np.ndarray
+
+
+def local_errors(fit: Fit, unit: np.ndarray) -> np.ndarray:
+    """Errors (P) of a fit at unit coordinates (P, k), by the leave-one-out errors of the runs about
+    them: that of a run is the error at its distance from the next run, and falls towards a run."""
+    points, width = fit.points, float(np.ptp(fit.values))
+    errors = np.minimum(np.abs(fit.left_out), width)
+    if len(points) == 1:
+        return np.full(len(unit), errors[0])
+    count = min(len(points), int((np.ptp(points, axis=0) > 0).sum()) + 2)
+    tree = scipy.spatial.cKDTree(points)
+    spacings = np.maximum(tree.query(points, 2)[0][:, 1], _NEAREST)
+    distances, rows = tree.query(unit, count)
+    ratios = distances[:, :1] / spacings[rows]
+    return np.minimum((errors[rows] * ratios).max(axis=1), errors.max())
+
+
+def estimate_bound(
+    surrogate: ScalarSurrogate,
+    surrogate_range: Extremes,
+    sign: float,
+    attained: tuple[float, np.ndarray],
+    tolerance: float,
+    misprediction: float = 0.0,
+) -> BoundEstimate:
+    """The upper (sign 1) or lower (sign -1) bound of a quantity that has a fit.
+
+    surrogate_range: the surrogate's over the box; attained: the extreme value of all runs, and its
+    unit point (k). Gains below `tolerance` are not sought. misprediction: by how much the last run
+    at a bound of the surrogate differed from it; infinite where it had no number.
+    """
+    value, argument = attained
+    end, peak = surrogate_range.low, surrogate_range.argmin
+    if sign > 0:
+        end, peak = surrogate_range.high, surrogate_range.argmax
+    excess = max(sign * (end - value), 0.0)
+    error = max(misprediction, float(local_errors(surrogate.fit, peak[None])[0]))
+    candidates, gains = _gains(surrogate, sign, value, argument)
+    gain = max(float(gains.max(initial=0.0)), excess)
+    points = [] if excess <= tolerance else [peak]
+    if gain > tolerance:
+        points += [*_sections(surrogate.occurrence, argument)]
+        points += _apart(surrogate.occurrence.points, candidates[gains > tolerance])
+    unit_points = np.array(points).reshape(-1, len(argument))
+    if excess > max(_TRUSTED * error, tolerance):
+        return BoundEstimate(end, max(error, gain - excess), unit_points)
+    return BoundEstimate(value, gain, unit_points)
+
+
+def _gains(
+    surrogate: ScalarSurrogate, sign: float, value: float, argument: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Unit points (P, k), most promising first, and by how much a run there may exceed a value at
+    most (P)."""
+    occurrence = surrogate.occurrence
+    candidates = _candidates(surrogate, argument)
+    candidates = candidates[occurrence.certainty(candidates) > -occurrence.doubt(candidates)]
+    gains = sign * (surrogate.predict(candidates) - value) + local_errors(surrogate.fit, candidates)
+    physical = surrogate.latest if sign > 0 else surrogate.least
+    gains = np.minimum(gains, sign * (physical - value))
+    order = np.argsort(-gains, kind="stable")
+    return candidates[order], gains[order]
+
+
+def _candidates(surrogate: ScalarSurrogate, argument: np.ndarray) -> np.ndarray:
+    """Unit points (P, k): spread over the box, in clouds about the extreme run, and on the
+    limit-state surface of the event."""
+    points = surrogate.occurrence.points
+    free = np.ptp(points, axis=0) > 0
+    spread = spread_points(free, _CANDIDATES)
+    spread[:, ~free] = points[0, ~free]
+    cloud = spread_points(free, _CLOUD, seed=3) * free
+    clouds = [np.clip(argument + size * cloud, -1.0, 1.0) for size in _CLOUD_SIZES]
+    return np.concatenate([spread, *clouds, surrogate.occurrence.surface_points])
+
+
+def _apart(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:
+    """The first of unit points (P, k) that are farther from each other than half of the distance to
+    the nearest of the runs (N, k)."""
+    points: list[np.ndarray] = []
+    gaps = scipy.spatial.cKDTree(runs).query(candidates)[0]
+    for point, gap in zip(candidates, gaps, strict=True):
+        is_apart = all(np.linalg.norm(point - other) > gap / 2 for other in points)
+        if len(points) < _INFILL and gap > _NEAREST and is_apart:
+            points.append(point)
+    return points
+
+
+def _sections(occurrence: Occurrence, argument: np.ndarray) -> np.ndarray:
+    """Unit points (P, k) that divide the way from a run that has the quantity, at a unit point (k),
+    to the nearest run without it; none where all runs have it."""
+    others = occurrence.points[~occurrence.happens]
+    if not len(others):
+        return others
+    way = others[np.linalg.norm(others - argument, axis=1).argmin()] - argument
+    if np.abs(way).max() < _NEAREST:
+        return others[:0]
+    return argument + np.arange(1, _SECTIONS + 1)[:, None] / (_SECTIONS + 1) * way

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import netCDF4
 import numpy as np
@@ -102,7 +103,8 @@ def test_runs_that_keep_responses_only_have_the_same_numbers(opened, tmp_path):
     folder = run(panel(jobs={"keep": "responses"}), tmp_path)
     with xr.open_dataset(folder.quantities) as ours, xr.open_dataset(opened.quantities) as theirs:
         np.testing.assert_array_equal(ours["simulated_lower"], theirs["simulated_lower"])
-        np.testing.assert_array_equal(ours["upper"], theirs["upper"])
+        # Rounded to single precision, runs lead to other further runs: equal up to convergence.
+        np.testing.assert_allclose(ours["upper"], theirs["upper"], rtol=1e-4)
 
 
 def test_the_summary_tells_the_intervals(opened):
@@ -234,6 +236,7 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
 
     class Bench:
         unit = np.zeros((0, 1))
+        experiment = SimpleNamespace(numbers=[None])
 
         def surrogates(self):
             return [None]
@@ -241,8 +244,9 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
         def add(self, points):
             self.unit = np.vstack([self.unit, points])
 
-    monkeypatch.setattr(ends, "_ends", lambda bench, q, surrogate: len(bench.unit))
-    monkeypatch.setattr(ends, "_wanted", lambda bench, end: [np.array([float(end)])])
+    monkeypatch.setattr(ends, "_bounds", lambda bench, q, surrogate, _: len(bench.unit))
+    monkeypatch.setattr(ends, "_infill", lambda end: [np.array([float(end)])])
+    monkeypatch.setattr(ends, "_mispredictions", lambda bench, bounds, known: known)
     bench = Bench()
     assert ends.settle(bench, rounds) == [rounds]
     assert len(bench.unit) == rounds

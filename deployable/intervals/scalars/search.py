@@ -76,12 +76,13 @@ def estimate_bound(
     error = max(misprediction, float(local_errors(surrogate.fit, peak[None])[0]))
     candidates, gains = _gains(surrogate, sign, value, argument)
     gain = max(float(gains.max(initial=0.0)), excess)
-    points = [] if excess <= tolerance else [peak]
-    if gain > tolerance:
+    is_predicted = excess > max(_TRUSTED * error, tolerance)
+    points = [peak] if excess > tolerance else []
+    if gain > tolerance and not is_predicted:
         points += [*_sections(surrogate.occurrence, argument)]
         points += _apart(surrogate.occurrence.points, candidates[gains > tolerance])
     unit_points = np.array(points).reshape(-1, len(argument))
-    if excess > max(_TRUSTED * error, tolerance):
+    if is_predicted:
         return BoundEstimate(end, max(error, gain - excess), unit_points)
     return BoundEstimate(value, gain, unit_points)
 

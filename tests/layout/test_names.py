@@ -10,6 +10,7 @@ CLEAN = (
     "deployable/intervals",
     "deployable/campaign/cli/commands.py",
     "deployable/campaign/cli/new.py",
+    "deployable/campaign/config",
     "deployable/campaign/errors.py",
     "deployable/campaign/export",
     "deployable/campaign/files",

@@ -44,8 +44,8 @@ def test_the_first_round_costs_its_runs_and_its_check(experiment):
     cost, nodes = _standing(plan, SHARES).cost, len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
     checked = PLACES + 2 + 2  # of the quantity both ends; an order of either
-    assert (cost.nodes, cost.checked, cost.each) == (nodes, checked, each)
-    assert cost.more % 8 == 0 < cost.more
+    assert (cost.nodes, cost.checked, cost.run_seconds) == (nodes, checked, each)
+    assert cost.next_runs % 8 == 0 < cost.next_runs
     assert plan.adaptive.check == ("mesh",)
     assert cost.runs == nodes + checked
     # On a mesh twice as fine, with half the step.
@@ -61,10 +61,12 @@ def test_costs_of_rounds_add_up(experiment, action, new):
     before = nodes - new if action == "runs" else nodes
     cost = _standing(after(plan, action, before, check=()), SHARES).cost
     assert cost.runs == 16 + new
-    assert cost.seconds == pytest.approx(2.0 + whole(new) * cost.each)
+    assert cost.seconds == pytest.approx(2.0 + whole(new) * cost.run_seconds)
     both = _standing(after(plan, action, before, check=("step", "mesh")), SHARES).cost
     assert both.runs - cost.runs == 2 * cost.checked
-    assert both.seconds - cost.seconds == pytest.approx((2 + 4) * whole(cost.checked) * cost.each)
+    assert both.seconds - cost.seconds == pytest.approx(
+        (2 + 4) * whole(cost.checked) * cost.run_seconds
+    )
 
 
 @pytest.fixture

@@ -16,6 +16,7 @@ CLEAN = (
     "deployable/campaign/files",
     "deployable/campaign/folder.py",
     "deployable/campaign/pictures",
+    "deployable/campaign/plan",
     "deployable/campaign/provenance.py",
     "deployable/campaign/report",
     "deployable/campaign/results/templates.py",

@@ -66,8 +66,8 @@ def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
     time: as for `job_minutes`.
     """
     experiment = campaign.experiment
-    if known := campaign.jobs.run_seconds:
-        return known
+    if seconds := campaign.jobs.run_seconds:
+        return seconds
     # Every call of Snakemake asks for this, and the step at the corners is much the same.
     time = time or choose_step(experiment, corners=False)
     return effort.machine() * run_seconds(experiment, time)

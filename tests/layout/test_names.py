@@ -20,6 +20,7 @@ CLEAN = (
     "deployable/campaign/provenance.py",
     "deployable/campaign/report",
     "deployable/campaign/results/templates.py",
+    "deployable/campaign/stages",
     "deployable/campaign/stopping.py",
     "deployable/campaign/text",
     "fpm/assembly",

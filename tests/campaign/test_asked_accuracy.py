@@ -33,11 +33,11 @@ def asked(raw):
 def test_a_number_is_the_share_of_everything(asked):
     asked["quantities"] = {"top": {"largest": "BD"}}
     found = check_config(asked)
-    assert found.experiment.accuracy.shares == {"BD": 0.1, "vBz": 0.1, "top": 0.1}
+    assert found.experiment.accuracy.tolerances == {"BD": 0.1, "vBz": 0.1, "top": 0.1}
     assert found.experiment.scene.parameters == {"elements": 6}
     assert found.experiment.is_sought
-    assert (found.bounds.model, found.verify.finer) == ("spline", True)
-    asked["accuracy"] = {"share": 0.2, "of": {"top": 0.01}, "runs": 50}
+    assert (found.bounds.model, found.verify.discretization) == ("spline", True)
+    asked["accuracy"] = {"tolerance": 0.2, "tolerance_by_name": {"top": 0.01}, "max_runs": 50}
     found = check_config(asked).experiment.accuracy
     assert found == Accuracy({"BD": 0.2, "vBz": 0.2, "top": 0.01}, 50, 60.0, "elements")
 
@@ -259,7 +259,7 @@ OPENING = {
     "intervals": {"a": {"nominal": 0.035, "relative": 0.3}},
     "responses": {"BD": {"distance": ["B", "D"]}},
     "quantities": {"last": {"final": "BD"}},
-    "accuracy": {"share": 0.003, "of": {"last": 0.005}, "minutes": 3},
+    "accuracy": {"tolerance": 0.003, "tolerance_by_name": {"last": 0.005}, "max_core_minutes": 3},
 }
 
 
@@ -329,7 +329,7 @@ def test_the_true_error_is_what_was_asked_for(met, tmp_path):
     elements = json.loads((met / "summary.json").read_text())["accuracy"]["mesh"]
     raw = {key: value for key, value in OPENING.items() if key not in ("accuracy", "quantities")}
     scene = {"name": "bennett", "parameters": {k: 2 * v for k, v in elements.items()}}
-    raw |= {"scene": scene, "design": {"method": "scan", "samples": 17}, "campaign": "scan"}
+    raw |= {"scene": scene, "design": {"method": "sobol", "samples": 17}, "campaign": "scan"}
     scan = campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
     with xr.open_dataset(met.bounds) as bounds:
         off = np.maximum(abs(bounds["lower"] - scan["lower"]), abs(bounds["upper"] - scan["upper"]))

@@ -20,7 +20,7 @@ from fpm.files.sealed import whole_file
 def experiment(raw):
     """Of a config that asks for an accuracy, with a quantity."""
     del raw["design"], raw["held_out"]
-    raw |= {"scene": {"name": "bennett"}, "accuracy": {"share": 0.1, "runs": 200}}
+    raw |= {"scene": {"name": "bennett"}, "accuracy": {"tolerance": 0.1, "max_runs": 200}}
     return check_config(raw | {"quantities": {"top": {"largest": "BD"}}}).experiment
 
 

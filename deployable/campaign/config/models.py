@@ -45,19 +45,20 @@ class Aim(ConfigSection):
     """How wrong the bounds may be, as a share of the width of each response and quantity: the
     estimated error of surrogate, mesh and step together. It chooses mesh, step, runs and model, so
     leave out `design`, `bounds` and `held_out`; a mesh that the config gives is kept, and a step
-    while it is stable (docs/choosing-accuracy.md). A number is `share` alone."""
+    while it is stable (docs/choosing-accuracy.md). A number is `tolerance` alone."""
 
-    share: Share = 0.05
-    """Share of the width, for all responses and quantities that `of` does not name."""
-    of: Annotated[
+    tolerance: Share = 0.05
+    """Share of the width, for all responses and quantities that `tolerance_by_name` does not
+    name."""
+    tolerance_by_name: Annotated[
         dict[str, Annotated[float, Rule(about="Share of the width of one response or quantity.",
                                        ge=1e-4, le=1)]],
         Rule("a mapping from names of `responses` and `quantities` to numbers from 0.0001 to 1"),
     ] = field(default_factory=dict)  # fmt: skip
     """Other shares for some responses and quantities, by their names."""
-    runs: Annotated[int, Rule(ge=1, le=4000)] = 1000
+    max_runs: Annotated[int, Rule(ge=1, le=4000)] = 1000
     """Most runs that may be spent, of all meshes, those of checks included."""
-    minutes: Annotated[float, Rule(gt=0)] = 60.0
+    max_core_minutes: Annotated[float, Rule(gt=0)] = 60.0
     """Most minutes of one core that may be spent on runs, as estimated from steps and elements, so
     that every machine decides alike."""
 
@@ -148,18 +149,19 @@ class IntervalSpec(ConfigSection):
 class DesignSection(ConfigSection):
     """Where in the box the runs are, and what is fitted to them."""
 
-    method: Literal["tensor_roots", "tensor_lobatto", "smolyak", "scan"] = "tensor_roots"
+    method: Literal["tensor_roots", "tensor_lobatto", "smolyak", "sobol"] = "tensor_roots"
     """`tensor_roots`: Chebyshev roots, the paper's. `tensor_lobatto`: Chebyshev-Lobatto points,
-    nested when the order doubles, with the box's corners. `smolyak`: sparse grid. `scan`: a
-    plain space-filling sample, no surrogate; a longer one reuses the runs of a shorter one."""
+    nested when the order doubles, with the box's corners. `smolyak`: sparse grid. `sobol`: a
+    scan, that is a Sobol sequence with the corners and no surrogate; a longer one reuses the runs
+    of a shorter one."""
     order: Annotated[int, Rule(ge=1, le=64)] = 3
-    """Order of the surrogate, in each direction or, for `smolyak`, in total. A `scan` has none
+    """Order of the surrogate, in each direction or, for `smolyak`, in total. `sobol` has none
     unless it is given; then a surrogate of that total degree is fitted to its samples."""
     samples: Annotated[int, Rule(ge=2, le=10_000_000)] = 1024
-    """Number of runs of a `scan`, corners of the box included. Beyond 100,000 they are allowed with
+    """Number of runs of `sobol`, corners of the box included. Beyond 100,000 they are allowed with
     `jobs.keep: extremes`; otherwise as many as the disk has room for."""
     seed: Annotated[int, Rule(ge=0, le=2**32 - 1)] = 0
-    """Seed of the Sobol sequence of a `scan`."""
+    """Seed of the Sobol sequence of `sobol`."""
 
 
 @dataclass(frozen=True)
@@ -168,7 +170,7 @@ class BoundsChoice(ConfigSection):
 
     model: Literal["polynomial", "spline"] = "polynomial"
     """`polynomial`: of the design's order through the design's runs, the paper's way; its range is
-    enclosed. A `scan` without order has none, and its bounds are its extreme samples. `spline`: one
+    enclosed. `sobol` without order has none, and its bounds are its extreme samples. `spline`: one
     cubic spline through all runs, held-out ones and those of a scan included. At the same runs its
     bounds were mostly 0.12 to 0.8 times as wrong, up to 1.2 with high order in three dimensions
     (docs/tradeoff.md), and its range is attained, not enclosed. Sensitivities and `surrogate.nc`
@@ -188,12 +190,12 @@ class ErrorDisplay(ConfigSection):
 class Verify(ConfigSection):
     """How the intervals of quantities are verified."""
 
-    rounds: Annotated[int, Rule(ge=0, le=50)] = 6
-    """Most rounds of further runs: where the surrogate of a quantity has the ends of its interval,
-    until it promises no more than 0.1 % of the width beyond what was simulated, where requirements
-    are decided, and about where something ceases to happen, eight in a round. 0 makes none; a
-    quantity takes one or two runs in most campaigns."""
-    finer: bool = False
+    max_iterations: Annotated[int, Rule(ge=0, le=50)] = 6
+    """Most iterations of further runs: where the surrogate of a quantity has the ends of its
+    interval, until it promises no more than 0.1 % of the width beyond what was simulated, where
+    requirements are decided, and about where something ceases to happen, eight in each. 0 makes
+    none; a quantity takes one or two runs in most campaigns."""
+    discretization: bool = False
     """Tell the whole error, of surrogate, step and mesh: repeat the runs at the ends of the
     quantities' intervals, and eight at which bounds of the responses are attained, with half and a
     quarter of the step and on a mesh half and twice as fine, which takes up to eight times as long
@@ -275,7 +277,7 @@ class Jobs(ConfigSection):
     """How the runs are grouped. None of it changes a number but `keep: responses`, which rounds to
     single precision."""
 
-    nodes_per_job: Annotated[
+    runs_per_job: Annotated[
         Annotated[int, Rule(ge=1)] | OrAuto, Rule("a whole number of at least 1, or `auto`")
     ] = "auto"
     """Most runs in one job. A job is one process; it starts in about 1 s, the time of some 50 runs,
@@ -290,14 +292,14 @@ class Jobs(ConfigSection):
     """`trajectories` writes one netCDF file per run with everything recorded, from which other
     responses can be taken later without simulating again. `responses` keeps the responses alone, in
     single precision (6e-8 of a value), in far less disk space; another design, size of group or
-    response simulates again. `extremes`, for a `scan` without order, keeps the least and largest
+    response simulates again. `extremes`, for `sobol` without order, keeps the least and largest
     value of each response at each instant, with where they are attained, and of every run its
     parameters, quantities and events: a million runs take some 100 MB (docs/larger-campaigns.md).
     """
     minutes: Annotated[float, Rule(ge=0, unit="min")] = 0.0
-    """How long a job shall take on its `processes`, in place of `nodes_per_job`: clusters want jobs
+    """How long a job shall take on its `processes`, in place of `runs_per_job`: clusters want jobs
     of 15 minutes or more. How many runs that is follows from `run_seconds`, or else from an
-    estimate that is right to a factor of two or so. 0: as many runs as `nodes_per_job` says."""
+    estimate that is right to a factor of two or so. 0: as many runs as `runs_per_job` says."""
     run_seconds: Annotated[float, Rule(ge=0, unit="s")] = 0.0
     """Seconds of one core that a run takes, where they were measured; the log of a job tells them
     if there are `minutes`. 0: estimated."""
@@ -337,7 +339,7 @@ class Config(ConfigSection):
     bounds: BoundsChoice = BoundsChoice()
     held_out: Annotated[int, Rule(ge=0, le=10_000)] = 4
     """Extra runs that no surrogate is fitted to; the error estimate comes from them. Not used by
-    `scan`."""
+    `sobol`."""
     responses: Annotated[
         dict[
             Name,

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping
 from functools import cache
 from typing import Any, NamedTuple
 
 from deployable.campaign.config.keys import ConfigKey, RefusedError, config_key_of
 from deployable.campaign.config.models import Config
-from fpm.errors import did_you_mean, likely, number_hint
+from fpm.errors import did_you_mean, likely, number_hint, renamed
 from fpm.structures.reading import commas
 
 
@@ -95,7 +96,8 @@ def _fault(raw: Any, error: Mapping) -> Fault:
             reason = "missing"
         else:
             hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
-            reason = f"{show(value)} is not allowed{hint if 'number' in allowed else ''}"
+            hint = hint if "number" in allowed else renamed(value, re.findall(r"`(\w+)`", allowed))
+            reason = f"{show(value)} is not allowed{hint}"
         text = f"{key}: {reason}; allowed: {allowed}"
     return Fault((*path,), (*path[:entry],), text)
 

@@ -39,7 +39,7 @@ def campaign_of(
 ) -> Campaign:
     """The campaign of a config with a structure and the intervals of its parameters."""
     accuracy, order = Accuracy(), config.design.order
-    if config.design.method == "scan" and "order" not in user_config.get("design", {}):
+    if config.design.method == "sobol" and "order" not in user_config.get("design", {}):
         order = None
     if config.accuracy is not None:
         config, accuracy = with_accuracy(config, structure)
@@ -132,7 +132,7 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
     gives one.
     """
     aim, scene, mesh = config.accuracy, config.scene, scene_type.mesh
-    aim = aim if isinstance(aim, Aim) else Aim(share=aim)
+    aim = aim if isinstance(aim, Aim) else Aim(tolerance=aim)
     if mesh is None or mesh in scene.parameters:
         mesh = ""
     else:
@@ -140,16 +140,16 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
         start = int(max(parameter.lower, 2, parameter.default // 2))
         scene = replace(scene, parameters={**scene.parameters, mesh: start})
     names = [*config.responses, *config.quantities]
-    shares = {name: aim.of.get(name, aim.share) for name in names}
+    tolerances = {name: aim.tolerance_by_name.get(name, aim.tolerance) for name in names}
     config = replace(
         config,
         scene=scene,
         design=DesignChoice(ADAPTIVE, None),
         bounds=BoundsChoice("spline"),
         held_out=0,
-        verify=replace(config.verify, finer=True),
+        verify=replace(config.verify, discretization=True),
     )
-    return config, Accuracy(shares, aim.runs, aim.minutes, mesh)
+    return config, Accuracy(tolerances, aim.max_runs, aim.max_core_minutes, mesh)
 
 
 def choose_of(choosing: Choosing, intervals: Mapping[str, IntervalSpec]) -> Choose:

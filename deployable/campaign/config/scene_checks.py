@@ -199,7 +199,7 @@ def _quantity_problems(experiment: Experiment) -> list[str]:
 def _design_problems(campaign: Campaign) -> list[str]:
     """Whether what is kept goes with the design, and whether it can be made."""
     experiment, design = campaign.experiment, campaign.experiment.design
-    is_plain = design.method == "scan" and design.order is None
+    is_plain = design.method == "sobol" and design.order is None
     has_none = experiment.is_sought or (is_plain and campaign.bounds.model == "polynomial")
     if (problems := keep_problems(campaign)) or has_none:
         return problems
@@ -214,7 +214,7 @@ def _spline_problems(experiment: Experiment, design: Any) -> list[str]:
     """Whether the runs of a plan are enough, and not too many, for a spline."""
     box = experiment.box
     points = [box.to_unit(experiment.nominal)[None], design.points]
-    if experiment.design.method != "scan":
+    if experiment.design.method != "sobol":
         points.append(held_out_points(box.free, experiment.held_out, design.points))
     try:
         check_spline_runs(np.concatenate(points))
@@ -263,10 +263,12 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
         if key in user_config
     ]
     names = [*config.responses, *config.quantities]
-    tolerances = config.accuracy.of if isinstance(config.accuracy, Aim) else ()
+    tolerances = config.accuracy.tolerance_by_name if isinstance(config.accuracy, Aim) else ()
     noun = "response or quantity"
     return problems + [
-        f"accuracy.of.{n}: {unknown(n, noun, names)}" for n in tolerances if n not in names
+        f"accuracy.tolerance_by_name.{n}: {unknown(n, noun, names)}"
+        for n in tolerances
+        if n not in names
     ]
 
 
@@ -325,10 +327,10 @@ def keep_problems(campaign: Campaign) -> list[str]:
     """What of `jobs.keep` does not go with the other keys, as sentences."""
     design, bounds = campaign.experiment.design, campaign.bounds
     if campaign.jobs.keep == "extremes":
-        if campaign.experiment.is_sought or design.method != "scan" or design.order is not None:
+        if campaign.experiment.is_sought or design.method != "sobol" or design.order is not None:
             return [
                 "jobs.keep: 'extremes' is not allowed with a surrogate, which needs every run; "
-                "allowed: responses or trajectories, or design method scan without order"
+                "allowed: responses or trajectories, or design method sobol without order"
             ]
         if bounds.model != "polynomial":
             return [
@@ -336,4 +338,4 @@ def keep_problems(campaign: Campaign) -> list[str]:
                 "needs every run; allowed: responses or trajectories"
             ]
         return []
-    return room_problems(campaign) if design.samples > LISTED and design.method == "scan" else []
+    return room_problems(campaign) if design.samples > LISTED and design.method == "sobol" else []

@@ -45,7 +45,7 @@ from fpm.reading.quantity_definitions import parse
 from fpm.reading.shocks import doubt
 from fpm.structures.reading import read_text
 
-ADAPTIVE = "sought"
+ADAPTIVE = "adaptive"
 """The method of a design whose runs are found round by round; no config can ask for it alone."""
 
 NAME, CAMPAIGN_NAME = (re.compile(get_args(kind)[1].pattern) for kind in (Name, CampaignName))
@@ -137,14 +137,14 @@ class DesignChoice(DesignSection):
 @dataclass(frozen=True)
 class Accuracy:
     """What the whole error may be, as shares of the widths of responses and quantities by name, and
-    what may be spent: runs, and minutes of one core. No shares: it is not asked for.
+    what may be spent: runs, and minutes of one core. No tolerances: it is not asked for.
 
     mesh: the parameter of the mesh that may be refined, "" for none.
     """
 
-    shares: dict[str, float] = field(default_factory=dict)
-    runs: int = 0
-    minutes: float = 0.0
+    tolerances: dict[str, float] = field(default_factory=dict)
+    max_runs: int = 0
+    max_core_minutes: float = 0.0
     mesh: str = ""
 
 
@@ -196,7 +196,7 @@ class Experiment:
     @property
     def is_sought(self) -> bool:
         """Whether an accuracy is asked for, towards which runs, mesh and step are chosen."""
-        return bool(self.accuracy.shares)
+        return bool(self.accuracy.tolerances)
 
     @cached_property
     def scene_type(self) -> Any:
@@ -362,7 +362,7 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
         terms = np.zeros((0, box.dimension), dtype=int)
         return intervals.Design(points, terms, ADAPTIVE, (0,) * box.dimension)
     options = {name: getattr(choice, name) for name in intervals.METHODS[choice.method].options}
-    most = choice.samples if choice.method == "scan" else intervals.designs.MAX_RUNS
+    most = choice.samples if choice.method == "sobol" else intervals.designs.MAX_RUNS
     return intervals.make_design(choice.method, box, choice.order, max_runs=most, **options)
 
 
@@ -385,8 +385,8 @@ def count_runs(experiment: Experiment) -> int:
     """Number of runs of the campaign, at most; those in two roles are counted twice."""
     design = experiment.design
     if experiment.is_sought:
-        return experiment.accuracy.runs
-    if design.method == "scan":  # its points take a while to make, and their number is known
+        return experiment.accuracy.max_runs
+    if design.method == "sobol":  # its points take a while to make, and their number is known
         return design.samples + 1
     return make_design(design, experiment.box).runs + 1 + experiment.held_out
 

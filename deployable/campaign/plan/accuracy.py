@@ -31,7 +31,7 @@ def first_plan(experiment: Experiment) -> Plan:
     """The plan of round 0: with the nominal run, eight for each direction that has a width."""
     box = experiment.box
     count = max(LANES * int(box.free.sum()) - 1, 1)
-    points = intervals.make_design("scan", box, samples=count).points
+    points = intervals.make_design("sobol", box, samples=count).points
     return _plan(experiment, points.tolist(), (), ("mesh",) if _has_mesh(experiment) else ("step",))
 
 
@@ -172,7 +172,8 @@ def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standin
         seconds += _whole(checked) * factor[part] * time
     reserve = 2 * checked, 6 * checked * time  # the check of step and mesh at the end
     affordable = min(
-        target.runs - runs - reserve[0], (60 * target.minutes - seconds - reserve[1]) / time
+        target.max_runs - runs - reserve[0],
+        (60 * target.max_core_minutes - seconds - reserve[1]) / time,
     )
     elements = int(plan.experiment.scene.parameters.get(target.mesh, 0))
     cost = Resources(runs, seconds, nodes, 0, checked, time, elements)
@@ -214,6 +215,6 @@ def _places(
         seek, missing = intervals.seek_points, count - len(points)
         next_points, _ = seek(unit, values, missing, candidates=_CANDIDATES, seed=seed)
         take(next_points, 1e-3)
-    spread = intervals.make_design("scan", experiment.box, samples=4 * (len(unit) + count)).points
+    spread = intervals.make_design("sobol", experiment.box, samples=4 * (len(unit) + count)).points
     take(spread, 0.2 * spacing)
     return np.array(points).reshape(-1, len(free))

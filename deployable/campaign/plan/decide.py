@@ -143,7 +143,7 @@ class Standing:
 
     @property
     def _all(self) -> list[Errors]:
-        aims = self.accuracy.shares
+        aims = self.accuracy.tolerances
         return [Errors(name, aims[name], parts) for name, parts in self.shares.items()]
 
     @cached_property
@@ -220,12 +220,14 @@ class Standing:
         """Why the budget does not allow an action; nothing where it does."""
         cost, budget = self.cost, self.accuracy
         runs, seconds = cost.of(action)
-        if cost.runs + runs > budget.runs:
+        if cost.runs + runs > budget.max_runs:
             spent = f"{cost.runs} are spent, {2 * cost.checked} kept for the last check"
-            return f"the budget of {budget.runs} runs does not allow more ({spent})"
-        if cost.seconds + seconds > 60 * budget.minutes:
+            return f"the budget of {budget.max_runs} runs does not allow more ({spent})"
+        if cost.seconds + seconds > 60 * budget.max_core_minutes:
             spent = f"{duration_text(max(1.0, cost.seconds))} are spent"
-            return f"the budget of {budget.minutes:g} minutes does not allow more ({spent})"
+            return (
+                f"the budget of {budget.max_core_minutes:g} minutes does not allow more ({spent})"
+            )
         return ""
 
     def _rate(self, error: Errors) -> float:
@@ -281,7 +283,7 @@ class Standing:
             return fall is not None
         factor = sum(4.0**i for i in range(1, _halvings(error, fall) + 1))
         seconds = (self.cost.nodes + 4 * self.cost.checked) * self.cost.run_seconds * factor
-        return self.cost.seconds + seconds > 60 * self.accuracy.minutes
+        return self.cost.seconds + seconds > 60 * self.accuracy.max_core_minutes
 
     def _fall(self, error: Errors) -> float | None:
         """The factor by which the error of the mesh fell when it was last halved, at most 8; None

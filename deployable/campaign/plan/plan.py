@@ -142,7 +142,7 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
     box = experiment.box
     design = make_design(experiment.design, box)
     parts = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]
-    if experiment.design.method != "scan":
+    if experiment.design.method != "sobol":
         points = held_out_points(box.free, experiment.held_out, design.points)
         parts.append(("held_out", points))
 

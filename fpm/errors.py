@@ -117,6 +117,9 @@ RENAMED = {
     "nodes_per_job": "runs_per_job", "scan": "sobol", "sought": "adaptive",
     "share": "tolerance", "of": "tolerance_by_name", "runs": "max_runs",
     "minutes": "max_core_minutes", "rounds": "max_iterations", "finer": "discretization",
+    "tape spring": "tabulated spring", "bend": "bristle_deflection", "by its bend": "bristle",
+    "fastest": "max_capture_rate", "tolerance": "capture_range", "least": "lower", "most": "upper",
+    "motions": "initial_velocities",
 }  # fmt: skip
 """Keys and words of configs and structures that were called otherwise, and their names of today."""
 

@@ -94,17 +94,34 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
         missing = "colon" if sign == " " else "space behind the colon"
         return f" (a {missing} is missing: `{head}: {value.strip()}`)"
     guess = likely(name, names)
-    return f" (did you mean {guess}?)" if guess else ""
+    return renamed(name, names) or (f" (did you mean {guess}?)" if guess else "")
+
+
+def renamed(name: object, names: Iterable[str]) -> str:
+    """`" (it is now x)"` where a name is that of before of one of these; else an empty string."""
+    name = RENAMED.get(name) if isinstance(name, str) else None
+    return f" (it is now {name})" if name in names else ""
 
 
 def likely(name: str, names: Iterable[str]) -> str:
     """The known name that is close, or another word for the same; "" where none is."""
     names = list(names)
-    close = [word for word in names if word.lower() == name.lower()]
+    close = [RENAMED[name]] if RENAMED.get(name) in names else []
+    close += [word for word in names if word.lower() == name.lower()]
     close += [word for word in _WORDS.get(name.lower(), "").split() if word in names]
     close += difflib.get_close_matches(name, names, n=1)
     return close[0] if close else ""
 
+
+RENAMED = {
+    "nodes_per_job": "runs_per_job", "scan": "sobol", "sought": "adaptive",
+    "share": "tolerance", "of": "tolerance_by_name", "runs": "max_runs",
+    "minutes": "max_core_minutes", "rounds": "max_iterations", "finer": "discretization",
+    "tape spring": "tabulated spring", "bend": "bristle_deflection", "by its bend": "bristle",
+    "fastest": "max_capture_rate", "tolerance": "capture_range", "least": "lower", "most": "upper",
+    "motions": "initial_velocities",
+}  # fmt: skip
+"""Keys and words of configs and structures that were called otherwise, and their names of today."""
 
 _WORDS = {
     "max": "at_most upper largest", "maximum": "at_most upper largest", "peak": "largest",

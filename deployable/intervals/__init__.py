@@ -12,7 +12,7 @@ from .designs import METHODS, Design, fit, make_design
 from .errors import IntervalError
 from .models import MODELS, Model
 from .ranges import Range, surrogate_range
-from .rounds import Places, deciding_places, seek_points
+from .rounds import BoundPoints, deciding_places, seek_points
 from .sensitivity import parameter_sensitivity, sensitivity_dataset, surrogate_dataset
 from .spline_extremes import spline_range
 from .splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
@@ -21,11 +21,11 @@ __all__ = [
     "MAX_RUNS",
     "METHODS",
     "MODELS",
+    "BoundPoints",
     "Box",
     "Design",
     "IntervalError",
     "Model",
-    "Places",
     "Range",
     "Spline",
     "Surrogate",

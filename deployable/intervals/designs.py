@@ -107,7 +107,7 @@ def make_design(
     method
         ``tensor_roots`` (the paper: (n+1)^k roots), ``tensor_lobatto`` (extreme points; nested when
         the order doubles, corners included), ``smolyak`` (sparse grid of nested Lobatto rules),
-        ``scan`` (corners and a Sobol sequence).
+        ``sobol`` (corners and a Sobol sequence).
     box
         A Box, or a number of directions that all have a width.
     order
@@ -115,7 +115,7 @@ def make_design(
         may have none: then there is no surrogate, only the least and largest sample. With one, the
         polynomials of that total degree are fitted by least squares.
     options
-        ``samples`` and ``seed`` (scan).
+        ``samples`` and ``seed`` (sobol).
 
     Raises
     ------
@@ -180,7 +180,7 @@ def _smolyak(orders: np.ndarray, free: np.ndarray, limit: Callable[[int], None])
     return Design(np.array(nodes)[indices], indices)
 
 
-def _scan(
+def _sobol(
     orders: np.ndarray | None,
     free: np.ndarray,
     limit: Callable[[int], None],
@@ -204,7 +204,7 @@ METHODS: dict[str, Method] = {
     "tensor_roots": Method(partial(_tensor, chebyshev.roots)),
     "tensor_lobatto": Method(partial(_tensor, chebyshev.lobatto)),
     "smolyak": Method(_smolyak),
-    "scan": Method(_scan, needs_order=False, symmetric=False),
+    "sobol": Method(_sobol, needs_order=False, symmetric=False),
 }
 
 

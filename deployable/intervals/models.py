@@ -162,7 +162,7 @@ class SplineModel(Model):
     - the largest over the runs inside the box and those that `design`, if given, does not contain
       (there the spline need not extrapolate), and in several directions over the runs next to
       where each bound is attained, one more than there are directions;
-    - of runs that were sought where the bounds are decided (`design.method` "sought"), in up to
+    - of runs that were sought where the bounds are decided (`design.method` "adaptive"), in up to
       three directions the mean over all of them, of a power as high as there are directions: any
       of them may be next to a bound. In more directions no run is near most corners, and the
       largest counts as of other runs.
@@ -184,7 +184,7 @@ class SplineModel(Model):
         if design is not None:
             tests_spline[other_runs(points, design.points[:, self.order])] = True
         self.tests_spline = tests_spline if tests_spline.any() else ~tests_spline
-        is_adaptive = design is not None and design.method == "sought"
+        is_adaptive = design is not None and design.method == "adaptive"
         self.averages = is_adaptive and (self.spline.scales > 0).sum() <= AVERAGED
         self.attributes = {
             "design_runs": len(points),

@@ -16,8 +16,8 @@ _CELLS = 8  # of each direction: places in one cell are told apart no further
 
 
 @dataclass(frozen=True)
-class Places:
-    """Places `unit` (P, k) in the box, and which of them is nearest (n, T) to where the lower and
+class BoundPoints:
+    """Points `unit` (P, k) in the box, and which of them is nearest (n, T) to where the lower and
     the upper bound of each response are attained at each instant."""
 
     unit: np.ndarray
@@ -34,7 +34,7 @@ class Places:
 
 def deciding_places(
     argmin: np.ndarray, argmax: np.ndarray, width: np.ndarray, count: int
-) -> Places:
+) -> BoundPoints:
     """At most `count` places for bounds attained at unit points argmin, argmax (n, T, k).
 
     Chosen one after the other from these points, each so that the distances from them to the
@@ -57,7 +57,7 @@ def deciding_places(
         indices.append(best)
         nearest = np.minimum(nearest, distances[best])
     unit = trial[indices]
-    return Places(unit, *(_nearest(x, unit) for x in (argmin, argmax)))
+    return BoundPoints(unit, *(_nearest(x, unit) for x in (argmin, argmax)))
 
 
 def _one_of_each_cell(points: np.ndarray, weight: np.ndarray) -> np.ndarray:

@@ -22,10 +22,10 @@ BASES = (
     RAW | {"design": {"method": "smolyak", "order": 2}, "held_out": 1},
     RAW | {
         "intervals": {"a": {"absolute": 0.0004}, "E": {"lower": 0.9e9, "upper": 1.1e9}},
-        "design": {"method": "scan", "order": 2, "samples": 9},
+        "design": {"method": "sobol", "order": 2, "samples": 9},
         "bounds": {"model": "spline"},
     },
-    RAW | {"design": {"method": "scan", "samples": 6, "seed": 3}},
+    RAW | {"design": {"method": "sobol", "samples": 6, "seed": 3}},
     RAW | {"bounds": {"model": "spline"}, "published": {"BD": 0.06}, "error": {"shade_above": 0.1}},
 )  # fmt: skip
 

@@ -105,7 +105,7 @@ def _lead_on(victim: Victim, folder: Path, path: Path, at_once: bool) -> str:
     sections = check_config(victim.raw)
     workflow = Workflow(sections, folder.parent)
     workflow.stale()
-    if path.parent.name != victim.keep and str(path) not in workflow.damaged:
+    if path.parent.name != victim.keep and str(path) not in workflow.damage:
         return "wrong"
     for name in () if at_once else ("bounds", "answers"):
         try:

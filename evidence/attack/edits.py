@@ -38,7 +38,7 @@ RAW = {
     "quantities": {"top": {"largest": "BD"}, "worst": {"largest": "stress"}},
 }
 FITTED = {"design": {"method": "tensor_roots", "order": 1}, "held_out": 1}
-SCANNED = {"design": {"method": "scan", "samples": 3}, "held_out": 0}
+SCANNED = {"design": {"method": "sobol", "samples": 3}, "held_out": 0}
 CAMPAIGNS = {
     "kept-whole": {**RAW, **FITTED, "jobs": {"group": 2}},
     "kept-responses": {**RAW, **FITTED, "jobs": {"keep": "responses", "group": 2}},

@@ -59,7 +59,7 @@ def scan(folder: Path, samples: int, keep: str) -> Path:
     """The config of a plain scan of `samples` runs, and `jobs.keep`."""
     config = yaml.safe_load((folder / "config/paper.yaml").read_text())
     config["campaign"] = "timed"
-    config["design"] = {"method": "scan", "samples": samples}
+    config["design"] = {"method": "sobol", "samples": samples}
     config["jobs"] = {"keep": keep}
     config.pop("published", None)
     path = folder / "config/timed.yaml"

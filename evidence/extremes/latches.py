@@ -130,7 +130,7 @@ def refusals() -> list[Row]:
         "latch of -1 N m/rad": Latch(0, 0.5, -1.0),
         "latch of infinite stiffness": Latch(0, 0.5, np.inf),
         "stop of infinite damping": Stop(0, 0.5, "above", 1.0, np.inf),
-        "friction without bend": Friction(0, 1.0, bend=0.0),
+        "friction without bend": Friction(0, 1.0, bristle_deflection=0.0),
         "damper of -1 N m s/rad": Damper(0, -1.0),
         "table with a jump": TableSpring(0, (0.0, 0.5, 0.5, 1.0), (1.0, 1.0, -1.0, -1.0)),
     }

@@ -15,7 +15,7 @@ MARKS = {
     "tensor_roots": ("o", "tensor_roots (the paper's)"),
     "tensor_lobatto": ("s", "tensor_lobatto"),
     "smolyak": ("D", "smolyak"),
-    "scan": ("x", "plain scan"),
+    "sobol": ("x", "plain scan"),
     "spline": ("P", "spline through all runs"),
 }
 COLOURS = (plots.ORANGE, plots.BLUE, plots.GREEN, plots.PURPLE, plots.SKY, plots.VERMILION)

@@ -41,7 +41,7 @@ def latches(bench: Bench) -> None:
     """A panel that a spring opens: t = √(J/k) arccos((ψ - θ)/ψ) to the latch, then a swing."""
     stiffnesses, rest, at, hold = (0.05, 0.1, 0.2), np.pi, np.pi / 2, 50.0
     scenes = [flap(Latch(0, at, hold), spring=(k, rest)) for k in stiffnesses]
-    scenes.append(flap(Latch(0, at, hold, fastest=1.4), spring=(0.1, rest)))
+    scenes.append(flap(Latch(0, at, hold, max_capture_rate=1.4), spring=(0.1, rest)))
     outcomes = bench.simulate(scenes, duration=4.0, instants=4001, step=2e-4)
     figure = bench.figure("A panel with a spring and a latch", "time (s)", "opening (°)")
     for k, outcome in zip(stiffnesses, outcomes, strict=False):

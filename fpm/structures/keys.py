@@ -13,7 +13,7 @@ import numpy as np
 
 from fpm.elements.joints.hinge import ANGLES
 from fpm.elements.openings.opening import SLIDING
-from fpm.errors import SceneError
+from fpm.errors import SceneError, renamed
 from fpm.structures.builder import Builder
 from fpm.structures.names import Bound, Context, Place
 from fpm.structures.reading import Node, SkippedError, commas
@@ -345,7 +345,7 @@ class Choice(Key):
 
     def read(self, node, place):
         if node.text not in self.options:
-            place.refuse(node, self.allowed)
+            place.refuse(node, self.allowed + renamed(node.text, self.options))
         return lambda build: node.text
 
 

@@ -148,7 +148,7 @@ def test_quantities_are_drawn_over_one_and_two_parameters_and_as_bars(opened, tm
             intervals=dict(list(several.items())[:count]),
             design={"method": "smolyak", "order": 1},
             quantities=late,
-            verify={"rounds": 0},
+            verify={"max_iterations": 0},
         )
         folder = run(raw, tmp_path)
         with open_netcdf(folder.quantities) as found:
@@ -207,12 +207,12 @@ def test_the_whole_error_has_those_of_step_and_mesh(tmp_path):
     """That of the step is what campaigns with a half and a quarter of it foretell (Richardson)."""
     t_open = {"t_open": PANEL["quantities"]["t_open"]}
     raw = panel(quantities=t_open, solver={"duration": 2.2, "instants": 441, "step": 2e-5},
-                verify={"rounds": 2, "finer": True})  # fmt: skip
+                verify={"max_iterations": 2, "discretization": True})  # fmt: skip
     found = {}
     for name, step in (("usual", 2e-5), ("step", 1e-5), ("quarter", 5e-6)):
         raw |= {"campaign": name, "solver": {**raw["solver"], "step": step}}
         folder = run(raw, tmp_path)
-        raw["verify"] = {"rounds": 2}
+        raw["verify"] = {"max_iterations": 2}
         with xr.open_dataset(folder.quantities) as file:
             found[name] = file.sel(quantity="t_open").load()
     usual = found["usual"]

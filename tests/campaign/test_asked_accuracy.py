@@ -16,7 +16,7 @@ from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import Accuracy
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import _places, added
-from deployable.campaign.plan.decide import Cost, Standing
+from deployable.campaign.plan.decide import Resources, Standing
 from deployable.campaign.plan.plan import Round, Rounds
 from deployable.campaign.results.facts import _accuracy
 from deployable.campaign.results.templates import sentence
@@ -33,11 +33,11 @@ def asked(raw):
 def test_a_number_is_the_share_of_everything(asked):
     asked["quantities"] = {"top": {"largest": "BD"}}
     found = check_config(asked)
-    assert found.experiment.accuracy.shares == {"BD": 0.1, "vBz": 0.1, "top": 0.1}
+    assert found.experiment.accuracy.tolerances == {"BD": 0.1, "vBz": 0.1, "top": 0.1}
     assert found.experiment.scene.parameters == {"elements": 6}
     assert found.experiment.is_sought
-    assert (found.bounds.model, found.verify.finer) == ("spline", True)
-    asked["accuracy"] = {"share": 0.2, "of": {"top": 0.01}, "runs": 50}
+    assert (found.bounds.model, found.verify.discretization) == ("spline", True)
+    asked["accuracy"] = {"tolerance": 0.2, "tolerance_by_name": {"top": 0.01}, "max_runs": 50}
     found = check_config(asked).experiment.accuracy
     assert found == Accuracy({"BD": 0.2, "vBz": 0.2, "top": 0.01}, 50, 60.0, "elements")
 
@@ -49,7 +49,9 @@ def test_a_mesh_of_the_config_is_kept(asked):
     assert found.accuracy.mesh == ""
 
 
-COST = Cost(runs=24, seconds=1.0, nodes=16, more=8, checked=8, each=0.01, elements=6)
+COST = Resources(
+    runs=24, seconds=1.0, nodes=16, next_runs=8, checked=8, run_seconds=0.01, elements=6
+)
 AIM = Accuracy({"x": 0.1}, 1000, 60.0, "n")
 
 
@@ -124,10 +126,10 @@ def test_what_a_round_takes_fits_the_budget_or_it_is_not_begun(what):
     # from then on, with half its step, and on a mesh twice as fine. There is room for the last
     # check, of step and mesh.
     n, c, last = COST.nodes, COST.checked, (2 + 4) * COST.checked
-    assert runs == 2 * c + {"runs": COST.more, "check": 0, "step": n, "mesh": n + c}[what]
-    worth = {"runs": COST.more + last, "check": last, "step": 2 * (n + last),
+    assert runs == 2 * c + {"runs": COST.next_runs, "check": 0, "step": n, "mesh": n + c}[what]
+    worth = {"runs": COST.next_runs + last, "check": last, "step": 2 * (n + last),
              "mesh": 4 * (n + 4 * c + last)}[what]  # fmt: skip
-    assert seconds == pytest.approx(worth * COST.each)
+    assert seconds == pytest.approx(worth * COST.run_seconds)
     if what == "check":
         return
     for more_runs, more_seconds in ((0, 1e-6), (-1, 1e-6), (0, -1e-6)):
@@ -139,7 +141,7 @@ def test_what_a_round_takes_fits_the_budget_or_it_is_not_begun(what):
 
 def test_a_mesh_that_hardly_helps_is_refined_no_further():
     coarse = done("mesh", 6, surrogate=0.01, mesh=0.31, step=0.0)
-    finer = Cost(**{**vars(COST), "elements": 12})
+    finer = Resources(**{**vars(COST), "elements": 12})
     parts = {"surrogate": 0.01, "step": 0.0}
     assert decided({**parts, "mesh": 0.15}, coarse, cost=finer).action == "mesh"
     found = decided({**parts, "mesh": 0.29}, coarse, cost=finer, check=("step", "mesh"))
@@ -158,7 +160,7 @@ def test_what_half_a_step_would_take_is_told_of_the_step_and_what_is_no_number_i
 def test_what_no_mesh_settles_is_set_aside_and_the_rest_goes_on():
     """The error of `y` hardly fell with a finer mesh; `x` needs runs, and gets them alone."""
     aim = Accuracy({"x": 0.1, "y": 0.1}, 1000, 60.0, "n")
-    finer = Cost(**{**vars(COST), "elements": 12})
+    finer = Resources(**{**vars(COST), "elements": 12})
     coarse = {"x": {"surrogate": 0.2, "mesh": 0.02}, "y": {"surrogate": 0.5, "mesh": 0.31}}
     before = Round(16, 0.0, "mesh", "", coarse, 6)
 
@@ -188,7 +190,7 @@ def test_a_finer_mesh_is_begun_where_the_budget_takes_all_of_it(enough):
     aim = Accuracy({"x": 0.1}, 1000, needs * (1.01 if enough else 0.99), "n")
     parts = {"surrogate": 0.01, "mesh": 0.15, "step": 0.0}
     check = ("step", "mesh")
-    found = decided(parts, coarse, check=check, aim=aim, cost=Cost(**finer))
+    found = decided(parts, coarse, check=check, aim=aim, cost=Resources(**finer))
     assert found.action == ("mesh" if enough else "stop")
     assert ("does not get there within the budget" in found.reason) != enough
 
@@ -240,13 +242,13 @@ def test_runs_become_as_many_as_errors_are_expected_to_need():
 
 
 def test_what_should_be_the_last_runs_are_checked_at_once_where_that_is_cheap():
-    cheap = Cost(**{**vars(COST), "each": 0.001, "more": 16})
+    cheap = Resources(**{**vars(COST), "run_seconds": 0.001, "next_runs": 16})
     parts = {"surrogate": 0.2, "mesh": 0.02}
     assert decided(parts, cost=cheap).check == ("step", "mesh")
     assert decided(parts, cost=COST).check == ()  # more than half a second
     far = {"surrogate": 0.9, "mesh": 0.02}
     assert decided(far, cost=cheap).check == ()
-    few = Accuracy({"x": 0.1}, cheap.runs + cheap.more + 2 * cheap.checked - 1, 60.0, "n")
+    few = Accuracy({"x": 0.1}, cheap.runs + cheap.next_runs + 2 * cheap.checked - 1, 60.0, "n")
     assert decided(parts, cost=cheap, aim=few).action == "check"  # runs would leave no room for it
 
 
@@ -257,7 +259,7 @@ OPENING = {
     "intervals": {"a": {"nominal": 0.035, "relative": 0.3}},
     "responses": {"BD": {"distance": ["B", "D"]}},
     "quantities": {"last": {"final": "BD"}},
-    "accuracy": {"share": 0.003, "of": {"last": 0.005}, "minutes": 3},
+    "accuracy": {"tolerance": 0.003, "tolerance_by_name": {"last": 0.005}, "max_core_minutes": 3},
 }
 
 
@@ -327,7 +329,7 @@ def test_the_true_error_is_what_was_asked_for(met, tmp_path):
     elements = json.loads((met / "summary.json").read_text())["accuracy"]["mesh"]
     raw = {key: value for key, value in OPENING.items() if key not in ("accuracy", "quantities")}
     scene = {"name": "bennett", "parameters": {k: 2 * v for k, v in elements.items()}}
-    raw |= {"scene": scene, "design": {"method": "scan", "samples": 17}, "campaign": "scan"}
+    raw |= {"scene": scene, "design": {"method": "sobol", "samples": 17}, "campaign": "scan"}
     scan = campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
     with xr.open_dataset(met.bounds) as bounds:
         off = np.maximum(abs(bounds["lower"] - scan["lower"]), abs(bounds["upper"] - scan["upper"]))

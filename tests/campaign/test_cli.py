@@ -172,7 +172,7 @@ def test_errors_of_users_have_no_traceback(finished, file, tmp_path, capsys):
     assert "Traceback" not in told
 
 
-JOBS = json.dumps({"jobs": {"nodes_per_job": 1, "group": 1, "keep": "responses"}})
+JOBS = json.dumps({"jobs": {"runs_per_job": 1, "group": 1, "keep": "responses"}})
 
 
 def test_a_file_that_is_not_there_is_told_by_name(tmp_path):

@@ -86,8 +86,8 @@ THREE = {name: {"relative": 0.01} for name in ("a", "E", "K_C")}
     "change",
     [
         {},
-        {"intervals": THREE, "design": {"method": "scan", "samples": 8}},
-        {"design": {"method": "scan", "samples": 3999}},
+        {"intervals": THREE, "design": {"method": "sobol", "samples": 8}},
+        {"design": {"method": "sobol", "samples": 3999}},
         {"intervals": {"a": {"absolute": 0}}},
         {"intervals": {"a": {"lower": 0.03, "upper": 0.04, "nominal": 0.031}}, "held_out": 0},
     ],
@@ -107,8 +107,8 @@ def test_defaults_are_those_of_the_models(raw):
 
 
 def test_a_scan_has_no_order_unless_it_is_given(raw):
-    assert check_config(change(raw, "design", {"method": "scan"})).experiment.design.order is None
-    both = {"method": "scan", "order": 2}
+    assert check_config(change(raw, "design", {"method": "sobol"})).experiment.design.order is None
+    both = {"method": "sobol", "order": 2}
     assert check_config(change(raw, "design", both)).experiment.design.order == 2
 
 

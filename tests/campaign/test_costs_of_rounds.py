@@ -20,7 +20,7 @@ from fpm.files.sealed import whole_file
 def experiment(raw):
     """Of a config that asks for an accuracy, with a quantity."""
     del raw["design"], raw["held_out"]
-    raw |= {"scene": {"name": "bennett"}, "accuracy": {"share": 0.1, "runs": 200}}
+    raw |= {"scene": {"name": "bennett"}, "accuracy": {"tolerance": 0.1, "max_runs": 200}}
     return check_config(raw | {"quantities": {"top": {"largest": "BD"}}}).experiment
 
 
@@ -44,8 +44,8 @@ def test_the_first_round_costs_its_runs_and_its_check(experiment):
     cost, nodes = _standing(plan, SHARES).cost, len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
     checked = PLACES + 2 + 2  # of the quantity both ends; an order of either
-    assert (cost.nodes, cost.checked, cost.each) == (nodes, checked, each)
-    assert cost.more % 8 == 0 < cost.more
+    assert (cost.nodes, cost.checked, cost.run_seconds) == (nodes, checked, each)
+    assert cost.next_runs % 8 == 0 < cost.next_runs
     assert plan.adaptive.check == ("mesh",)
     assert cost.runs == nodes + checked
     # On a mesh twice as fine, with half the step.
@@ -61,10 +61,12 @@ def test_costs_of_rounds_add_up(experiment, action, new):
     before = nodes - new if action == "runs" else nodes
     cost = _standing(after(plan, action, before, check=()), SHARES).cost
     assert cost.runs == 16 + new
-    assert cost.seconds == pytest.approx(2.0 + whole(new) * cost.each)
+    assert cost.seconds == pytest.approx(2.0 + whole(new) * cost.run_seconds)
     both = _standing(after(plan, action, before, check=("step", "mesh")), SHARES).cost
     assert both.runs - cost.runs == 2 * cost.checked
-    assert both.seconds - cost.seconds == pytest.approx((2 + 4) * whole(cost.checked) * cost.each)
+    assert both.seconds - cost.seconds == pytest.approx(
+        (2 + 4) * whole(cost.checked) * cost.run_seconds
+    )
 
 
 @pytest.fixture

@@ -90,7 +90,7 @@ def test_a_finer_mesh_and_step_cost_more_than_the_runs(raw):
     from deployable import campaign
 
     usual = estimate(campaign.check_config(raw))
-    raw["verify"] = {"finer": True}
+    raw["verify"] = {"discretization": True}
     finer = estimate(campaign.check_config(raw))
     assert finer.integrating == pytest.approx(12 * usual.integrating)  # 1, 2 + 4 and 4 + 1
     assert finer.runs == usual.runs

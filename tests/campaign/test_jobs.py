@@ -27,7 +27,7 @@ RAW = {
     "scene": {"name": "bennett", "parameters": {"elements": 2}},
     "solver": {"duration": 0.1, "instants": 101, "step": 1e-4},
     "intervals": {"E": {"nominal": 1e9, "relative": 0.01}},
-    "design": {"method": "scan", "samples": 1000},
+    "design": {"method": "sobol", "samples": 1000},
     "responses": {"BD": {"distance": ["B", "D"]}},
 }
 
@@ -37,7 +37,7 @@ def sized(**jobs):
 
 
 def test_without_minutes_a_job_has_the_runs_that_the_config_says():
-    assert batch_count(sized(nodes_per_job=77), 1001) == 13
+    assert batch_count(sized(runs_per_job=77), 1001) == 13
 
 
 def test_a_job_elsewhere_finds_as_many_batches(monkeypatch):

@@ -35,7 +35,7 @@ def silent(text: str) -> None:
 def scan(raw) -> dict:
     """A scan that keeps extremes only."""
     raw["intervals"]["E"] = {"relative": 0.05}
-    raw["design"] = {"method": "scan", "samples": SAMPLES}
+    raw["design"] = {"method": "sobol", "samples": SAMPLES}
     raw["quantities"] = {"most": {"largest": "vBz"}}
     raw["jobs"] = {"keep": "extremes", "group": 4}
     return raw

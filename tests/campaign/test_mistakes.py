@@ -104,7 +104,7 @@ UNLIKELY = [  # the same, of what is allowed and hardly meant
     ("thickness: 2 mm", "thickness: 2 um", "bar arm is 0.04 m wide and only 2e-06 m thick"),
     ("rest: 120 deg", "rest: -120 deg", "away from latch catch at 90 deg, with 6.283 N m: turn"),
     ("angle: 90 deg", "angle: 150 deg", "latch catch at 150 deg is beyond where the springs on pi"),
-    ("actions:", "actions:\n  end: {type: stop, joint: pivot, stiffness: 1000, most: 80 deg}",
+    ("actions:", "actions:\n  end: {type: stop, joint: pivot, stiffness: 1000, upper: 80 deg}",
      "latch catch at 90 deg is beyond the stop at 80 deg: it cannot catch"),
     ("name: barrier", "name: barrier\ngravity: [0, 0, -9.81]\nloads:\n  wind: {part: arm, at: tip,"
      " force: [1, 0, 0]}", ""),

@@ -10,7 +10,7 @@ from typing import get_args, get_type_hints
 import pytest
 
 from deployable.campaign.config.check import check_config
-from deployable.campaign.config.models import BoundsChoice, Design, Jobs
+from deployable.campaign.config.models import BoundsChoice, DesignSection, Jobs
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.runs.store import STORES
 from deployable.intervals import METHODS, MODELS
@@ -26,9 +26,9 @@ def words(section, key):
 
 
 def test_every_design_can_be_asked_for_with_all_its_options_and_no_other():
-    assert words(Design, "method") == set(METHODS)
+    assert words(DesignSection, "method") == set(METHODS)
     options = {option for method in METHODS.values() for option in method.options}
-    assert {field.name for field in fields(Design)} == {"method", "order"} | options
+    assert {field.name for field in fields(DesignSection)} == {"method", "order"} | options
 
 
 def test_every_model_can_be_asked_for_and_no_other():

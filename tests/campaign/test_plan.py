@@ -47,7 +47,7 @@ def test_the_number_of_runs_is_known_without_a_plan(raw):
     for design in (
         {"method": "tensor_lobatto", "order": 4},
         {"method": "smolyak", "order": 2},
-        {"method": "scan", "samples": 7},
+        {"method": "sobol", "samples": 7},
     ):
         config = check_config({**raw, "design": design})
         assert count_runs(config.experiment) == len(make_plan(config.experiment).runs)
@@ -137,7 +137,7 @@ def test_a_plan_survives_its_file(plan, tmp_path):
 
 def test_a_plan_of_many_runs_is_packed_to_the_last_bit(raw, tmp_path, monkeypatch):
     raw["intervals"]["E"] = {"relative": 0.05}
-    raw["design"] = {"method": "scan", "samples": 10_000}
+    raw["design"] = {"method": "sobol", "samples": 10_000}
     plan = plan_of(raw)
     write_plan(plan, tmp_path / "plan.json")
     found = read_plan(tmp_path / "plan.json")

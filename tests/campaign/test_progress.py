@@ -98,7 +98,7 @@ def test_the_disk_space_told_is_what_is_used(raw, tmp_path, keep):
 
 def test_the_time_told_grows_with_runs_and_steps(raw):
     few = estimate(campaign.check_config(raw))
-    raw["design"] = {"method": "scan", "samples": 100_000}
+    raw["design"] = {"method": "sobol", "samples": 100_000}
     raw["solver"] |= {"duration": 10.0}
     many = estimate(campaign.check_config(raw))
     assert few.seconds - few.compiling < 10 and "min" not in str(few)

@@ -147,7 +147,7 @@ LATCHES = """
 def test_the_travel_of_runs_that_start_apart_is_that_of_them_all(way, stowed):
     """From the first of their starts, or where each is led from its own, from the nominal one, to
     the nearest stop of the hinge that is led, the farthest of all runs."""
-    side = "most" if way > 0 else "least"
+    side = "upper" if way > 0 else "lower"
     build = structures.loads(PANEL.replace("SIDE", side).replace("5 deg", f"{5 * way} deg")).build
     scenes = [
         build(start=way * start, far=way * far, near=way * near)
@@ -171,7 +171,7 @@ def test_the_travel_of_runs_that_start_apart_is_that_of_them_all(way, stowed):
 def test_latches_on_the_way_are_those_between_its_ends():
     """Of openings that are led, but for one at either end; with latches the farthest one ends the
     travel, whatever stops there are."""
-    text = PANEL.replace("SIDE", "most") + LATCHES.replace("AT", "below")
+    text = PANEL.replace("SIDE", "upper") + LATCHES.replace("AT", "below")
     text = text.replace("  near:", "  inner: {value: 0, unit: deg, range: [-180, 180]}\n"
                         "  outer: {value: 0, unit: deg, range: [-180, 180]}\n  near:")  # fmt: skip
     build = structures.loads(text).build
@@ -200,7 +200,7 @@ def test_latches_on_the_way_are_those_between_its_ends():
     [("stow", [1, 4], True), ("stow", [1, 1], False), ("3 deg", [1, 4], False)],
 )
 def test_starts_vary_where_each_run_is_led_from_its_own(first, starts, vary):
-    text = PANEL.replace("SIDE", "most")
+    text = PANEL.replace("SIDE", "upper")
     scenes = [structures.loads(text).build(start=start) for start in starts]
     definition = {"margin": "hinge", "from": first, "to": "60 deg", "standard": ECSS}
     response = parse("m", definition, scenes[0])

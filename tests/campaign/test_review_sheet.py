@@ -632,7 +632,7 @@ loads:
 actions:
   spring: {type: torsion spring, joint: h, stiffness: k, rest: rest}
   friction: {type: friction, joint: h, moment: dry}
-  wires: {type: tape spring, joint: h, angles: [0 rad, 3 rad], moments: [0 N m, -3 rad*harness]}
+  wires: {type: tabulated spring, joint: h, angles: [0, 3 rad], moments: [0 N m, -3 rad*harness]}
 record:
   b: {part: sheet, at: b}
 """

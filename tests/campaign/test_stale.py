@@ -25,7 +25,7 @@ ASKED = {
     "quantities": {"top": {"largest": "BD"}},
     "requirements": {"short": {"top": {"at_most": 10.0}}},
     "choose": {"parameters": {"E": [1e10, 1.01e10]}, "minimise": "upper(top)", "order": 1},
-    "verify": {"rounds": 0},
+    "verify": {"max_iterations": 0},
 }
 
 
@@ -99,7 +99,7 @@ def test_every_result_is_of_one_stage(whole, monkeypatch):
         ("quantities", {"top": {"smallest": "BD"}}, "plan.json"),
         ("jobs", {"group": 3}, "samples.nc"),
         ("bounds", {"model": "spline"}, "bounds.nc"),
-        ("verify", {"rounds": 1}, "quantities.nc"),
+        ("verify", {"max_iterations": 1}, "quantities.nc"),
         ("requirements", {"short": {"top": {"at_most": 9.0}}}, "requirements.json"),
         ("choose", {**ASKED["choose"], "order": 2}, "choice.json"),
         ("error", {"shade_above": 0.2}, "figures/BD.png"),

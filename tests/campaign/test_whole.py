@@ -113,7 +113,7 @@ def test_another_response_simulates_nothing(raw, tmp_path):
 def scan(raw, samples, **more):
     """A plain scan that keeps responses only."""
     jobs = {"keep": "responses", "group": 8}
-    design = {"method": "scan", "samples": samples}
+    design = {"method": "sobol", "samples": samples}
     return {**raw, "campaign": "scan", "design": design, "jobs": jobs, **more}
 
 

@@ -33,7 +33,7 @@ def campaigns(tmp_path_factory):
         whole = {**raw, "campaign": name, **change}
         return campaign.run(whole, results, figures=False, tell=lambda text: None)
 
-    found = {"usual": run("usual", verify={"finer": True})}
+    found = {"usual": run("usual", verify={"discretization": True})}
     halved = {**raw["solver"], "step": found["usual"].attrs["time_step"] / 2}
     found["step"] = run("step", solver=halved)
     finer = {"name": "bennett", "parameters": {"elements": 4}}
@@ -71,7 +71,7 @@ def test_the_error_of_the_step_is_what_much_finer_steps_change(tmp_path):
         "solver": {"duration": 1.0, "instants": 41},
         "intervals": {"g": {"relative": 0.05}},
         "design": {"method": "tensor_lobatto", "order": 2},
-        "verify": {"finer": True},
+        "verify": {"discretization": True},
         "responses": {"z": {"position": "T", "component": "z"}},
     }
 

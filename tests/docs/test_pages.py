@@ -151,7 +151,7 @@ CAMPAIGN_OF = {"first": "first.yaml", "mine": "my-campaign.yaml", "ladder": "my-
 def _marks(line):
     """Slow is what simulates a structure of its own, studies, and what asks Snakemake."""
     own = r"python -m deployable export (config/mast|config/structures|mine)"
-    slow = re.match(f"{own}|python -m evidence [a-z]|snakemake .*nodes_per_job", line)
+    slow = re.match(f"{own}|python -m evidence [a-z]|snakemake .*runs_per_job", line)
     return [pytest.mark.slow] * bool(slow)
 
 
@@ -184,7 +184,7 @@ def _check_snakemake(words):
     for target in words:
         if not target.startswith("-") and not before.get(target, "").startswith("--"):
             assert target in STUDIES, target
-    if "nodes_per_job" in " ".join(words):
+    if "runs_per_job" in " ".join(words):
         command = [sys.executable, "-m", "snakemake", "-n", *words, "--directory", os.getcwd()]
         told = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
         assert re.search(r"^simulate +8$", told, re.M), told

@@ -21,9 +21,9 @@ from evidence.tradeoff.measure.runs import _impacts, simulate
 CHOICES = (
     Choice("tensor_lobatto", 2),
     Choice("tensor_lobatto", 8),
-    Choice("scan", samples=8),
+    Choice("sobol", samples=8),
     Choice("tensor_lobatto", 2, model="spline"),
-    Choice("scan", samples=8, model="spline"),
+    Choice("sobol", samples=8, model="spline"),
 )
 SMALL = Case(
     "small",

@@ -25,7 +25,7 @@ joints:
   h: {type: revolute, parts: [ground, sheet], at: a, axis: z}
 actions:
   rub: {type: bearing, joint: h, mu: mu, radius: 50 mm, load: 9 N}
-motions:
+initial_velocities:
   go: {part: sheet, about: a, spin: [0, 0, rate]}
 record:
   a: {part: sheet, at: a}
@@ -46,7 +46,7 @@ joints:
   h: {type: prismatic, parts: [ground, cart], at: a, axis: x}
 actions:
   rub: {type: bearing, joint: h, mu: mu, load: 30 N}
-motions:
+initial_velocities:
   go: {part: cart, about: a, velocity: [2 m/s, 0, 0]}
 record:
   a: {part: cart, at: a}

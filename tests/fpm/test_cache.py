@@ -30,7 +30,7 @@ points: {hub: [0, 0, 0], tip: [1, 0, 0]}
 materials: {wood: {E: 1e10, rho: 500}}
 sections: {square: {type: square, side: 0.05}}
 bars: {arm: {through: [hub, tip], section: square, material: wood, elements: 2}}
-motions: {whirl: {part: arm, about: hub, spin: [1, 2, 3]}}
+initial_velocities: {whirl: {part: arm, about: hub, spin: [1, 2, 3]}}
 record: {B: {part: arm, at: tip}}
 """).build()
 outcome = fpm.simulate(scene, duration=0.05, instants=3, step=5e-5)[0]

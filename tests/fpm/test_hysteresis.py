@@ -25,12 +25,12 @@ joints:
   h: {type: revolute, parts: [ground, sheet], at: a, axis: z}
 actions:
   tape:
-    type: tape spring
+    type: tabulated spring
     joint: h
     angles: [0, 3 rad]
     moments: [0.03 N m - half, -0.06 N m - 3*half]
     back: [0.03 N m + half, -0.06 N m + 3*half]
-motions:
+initial_velocities:
   go: {part: sheet, about: a, spin: [0, 0, rate]}
 record:
   b: {part: sheet, at: b}
@@ -57,9 +57,9 @@ def test_the_mean_is_a_spring_and_the_rest_resists_both_ways(first, last):
 
 def test_a_harness_with_a_set_resists_as_one():
     """It is free of moment at its set, 0.3 rad, and its class is that of both of its parts."""
-    harness = SHEET.replace("type: tape spring", "type: tape spring\n    class: HA").replace(
-        "angles: [0, 3 rad]", "angles: [-0.7 rad, 1.3 rad]"
-    )
+    harness = SHEET.replace(
+        "type: tabulated spring", "type: tabulated spring\n    class: HA"
+    ).replace("angles: [0, 3 rad]", "angles: [-0.7 rad, 1.3 rad]")
     harness = harness.replace("[0.03 N m - half, -0.06 N m - 3*half]", "[0.05 N m, -0.05 N m]")
     harness = harness.replace("back: [0.03 N m + half, -0.06 N m + 3*half]",
                               "back: [0.05 N m + 2*half, -0.05 N m + 2*half]")  # fmt: skip

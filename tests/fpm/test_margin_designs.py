@@ -59,7 +59,7 @@ class Design:
         self.scene.add_torsion_spring(hinge, k, psi)
         self.acting.append((hinge, "S", lambda x: k * (psi - x)))
         f = self.rng.uniform(0.002, 0.03)
-        bend = {"bend": 1e-4} if self.kind == "slide" else {}
+        bend = {"bristle_deflection": 1e-4} if self.kind == "slide" else {}
         self.scene.add(Friction(hinge, f, **bend))
         self.acting.append((hinge, "FR", lambda x: -f + 0 * x))
 

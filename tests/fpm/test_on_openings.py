@@ -22,12 +22,14 @@ CASES = {
         rate=1.0, spring=(1.0, 0.0),
         latch={"angle": 0.3, "stiffness": 100.0, "damping": 8.0, "one_sided": True},
     ),
-    "missed": flap(**PANEL, latch={"angle": np.pi / 2, "stiffness": 100.0, "fastest": 1.4}),
+    "missed": flap(**PANEL, latch={
+        "angle": np.pi / 2, "stiffness": 100.0, "max_capture_rate": 1.4}),
     "missed where it ends": flap(**PANEL, latch={  # at the same opening as the one before
-        "angle": np.pi / 2 - 0.05, "tolerance": 0.05, "stiffness": 100.0, "fastest": 1.4}),
+        "angle": np.pi / 2 - 0.05, "stiffness": 100.0, "capture_range": 0.05,
+        "max_capture_rate": 1.4}),
     "slow enough": flap(
         rate=-1.0, spring=(1.0, 0.0),
-        latch={"angle": -0.5, "stiffness": 100.0, "tolerance": 0.05, "fastest": 0.5},
+        latch={"angle": -0.5, "stiffness": 100.0, "capture_range": 0.05, "max_capture_rate": 0.5},
     ),
     "wrong side": flap(
         rate=1.0, spring=(4.0, 0.0), latch={"angle": 0.2, "stiffness": 100.0, "side": "above"}
@@ -330,14 +332,14 @@ def test_a_damper_between_driven_and_free_knows_the_rate_at_the_start():
     [
         (Latch(1, 1.0, 1.0), "hinge of latch = 1"),
         (Latch(0, 1.0, -1.0), "latch stiffness = -1"),
-        (Latch(0, 1.0, 1.0, tolerance=-1.0), "tolerance of latch"),
+        (Latch(0, 1.0, 1.0, capture_range=-1.0), "capture_range of latch"),
         (Latch(0, 1.0, 1.0, damping=np.inf), "damping of latch"),
-        (Latch(0, 1.0, 1.0, fastest=0.0), "fastest rate of latch"),
+        (Latch(0, 1.0, 1.0, max_capture_rate=0.0), "largest capture rate of latch"),
         (Latch(0, 1.0, 1.0, side="left"), "side of latch"),
         (Damper(0, -0.1), "damping of damper"),
         (Damper(3, 0.1), "hinge of damper"),
         (Friction(0, -1.0), "moment of friction"),
-        (Friction(0, 1.0, bend=0.0), "bend of friction"),
+        (Friction(0, 1.0, bristle_deflection=0.0), "bristle_deflection of friction"),
         (Friction(0, 1.0, damping=-1.0), "damping of friction"),
         (Stop(0, np.nan, "above", 1.0), "angle of stop"),
         (Stop(0, 0.0, "up", 1.0), "side of stop"),

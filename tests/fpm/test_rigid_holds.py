@@ -20,9 +20,9 @@ CASES = {
     "going down": bars(rates=(0.2, -0.9), latch=-0.4, side="above"),
     "falls": bars(gravity=G, latch=-0.3),
     "swings": bars(angles=(-1.2, -1.2), rates=(0.5, 2.5), gravity=G, latch=0.5),
-    "missed": bars(rates=(0.3, 1.0), latch=0.4, fastest=0.5),
+    "missed": bars(rates=(0.3, 1.0), latch=0.4, max_capture_rate=0.5),
     "wrong side": bars(rates=(0.3, 1.0), latch=0.4, side="above"),
-    "tolerant": bars(rates=(0.3, 1.0), latch=0.4, tolerance=0.1),
+    "tolerant": bars(rates=(0.3, 1.0), latch=0.4, capture_range=0.1),
     "never": bars(rates=(0.3, 1.0)),
 }
 HELD = {
@@ -205,8 +205,8 @@ def test_rigid_holds_cost_no_step_and_make_joints_of_their_hinges():
     ("element", "message"),
     [
         (RigidLatch(7, 1.0), "hinge of latch = 7"),
-        (RigidLatch(0, 1.0, tolerance=-1.0), "tolerance of latch"),
-        (RigidLatch(0, 1.0, fastest=0.0), "fastest rate of latch"),
+        (RigidLatch(0, 1.0, capture_range=-1.0), "capture_range of latch"),
+        (RigidLatch(0, 1.0, max_capture_rate=0.0), "largest capture rate of latch"),
         (RigidLatch(0, np.nan), "angle of latch"),
         (RigidLatch(1, 1.0), "no other latch"),
         (Latch(1, 1.0, 1.0), "no other latch"),

@@ -82,7 +82,7 @@ def test_assembly_closes_a_slide_across_its_axis_and_tells_where_it_is():
         (lambda s: Damper(s, -1.0), r"N s/m"),
         (lambda s: Latch(s, np.nan, 1.0), r"\(m\)"),
         (lambda s: Latch(s, 0.0, -1.0), r"N/m"),
-        (lambda s: Latch(s, 0.0, 1.0, fastest=0.0), r"m/s"),
+        (lambda s: Latch(s, 0.0, 1.0, max_capture_rate=0.0), r"m/s"),
         (lambda s: Stop(s, np.inf, "above", 1.0), r"\(m\)"),
         (lambda s: Friction(s, -1.0), r"\(N\)"),
         (lambda s: Friction(s, 1.0, 0.0), r"\(m\)"),

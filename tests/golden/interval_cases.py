@@ -67,7 +67,7 @@ def polynomials() -> Iterator:
             yield bounds_dataset(runs, design, **options)
             yield intervals.sensitivity_dataset(runs, design, ["kink", "smooth"])
         yield intervals.surrogate_dataset(runs, design)
-    scan = make_design("scan", BOXES["2"], 4, samples=40, seed=3)
+    scan = make_design("sobol", BOXES["2"], 4, samples=40, seed=3)
     yield bounds_dataset(samples("2", scan), scan, ["still", "smooth"])
     yield scan
 
@@ -75,7 +75,7 @@ def polynomials() -> Iterator:
 def scans() -> Iterator:
     """Bounds of scans, by values and by running ones, and their growth."""
     for box, count, seed in (("1", 21, 0), ("2", 50, 1), ("3", 64, 2), ("flat", 33, 0)):
-        design = make_design("scan", BOXES[box], samples=count, seed=seed)
+        design = make_design("sobol", BOXES[box], samples=count, seed=seed)
         yield bounds_dataset(samples(box, design, 0), design, model="scan")
     values = RNG.normal(size=(30, 2, 5)).round(1)
     one, other = (
@@ -87,11 +87,11 @@ def scans() -> Iterator:
 def splines() -> Iterator:
     """Bounds of splines through scans and sought runs, and which runs come next."""
     for box, count in (("1", 13), ("2", 40), ("3", 60), ("flat", 30)):
-        design = make_design("scan", BOXES[box], samples=count, seed=5)
+        design = make_design("sobol", BOXES[box], samples=count, seed=5)
         runs = samples(box, design)
         yield bounds_dataset(runs, design, model="spline")
         yield bounds_dataset(runs, None, ["smooth"], model="spline", window=0.2)
-        sought = Design(design.points, design.multi_indices, "sought")
+        sought = Design(design.points, design.multi_indices, "adaptive")
         bounds = bounds_dataset(runs, sought, model="spline")
         yield bounds
         width = (bounds["upper"] - bounds["lower"]).values

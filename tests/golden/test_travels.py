@@ -22,7 +22,8 @@ joints:
 actions:
   spring: {type: torsion spring, joint: hinge, stiffness: 0.1, rest: 90 deg}
   rub: {type: friction, joint: hinge, moment: 0.01}
-  wires: {type: tape spring, class: S, joint: hinge, angles: [0, 3 rad], moments: [0, -0.1 N m]}
+  wires: {type: tabulated spring, class: S, joint: hinge, angles: [0, 3 rad],
+          moments: [0, -0.1 N m]}
 """
 CASES = {
     "free": (FREE, "hinge", 0.2, 0.9, {}),

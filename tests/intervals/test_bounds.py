@@ -87,7 +87,7 @@ def test_zero_width_box_gives_the_run_itself():
 
 def test_scan_bounds_are_the_extreme_samples():
     box = Box(["f", "g"], [0.9, 0.0], [1.1, 0.2])
-    design = make_design("scan", box, samples=100)
+    design = make_design("sobol", box, samples=100)
     samples = samples_of(wave, box, design, TIME, held_out=0)
     bounds = bounds_dataset(samples, design)
     values = samples["values"].values[:, 0]
@@ -102,7 +102,7 @@ def test_scan_bounds_are_the_extreme_samples():
 @pytest.mark.parametrize("runs_at_a_time", [1, 10, 1000])
 def test_scan_of_a_file_reads_it_in_chunks(tmp_path, monkeypatch, runs_at_a_time):
     box = Box(["f"], [0.9], [1.1])
-    design = make_design("scan", box, samples=64)
+    design = make_design("sobol", box, samples=64)
     samples = samples_of(wave, box, design, TIME, held_out=0)
     samples.to_netcdf(tmp_path / "samples.nc")
     monkeypatch.setattr(samples_module, "_CHUNK", runs_at_a_time * len(TIME))

@@ -39,7 +39,7 @@ def test_lobatto_points_of_the_doubled_order_contain_the_old_ones_to_the_last_bi
 
 def test_smolyak_and_scan_are_nested_too():
     assert keys(make_design("smolyak", 3, 2).points) <= keys(make_design("smolyak", 3, 4).points)
-    few, many = (make_design("scan", 2, samples=n).points for n in (64, 200))
+    few, many = (make_design("sobol", 2, samples=n).points for n in (64, 200))
     assert keys(few) <= keys(many)
 
 
@@ -92,7 +92,7 @@ def test_zero_width_contributes_one_point():
         assert runs in (None, design.runs)
         assert not design.points[:, 1].any()
     point = Box(["a"], [2.0], [2.0])
-    for method in ("tensor_roots", "tensor_lobatto", "smolyak", "scan"):
+    for method in ("tensor_roots", "tensor_lobatto", "smolyak", "sobol"):
         assert make_design(method, point, 3).runs == 1
     assert len(held_out_points(point.free, 4)) == 0
 
@@ -111,10 +111,10 @@ def test_order_64_is_stable(method):
 
 
 def test_scan_contains_the_corners_and_repeats_with_its_seed():
-    design = make_design("scan", 3, samples=100, seed=5)
+    design = make_design("sobol", 3, samples=100, seed=5)
     assert design.runs == 100
     assert keys(Box(["a", "b", "c"], [-1] * 3, [1] * 3).corners()) <= keys(design.points)
-    assert (design.points == make_design("scan", 3, samples=100, seed=5).points).all()
+    assert (design.points == make_design("sobol", 3, samples=100, seed=5).points).all()
 
 
 @pytest.mark.parametrize("dimension", [1, 2, 3])
@@ -151,8 +151,8 @@ def test_held_out_points_avoid_the_nodes():
         (("tensor_roots", 8, 9), {}, "order"),
         (("tensor_roots", 9, 1), {}, "box dimension"),
         (("tensor_roots", 1, 3), {"seed": 1}, "design option"),
-        (("scan", 2), {"samples": 0}, "samples"),
-        (("scan", 3, 9), {"samples": 10}, "samples"),
+        (("sobol", 2), {"samples": 0}, "samples"),
+        (("sobol", 3, 9), {"samples": 10}, "samples"),
     ],
 )
 def test_wrong_designs_are_refused_with_key_value_and_what_is_allowed(arguments, options, key):
@@ -166,11 +166,11 @@ def test_wrong_designs_are_refused_with_key_value_and_what_is_allowed(arguments,
 def test_a_scan_has_the_corners_unless_they_took_more_than_half_of_it(dimension):
     corners = 2**dimension
     for samples in range(1, 4 * corners):
-        points = make_design("scan", dimension, samples=samples).points
+        points = make_design("sobol", dimension, samples=samples).points
         found = (np.abs(points) == 1.0).all(axis=1).sum()
         assert found == (corners if 2 * corners <= samples else 0), samples
 
 
 def test_no_design_may_have_more_than_ten_million_runs():
     with pytest.raises(IntervalError, match="max_runs"):
-        make_design("scan", 2, samples=8, max_runs=10**7 + 1)
+        make_design("sobol", 2, samples=8, max_runs=10**7 + 1)

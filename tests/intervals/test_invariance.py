@@ -138,7 +138,7 @@ def test_bounds_do_not_depend_on_when_time_begins(model):
 
 
 def test_what_seeking_promises_does_not_depend_on_offsets_and_scales():
-    unit = make_design("scan", 2, samples=32).points
+    unit = make_design("sobol", 2, samples=32).points
     values = np.stack([wave(BOX.from_unit(u)) for u in unit])[:, None]
     points, growth = seek_points(unit, values, 6, candidates=512)
     assert growth[0] > 0

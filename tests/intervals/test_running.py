@@ -41,7 +41,7 @@ def curves(unit: np.ndarray) -> np.ndarray:
 def samples(runs: int) -> tuple[xr.Dataset, xr.Dataset]:
     """A scan with all values, and the same with the running bounds of its quarters."""
     box = Box(["p", "q"], [0.0, 2.0], [1.0, 3.0])
-    unit = np.concatenate([np.zeros((1, 2)), make_design("scan", box, samples=runs - 1).points])
+    unit = np.concatenate([np.zeros((1, 2)), make_design("sobol", box, samples=runs - 1).points])
     values, place = curves(unit), ("run", "parameter")
     common = {
         "unit": (place, unit),
@@ -64,7 +64,7 @@ def samples(runs: int) -> tuple[xr.Dataset, xr.Dataset]:
 @pytest.mark.parametrize("runs", [9, 101])
 def test_quarters_give_the_bounds_that_all_values_give(runs):
     whole, kept = samples(runs)
-    design = make_design("scan", 2, samples=runs - 1)
+    design = make_design("sobol", 2, samples=runs - 1)
     expected, found = bounds_dataset(whole, design), bounds_dataset(kept, design)
     xr.testing.assert_identical(found, expected)
     values = whole["values"].values

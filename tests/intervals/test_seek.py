@@ -19,8 +19,8 @@ def model(unit):
 
 @pytest.mark.slow
 def test_sought_runs_widen_the_bounds_more_than_a_scan():
-    scan = make_design("scan", 3, samples=4096).points
-    truth = model(make_design("scan", 3, samples=200_000, max_runs=10**6).points)
+    scan = make_design("sobol", 3, samples=4096).points
+    truth = model(make_design("sobol", 3, samples=200_000, max_runs=10**6).points)
     low, high = truth.min(axis=0), truth.max(axis=0)
     width = (high - low).mean(axis=1)
 
@@ -41,7 +41,7 @@ def test_sought_runs_widen_the_bounds_more_than_a_scan():
 
 
 def test_the_promise_shrinks_and_foretells_the_growth():
-    unit = make_design("scan", 3, samples=64).points
+    unit = make_design("sobol", 3, samples=64).points
     promises, gains = [], []
     for seed in range(3):
         before = model(unit)
@@ -58,7 +58,7 @@ def test_the_promise_shrinks_and_foretells_the_growth():
 
 
 def test_nothing_is_sought_where_nothing_varies():
-    unit = make_design("scan", 2, samples=16).points
+    unit = make_design("sobol", 2, samples=16).points
     values = np.stack([np.ones((16, 5)), unit[:, :1] * np.ones(5)], axis=1)
     found, growth = seek_points(unit, values, 8)  # linear: the corners are among the runs
     assert growth[0] == 0

@@ -280,7 +280,7 @@ def test_a_jump_is_overshot_by_a_tenth_and_a_scan_is_not():
     found = spline_range(fit_spline(points, np.sign(points)))
     assert 1.15 < found.upper[0] < 1.25  # the jump is 2 high
     _, low, high = ball_reference(runs=1001, instants=501)
-    design = make_design("scan", 1, samples=16)
+    design = make_design("sobol", 1, samples=16)
     samples = ball_samples(design, held_out=0, instants=501)
     error = {}
     for model in ("polynomial", "spline"):  # a scan has no polynomial: the runs themselves
@@ -299,7 +299,7 @@ def test_bounds_contain_all_runs_and_the_error_covers():
     def wave(v):
         return np.sin(12 * time * v[0]) * np.exp(v[1])
 
-    design = make_design("scan", box, samples=24)
+    design = make_design("sobol", box, samples=24)
     samples = samples_of(wave, box, design, time)
     bounds = bounds_dataset(samples, design, model="spline")
     values = samples["values"].values[:, 0]
@@ -345,7 +345,7 @@ def test_the_error_covers_in_three_dimensions_with_few_runs_held_out(order, held
         ring = np.exp(-0.9 * v[2] * since) * np.cos(15 * frequency * since)
         return np.where(since > 0, ring, 1 - (time / arrival - 1) ** 2)
 
-    points = box.from_unit(make_design("scan", 3, samples=4000).points)
+    points = box.from_unit(make_design("sobol", 3, samples=4000).points)
     scan = np.array([ringing(v) for v in points])
     low, high = scan.min(axis=0), scan.max(axis=0)
     design = make_design("smolyak", box, order)
@@ -367,14 +367,14 @@ def test_the_error_of_sought_runs_is_near_the_true_one(dimension):
         since = np.maximum(time - 0.3 - 0.01 * x[:, :1] - 0.005 * x[:, -1:] ** 2, 0.0)
         return np.sin(90 * (1 + 0.03 * x[:, -1:]) * since) * (1 + 0.2 * x[:, :1])
 
-    unit = make_design("scan", dimension, samples=8 * dimension).points
+    unit = make_design("sobol", dimension, samples=8 * dimension).points
     for seed in range(4):
         new, _ = seek_points(unit, ringing(unit)[:, None], 8, candidates=2048, seed=seed)
         unit = np.concatenate([unit, new])
     scan = ringing(spread_points(np.ones(dimension, dtype=bool), 4000, seed=5))
     low, high = scan.min(axis=0), scan.max(axis=0)
     box = Box(list("abc")[:dimension], [-1.0] * dimension, [1.0] * dimension)
-    design = Design(unit, np.zeros((0, dimension), dtype=int), "sought", (0,) * dimension)
+    design = Design(unit, np.zeros((0, dimension), dtype=int), "adaptive", (0,) * dimension)
     samples = samples_of(lambda v: ringing(v[None])[0], box, design, time, held_out=0)
     bounds = bounds_dataset(samples, design, model="spline")
     true = hausdorff(bounds["lower"][0].values, bounds["upper"][0].values, low, high)
@@ -392,8 +392,8 @@ def test_in_many_directions_sought_runs_are_judged_as_others():
     def growing(v):
         return np.exp(0.03 * (1 + time) * v.sum())
 
-    unit = make_design("scan", 6, samples=48).points
-    design = Design(unit, np.zeros((0, 6), dtype=int), "sought", (0,) * 6)
+    unit = make_design("sobol", 6, samples=48).points
+    design = Design(unit, np.zeros((0, 6), dtype=int), "adaptive", (0,) * 6)
     samples = samples_of(growing, box, design, time, held_out=0)
     sought, others = (
         bounds_dataset(samples, one, model="spline")["error"].values for one in (design, None)

@@ -29,7 +29,7 @@ def test_restriction_to_a_line():
 
 
 def test_trailing_axes_are_kept_and_least_squares_smooths():
-    design = make_design("scan", 2, 2, samples=18)
+    design = make_design("sobol", 2, 2, samples=18)
     values = np.random.default_rng(0).standard_normal((design.runs, 3, 4))
     surrogate = fit(design, values)
     assert surrogate.evaluate(np.zeros((5, 2))).shape == (5, 3, 4)
@@ -47,6 +47,6 @@ def test_refusals():
     with pytest.raises(IntervalError, match="finite"):
         fit(design, np.full((4, 5), np.nan))
     with pytest.raises(IntervalError, match="order"):
-        fit(make_design("scan", 1, samples=4), np.zeros((4, 5)))
+        fit(make_design("sobol", 1, samples=4), np.zeros((4, 5)))
     with pytest.raises(IntervalError, match="shape"):
         fit(design, np.zeros(4)).evaluate(np.zeros((2, 3)))

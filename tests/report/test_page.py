@@ -218,7 +218,7 @@ def test_a_large_error_comes_with_what_to_do_about_it(data):
     assert "Ask for `accuracy: 0.05`" in said() and "model: spline" in said()
     assert "model: spline" not in said(bounds="attained range of a spline")
     assert "more `samples`" in said(bounds="least and largest sample")
-    assert "Let `accuracy` have more `runs`" in said(accuracy={})
+    assert "Let `accuracy` have more `max_runs`" in said(accuracy={})
     shut = [{"time": 0.0, "contact": "stop"}]
     assert "something has closed" in said(closures=shut) and "something has closed" not in said()
     assert "<code>accuracy" in coded(said())

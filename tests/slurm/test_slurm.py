@@ -32,7 +32,7 @@ solver: SOLVER
 intervals:
   a: {nominal: 0.035, relative: 0.01}
   E: {lower: 0.95e9, upper: 1.05e9}
-design: {method: scan, samples: 11}
+design: {method: sobol, samples: 11}
 responses:
   BD: {distance: [B, D]}
 jobs: JOBS
@@ -121,7 +121,7 @@ def until(holds, seconds: float = 400) -> None:
 
 
 def test_the_queue_gives_the_bits_that_one_process_gives(tmp_path):
-    queue = Queue(tmp_path, SHORT, "{nodes_per_job: 4, group: 1}")
+    queue = Queue(tmp_path, SHORT, "{runs_per_job: 4, group: 1}")
     told = queue.end(queue.start())
     assert len(re.findall("submitted with SLURM jobid", told)) == 3  # nothing small was queued
     assert sum(made["simulated"] for made in queue.manifests()) == 12
@@ -129,7 +129,7 @@ def test_the_queue_gives_the_bits_that_one_process_gives(tmp_path):
 
 
 def test_a_cancelled_job_one_out_of_time_and_a_failing_node_lose_nothing(tmp_path):
-    queue = Queue(tmp_path, LONG, "{nodes_per_job: 4, group: 1}")
+    queue = Queue(tmp_path, LONG, "{runs_per_job: 4, group: 1}")
     process = queue.start()
     try:
         until(lambda: len(jobs()) == 3 and len(queue.runs()) >= 3)

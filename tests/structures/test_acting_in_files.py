@@ -28,11 +28,13 @@ from fpm.travel import parts_of
 HINGES = """
   oil: {type: damper, joint: root, damping: 0.1 N m s/rad}
   dry: {type: friction, joint: root, moment: L*0.2 N}
-  ends: {type: stop, joint: root, least: -10 deg, most: 100 deg, stiffness: 1e3, damping: 2}
-  pin: {type: latch, joint: root, angle: 90 deg, tolerance: 1 deg, side: below, stiffness: 1e3}
+  ends: {type: stop, joint: root, lower: -10 deg, upper: 100 deg, stiffness: 1e3, damping: 2}
+  pin: {type: latch, joint: root, angle: 90 deg, capture_range: 1 deg, side: below, stiffness: 1e3}
   lock:
-    {type: latch, joint: root, angle: 0.5 rad, fastest: 2 rad/s, stiffness: 1e3, holds: one way}
-  tape: {type: tape spring, joint: root, angles: [0, 5 deg, 1 rad], moments: [0, -2 N m, -L*0.1 N]}
+    {type: latch, joint: root, angle: 0.5 rad, max_capture_rate: 2 rad/s,
+     stiffness: 1e3, holds: one way}
+  tape: {type: tabulated spring, joint: root, angles: [0, 5 deg, 1 rad],
+         moments: [0, -2 N m, -L*0.1 N]}
 record:"""
 HINGES = changed(SMALL, ("\nrecord:", HINGES))
 
@@ -71,12 +73,12 @@ joints:
 SLIDES = """
 actions:
   push: {type: spring, joint: boom, stiffness: 40 N/m, preload: 8 N}
-  table: {type: tape spring, joint: boom, positions: [0, 1 m], forces: [5 N, 0]}
+  table: {type: tabulated spring, joint: boom, positions: [0, 1 m], forces: [5 N, 0]}
   oil: {type: damper, joint: boom, damping: 2 N s/m}
   dry: {type: friction, joint: boom, force: 0.5 N}
-  ends: {type: stop, joint: boom, least: 0, most: 40 cm, stiffness: 1 kN/m}
-  pin: {type: latch, joint: boom, position: 0.3 m, fastest: 2 m/s}
-  lock: {type: latch, joint: boom, position: 0.2 m, tolerance: 1 mm, stiffness: 1 kN/m}
+  ends: {type: stop, joint: boom, lower: 0, upper: 40 cm, stiffness: 1 kN/m}
+  pin: {type: latch, joint: boom, position: 0.3 m, max_capture_rate: 2 m/s}
+  lock: {type: latch, joint: boom, position: 0.2 m, capture_range: 1 mm, stiffness: 1 kN/m}
   drive: {type: motor, joint: boom, travel: 0.2 m, curve: ramp, stiffness: 100 N/m}
   pull: {type: torque motor, joint: boom, force: 3 N, no_load: 1 m/s}
   bend: {type: torsion spring, joint: knuckle_other, stiffness: 2 N m/rad}
@@ -90,13 +92,13 @@ def test_what_acts_on_joints_is_in_the_scene():
     found = loads(HINGES)
     scene = found.build(L=2.0)
     assert {"latch", "stop", "friction", "table_spring", "joint_loss"} <= set(found.energies)
-    pin = Latch(0, np.pi / 2, 1e3, tolerance=np.radians(1), side="below", name="pin")
+    pin = Latch(0, np.pi / 2, 1e3, capture_range=np.radians(1), side="below", name="pin")
     expected = {
         Damper: [Damper(0, 0.1)],
         Friction: [Friction(0, 0.4)],
         Stop: [Stop(0, np.radians(least), side, 1e3, 2.0)
                for least, side in ((-10, "below"), (100, "above"))],
-        Latch: [pin, Latch(0, 0.5, 1e3, fastest=2, one_sided=True, name="lock")],
+        Latch: [pin, Latch(0, 0.5, 1e3, max_capture_rate=2, one_sided=True, name="lock")],
         TableSpring: [TableSpring(0, (0.0, np.radians(5), 1.0), (0.0, -2.0, -0.2))],
     }  # fmt: skip
     for kind, elements in expected.items():
@@ -105,7 +107,7 @@ def test_what_acts_on_joints_is_in_the_scene():
 
 def test_classes_and_bearings_of_margins():
     more = "rub: {type: bearing, joint: root, mu: 0.1, radius: 20 mm}\nrecord:"
-    text = changed(HINGES, ("type: tape spring, ", "type: tape spring, class: HA, "),
+    text = changed(HINGES, ("type: tabulated spring, ", "type: tabulated spring, class: HA, "),
                    ("type: friction, ", "type: friction, class: HD, "),
                    ("record:", f"  {more}"))  # fmt: skip
     scene = loads(text).build()
@@ -150,13 +152,13 @@ def test_all_that_acts_on_slides_and_crosses_is_in_the_scene():
         (0, 40.0, 0.25), (2, 2.0, 0.0),
         (1, 4.0, pytest.approx(0.0872665 - 0.25)), (3, 3.0, pytest.approx(1.5707963))
     ]  # fmt: skip
-    assert found[Friction].bend == 1e-4
+    assert found[Friction].bristle_deflection == 1e-4
     assert (found[Release].hinge, found[Release].watch, found[Release].level) == (1, 0, 0.1)
 
 
 def test_what_has_no_stiffness_holds_exactly():
     scene = loads(changed(HINGES, ("side: below, stiffness: 1e3", "side: below"))).build()
-    pin = RigidLatch(0, np.pi / 2, tolerance=np.radians(1), side="below", name="pin")
+    pin = RigidLatch(0, np.pi / 2, capture_range=np.radians(1), side="below", name="pin")
     assert scene.kinds[RigidLatch] == [pin]
     assert [latch.name for latch in scene.kinds[Latch]] == ["lock"]
     scene = loads(changed(HINGES, ("L*0.2 N", "L*0.2 N, sticks: exactly"))).build(L=2.0)
@@ -194,7 +196,7 @@ def test_the_command_lists_what_acts_and_what_makes_the_step_longer():
         "  knuckle_axis (universal, opening 5 deg)",
         "  spring boom (on boom, stiffness 40 N/m, rest 0.25 m)",
         "  friction boom (on boom, force 0.5 N)",
-        "  latch lock (on boom, position 0.2 m, stiffness 1000 N/m, tolerance 0.001 m)",
+        "  latch lock (on boom, position 0.2 m, stiffness 1000 N/m, capture range 0.001 m)",
         "  release knuckle_axis (on knuckle_axis, stiffness 5 N m/rad, hold 5 deg, "
         "until boom passes 0.1 m)",
     ):
@@ -212,20 +214,32 @@ OF_HINGES = [
     ("damping: 0.1 N m s/rad", "damping: 0.1 N m/rad", "allowed: a value in N m s/rad >= 0"),
     ("damping: 0.1 N m s/rad", "damping: -1", "actions.oil.damping: -1"),
     ("moment: L*0.2 N", "moment: L", "actions.dry.moment"),
-    ("moment: L*0.2 N", "moment: 1, bend: 0", "actions.dry.bend: 0"),
-    ("least: -10 deg, most: 100 deg, ", "", "`least`, `most`, or both"),
-    ("least: -10 deg", "least: 110 deg", "an opening below `most`, 1.74533 rad"),
+    ("moment: L*0.2 N", "moment: 1, bristle_deflection: 0", "actions.dry.bristle_deflection: 0"),
+    ("lower: -10 deg, upper: 100 deg, ", "", "`lower`, `upper`, or both"),
+    ("lower: -10 deg", "lower: 110 deg", "an opening below `upper`, 1.74533 rad"),
+    ("lower: -10 deg", "least: -10 deg", "ends.least: there is no such key (it is now lower)"),
+    ("upper: 100 deg", "most: 100 deg", "ends.most: there is no such key (it is now upper)"),
+    ("max_capture_rate: 2", "fastest: 2", "lock.fastest: there is no such key (it is now max_"),
+    ("capture_range: 1", "tolerance: 1", "pin.tolerance: there is no such key (it is now capture_"),
+    ("tabulated spring", "tape spring", "'tape spring' is not allowed (it is now tabulated spring"),
+    ("moment: L*0.2 N", "moment: 1, bend: 1 deg", "dry.bend: there is no such key (it is now bris"),
+    ("moment: L*0.2 N", "moment: 1, sticks: by its bend", "bristle, exactly (it is now bristle)"),
+    ("record:", "motions: {}\nrecord:", "motions: there is no such key (it is now initial_velocit"),
     ("side: below", "side: left", "actions.pin.side: 'left' is not allowed; allowed: below"),
     ("side: below", "side: [below]", "actions.pin.side"),
     ("holds: one way", "holds: yes", "allowed: both ways, one way"),
-    ("fastest: 2 rad/s", "fastest: 0", "actions.lock.fastest: 0"),
-    ("tolerance: 1 deg", "tolerance: -1 deg", "actions.pin.tolerance"),
-    ("tolerance: 1 deg", "tolerance: 1", "actions.pin.tolerance"),
+    ("max_capture_rate: 2 rad/s", "max_capture_rate: 0", "actions.lock.max_capture_rate: 0"),
+    ("capture_range: 1 deg", "capture_range: -1 deg", "actions.pin.capture_range"),
+    ("capture_range: 1 deg", "capture_range: 1", "actions.pin.capture_range"),
     ("angles: [0, 5 deg, 1 rad]", "angles: [0, 1 rad]", "as many moments as angles"),
     ("angles: [0, 5 deg, 1 rad]", "angles: [0, 2 rad, 1 rad]", "increasing angles"),
     ("stiffness: 1e3, holds: one way", "holds: one way", "none without a `stiffness`"),
     ("side: below, stiffness: 1e3", "damping: 1", "actions.pin.damping: 1"),
-    ("moment: L*0.2 N", "moment: 1, bend: 1 deg, sticks: exactly", "actions.dry.sticks"),
+    (
+        "moment: L*0.2 N",
+        "moment: 1, bristle_deflection: 1 deg, sticks: exactly",
+        "actions.dry.sticks",
+    ),
     ("type: damper", "type: dampr", "did you mean damper?"),
 ]
 OF_MOTORS = [
@@ -264,8 +278,8 @@ OF_SLIDES = [
     ("type: prismatic", "type: sledge", "'sledge' is not allowed; allowed: revolute"),
     ("type: prismatic, ", "", "joints.boom.type: missing"),
     ("force: 0.5 N", "force: 0.5 N m", "allowed: a value in N >= 0"),
-    ("force: 0.5 N", "force: 1, sticks: exactly", "by its bend, on a slide"),
-    ("least: 0", "least: 1 m", "an opening below `most`, 0.4 m"),
+    ("force: 0.5 N", "force: 1, sticks: exactly", "bristle, on a slide"),
+    ("lower: 0", "lower: 1 m", "an opening below `upper`, 0.4 m"),
     ("level: 0.1 m", "level: 0.1 rad", "allowed: a value in m"),
     ("joint: knuckle_other", "joint: knuckle", "knuckle_axis or knuckle_other"),
     ("joint: knuckle_other", "joint: boom", "for a slide there is `spring`"),

@@ -170,13 +170,13 @@ DEFAULTS = {
     "actions torsion spring": {"rest": 0.0},
     "actions spring": {"rest": 0.0},
     "actions stop": {"damping": 0.0},
-    "actions latch": {"tolerance": 0.0, "side": "either", "damping": 0.0},
+    "actions latch": {"capture_range": 0.0, "side": "either", "damping": 0.0},
     "actions motor": {"damping": 0.0},
     "actions release": {"damping": 0.0},
     "loads": {"force": NOTHING, "moment": NOTHING},
     "cables": {"reel": 0.0},
     "drives": {"velocity": NOTHING, "spin": NOTHING},
-    "motions": {"velocity": NOTHING, "spin": NOTHING},
+    "initial_velocities": {"velocity": NOTHING, "spin": NOTHING},
 }
 """What files that exist rely on: another default would change what they mean without a word."""
 

@@ -175,7 +175,7 @@ curves:
 loads:
   push: {part: arm, at: B, force: [1 N, 0, 0], moment: [0, 2 N m, 0], curve: ramp}
   gust: {part: arm, at: B, force: [0, 0, 1 kN]}
-motions:
+initial_velocities:
   swing: {part: arm, about: A, spin: [0, -3 rad/s, 0]}
 supports:
   guide: {part: arm, at: B, translations: y, rotations: none}

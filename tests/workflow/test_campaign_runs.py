@@ -126,7 +126,7 @@ def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
         ),
         (["bounds={model: spline}"], OF_BOUNDS),
         (["intervals={a: {nominal: 0.035, relative: 0.02}}"], ALL_RULES),
-        (["jobs={nodes_per_job: 4}"], None),
+        (["jobs={runs_per_job: 4}"], None),
     ],
 )
 def test_a_change_runs_only_what_depends_on_it(small, override, rules):
@@ -229,7 +229,7 @@ def test_results_from_elsewhere_are_not_taken_for_what_is_asked(small, workplace
 
 def test_a_campaign_that_was_stopped_goes_on(workplace):
     # Runs one by one, long enough to be stopped between two of them.
-    override = ["--config", "jobs={group: 1, nodes_per_job: 100}", "solver={duration: 2.0}"]
+    override = ["--config", "jobs={group: 1, runs_per_job: 100}", "solver={duration: 2.0}"]
     with subprocess.Popen(
         workplace.command(*SMALL, *override),
         cwd=workplace.folder,

@@ -24,7 +24,7 @@ intervals:
 design: {order: 3}
 responses:
   BD: {distance: [B, D]}
-jobs: {nodes_per_job: 3}
+jobs: {runs_per_job: 3}
 """
 
 

@@ -15,7 +15,7 @@ from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, read_plan
-from deployable.campaign.plan.runs import Run, Runs, run_id
+from deployable.campaign.plan.runs import PlannedRun, Runs, run_id
 from deployable.campaign.results.which import fitted_rows, margins_of, margins_of_samples
 from deployable.campaign.runs.batch import Simulation, check_structure, tell_again
 from deployable.campaign.runs.progress import Tell, warm_up
@@ -46,7 +46,7 @@ class Bench:
         self.numbers = np.zeros((0, len(plan.experiment.quantities)))
         self.margins = self.numbers
         self.others, self.left_out = np.zeros(len(plan.experiment.quantities), int), 0
-        self.further: list[Run] = []
+        self.further: list[PlannedRun] = []
         self.simulated = 0
 
     @classmethod
@@ -141,7 +141,7 @@ class Bench:
         margins = margins_of(self.experiment, np.array([one.values for one in found]))
         return np.array([one.numbers for one in found]), margins
 
-    def records(self, plan: Plan, runs: Sequence[Run]) -> list[Record]:
+    def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[Record]:
         """What there is of runs of a plan, simulated unless the store has them.
 
         Raises `CampaignError` if one fails.
@@ -162,14 +162,14 @@ class Bench:
         return [found[run.id] for run in runs]
 
 
-def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[Run]:
+def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[PlannedRun]:
     """The runs of a plan's experiment, with its step, at unit points (P, k)."""
     experiment, runs = plan.experiment, []
     for point in points:
         values = tuple(map(float, experiment.box.from_unit(point)))
         named = dict(zip(experiment.intervals, values, strict=True))
         name = run_id(experiment, experiment.parameters(named), plan.time.step, plan.mechanics)
-        runs.append(Run(name, "further", tuple(map(float, point)), values))
+        runs.append(PlannedRun(name, "further", tuple(map(float, point)), values))
     return runs
 
 

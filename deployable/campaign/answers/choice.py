@@ -55,11 +55,11 @@ def answer(
     tell(f"{experiment.name}: {len(points)} runs over choices and intervals")
     bench.add(points)
     limits = limits_of(requirements, list(experiment.quantities))
-    for turn in range(verify.rounds + 1):
+    for turn in range(verify.max_iterations + 1):
         best, tried = _best(bench, asked.experiment, choose, limits)
         places = [*np.concatenate(best.goal_points), *best.worst, *doubted(best, tried, choose)]
         places = [at for at in places if bench.nearest(at)[1] > SAME]
-        if turn == verify.rounds or not places:
+        if turn == verify.max_iterations or not places:
             break
         bench.add(places)
     error = _error(bench, asked.experiment, choose, limits, best.is_allowed)

@@ -91,7 +91,7 @@ def estimate(campaign: Campaign) -> Estimate:
     )
     seconds = waiting + writing + starting
     if experiment.is_sought:  # meshes and steps become finer
-        integrating = 60 * experiment.accuracy.minutes
+        integrating = 60 * experiment.accuracy.max_core_minutes
         seconds = integrating / cores() + starting
     curves = _BOUNDS_CURVES * len(experiment.responses)
     if campaign.jobs.keep == "extremes":
@@ -108,14 +108,14 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
     long as a planned one each of them takes."""
     experiment, verify = campaign.experiment, campaign.verify
     ends = 2 * len(experiment.quantities)
-    rounds = min(ROUNDS, verify.rounds)
+    rounds = min(ROUNDS, verify.max_iterations)
     found: dict[str, list[tuple[int, float]]] = {}
     if ends:
         found["quantities"] = [(ends, 1.0)] * rounds
     if campaign.choose.parameters:
         points = design_points(widened(experiment, campaign.choose), campaign.choose)
         found["the choice"] = [(len(points), 1.0), *[(LANES, 1.0)] * rounds]
-    if verify.finer:
+    if verify.discretization:
         # Half the step, and a mesh of twice as many elements with half the step; for their orders
         # at fewer places a quarter of the step, and half as many elements with half the step.
         again = [(PLACES, 1), *([(ends, ends // 2)] if ends else [])]

@@ -41,7 +41,7 @@ def finer_parts(plan: Plan, verify: Verify) -> tuple[str, ...]:
     """Which of step and mesh the bounds of a plan are to be checked for."""
     if plan.experiment.is_sought:
         return plan.adaptive.check
-    return PARTS if verify.finer else ()
+    return PARTS if verify.discretization else ()
 
 
 def check_bounds(

@@ -7,11 +7,11 @@ their ends take, `further.nc`.
     surrogate_lower, surrogate_upper                    what the surrogate says
     moving_lower, moving_upper      1 where the surrogate promises more than was simulated
     error                           estimated error of the surrogate
-    error_step, error_mesh, error_whole     with `verify.finer`: those of step and mesh, and the sum
+    error_step, error_mesh, error_whole     those of step and mesh, if verified, and the sum
     runs_with, runs_without         in how many runs there is such a number, and in how many not
     happens, open                   share of the box in which there is, and what of it is open
-    error_limit, error_border       with `verify.finer`: errors by step and mesh for shares of the
-                                    box: of the number, and of the certainty that there is one
+    error_limit, error_border       errors by step and mesh, if verified, for shares of the box: of
+                                    the number, and of the certainty that there is one
     is_time, fit                    1 for times of the run; what was fitted
     least                           what it can not be below, NaN where there is none
     share, alone, fixed, halved (quantity, parameter)   what each parameter contributes
@@ -50,10 +50,10 @@ def answer(
     that requirements take."""
     bench = Bench.of(folder, jobs, tell, threads)
     asked = limits_of(requirements, list(bench.experiment.quantities))
-    ends = settle(bench, verify.rounds, asked)
+    ends = settle(bench, verify.max_iterations, asked)
     if bench.further:
         tell(f"{bench.experiment.name}: further runs where it is decided: {len(bench.further)}")
-    finer = finer_errors(bench, ends) if verify.finer else {}
+    finer = finer_errors(bench, ends) if verify.discretization else {}
     found = quantities_dataset(bench, ends, finer)
     write_dataset(found, folder.quantities, "Intervals of quantities")
     write_dataset(further_dataset(bench), folder.further, "Further runs for the ends of intervals")

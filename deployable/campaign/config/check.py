@@ -41,32 +41,32 @@ def load_config(
     for path in paths:
         data, own = read_file(path)
         _add(merged, anchored(data, Path(path).parent))
-        of = f"{path}, " if len(paths) > 1 else ""
-        lines |= {key: f"{of}line {line}: " for key, line in own.items()}
+        prefix = f"{path}, " if len(paths) > 1 else ""
+        lines |= {key: f"{prefix}line {line}: " for key, line in own.items()}
     _add(merged, anchored(overrides or {}, "."))
     lines |= dict.fromkeys(_keys(overrides or {}), "--config: ")
     try:
         return check_config(merged, source or ", ".join(str(path) for path in paths))
     except ConfigError as error:
-        told = [_place(problem, lines) + problem for problem in error.problems]
-        raise ConfigError(error.source, told) from None
+        problems = [_place(problem, lines) + problem for problem in error.problems]
+        raise ConfigError(error.source, problems) from None
 
 
-def _add(merged: dict, other: Mapping) -> None:
+def _add(merged: dict, update: Mapping) -> None:
     """Merge a further config; of another box, what was published of the first is left out."""
     published = merged.get("published")
-    before = [copy.deepcopy(merged.get(key)) for key in ("scene", "intervals")]
-    merge(merged, other)
-    if published and before != [merged.get(key) for key in ("scene", "intervals")]:
+    original = [copy.deepcopy(merged.get(key)) for key in ("scene", "intervals")]
+    merge(merged, update)
+    if published and original != [merged.get(key) for key in ("scene", "intervals")]:
         merged.pop("published")
-        merge(merged, {key: other[key] for key in other if key == "published"})
+        merge(merged, {key: update[key] for key in update if key == "published"})
 
 
 def _keys(data: Any, path: str = "") -> Iterator[str]:
     """All keys of nested mappings, their names joined by dots."""
-    for name, below in data.items() if isinstance(data, Mapping) else ():
-        yield (at := f"{path}{name}")
-        yield from _keys(below, f"{at}.")
+    for name, child in data.items() if isinstance(data, Mapping) else ():
+        yield (key := f"{path}{name}")
+        yield from _keys(child, f"{key}.")
 
 
 def _place(problem: str, lines: Mapping[str, str]) -> str:
@@ -87,30 +87,30 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
         ])  # fmt: skip
     if raw.get("margins"):  # which are responses, too
         raw = {"responses": {}, **raw}
-    config, given, problems = read(raw)
+    config, user_config, problems = read(raw)
     campaign = None
     if config is not None and not (config.responses or config.margins):
         allowed = "a mapping from at least one name (letters, digits, `_`, starting with a letter)"
         problems.append(f"responses: {{}} is not allowed; allowed: {allowed} to definitions")
         config = None
     if config is not None:
-        config, more = with_margins(config, raw.get("solver") or {})
-        problems += more + accuracy_problems(config, given)
-        campaign, more = resolve(config, given)
-        problems += more
+        config, margin_problems = with_margins(config, raw.get("solver") or {})
+        problems += margin_problems + accuracy_problems(config, user_config)
+        campaign, scene_problems = resolve(config, user_config)
+        problems += scene_problems
     if problems or campaign is None:
         raise ConfigError(source, problems)
     return campaign
 
 
-def merge(into: dict, other: Mapping) -> dict:
-    """Put `other` into `into`, mapping by mapping; returns `into`."""
-    for key, value in other.items():
-        if isinstance(value, Mapping) and isinstance(into.get(key), Mapping):
-            into[key] = merge(dict(into[key]), value)
+def merge(target: dict, update: Mapping) -> dict:
+    """Put `update` into `target`, mapping by mapping; returns `target`."""
+    for key, value in update.items():
+        if isinstance(value, Mapping) and isinstance(target.get(key), Mapping):
+            target[key] = merge(dict(target[key]), value)
         else:
-            into[key] = copy.deepcopy(value)
-    return into
+            target[key] = copy.deepcopy(value)
+    return target
 
 
 def anchored(raw: Mapping, folder: str | Path) -> Mapping:
@@ -124,6 +124,6 @@ def anchored(raw: Mapping, folder: str | Path) -> Mapping:
     if "\0" in scene["file"]:  # no path, which the models refuse
         return raw
     path = Path(os.path.realpath(Path(folder, scene["file"])))  # a loop of links is left as it is
-    here = Path.cwd().resolve()
-    path = path.relative_to(here) if path.is_relative_to(here) else path
+    working_folder = Path.cwd().resolve()
+    path = path.relative_to(working_folder) if path.is_relative_to(working_folder) else path
     return {**raw, "scene": {**scene, "file": str(path)}}

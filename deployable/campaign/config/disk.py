@@ -36,12 +36,12 @@ def recorded(experiment: Experiment) -> int:
 
 def room_problems(campaign: Campaign) -> list[str]:
     """Whether the disk of the working folder has room for a large scan."""
-    each, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
+    bytes_each, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
     samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
-    if samples * each <= room:
+    if samples * bytes_each <= room:
         return []
     return [
         f"design.samples: {samples} runs with jobs.keep {keep} take about "
-        f"{size_text(samples * each)}, and the disk has {size_text(room)}; allowed: at most "
-        f"{int(room / each)}, or jobs.keep extremes"
+        f"{size_text(samples * bytes_each)}, and the disk has {size_text(room)}; allowed: at most "
+        f"{int(room / bytes_each)}, or jobs.keep extremes"
     ]

@@ -24,7 +24,7 @@ class RefusedError(ValueError):
 
 
 @dataclass(frozen=True)
-class Key:
+class Rule:
     """What `Annotated` says of a key: its limits, and what is allowed where these do not tell.
 
     least, most: entries of a mapping or list; pattern: of the whole text; about: what an entry is.
@@ -79,42 +79,44 @@ def _text(limit: float) -> str:
 
 
 @dataclass(frozen=True)
-class Part:
+class ConfigKey:
     """A key of the config: what stands below it, by name or as the entries of a mapping.
 
     names: what names of entries may be. default: `MISSING` where the key is required.
     """
 
-    key: Key
+    key: Rule
     allowed: str
     about: str
     default: Any
-    children: dict[str, Part]
-    entry: Part | None
+    children: dict[str, ConfigKey]
+    entry: ConfigKey | None
     names: str
 
-    def below(self, name: Any) -> Part | None:
-        """The part of a key or of an entry; None where there is none."""
+    def child(self, name: Any) -> ConfigKey | None:
+        """The key or entry of a name; None where there is none."""
         return self.children.get(name, self.entry)
 
 
-def part_of(kind: Any, default: Any = MISSING, about: str = "") -> Part:
-    """The part that a type describes, by its `Key` and by its fields or entries."""
-    key = next((m for m in getattr(kind, "__metadata__", ()) if isinstance(m, Key)), Key())
+def config_key_of(kind: Any, default: Any = MISSING, description: str = "") -> ConfigKey:
+    """The key that a type describes, by its `Rule` and by its fields or entries."""
+    key = next((m for m in getattr(kind, "__metadata__", ()) if isinstance(m, Rule)), Rule())
     kind = get_args(kind)[0] if get_origin(kind) is Annotated else kind
     children, entry, names = {}, None, ""
-    for one in get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,):
-        if get_origin(one) is dict:
-            name, entry = map(part_of, get_args(one))
+    for option in get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,):
+        if get_origin(option) is dict:
+            name, entry = map(config_key_of, get_args(option))
             names = name.key.allowed
-        elif is_dataclass(one):
-            about = about or " ".join(one.__doc__.split())
-            hints, said = get_type_hints(one, include_extras=True), _docstrings(one)
+        elif is_dataclass(option):
+            description = description or " ".join(option.__doc__.split())
+            hints, docstrings = get_type_hints(option, include_extras=True), _docstrings(option)
             children = {
-                f.name: part_of(hints[f.name], _default(f), said.get(f.name, ""))
-                for f in fields(one)
+                f.name: config_key_of(hints[f.name], _default(f), docstrings.get(f.name, ""))
+                for f in fields(option)
             }
-    return Part(key, key.words(kind), about or key.about, default, children, entry, names)
+    return ConfigKey(
+        key, key.words(kind), description or key.about, default, children, entry, names
+    )
 
 
 def _default(field: Field) -> Any:
@@ -141,34 +143,36 @@ are in SI units unless a unit is given. This page is made from
 """
 
 
-def rows(part: Part, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
-    """Key, description, what is allowed and default of every key below a part."""
-    entries = {"<name>": part.entry} if part.entry and part.entry.about else {}
-    for name, below in (part.children | entries).items():
-        unit = f" ({below.key.unit})" if below.key.unit else ""
-        default = "" if name == "<name>" else _shown(below)
-        yield f"{prefix}{name}", below.about + unit, below.allowed, default
-        yield from rows(below, f"{prefix}{name}.")
+def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
+    """Key, description, what is allowed and default of every key of a section."""
+    entries = {"<name>": section.entry} if section.entry and section.entry.about else {}
+    for name, child in (section.children | entries).items():
+        unit = f" ({child.key.unit})" if child.key.unit else ""
+        default = "" if name == "<name>" else _default_text(child)
+        yield f"{prefix}{name}", child.about + unit, child.allowed, default
+        yield from rows(child, f"{prefix}{name}.")
 
 
-def _shown(part: Part) -> str:
+def _default_text(key: ConfigKey) -> str:
     """The default in the table: nothing for what is absent, empty, or a section."""
-    if part.default is MISSING:
+    if key.default is MISSING:
         return "required"
-    if part.default in (None, (), "") or part.children or part.entry:
+    if key.default in (None, (), "") or key.children or key.entry:
         return ""
-    text = part.default if isinstance(part.default, str) else json.dumps(part.default)
+    text = key.default if isinstance(key.default, str) else json.dumps(key.default)
     return f"`{text}`"
 
 
-def table(part: Part) -> str:
+def table(config: ConfigKey) -> str:
     """The page of all keys as Markdown."""
-    found = {f"`{name}`": [] for name in part.children}
-    for key, *row in rows(part):
-        found[f"`{key.partition('.')[0]}`"].append(f"| `{key}` | {' | '.join(row)} |\n")
-    alone = {"The campaign": [row for own in found.values() if len(own) == 1 for row in own]}
-    several = {name: own for name, own in found.items() if len(own) > 1}
-    texts = (f"\n## {name}\n\n{_COLUMNS}{''.join(own)}" for name, own in (alone | several).items())
+    groups = {f"`{name}`": [] for name in config.children}
+    for key, *row in rows(config):
+        groups[f"`{key.partition('.')[0]}`"].append(f"| `{key}` | {' | '.join(row)} |\n")
+    single_rows = {"The campaign": [row for own in groups.values() if len(own) == 1 for row in own]}
+    sections = {name: own for name, own in groups.items() if len(own) > 1}
+    texts = (
+        f"\n## {name}\n\n{_COLUMNS}{''.join(own)}" for name, own in (single_rows | sections).items()
+    )
     return _HEAD + "".join(texts)
 
 

@@ -33,7 +33,7 @@ EXECUTED = "__use_yte__"
 """Key of a file whose Python Snakemake would run."""
 
 
-class _Loader(yaml.SafeLoader):
+class UniqueKeyLoader(yaml.SafeLoader):
     """SafeLoader that notes keys given twice, or that are not text, in `problems`.
 
     A date stays text.
@@ -64,8 +64,8 @@ class _Loader(yaml.SafeLoader):
 
     def _limit(self):
         if self.deepest > DEEPEST:
-            told = f"nested too deep; allowed: {DEEPEST} mappings and lists in each other"
-            raise ExcessError(told)
+            text = f"nested too deep; allowed: {DEEPEST} mappings and lists in each other"
+            raise ExcessError(text)
         if self.count > MOST:
             raise ExcessError(f"the file holds more than {MOST} values; allowed: fewer")
 
@@ -80,8 +80,8 @@ class _Loader(yaml.SafeLoader):
             line = key_node.start_mark.line + 1
             if not isinstance(key, str):
                 hint = did_you_mean(str(key), [])
-                told = f"line {line}: the key {key!r} is not a name{hint}; allowed: text"
-                self.problems.append(told)
+                text = f"line {line}: the key {key!r} is not a name{hint}; allowed: text"
+                self.problems.append(text)
             elif key in first:
                 self.problems.append(
                     f"line {line}: {key} is defined twice (first on line {first[key]}); "
@@ -93,11 +93,11 @@ class _Loader(yaml.SafeLoader):
         return super().construct_mapping(node, deep=deep)
 
 
-_Loader.yaml_implicit_resolvers = {
+UniqueKeyLoader.yaml_implicit_resolvers = {
     first: [(tag, rule) for tag, rule in rules if not tag.endswith(":timestamp")]
     for first, rules in yaml.SafeLoader.yaml_implicit_resolvers.items()
 }
-_Loader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-+0123456789."))
+UniqueKeyLoader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-+0123456789."))
 
 
 class Text(NamedTuple):
@@ -117,23 +117,23 @@ def read(text: str, source: str) -> Text:
         allowed = f"at most {LARGEST}"
         raise ConfigError(source, [f"the file has {len(text)} characters; allowed: {allowed}"])
     try:
-        loader = _Loader(text)
+        loader = UniqueKeyLoader(text)
         root = loader.get_single_node()
         data = loader.construct_document(root) if root else None
     except (ExcessError, yaml.YAMLError, ValueError, OverflowError, TypeError) as error:
-        raise ConfigError(source, [_told(error, text)]) from None
+        raise ConfigError(source, [_reading_error(error, text)]) from None
     if loader.problems:
         raise ConfigError(source, loader.problems)
     if not isinstance(data, dict):
-        found = "nothing" if data is None else type(data).__name__
-        raise ConfigError(source, [f"the file holds {found}; allowed: a mapping of keys"])
+        content = "nothing" if data is None else type(data).__name__
+        raise ConfigError(source, [f"the file holds {content}; allowed: a mapping of keys"])
     return Text(data, dict(_lines(root)))
 
 
 def _lines(node: yaml.Node, path: str = "") -> Iterator[tuple[str, int]]:
     for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
-        yield (at := dotted(path, str(key.value))), key.start_mark.line + 1
-        yield from _lines(value, at)
+        yield (name := dotted(path, str(key.value))), key.start_mark.line + 1
+        yield from _lines(value, name)
 
 
 def parse(text: str, source: str) -> dict:
@@ -141,7 +141,7 @@ def parse(text: str, source: str) -> dict:
     return read(text, source).data
 
 
-def _told(error: Exception, text: str) -> str:
+def _reading_error(error: Exception, text: str) -> str:
     """What is wrong with a text, from what was raised when it was read."""
     if isinstance(error, ExcessError):
         return str(error)
@@ -152,9 +152,9 @@ def _told(error: Exception, text: str) -> str:
         return f"a value cannot be read: {str(error).splitlines()[0]}"
     if not isinstance(error, yaml.MarkedYAMLError):
         return f"this is not YAML: {error}"
-    mark, what = why_not_yaml(error)
+    mark, reason = why_not_yaml(error)
     place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-    return f"{place}this is not YAML: {what}"
+    return f"{place}this is not YAML: {reason}"
 
 
 def retyped(value: Any) -> Any:
@@ -193,15 +193,15 @@ def look(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--configfile", "--configfiles", nargs="*", default=[], dest="files")
     parser.add_argument("--directory", "-d", default=".")
-    known, _ = parser.parse_known_args(arguments)
+    options, _ = parser.parse_known_args(arguments)
     try:
-        if Path(known.directory).is_dir() and not os.access(known.directory, os.W_OK):
-            raise ConfigError(str(Path(known.directory).absolute()), [
+        if Path(options.directory).is_dir() and not os.access(options.directory, os.W_OK):
+            raise ConfigError(str(Path(options.directory).absolute()), [
                 "the folder cannot be written to, where Snakemake keeps its notes and results are; "
                 "allowed: another one (`--directory`), or `python -m deployable run FILE --results "
                 "FOLDER`"
             ])  # fmt: skip
-        for path in known.files:
+        for path in options.files:
             if EXECUTED in load(path):
                 raise ConfigError(path, [f"{EXECUTED}: not allowed; nothing in a config is run"])
     except ConfigError as error:

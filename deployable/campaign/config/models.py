@@ -1,8 +1,8 @@
 """What a config says: a class for each section, by which pydantic checks it.
 
-Types and `Key`s are the limits; the texts below the fields are those of docs/config.md; what fields
-of a section must be together is in `__post_init__`. pydantic is imported where a config is checked,
-not where a section is used, since that takes 0.1 s.
+Types and `Rule`s are the limits; the texts below the fields are those of docs/config.md; what
+fields of a section must be together is in `__post_init__`. pydantic is imported where a config is
+checked, not where a section is used, since that takes 0.1 s.
 """
 
 from __future__ import annotations
@@ -10,71 +10,72 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar, Literal
 
-from deployable.campaign.config.keys import Key, RefusedError
+from deployable.campaign.config.keys import RefusedError, Rule
 
 Name = Annotated[
     str,
-    Key(
+    Rule(
         "a name of up to 64 letters, digits and `_` that starts with a letter",
         pattern="[A-Za-z][A-Za-z0-9_]{0,63}",
     ),
 ]
 CampaignName = Annotated[
     str,
-    Key(
+    Rule(
         "up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the "
         "name of a study",
         pattern="(?!(accuracy|benchmark|calibration|extremes|scaling|tradeoff|verification)$)"
         "[A-Za-z0-9][A-Za-z0-9_-]{0,63}",
     ),
 ]
-Share = Annotated[float, Key(ge=1e-4, le=1)]
+Share = Annotated[float, Rule(ge=1e-4, le=1)]
 OrAuto = Literal["auto"]
 ABSENT: Any = None
 """Of a key without a default; a config cannot say it."""
 
 
-class Section:
+class ConfigSection:
     """A mapping with the keys of a dataclass: no others, no text for a number, no 2.0 for 2."""
 
     __pydantic_config__: ClassVar[dict] = {"extra": "forbid", "strict": True}
 
 
 @dataclass(frozen=True)
-class Aim(Section):
+class Aim(ConfigSection):
     """How wrong the bounds may be, as a share of the width of each response and quantity: the
     estimated error of surrogate, mesh and step together. It chooses mesh, step, runs and model, so
     leave out `design`, `bounds` and `held_out`; a mesh that the config gives is kept, and a step
-    while it is stable (docs/choosing-accuracy.md). A number is `share` alone."""
+    while it is stable (docs/choosing-accuracy.md). A number is `tolerance` alone."""
 
-    share: Share = 0.05
-    """Share of the width, for all responses and quantities that `of` does not name."""
-    of: Annotated[
-        dict[str, Annotated[float, Key(about="Share of the width of one response or quantity.",
+    tolerance: Share = 0.05
+    """Share of the width, for all responses and quantities that `tolerance_by_name` does not
+    name."""
+    tolerance_by_name: Annotated[
+        dict[str, Annotated[float, Rule(about="Share of the width of one response or quantity.",
                                        ge=1e-4, le=1)]],
-        Key("a mapping from names of `responses` and `quantities` to numbers from 0.0001 to 1"),
+        Rule("a mapping from names of `responses` and `quantities` to numbers from 0.0001 to 1"),
     ] = field(default_factory=dict)  # fmt: skip
     """Other shares for some responses and quantities, by their names."""
-    runs: Annotated[int, Key(ge=1, le=4000)] = 1000
+    max_runs: Annotated[int, Rule(ge=1, le=4000)] = 1000
     """Most runs that may be spent, of all meshes, those of checks included."""
-    minutes: Annotated[float, Key(gt=0)] = 60.0
+    max_core_minutes: Annotated[float, Rule(gt=0)] = 60.0
     """Most minutes of one core that may be spent on runs, as estimated from steps and elements, so
     that every machine decides alike."""
 
 
 @dataclass(frozen=True)
-class Scene(Section):
+class SceneSection(ConfigSection):
     """What is simulated: a structure that is shipped, by its `name`, or that of a `file`."""
 
-    name: Annotated[str, Key("the name of a structure, e.g. `bennett`")] = ABSENT
+    name: Annotated[str, Rule("the name of a structure, e.g. `bennett`")] = ABSENT
     """Name of a structure that is shipped (docs/library)."""
     file: Annotated[
-        str, Key("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
+        str, Rule("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
     ] = ABSENT  # fmt: skip
     """A structure's file (docs/structures.md), sought from the folder of the config. YAML is data;
     a Python file is run when it is read, so name only one that you trust."""
     parameters: Annotated[
-        dict[str, Any], Key("a mapping from the scene's parameter names to values")
+        dict[str, Any], Rule("a mapping from the scene's parameter names to values")
     ] = field(default_factory=dict)
     """Values that differ from the scene's defaults, by the scene's own parameter names; numbers and
     options such as `elements`."""
@@ -85,90 +86,91 @@ class Scene(Section):
 
 
 @dataclass(frozen=True)
-class Solver(Section):
+class Solver(ConfigSection):
     """How each run is integrated and recorded."""
 
-    duration: Annotated[float, Key(ge=1e-9, le=1e6, unit="s")] = 1.0
+    duration: Annotated[float, Rule(ge=1e-9, le=1e6, unit="s")] = 1.0
     """Simulated time."""
-    instants: Annotated[int, Key(ge=2, le=1_000_000)] = 2001
+    instants: Annotated[int, Rule(ge=2, le=1_000_000)] = 2001
     """Number of recorded instants, equally spaced, with t = 0 and t = `duration` among them."""
     step: Annotated[
-        Annotated[float, Key(gt=0)] | OrAuto, Key("`auto` or a number above 0", unit="s")
+        Annotated[float, Rule(gt=0)] | OrAuto, Rule("`auto` or a number above 0", unit="s")
     ] = "auto"
     """Time step. `auto` takes the largest that is stable over the whole box, times `safety`; either
     way it is shortened until the recording interval is a whole number of steps. One step serves all
     runs of a campaign, so that a run does not depend on its neighbours."""
-    safety: Annotated[float, Key(gt=0, le=1)] = 0.9
+    safety: Annotated[float, Rule(gt=0, le=1)] = 0.9
     """Share of the stable step that `auto` uses."""
-    energy_tolerance: Annotated[float, Key(gt=0)] = 0.005
+    energy_tolerance: Annotated[float, Rule(gt=0)] = 0.005
     """A run stops as unstable when its energy balance is off by more than this share of its energy
     scale."""
 
     def __post_init__(self):
         if self.step != "auto" and self.step > self.duration:
-            told = f"{self.step:.6g} s is longer than the duration; allowed: auto, or at most "
-            raise RefusedError("step", f"{told}{self.duration:.6g}")
+            text = f"{self.step:.6g} s is longer than the duration; allowed: auto, or at most "
+            raise RefusedError("step", f"{text}{self.duration:.6g}")
 
 
 @dataclass(frozen=True)
-class Around(Section):
+class IntervalSpec(ConfigSection):
     """One interval, as `relative` or `absolute` half width about `nominal`, or as `lower` and
     `upper`."""
 
-    nominal: Annotated[float, Key("a number inside the interval")] = ABSENT
+    nominal: Annotated[float, Rule("a number inside the interval")] = ABSENT
     """Value of the nominal run. Default: the scene's value with `relative` and `absolute`, the
     middle with `lower` and `upper`."""
-    relative: Annotated[float, Key(ge=0)] = ABSENT
+    relative: Annotated[float, Rule(ge=0)] = ABSENT
     """Half width as a share of the nominal value; 0.01 is ± 1 %."""
-    absolute: Annotated[float, Key(ge=0)] = ABSENT
+    absolute: Annotated[float, Rule(ge=0)] = ABSENT
     """Half width in the parameter's unit."""
-    lower: Annotated[float, Key("a number, at most `upper`")] = ABSENT
+    lower: Annotated[float, Rule("a number, at most `upper`")] = ABSENT
     """Lower end, in the parameter's unit; needs `upper`."""
-    upper: Annotated[float, Key("a number, at least `lower`")] = ABSENT
+    upper: Annotated[float, Rule("a number, at least `lower`")] = ABSENT
     """Upper end, in the parameter's unit; needs `lower`."""
 
     def __post_init__(self):
-        ways = ("relative", "absolute", "lower", "upper")
-        ways = [way for way in ways if getattr(self, way) is not None]
-        if ways not in (["relative"], ["absolute"], ["lower", "upper"]):
-            told = f"it gives {' and '.join(ways) or 'none of them'}; allowed: relative, absolute, "
-            raise RefusedError("", told + "or lower with upper")
+        keys = ("relative", "absolute", "lower", "upper")
+        keys = [key for key in keys if getattr(self, key) is not None]
+        if keys not in (["relative"], ["absolute"], ["lower", "upper"]):
+            text = f"it gives {' and '.join(keys) or 'none of them'}; allowed: relative, absolute, "
+            raise RefusedError("", text + "or lower with upper")
         if self.lower is None:
             return
         lower, upper, nominal = self.lower, self.upper, self.nominal
         if lower > upper:
-            told = f"{lower:.12g} is above upper {upper:.12g}; allowed: at most upper"
-            raise RefusedError("lower", told)
+            text = f"{lower:.12g} is above upper {upper:.12g}; allowed: at most upper"
+            raise RefusedError("lower", text)
         if nominal is not None and not lower <= nominal <= upper:
-            told = f"{nominal:.12g} is outside; allowed: {lower:.12g} to {upper:.12g}"
-            raise RefusedError("nominal", told)
+            text = f"{nominal:.12g} is outside; allowed: {lower:.12g} to {upper:.12g}"
+            raise RefusedError("nominal", text)
 
 
 @dataclass(frozen=True)
-class Design(Section):
+class DesignSection(ConfigSection):
     """Where in the box the runs are, and what is fitted to them."""
 
-    method: Literal["tensor_roots", "tensor_lobatto", "smolyak", "scan"] = "tensor_roots"
+    method: Literal["tensor_roots", "tensor_lobatto", "smolyak", "sobol"] = "tensor_roots"
     """`tensor_roots`: Chebyshev roots, the paper's. `tensor_lobatto`: Chebyshev-Lobatto points,
-    nested when the order doubles, with the box's corners. `smolyak`: sparse grid. `scan`: a
-    plain space-filling sample, no surrogate; a longer one reuses the runs of a shorter one."""
-    order: Annotated[int, Key(ge=1, le=64)] = 3
-    """Order of the surrogate, in each direction or, for `smolyak`, in total. A `scan` has none
+    nested when the order doubles, with the box's corners. `smolyak`: sparse grid. `sobol`: a
+    scan, that is a Sobol sequence with the corners and no surrogate; a longer one reuses the runs
+    of a shorter one."""
+    order: Annotated[int, Rule(ge=1, le=64)] = 3
+    """Order of the surrogate, in each direction or, for `smolyak`, in total. `sobol` has none
     unless it is given; then a surrogate of that total degree is fitted to its samples."""
-    samples: Annotated[int, Key(ge=2, le=10_000_000)] = 1024
-    """Number of runs of a `scan`, corners of the box included. Beyond 100,000 they are allowed with
+    samples: Annotated[int, Rule(ge=2, le=10_000_000)] = 1024
+    """Number of runs of `sobol`, corners of the box included. Beyond 100,000 they are allowed with
     `jobs.keep: extremes`; otherwise as many as the disk has room for."""
-    seed: Annotated[int, Key(ge=0, le=2**32 - 1)] = 0
-    """Seed of the Sobol sequence of a `scan`."""
+    seed: Annotated[int, Rule(ge=0, le=2**32 - 1)] = 0
+    """Seed of the Sobol sequence of `sobol`."""
 
 
 @dataclass(frozen=True)
-class BoundsChoice(Section):
+class BoundsChoice(ConfigSection):
     """How bounds are taken from the runs."""
 
     model: Literal["polynomial", "spline"] = "polynomial"
     """`polynomial`: of the design's order through the design's runs, the paper's way; its range is
-    enclosed. A `scan` without order has none, and its bounds are its extreme samples. `spline`: one
+    enclosed. `sobol` without order has none, and its bounds are its extreme samples. `spline`: one
     cubic spline through all runs, held-out ones and those of a scan included. At the same runs its
     bounds were mostly 0.12 to 0.8 times as wrong, up to 1.2 with high order in three dimensions
     (docs/tradeoff.md), and its range is attained, not enclosed. Sensitivities and `surrogate.nc`
@@ -176,24 +178,24 @@ class BoundsChoice(Section):
 
 
 @dataclass(frozen=True)
-class ErrorDisplay(Section):
+class ErrorDisplay(ConfigSection):
     """How the error of the bounds is shown."""
 
-    shade_above: Annotated[float, Key(gt=0)] = 0.1
+    shade_above: Annotated[float, Rule(gt=0)] = 0.1
     """Figures shade the instants at which the error estimate exceeds this share of the largest
     width of the bounds."""
 
 
 @dataclass(frozen=True)
-class Verify(Section):
+class Verify(ConfigSection):
     """How the intervals of quantities are verified."""
 
-    rounds: Annotated[int, Key(ge=0, le=50)] = 6
-    """Most rounds of further runs: where the surrogate of a quantity has the ends of its interval,
-    until it promises no more than 0.1 % of the width beyond what was simulated, where requirements
-    are decided, and about where something ceases to happen, eight in a round. 0 makes none; a
-    quantity takes one or two runs in most campaigns."""
-    finer: bool = False
+    max_iterations: Annotated[int, Rule(ge=0, le=50)] = 6
+    """Most iterations of further runs: where the surrogate of a quantity has the ends of its
+    interval, until it promises no more than 0.1 % of the width beyond what was simulated, where
+    requirements are decided, and about where something ceases to happen, eight in each. 0 makes
+    none; a quantity takes one or two runs in most campaigns."""
+    discretization: bool = False
     """Tell the whole error, of surrogate, step and mesh: repeat the runs at the ends of the
     quantities' intervals, and eight at which bounds of the responses are attained, with half and a
     quarter of the step and on a mesh half and twice as fine, which takes up to eight times as long
@@ -201,7 +203,7 @@ class Verify(Section):
 
 
 @dataclass(frozen=True)
-class Limits(Section):
+class Limits(ConfigSection):
     """Limits of one quantity. Where it does not happen, no limit is kept."""
 
     at_least: float = ABSENT
@@ -212,42 +214,42 @@ class Limits(Section):
     """Whether it must happen, or must not."""
 
     @property
-    def given(self) -> dict[str, Any]:
+    def by_name(self) -> dict[str, Any]:
         """The limits that there are."""
         return {name: limit for name, limit in vars(self).items() if limit is not None}
 
     def __post_init__(self):
         numbers = [limit for limit in (self.at_least, self.at_most) if limit is not None]
-        if not self.given:
+        if not self.by_name:
             raise RefusedError
         if numbers != sorted(numbers):
-            told = f"{self.at_least:.12g} is above at_most; allowed: at most {self.at_most:g}"
-            raise RefusedError("at_least", told)
+            text = f"{self.at_least:.12g} is above at_most; allowed: at most {self.at_most:g}"
+            raise RefusedError("at_least", text)
         if numbers and self.happens is False:
-            told = "false allows no other limit; allowed: true, or happens alone"
-            raise RefusedError("happens", told)
+            text = "false allows no other limit; allowed: true, or happens alone"
+            raise RefusedError("happens", text)
 
 
 LIMITS = tuple(Limits.__dataclass_fields__)
 """Names of the limits of a quantity."""
 
 Goals = Annotated[
-    str | Annotated[tuple[str, ...], Key(most=2)],
-    Key("one or two of `upper(q)`, `lower(q)`, `width(q)`"),
+    str | Annotated[tuple[str, ...], Rule(most=2)],
+    Rule("one or two of `upper(q)`, `lower(q)`, `width(q)`"),
 ]
 
 
 @dataclass(frozen=True)
-class Choosing(Section):
+class Choosing(ConfigSection):
     """The nominal values that are best in the worst case: over choices and the box about each, one
     surrogate of every quantity tells which choice keeps all requirements and has the best goal. Its
     worst case is simulated."""
 
     parameters: Annotated[
-        dict[str, Annotated[tuple[float, float], Key(
+        dict[str, Annotated[tuple[float, float], Rule(
             "`[lower, upper]`, two numbers",
             about="Range of the nominal value, in the parameter's unit.")]],
-        Key("a mapping from 1 to 3 parameter names to `[lower, upper]`", most=3),
+        Rule("a mapping from 1 to 3 parameter names to `[lower, upper]`", most=3),
     ] = field(default_factory=dict)  # fmt: skip
     """Ranges of the nominal values, by the scene's parameter names. An interval that is given as
     `relative` grows with the choice, any other keeps its width; a parameter without an interval is
@@ -257,93 +259,93 @@ class Choosing(Section):
     With a second goal, the trade-off of the two is drawn; the best choice is that of the first."""
     maximise: Goals = ()
     """What is to be large, in the same form."""
-    order: Annotated[int, Key(ge=1, le=64)] = 8
+    order: Annotated[int, Rule(ge=1, le=64)] = 8
     """Order of the sparse grid of runs along the chosen parameters; along others it is that of the
     design."""
 
 
 @dataclass(frozen=True)
-class FigureChoice(Section):
+class FigureChoice(ConfigSection):
     """What the figures show."""
 
-    moments: Annotated[int, Key(ge=2, le=12)] = 5
+    moments: Annotated[int, Rule(ge=2, le=12)] = 5
     """Number of moments at which the structure is drawn, from its start to its first closure."""
 
 
 @dataclass(frozen=True)
-class Jobs(Section):
+class Jobs(ConfigSection):
     """How the runs are grouped. None of it changes a number but `keep: responses`, which rounds to
     single precision."""
 
-    nodes_per_job: Annotated[
-        Annotated[int, Key(ge=1)] | OrAuto, Key("a whole number of at least 1, or `auto`")
+    runs_per_job: Annotated[
+        Annotated[int, Rule(ge=1)] | OrAuto, Rule("a whole number of at least 1, or `auto`")
     ] = "auto"
     """Most runs in one job. A job is one process; it starts in about 1 s, the time of some 50 runs,
     so few jobs are best, but there should be one for each core. `auto`: 512, or more where that
     makes more than eight jobs, or one for each core of this machine; 4,096, or more where that
     makes more than 64; and more where there would be more jobs for some cores of this machine than
     for others."""
-    group: Annotated[int, Key(ge=1)] = 32
+    group: Annotated[int, Rule(ge=1)] = 32
     """Runs that are integrated side by side; they are written while the next ones are integrated,
     so this bounds memory and what a killed job loses."""
     keep: Literal["trajectories", "responses", "extremes"] = "trajectories"
     """`trajectories` writes one netCDF file per run with everything recorded, from which other
     responses can be taken later without simulating again. `responses` keeps the responses alone, in
     single precision (6e-8 of a value), in far less disk space; another design, size of group or
-    response simulates again. `extremes`, for a `scan` without order, keeps the least and largest
+    response simulates again. `extremes`, for `sobol` without order, keeps the least and largest
     value of each response at each instant, with where they are attained, and of every run its
     parameters, quantities and events: a million runs take some 100 MB (docs/larger-campaigns.md).
     """
-    minutes: Annotated[float, Key(ge=0, unit="min")] = 0.0
-    """How long a job shall take on its `processes`, in place of `nodes_per_job`: clusters want jobs
+    minutes: Annotated[float, Rule(ge=0, unit="min")] = 0.0
+    """How long a job shall take on its `processes`, in place of `runs_per_job`: clusters want jobs
     of 15 minutes or more. How many runs that is follows from `run_seconds`, or else from an
-    estimate that is right to a factor of two or so. 0: as many runs as `nodes_per_job` says."""
-    run_seconds: Annotated[float, Key(ge=0, unit="s")] = 0.0
+    estimate that is right to a factor of two or so. 0: as many runs as `runs_per_job` says."""
+    run_seconds: Annotated[float, Rule(ge=0, unit="s")] = 0.0
     """Seconds of one core that a run takes, where they were measured; the log of a job tells them
     if there are `minutes`. 0: estimated."""
-    processes: Annotated[int, Key(ge=1, le=1024)] = 1
+    processes: Annotated[int, Rule(ge=1, le=1024)] = 1
     """Processes of a job, one for each core that it shall have; they share one compiled time loop.
     On a cluster as many as a node has cores, so that a job fills it."""
 
 
-def _definition(what: str, example: str) -> Any:
+def _definition(noun: str, example: str) -> Any:
     """The type of a response's or quantity's definition, which the mechanics read."""
-    key = Key(f"a mapping such as {example}", about=f"Definition of one {what}.", least=1)
+    key = Rule(f"a mapping such as {example}", about=f"Definition of one {noun}.", least=1)
     return Annotated[dict[str, Any], key]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Config(Section):
+class Config(ConfigSection):
     """A config, as a user gives it."""
 
     campaign: CampaignName
     """Name of the campaign; its results go to `results/<campaign>/`."""
     accuracy: Annotated[
-        Share | Aim, Key("a number from 0.0001 to 1, or a mapping")
+        Share | Aim, Rule("a number from 0.0001 to 1, or a mapping")
     ] = ABSENT  # fmt: skip
     scene: Annotated[
-        Scene,
-        Key("a mapping with the key `name` or the key `file`, not both, and `parameters`"),
+        SceneSection,
+        Rule("a mapping with the key `name` or the key `file`, not both, and `parameters`"),
     ]
     solver: Solver = Solver()
     intervals: Annotated[
-        dict[str, Annotated[Around, Key(
+        dict[str, Annotated[IntervalSpec, Rule(
             "a mapping with `relative`, or `absolute`, or `lower` and `upper`, and optionally "
             "`nominal`")]],
-        Key("a mapping from 1 to 8 parameter names to intervals", least=1, most=8),
+        Rule("a mapping from 1 to 8 parameter names to intervals", least=1, most=8),
     ]  # fmt: skip
     """The uncertain parameters, by the scene's parameter names."""
-    design: Design = Design()
+    design: DesignSection = DesignSection()
     bounds: BoundsChoice = BoundsChoice()
-    held_out: Annotated[int, Key(ge=0, le=10_000)] = 4
+    held_out: Annotated[int, Rule(ge=0, le=10_000)] = 4
     """Extra runs that no surrogate is fitted to; the error estimate comes from them. Not used by
-    `scan`."""
+    `sobol`."""
     responses: Annotated[
         dict[
             Name,
             _definition("response", "`{distance: [B, D]}` or `{velocity: B, component: z}`"),
         ],
-        Key("a mapping from at least one name (letters, digits, `_`, starting with a letter) to "
+        Rule("a mapping from at least one name (letters, digits, `_`, starting with a letter) to "
             "definitions"),
     ]  # fmt: skip
     """The curves to bound, by names of your own: distances, positions, velocities, openings,
@@ -351,7 +353,7 @@ class Config(Section):
     are `margins`."""
     quantities: Annotated[
         dict[Name, _definition("quantity", "`{largest: vB}` or `{event: closes, number: 1}`")],
-        Key("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
+        Rule("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
     ] = field(default_factory=dict)
     """Numbers of a run whose intervals are wanted, by names of your own: peaks, final and mean
     values, values at a time, times of crossings and events and others (docs/quantities.md). A run
@@ -360,7 +362,7 @@ class Config(Section):
         dict[
             Name, _definition("margin", "`{along: root, to: 90 deg, standard: ecss-e-st-33-01c}`")
         ],
-        Key("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
+        Rule("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
     ] = field(default_factory=dict)
     """Torque or force margins over the travel of an opening that is led slowly, by names of your
     own (docs/review-sheet.md). Each is a response over the opening, the quantity `<name>_least`,
@@ -368,8 +370,8 @@ class Config(Section):
     and no other response or quantity, `duration` is 1 ms if nothing is said: it moves no margin."""
     published: Annotated[
         dict[str, Annotated[
-            float, Key(about="Published largest difference, in the response's unit.")]],
-        Key("a mapping from names of `responses` to numbers"),
+            float, Rule(about="Published largest difference, in the response's unit.")]],
+        Rule("a mapping from names of `responses` to numbers"),
     ] = field(default_factory=dict)  # fmt: skip
     """Largest differences of the bounds that somebody has published, by response; the summary puts
     ours beside them. Where a later file or `--config` changes `scene` or `intervals`, they are left
@@ -381,20 +383,20 @@ class Config(Section):
     verify: Verify = Verify()
     requirements: Annotated[
         dict[Name, Annotated[
-            dict[str, Annotated[Limits, Key(
+            dict[str, Annotated[Limits, Rule(
                 "a mapping with `at_least`, `at_most` or `happens`, by quantity as in "
                 "`{t_shut: {at_most: 0.32}}`")]],
-            Key("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
+            Rule("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
                 about="The limits of one requirement, by quantity; all of them must be kept."),
         ]],
-        Key("a mapping from names to limits of quantities, such as `{in_time: {t_shut: {at_most: "
+        Rule("a mapping from names to limits of quantities, such as `{in_time: {t_shut: {at_most: "
             "0.32}}}`"),
     ] = field(default_factory=dict)  # fmt: skip
     """What must hold all over the box, by names of your own: limits of quantities. The campaign
     tells whether all, some or none of the box meets each and all together, with which margin, and
     where it fails (docs/quantities.md)."""
     choose: Annotated[
-        Choosing, Key("a mapping with `parameters`, and `minimise` or `maximise`")
+        Choosing, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
     ] = Choosing()  # fmt: skip
     figures: FigureChoice = FigureChoice()
     jobs: Jobs = Jobs()

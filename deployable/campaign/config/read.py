@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping
 from functools import cache
 from typing import Any, NamedTuple
 
-from deployable.campaign.config.keys import Part, RefusedError, part_of
+from deployable.campaign.config.keys import ConfigKey, RefusedError, config_key_of
 from deployable.campaign.config.models import Config
-from fpm.errors import did_you_mean, likely, number_hint
+from fpm.errors import did_you_mean, likely, number_hint, renamed
 from fpm.structures.reading import commas
 
 
@@ -36,9 +37,9 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
 
 
 @cache
-def whole() -> Part:
+def whole() -> ConfigKey:
     """The config with all its keys."""
-    return part_of(Config)
+    return config_key_of(Config)
 
 
 @cache
@@ -63,7 +64,7 @@ def _validated(raw: Any) -> tuple[Config | None, list[Fault]]:
     try:  # as JSON, in which a strict model takes lists for tuples
         return _adapter().validate_json(json.dumps(raw, default=str)), []
     except ValidationError as error:
-        faults = [_fault(raw, found) for found in error.errors(include_url=False)]
+        faults = [_fault(raw, detail) for detail in error.errors(include_url=False)]
     # Of a choice of types, the one that goes deepest was meant.
     paths = [fault.path for fault in faults]
     return None, [f for f in faults if not any(p[: len(f.path)] == f.path != p for p in paths)]
@@ -73,53 +74,56 @@ def _fault(raw: Any, error: Mapping) -> Fault:
     """What pydantic found, from its place: names of keys, types of a choice, numbers in lists."""
     names, kind = list(error["loc"]), error["type"]
     unknown = [names.pop()] if kind == "unexpected_keyword_argument" else []
-    path, parts, value = [], [whole()], raw
+    path, keys, value = [], [whole()], raw
     for name in names:
-        if name != "[key]" and (below := parts[-1].below(name)):
+        if name != "[key]" and (child := keys[-1].child(name)):
             path.append(name)
-            parts.append(below)
+            keys.append(child)
             value = value.get(name) if isinstance(value, Mapping) else None
-    entry = next((i for i, name in enumerate(path, 1) if name not in parts[i - 1].children), None)
-    refused = error.get("ctx", {}).get("error")
+    entry = next((i for i, name in enumerate(path, 1) if name not in keys[i - 1].children), None)
+    refusal = error.get("ctx", {}).get("error")
     if unknown:
-        text = _no_key(path, *unknown, parts[-1])
+        text = _no_key(path, *unknown, keys[-1])
         path += unknown
-    elif isinstance(refused, RefusedError) and refused.text:
-        blamed = [*path, refused.key] if refused.key else path
-        return Fault((*blamed,), (*path[:entry],), f"{'.'.join(blamed)}: {refused.text}")
+    elif isinstance(refusal, RefusedError) and refusal.text:
+        blamed = [*path, refusal.key] if refusal.key else path
+        return Fault((*blamed,), (*path[:entry],), f"{'.'.join(blamed)}: {refusal.text}")
     else:
-        key, allowed = ".".join(path) or "the file", parts[-1].allowed
+        key, allowed = ".".join(path) or "the file", keys[-1].allowed
         if "[key]" in names:
-            told, allowed = "not a name that can be used", parts[-2].names
+            reason, allowed = "not a name that can be used", keys[-2].names
         elif kind == "missing" and names[-1] in path:
-            told = "missing"
+            reason = "missing"
         else:
             hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
-            told = f"{show(value)} is not allowed{hint if 'number' in allowed else ''}"
-        text = f"{key}: {told}; allowed: {allowed}"
+            hint = hint if "number" in allowed else renamed(value, re.findall(r"`(\w+)`", allowed))
+            reason = f"{show(value)} is not allowed{hint}"
+        text = f"{key}: {reason}; allowed: {allowed}"
     return Fault((*path,), (*path[:entry],), text)
 
 
 def _as_meant(raw: Any) -> tuple[Any, list[str]]:
     """The config with sections whose names are likely others under those, and sentences of them:
     what would follow from such a slip is not told."""
-    known, problems = Config.__dataclass_fields__, []
+    names, problems = Config.__dataclass_fields__, []
     if not isinstance(raw, Mapping):
         return raw, problems
-    out = dict(raw)
-    for name in [name for name in raw if isinstance(name, str) and name not in known]:
-        meant = likely(name, known)
-        if meant and meant not in out:
+    sections = dict(raw)
+    for name in [name for name in raw if isinstance(name, str) and name not in names]:
+        likely_name = likely(name, names)
+        if likely_name and likely_name not in sections:
             problems.append(_no_key([], name, whole()))
-            out[meant] = out.pop(name)
-    return out, problems
+            sections[likely_name] = sections.pop(name)
+    return sections, problems
 
 
-def _no_key(path: list[str], name: str, part: Part) -> str:
+def _no_key(path: list[str], name: str, section: ConfigKey) -> str:
     """That a key is not known, with the likely one."""
-    hint = did_you_mean(name, part.children)
+    hint = did_you_mean(name, section.children)
     key = ".".join([*path, name])
-    return f"{key}: there is no such key{hint}; allowed: {commas(part.children, 6 if hint else 99)}"
+    return (
+        f"{key}: there is no such key{hint}; allowed: {commas(section.children, 6 if hint else 99)}"
+    )
 
 
 def _remove(data: Any, path: tuple[str, ...]) -> None:

@@ -9,10 +9,10 @@ from typing import Any
 from deployable.campaign.config.keys import RefusedError
 from deployable.campaign.config.models import (
     Aim,
-    Around,
     BoundsChoice,
     Choosing,
     Config,
+    IntervalSpec,
     Limits,
 )
 from deployable.campaign.config.read import show
@@ -34,20 +34,22 @@ OWN_FACTORS = ("factors", "drives", "classes")
 """Keys of a margin by which it is no longer that of its standard."""
 
 
-def campaign_of(config: Config, given: Mapping, found: Any, intervals: Mapping) -> Campaign:
+def campaign_of(
+    config: Config, user_config: Mapping, structure: Any, intervals: Mapping
+) -> Campaign:
     """The campaign of a config with a structure and the intervals of its parameters."""
     accuracy, order = Accuracy(), config.design.order
-    if config.design.method == "scan" and "order" not in given.get("design", {}):
+    if config.design.method == "sobol" and "order" not in user_config.get("design", {}):
         order = None
     if config.accuracy is not None:
-        config, accuracy = with_accuracy(config, found)
+        config, accuracy = with_accuracy(config, structure)
         order = None
     experiment = Experiment(
         name=config.campaign,
-        scene=SceneChoice(found.name, config.scene.parameters, config.scene.file or ""),
+        scene=SceneChoice(structure.name, config.scene.parameters, config.scene.file or ""),
         solver=config.solver,
         # In the scene's order: in which one a config has them must not matter, to no design.
-        intervals={name: intervals[name] for name in found.parameters if name in intervals},
+        intervals={name: intervals[name] for name in structure.parameters if name in intervals},
         design=DesignChoice(**vars(config.design) | {"order": order}),
         held_out=config.held_out,
         responses=config.responses,
@@ -58,7 +60,7 @@ def campaign_of(config: Config, given: Mapping, found: Any, intervals: Mapping) 
     return Campaign(
         experiment=experiment,
         requirements={
-            name: {quantity: limits.given for quantity, limits in limited.items()}
+            name: {quantity: limits.by_name for quantity, limits in limited.items()}
             for name, limited in config.requirements.items()
         },
         choose=choose_of(config.choose, config.intervals),
@@ -78,7 +80,7 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
         config = replace(config, solver=replace(config.solver, **brief))
     responses, quantities = dict(config.responses), dict(config.quantities)
     requirements, problems = dict(config.requirements), []
-    wanted = dict(config.margins)
+    definitions = dict(config.margins)
     if config.review:  # beside a margin by factors of its own, that by the standard's
         for name, definition in config.margins.items():
             if own := set(OWN_FACTORS) & set(definition):
@@ -88,28 +90,29 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
                         f"margins.{name}: its margin by the standard's factors is to be called "
                         f"{name}{BY_STANDARD}, which is taken; allowed: another name"
                     )
-                wanted[name + BY_STANDARD] = rest
-    for name, definition in wanted.items():
+                definitions[name + BY_STANDARD] = rest
+    for name, definition in definitions.items():
         least, key = f"{name}_least", f"margins.{name}"
-        taken = [f"responses.{name}"] * (name in responses)
-        taken += [f"quantities.{least}"] * (least in quantities)
-        along = definition.get("along")
-        first, *more = along if isinstance(along, list) else [along]
-        if taken:
-            problems.append(f"{key}: there is {' and '.join(taken)}; allowed: another name")
-        elif not all(isinstance(one, str) for one in (first, *more)):
+        conflicts = [f"responses.{name}"] * (name in responses)
+        conflicts += [f"quantities.{least}"] * (least in quantities)
+        openings = definition.get("along")
+        first, *followers = openings if isinstance(openings, list) else [openings]
+        if conflicts:
+            problems.append(f"{key}: there is {' and '.join(conflicts)}; allowed: another name")
+        elif not all(isinstance(opening, str) for opening in (first, *followers)):
             problems.append(
-                f"{key}.along: {show(along)} is not allowed; allowed: the opening that is led, or "
-                "a list of those that are led together"
+                f"{key}.along: {show(openings)} is not allowed; allowed: the opening that is led, "
+                "or a list of those that are led together"
             )
         else:
             rest = {key: value for key, value in definition.items() if key != "along"}
-            responses[name] = {"margin": first, **({"with": more} if more else {}), **rest}
+            synced = {"with": followers} if followers else {}
+            responses[name] = {"margin": first, **synced, **rest}
             quantities[least] = {"smallest": name}
             if name not in config.margins:
                 continue
             if not any(least in limits for limits in requirements.values()):
-                free = [one for one in (name, f"{name}_margin") if one not in requirements]
+                free = [label for label in (name, f"{name}_margin") if label not in requirements]
                 if free:
                     requirements[free[0]] = {least: Limits(at_least=0.0)}
                 else:
@@ -118,8 +121,8 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
                         f"that of {least} needs one of these names; allowed: another name, or a "
                         f"requirement of {least}"
                     )
-    found = replace(config, responses=responses, quantities=quantities, requirements=requirements)
-    return found, problems
+    config = replace(config, responses=responses, quantities=quantities, requirements=requirements)
+    return config, problems
 
 
 def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
@@ -129,86 +132,88 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
     gives one.
     """
     aim, scene, mesh = config.accuracy, config.scene, scene_type.mesh
-    aim = aim if isinstance(aim, Aim) else Aim(share=aim)
+    aim = aim if isinstance(aim, Aim) else Aim(tolerance=aim)
     if mesh is None or mesh in scene.parameters:
         mesh = ""
     else:
-        known = scene_type.parameters[mesh]
-        start = int(max(known.lower, 2, known.default // 2))
+        parameter = scene_type.parameters[mesh]
+        start = int(max(parameter.lower, 2, parameter.default // 2))
         scene = replace(scene, parameters={**scene.parameters, mesh: start})
     names = [*config.responses, *config.quantities]
-    shares = {name: aim.of.get(name, aim.share) for name in names}
+    tolerances = {name: aim.tolerance_by_name.get(name, aim.tolerance) for name in names}
     config = replace(
         config,
         scene=scene,
         design=DesignChoice(ADAPTIVE, None),
         bounds=BoundsChoice("spline"),
         held_out=0,
-        verify=replace(config.verify, finer=True),
+        verify=replace(config.verify, discretization=True),
     )
-    return config, Accuracy(shares, aim.runs, aim.minutes, mesh)
+    return config, Accuracy(tolerances, aim.max_runs, aim.max_core_minutes, mesh)
 
 
-def choose_of(given: Choosing, intervals: Mapping[str, Around]) -> Choose:
+def choose_of(choosing: Choosing, intervals: Mapping[str, IntervalSpec]) -> Choose:
     """What `choose` of a config asks for; `intervals` as the user gave them."""
-    relative = [n for n in given.parameters if n in intervals and intervals[n].relative is not None]
-    goals = {"minimise": given.minimise, "maximise": given.maximise}
-    goals = {key: (one,) if isinstance(one, str) else one for key, one in goals.items()}
-    return Choose(given.parameters, **goals, order=given.order, relative=(*relative,))
+    relative = [
+        n for n in choosing.parameters if n in intervals and intervals[n].relative is not None
+    ]
+    goals = {"minimise": choosing.minimise, "maximise": choosing.maximise}
+    goals = {key: (goal,) if isinstance(goal, str) else goal for key, goal in goals.items()}
+    return Choose(choosing.parameters, **goals, order=choosing.order, relative=(*relative,))
 
 
 def intervals_of(
-    arounds: Mapping[str, Around], given: Mapping, scene_type: Any
+    specs: Mapping[str, IntervalSpec], scene_values: Mapping, scene_type: Any
 ) -> tuple[dict[str, Interval], list[str]]:
     """The intervals by parameter name, and one sentence for each that cannot be used.
 
-    `given` are the parameters of the scene that the config sets.
+    scene_values: the parameters of the scene that the config sets.
     """
-    found: dict[str, Interval] = {}
+    intervals: dict[str, Interval] = {}
     problems: list[str] = []
-    for name, around in arounds.items():
+    for name, spec in specs.items():
         try:
-            found[name] = _interval(name, around, given, scene_type)
+            intervals[name] = _interval(name, spec, scene_values, scene_type)
         except RefusedError as error:
             problems.append(f"intervals.{name}{error.key}: {error.text}")
-    return found, problems
+    return intervals, problems
 
 
-def _interval(name: str, around: Around, given: Mapping, scene_type: Any) -> Interval:
+def _interval(name: str, spec: IntervalSpec, scene_values: Mapping, scene_type: Any) -> Interval:
     """The interval of one parameter, inside the range that the scene allows."""
     real = real_names(scene_type)
     if name not in scene_type.parameters:
         raise RefusedError("", unknown(name, f"parameter of {scene_type.name}", real))
     parameter = scene_type.parameters[name]
     if parameter.kind != "real":
-        told = f"{name} is of kind {parameter.kind} and cannot be an interval"
-        told += f"; allowed: {', '.join(real)}"
-        raise RefusedError("", told)
-    if name in given and around.nominal is not None:
-        told = f"{name} is defined twice, here and by scene.parameters.{name}"
-        raise RefusedError(".nominal", f"{told}; allowed: one of the two")
-    interval = _ends(around, given.get(name, parameter.default))
+        text = f"{name} is of kind {parameter.kind} and cannot be an interval"
+        text += f"; allowed: {', '.join(real)}"
+        raise RefusedError("", text)
+    if name in scene_values and spec.nominal is not None:
+        text = f"{name} is defined twice, here and by scene.parameters.{name}"
+        raise RefusedError(".nominal", f"{text}; allowed: one of the two")
+    interval = _ends(spec, scene_values.get(name, parameter.default))
     for end, value in (("lower", interval.lower), ("upper", interval.upper)):
         if not allows(parameter, value):
-            told = f"its {end} end {value:.12g} leaves the range of {name}"
-            if around.relative is not None and around.relative >= 1:
-                told += f" (did you mean {around.relative / 100:g}, for {around.relative:g} %?)"
-            raise RefusedError("", f"{told}; allowed: {parameter.allowed}")
+            text = f"its {end} end {value:.12g} leaves the range of {name}"
+            if spec.relative is not None and spec.relative >= 1:
+                text += f" (did you mean {spec.relative / 100:g}, for {spec.relative:g} %?)"
+            raise RefusedError("", f"{text}; allowed: {parameter.allowed}")
     return interval
 
 
-def _ends(around: Around, default: Any) -> Interval:
+def _ends(spec: IntervalSpec, default: Any) -> Interval:
     """The interval that is meant; `default` is the scene's value."""
-    lower, nominal, upper = around.lower, around.nominal, around.upper
+    lower, nominal, upper = spec.lower, spec.nominal, spec.upper
     if lower is not None:
         return Interval(lower, 0.5 * (lower + upper) if nominal is None else nominal, upper)
     nominal = default if nominal is None else nominal
     if isinstance(nominal, bool) or not isinstance(nominal, int | float):
         raise RefusedError(".nominal", "missing, and the scene has no value; allowed: a number")
-    half = around.absolute
+    half = spec.absolute
     if half is None:
-        half = abs(nominal) * around.relative
-        if half == 0.0 < around.relative:
+        half = abs(nominal) * spec.relative
+        if half == 0.0 < spec.relative:
             raise RefusedError(".relative", "the nominal value is 0; allowed: absolute instead")
     return Interval(float(nominal - half), float(nominal), float(nominal + half))
 
@@ -218,10 +223,10 @@ def real_names(scene_type: Any) -> list[str]:
     return [name for name, parameter in scene_type.parameters.items() if parameter.kind == "real"]
 
 
-def unknown(name: str, what: str, known: Iterable[str]) -> str:
+def unknown(name: str, noun: str, names: Iterable[str]) -> str:
     """That there is nothing of this name, with the likely one."""
-    hint, known = did_you_mean(name, known), ", ".join(known)
-    return f"there is no such {what}{hint}; allowed: {known or 'none'}"
+    hint, names = did_you_mean(name, names), ", ".join(names)
+    return f"there is no such {noun}{hint}; allowed: {names or 'none'}"
 
 
 def allows(parameter: Any, value: Any) -> bool:

@@ -41,28 +41,28 @@ from fpm.reading.variables import numbers
 from fpm.solver.pack import topology
 from fpm.travel import springs_of
 
-CHOSEN = ("design", "bounds", "held_out")
+EXCLUSIVE = ("design", "bounds", "held_out")
 """Keys that a config with `accuracy` must not have: it chooses what they say."""
 
 
-def resolve(config: Config, given: Mapping) -> tuple[Campaign | None, list[str]]:
-    """The campaign of a config, of which `given` are the keys that the user gave, and what is wrong
+def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list[str]]:
+    """The campaign of a config, `user_config` as the user gave it, and what is wrong
     with it, one sentence each. No campaign without a scene."""
-    stated = config.scene
+    section = config.scene
     try:
-        found = scene_type(stated.name or "", stated.file or "")
+        structure = scene_type(section.name or "", section.file or "")
     except fpm.SceneError as error:
         return None, _scene_problems(error, "scene.file")
-    intervals, trouble = intervals_of(config.intervals, stated.parameters, found)
-    problems = parameter_problems(stated.parameters, found) + trouble
-    campaign = campaign_of(config, given, found, intervals)
+    intervals, trouble = intervals_of(config.intervals, section.parameters, structure)
+    problems = parameter_problems(section.parameters, structure) + trouble
+    campaign = campaign_of(config, user_config, structure, intervals)
     if not problems:
         problems += _build_problems(campaign.experiment)
     is_built = not problems
     if is_built:
         problems += _time_problems(campaign.experiment)
     with suppress(fpm.SceneError):  # where neither it nor the structure as it stands can be built
-        scene = campaign.experiment.nominal_scene if is_built else found.sample
+        scene = campaign.experiment.nominal_scene if is_built else structure.sample
         problems += _response_problems(campaign, scene, config.margins)
     if not problems and config.margins:
         problems += _travel_problems(campaign.experiment)
@@ -80,18 +80,18 @@ def _build_problems(experiment: Experiment) -> list[str]:
     first = None
     places = itertools.chain(["the nominal values"], itertools.repeat("a corner of the intervals"))
     for place, values in zip(places, corners(experiment.intervals), strict=False):
-        at = ", ".join(f"{name} = {value:.9g}" for name, value in values.items())
+        point = ", ".join(f"{name} = {value:.9g}" for name, value in values.items())
         try:
             scene = experiment.nominal_scene if first is None else experiment.build(values)
         except fpm.SceneError as error:
-            return _scene_problems(error, f"scene: at {place} ({at})", str(error))
-        found = topology(scene)
-        first = found if first is None else first
-        if found != first:
+            return _scene_problems(error, f"scene: at {place} ({point})", str(error))
+        scene_topology = topology(scene)
+        first = scene_topology if first is None else first
+        if scene_topology != first:
             return [
-                f"intervals: at {place} ({at}) the structure has other parts than at the nominal "
-                "values; allowed: intervals over which it has the same particles, elements and "
-                "supports"
+                f"intervals: at {place} ({point}) the structure has other parts than at the "
+                "nominal values; allowed: intervals over which it has the same particles, elements "
+                "and supports"
             ]
     return []
 
@@ -125,21 +125,21 @@ def _time_problems(experiment: Experiment) -> list[str]:
 def _memory_problems(experiment: Experiment) -> list[str]:
     """Whether the runs that are integrated side by side find room in memory."""
     instants, scene = experiment.solver.instants, experiment.nominal_scene
-    more = numbers(scene, experiment.record) if experiment.record else 0
-    found = 8 * (6 * len(scene.points) + len(scene.hinges) + 10 + more)
-    if instants * found <= MOST_NUMBERS:
+    recorded_numbers = numbers(scene, experiment.record) if experiment.record else 0
+    instant_numbers = 8 * (6 * len(scene.points) + len(scene.hinges) + 10 + recorded_numbers)
+    if instants * instant_numbers <= MOST_NUMBERS:
         return []
     return [
         f"solver.instants: {instants} are more than memory should hold of this scene"
-        f"{' and what its responses ask for' if more else ''}; allowed: at most "
-        f"{MOST_NUMBERS // found}"
+        f"{' and what its responses ask for' if recorded_numbers else ''}; allowed: at most "
+        f"{MOST_NUMBERS // instant_numbers}"
     ]
 
 
 def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list[str]:
     problems = []
-    known = campaign.experiment.responses
-    for name, definition in known.items():
+    responses = campaign.experiment.responses
+    for name, definition in responses.items():
         if name not in margins and name.removesuffix(BY_STANDARD) in margins:
             continue  # what is wrong with it is told of the margin that it stands beside
         try:
@@ -150,8 +150,10 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
                 key = key.replace(f"responses.{name}.margin", f"margins.{name}.along")
                 key = key.replace(f"responses.{name}", f"margins.{name}")
             problems.append(_sentence(key, error))
-    others = [name for name in campaign.published if name not in known]
-    return problems + [f"published.{name}: {unknown(name, 'response', known)}" for name in others]
+    unknown_names = [name for name in campaign.published if name not in responses]
+    return problems + [
+        f"published.{name}: {unknown(name, 'response', responses)}" for name in unknown_names
+    ]
 
 
 def _travel_problems(experiment: Experiment) -> list[str]:
@@ -159,9 +161,9 @@ def _travel_problems(experiment: Experiment) -> list[str]:
     problems = []
     for curve in experiment.curves:
         if curve.kind == "margin":
-            led, _ = read_label(curve.columns[0][1])
+            openings, _ = read_label(curve.columns[0][1])
             try:
-                travel = travel_of(experiment.nominal_scene, led, positions=9)
+                travel = travel_of(experiment.nominal_scene, openings, positions=9)
             except fpm.SceneError as error:
                 problems.append(_sentence(f"margins.{curve.name}.along", error))
                 continue
@@ -175,13 +177,13 @@ def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> l
         return []
     drive = driving(work)
     springs = [name for name in springs_of(experiment.nominal_scene) if name in drive]
-    out = list(experiment.responses[curve.name].get("without", ()))
-    if len(springs) > 1 and len(out) == 1 and out[0] in springs:
+    inactive = list(experiment.responses[curve.name].get("without", ()))
+    if len(springs) > 1 and len(inactive) == 1 and inactive[0] in springs:
         return []
     allowed = f"`without` one of {', '.join(springs)}" if len(springs) > 1 else "other evidence"
     return [
         f"margins.{curve.name}.evidence: 'spring out' is of one of several springs that drive, "
-        f"and {' and '.join(out) or 'nothing'} is out; allowed: {allowed}"
+        f"and {' and '.join(inactive) or 'nothing'} is out; allowed: {allowed}"
     ]
 
 
@@ -197,22 +199,22 @@ def _quantity_problems(experiment: Experiment) -> list[str]:
 def _design_problems(campaign: Campaign) -> list[str]:
     """Whether what is kept goes with the design, and whether it can be made."""
     experiment, design = campaign.experiment, campaign.experiment.design
-    is_plain = design.method == "scan" and design.order is None
+    is_plain = design.method == "sobol" and design.order is None
     has_none = experiment.is_sought or (is_plain and campaign.bounds.model == "polynomial")
     if (problems := keep_problems(campaign)) or has_none:
         return problems
     try:
-        made = make_design(design, experiment.box)
+        node_design = make_design(design, experiment.box)
     except IntervalError as error:
         return [_sentence(f"design.{error.key}", error)]
-    return _spline_problems(experiment, made) if campaign.bounds.model == "spline" else []
+    return _spline_problems(experiment, node_design) if campaign.bounds.model == "spline" else []
 
 
 def _spline_problems(experiment: Experiment, design: Any) -> list[str]:
     """Whether the runs of a plan are enough, and not too many, for a spline."""
     box = experiment.box
     points = [box.to_unit(experiment.nominal)[None], design.points]
-    if experiment.design.method != "scan":
+    if experiment.design.method != "sobol":
         points.append(held_out_points(box.free, experiment.held_out, design.points))
     try:
         check_spline_runs(np.concatenate(points))
@@ -236,52 +238,56 @@ def _sentence(key: str, error: Any) -> str:
     return f"{key}: {show(error.value)} is not allowed; allowed: {error.allowed}"
 
 
-def parameter_problems(given: Mapping, scene_type: Any) -> list[str]:
+def parameter_problems(values: Mapping, scene_type: Any) -> list[str]:
     """What is wrong with `scene.parameters`, one sentence each."""
-    problems, known = [], scene_type.parameters
-    for name, value in given.items():
-        if name not in known:
-            told = unknown(name, f"parameter of {scene_type.name}", known)
-        elif not allows(known[name], value):
+    problems, parameters = [], scene_type.parameters
+    for name, value in values.items():
+        if name not in parameters:
+            text = unknown(name, f"parameter of {scene_type.name}", parameters)
+        elif not allows(parameters[name], value):
             hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
-            told = f"{show(value)} is not allowed{hint}; allowed: {known[name].allowed}"
+            text = f"{show(value)} is not allowed{hint}; allowed: {parameters[name].allowed}"
         else:
             continue
-        problems.append(f"scene.parameters.{name}: {told}")
+        problems.append(f"scene.parameters.{name}: {text}")
     return problems
 
 
-def accuracy_problems(config: Config, given: Mapping) -> list[str]:
-    """What does not go together with `accuracy`, one sentence each; given: keys of the config."""
+def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
+    """What does not go together with `accuracy`, one sentence each."""
     if config.accuracy is None:
         return []
     problems = [
         f"{key}: not allowed beside accuracy, which chooses it; allowed: one of the two"
-        for key in CHOSEN
-        if key in given
+        for key in EXCLUSIVE
+        if key in user_config
     ]
-    known = [*config.responses, *config.quantities]
-    of = config.accuracy.of if isinstance(config.accuracy, Aim) else ()
-    what = "response or quantity"
-    return problems + [f"accuracy.of.{n}: {unknown(n, what, known)}" for n in of if n not in known]
+    names = [*config.responses, *config.quantities]
+    tolerances = config.accuracy.tolerance_by_name if isinstance(config.accuracy, Aim) else ()
+    noun = "response or quantity"
+    return problems + [
+        f"accuracy.tolerance_by_name.{n}: {unknown(n, noun, names)}"
+        for n in tolerances
+        if n not in names
+    ]
 
 
 def answer_problems(campaign: Campaign) -> list[str]:
     """What is wrong with `requirements` and `choose`, one sentence each."""
     problems = []
-    known = campaign.experiment.quantities
+    quantities = campaign.experiment.quantities
     for name, limits in campaign.requirements.items():
         for quantity in limits:
-            if quantity not in known:
+            if quantity not in quantities:
                 key = f"requirements.{name}.{quantity}"
-                problems.append(f"{key}: {unknown(quantity, 'quantity', known)}")
+                problems.append(f"{key}: {unknown(quantity, 'quantity', quantities)}")
     if campaign.choose.parameters:
         problems += _choose_problems(campaign.experiment, campaign.choose)
     return problems
 
 
 def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
-    problems, goals, known = [], choose.goals, experiment.quantities
+    problems, goals, quantities = [], choose.goals, experiment.quantities
     if not 1 <= len(goals) <= 2:
         problems.append(f"choose: it has {len(goals)} goals; allowed: one or two")
     for sign, end, quantity in goals:
@@ -290,12 +296,12 @@ def _choose_problems(experiment: Experiment, choose: Choose) -> list[str]:
             text = f"{end}({quantity})" if quantity else end
             problems.append(f"{key}: {text!r} is not allowed; allowed: e.g. upper(q) of a quantity "
                             f"q, with {', '.join(ENDS)}")  # fmt: skip
-        elif quantity not in known:
-            problems.append(f"{key}: {unknown(quantity, 'quantity', known)}")
+        elif quantity not in quantities:
+            problems.append(f"{key}: {unknown(quantity, 'quantity', quantities)}")
     problems += [
-        f"choose.parameters.{name}: {told}"
+        f"choose.parameters.{name}: {text}"
         for name in choose.parameters
-        if (told := _choice_problem(name, choose, experiment))
+        if (text := _choice_problem(name, choose, experiment))
     ]
     if not problems and len({*experiment.intervals, *choose.parameters}) > 8:
         problems.append("choose.parameters: more than 8 with the intervals; allowed: fewer")
@@ -312,8 +318,8 @@ def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
     parameter = scene.parameters[name]
     for value in choose.ends(name, experiment):
         if not allows(parameter, value):
-            told = f"{value:.9g}, with its interval, leaves the range"
-            return f"{told}; allowed: {parameter.allowed}"
+            text = f"{value:.9g}, with its interval, leaves the range"
+            return f"{text}; allowed: {parameter.allowed}"
     return ""
 
 
@@ -321,10 +327,10 @@ def keep_problems(campaign: Campaign) -> list[str]:
     """What of `jobs.keep` does not go with the other keys, as sentences."""
     design, bounds = campaign.experiment.design, campaign.bounds
     if campaign.jobs.keep == "extremes":
-        if campaign.experiment.is_sought or design.method != "scan" or design.order is not None:
+        if campaign.experiment.is_sought or design.method != "sobol" or design.order is not None:
             return [
                 "jobs.keep: 'extremes' is not allowed with a surrogate, which needs every run; "
-                "allowed: responses or trajectories, or design method scan without order"
+                "allowed: responses or trajectories, or design method sobol without order"
             ]
         if bounds.model != "polynomial":
             return [
@@ -332,4 +338,4 @@ def keep_problems(campaign: Campaign) -> list[str]:
                 "needs every run; allowed: responses or trajectories"
             ]
         return []
-    return room_problems(campaign) if design.samples > LISTED and design.method == "scan" else []
+    return room_problems(campaign) if design.samples > LISTED and design.method == "sobol" else []

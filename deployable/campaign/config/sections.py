@@ -28,7 +28,7 @@ from deployable.campaign.config.models import (
     BoundsChoice,
     CampaignName,
     Choosing,
-    Design,
+    DesignSection,
     ErrorDisplay,
     FigureChoice,
     Jobs,
@@ -45,7 +45,7 @@ from fpm.reading.quantity_definitions import parse
 from fpm.reading.shocks import doubt
 from fpm.structures.reading import read_text
 
-ADAPTIVE = "sought"
+ADAPTIVE = "adaptive"
 """The method of a design whose runs are found round by round; no config can ask for it alone."""
 
 NAME, CAMPAIGN_NAME = (re.compile(get_args(kind)[1].pattern) for kind in (Name, CampaignName))
@@ -58,9 +58,9 @@ def scene_type(name: str, file: str = "") -> Any:
     """The `fpm` structure of a file that a user names, or else the shipped one of a name; raises
     `fpm.SceneError`."""
     if not file:
-        if name not in (known := shipped.structures()):
-            raise SceneError("scene.name", name, f"one of {', '.join(known)}")
-        file = str(known[name])
+        if name not in (files := shipped.structures()):
+            raise SceneError("scene.name", name, f"one of {', '.join(files)}")
+        file = str(files[name])
     else:
         trust(file)
     if Path(file).suffix != ".py":  # which is run whenever it is read
@@ -124,7 +124,7 @@ class SceneChoice:
 
 
 @dataclass(frozen=True)
-class DesignChoice(Design):
+class DesignChoice(DesignSection):
     """Where the runs are and what is fitted to them, nothing with order None.
 
     existing: the points (n, k) that rounds have run.
@@ -137,14 +137,14 @@ class DesignChoice(Design):
 @dataclass(frozen=True)
 class Accuracy:
     """What the whole error may be, as shares of the widths of responses and quantities by name, and
-    what may be spent: runs, and minutes of one core. No shares: it is not asked for.
+    what may be spent: runs, and minutes of one core. No tolerances: it is not asked for.
 
     mesh: the parameter of the mesh that may be refined, "" for none.
     """
 
-    shares: dict[str, float] = field(default_factory=dict)
-    runs: int = 0
-    minutes: float = 0.0
+    tolerances: dict[str, float] = field(default_factory=dict)
+    max_runs: int = 0
+    max_core_minutes: float = 0.0
     mesh: str = ""
 
 
@@ -176,13 +176,13 @@ class Experiment:
         """The experiment that results state, which may be anybody's: what files are called after is
         checked. Raises `HeldConfigError`."""
         try:
-            found = from_data(cls, data)
-            names = [*found.responses, *found.quantities]
-            is_named = all(map(NAME.fullmatch, names)) and CAMPAIGN_NAME.fullmatch(found.name)
-            is_named = is_named and all(map(str.isidentifier, found.intervals))
-            if not is_named or "\0" in found.scene.name + found.scene.file:
+            experiment = from_data(cls, data)
+            names = [*experiment.responses, *experiment.quantities]
+            is_named = all(map(NAME.fullmatch, names)) and CAMPAIGN_NAME.fullmatch(experiment.name)
+            is_named = is_named and all(map(str.isidentifier, experiment.intervals))
+            if not is_named or "\0" in experiment.scene.name + experiment.scene.file:
                 raise ValueError("a name is none of a campaign, response, quantity or parameter")
-            for section in (found.solver, found.design):
+            for section in (experiment.solver, experiment.design):
                 for name, kind in get_type_hints(type(section), include_extras=True).items():
                     number = getattr(section, name)
                     keys = getattr(kind, "__metadata__", ()) if type(number) in (int, float) else ()
@@ -191,12 +191,12 @@ class Experiment:
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             text = f"the results hold a config that cannot be used: {error}"
             raise HeldConfigError(text) from None
-        return found
+        return experiment
 
     @property
     def is_sought(self) -> bool:
         """Whether an accuracy is asked for, towards which runs, mesh and step are chosen."""
-        return bool(self.accuracy.shares)
+        return bool(self.accuracy.tolerances)
 
     @cached_property
     def scene_type(self) -> Any:
@@ -204,9 +204,9 @@ class Experiment:
         results name, since they may be anybody's, and the file any of this machine."""
         file = self.scene.file
         if file and os.path.realpath(file) not in _TRUSTED:
-            what = "is a program and was not run" if file.endswith(".py") else "was not read"
+            cause = "is a program and was not run" if file.endswith(".py") else "was not read"
             raise CampaignError(
-                f"the results are of the structure {file}, which {what}, since only they name it; "
+                f"the results are of the structure {file}, which {cause}, since only they name it; "
                 f"allowed: a config that names it, or, of an export, --trust {shlex.quote(file)}"
             )
         return scene_type(self.scene.name, file)
@@ -231,10 +231,10 @@ class Experiment:
         """The parsed quantities, `fpm.quantities.Quantity`; raises `fpm.SceneError`."""
         if not self.quantities:
             return []
-        found, problems = parse(self.quantities, self.curves, eventful(self.nominal_scene))
+        quantities, problems = parse(self.quantities, self.curves, eventful(self.nominal_scene))
         for problem in problems:
             raise problem
-        return found
+        return quantities
 
     @cached_property
     def doubts(self) -> dict[str, str]:
@@ -303,26 +303,29 @@ class Choose(Choosing):
     @property
     def goals(self) -> list[tuple[float, str, str]]:
         """Goals as (1 to minimise or -1 to maximise, end of the interval, quantity)."""
-        found = []
+        goals = []
         for sign, texts in ((1.0, self.minimise), (-1.0, self.maximise)):
             for text in texts:
                 match = _GOAL.fullmatch(text.replace(" ", ""))
-                found.append((sign, match[1], match[2]) if match else (sign, text, ""))
-        return found
+                goals.append((sign, match[1], match[2]) if match else (sign, text, ""))
+        return goals
 
     def interval(self, name: str, value: float, experiment: Experiment) -> tuple[float, float]:
         """The ends of a parameter's interval about a chosen nominal value."""
-        known = experiment.intervals.get(name)
-        if known is None:
+        interval = experiment.intervals.get(name)
+        if interval is None:
             return value, value
         if name in self.relative:
-            return value * known.lower / known.nominal, value * known.upper / known.nominal
-        return value + known.lower - known.nominal, value + known.upper - known.nominal
+            return (
+                value * interval.lower / interval.nominal,
+                value * interval.upper / interval.nominal,
+            )
+        return value + interval.lower - interval.nominal, value + interval.upper - interval.nominal
 
     def ends(self, name: str, experiment: Experiment) -> tuple[float, float]:
         """Least and largest value of a parameter over all choices and their intervals."""
-        found = [end for v in self.parameters[name] for end in self.interval(name, v, experiment)]
-        return min(found), max(found)
+        values = [end for v in self.parameters[name] for end in self.interval(name, v, experiment)]
+        return min(values), max(values)
 
 
 @dataclass(frozen=True)
@@ -356,10 +359,10 @@ def make_design(choice: DesignChoice, box: Any) -> Any:
     """
     if choice.method == ADAPTIVE:
         points = np.array(choice.existing, dtype=float).reshape(-1, box.dimension)
-        none = np.zeros((0, box.dimension), dtype=int)
-        return intervals.Design(points, none, ADAPTIVE, (0,) * box.dimension)
+        terms = np.zeros((0, box.dimension), dtype=int)
+        return intervals.Design(points, terms, ADAPTIVE, (0,) * box.dimension)
     options = {name: getattr(choice, name) for name in intervals.METHODS[choice.method].options}
-    most = choice.samples if choice.method == "scan" else intervals.designs.MAX_RUNS
+    most = choice.samples if choice.method == "sobol" else intervals.designs.MAX_RUNS
     return intervals.make_design(choice.method, box, choice.order, max_runs=most, **options)
 
 
@@ -371,9 +374,9 @@ def steps_problems(solver: Solver, step: float) -> list[str]:
     """Whether a run has more steps (of `step` s) than anybody waits for, as a sentence."""
     if solver.duration / step <= MOST_STEPS:
         return []
-    which = "duration" if solver.step == "auto" else "step"
+    key = "duration" if solver.step == "auto" else "step"
     return [
-        f"solver.{which}: {solver.duration / step:.3g} steps of {step:.3g} s; allowed: at most "
+        f"solver.{key}: {solver.duration / step:.3g} steps of {step:.3g} s; allowed: at most "
         f"{MOST_STEPS:.0e} steps, a duration of {MOST_STEPS * step:.3g} s"
     ]
 
@@ -382,8 +385,8 @@ def count_runs(experiment: Experiment) -> int:
     """Number of runs of the campaign, at most; those in two roles are counted twice."""
     design = experiment.design
     if experiment.is_sought:
-        return experiment.accuracy.runs
-    if design.method == "scan":  # its points take a while to make, and their number is known
+        return experiment.accuracy.max_runs
+    if design.method == "sobol":  # its points take a while to make, and their number is known
         return design.samples + 1
     return make_design(design, experiment.box).runs + 1 + experiment.held_out
 

@@ -18,7 +18,7 @@ import numpy as np
 from deployable import intervals
 from deployable.campaign.config.sections import Experiment, Solver
 from deployable.campaign.files import open_dataset
-from deployable.campaign.plan.decide import Cost, Standing
+from deployable.campaign.plan.decide import Resources, Standing
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep, choose_step, make_plan
 from deployable.intervals.scalars import fit_scalar
@@ -31,7 +31,7 @@ def first_plan(experiment: Experiment) -> Plan:
     """The plan of round 0: with the nominal run, eight for each direction that has a width."""
     box = experiment.box
     count = max(LANES * int(box.free.sum()) - 1, 1)
-    points = intervals.make_design("scan", box, samples=count).points
+    points = intervals.make_design("sobol", box, samples=count).points
     return _plan(experiment, points.tolist(), (), ("mesh",) if _has_mesh(experiment) else ("step",))
 
 
@@ -40,32 +40,32 @@ def next_plan(
 ) -> Plan:
     """The plan after a finished round: more runs, a finer mesh or step, a check, or the same with
     the reason to stop."""
-    asked, now, before = experiment.accuracy, plan.experiment, plan.adaptive
+    target, base, state = experiment.accuracy, plan.experiment, plan.adaptive
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
-        shares, free = _shares(plan, samples, bounds), now.solver.step == "auto"
+        shares, free = _shares(plan, samples, bounds), base.solver.step == "auto"
         standing = _standing(plan, shares, free)
         cost, decision = standing.cost, standing.decide()
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
-        safety = now.solver.safety if now.solver.step == "auto" else now.solver.step
-        done = Round(
+        safety = base.solver.safety if base.solver.step == "auto" else base.solver.step
+        finished = Round(
             cost.runs, whole, decision.action, decision.reason,
             shares, cost.elements, float(safety), cost.seconds, cost.nodes,
         )  # fmt: skip
-        rounds = (*before.rounds, done)
+        rounds = (*state.rounds, finished)
         if decision.action == "stop":
-            return replace(plan, adaptive=Rounds(rounds, before.points, decision.met, before.check))
-        points = list(before.points)
+            return replace(plan, adaptive=Rounds(rounds, state.points, decision.met, state.check))
+        points = list(state.points)
         if decision.action == "runs":
-            pursued = [one.name for one in standing.pursued]
-            points += _places(now, samples, pursued, cost.more, len(rounds)).tolist()
-    refined = now
+            pursued = [errors.name for errors in standing.pursued]
+            points += _places(base, samples, pursued, cost.next_runs, len(rounds)).tolist()
+    refined = base
     if decision.action == "mesh":
-        parameters = {**now.scene.parameters, asked.mesh: 2 * cost.elements}
-        refined = _stable(replace(now, scene=replace(now.scene, parameters=parameters)))
+        parameters = {**base.scene.parameters, target.mesh: 2 * cost.elements}
+        refined = _stable(replace(base, scene=replace(base.scene, parameters=parameters)))
     elif decision.action == "step":
-        refined = replace(now, solver=replace(now.solver, safety=_halved(now.solver, plan.time)))
-    check = tuple(part for part in decision.check if part != "mesh" or _has_mesh(now))
-    return _plan(refined, points, rounds, check, plan.time if refined is now else None)
+        refined = replace(base, solver=replace(base.solver, safety=_halved(base.solver, plan.time)))
+    check = tuple(part for part in decision.check if part != "mesh" or _has_mesh(base))
+    return _plan(refined, points, rounds, check, plan.time if refined is base else None)
 
 
 def _plan(
@@ -86,8 +86,8 @@ def _plan(
 def _halved(solver: Solver, time: TimeStep) -> float:
     """A safety that takes half the step, which may be far below the stable one: there are no longer
     ones between instants."""
-    half, taken = solver.safety / 2, time.step / time.step_limit
-    return half if half < taken else taken / 2
+    half, actual = solver.safety / 2, time.step / time.step_limit
+    return half if half < actual else actual / 2
 
 
 def _stable(experiment: Experiment) -> Experiment:
@@ -109,31 +109,31 @@ def _shares(plan: Plan, samples: Any, bounds: Any) -> dict[str, dict[str, float]
     Of step and mesh what the last check of the same mesh and step found; nothing where there was
     none.
     """
-    known: Mapping[str, Mapping] = {}
+    previous: Mapping[str, Mapping] = {}
     if plan.adaptive.rounds and plan.adaptive.rounds[-1].action in ("runs", "check"):
-        known = plan.adaptive.rounds[-1].shares
-    found = {}
+        previous = plan.adaptive.rounds[-1].shares
+    errors = {}
     for name in plan.experiment.responses:
         row = bounds.sel(response=name)
         surrogate = row["share_surrogate" if "share_surrogate" in row else "error_share_of_width"]
         new = {"surrogate": float(surrogate)}
-        found[name] = _parts(known.get(name, {}), new, row, "share_{}", 1.0)
+        errors[name] = _parts(previous.get(name, {}), new, row, "share_{}", 1.0)
     for i, name in enumerate(plan.experiment.quantities):
         surrogate, width = _quantity(plan.experiment, samples, i)
         row = bounds.isel(quantity=i) if "quantity" in bounds.dims else {}
         new = {"surrogate": surrogate}
-        found[name] = _parts(known.get(name, {}), new, row, "quantity_error_{}", width)
-    return found
+        errors[name] = _parts(previous.get(name, {}), new, row, "quantity_error_{}", width)
+    return errors
 
 
-def _parts(known: Mapping, new: dict, row: Any, name: str, width: float) -> dict[str, float]:
+def _parts(previous: Mapping, new: dict, row: Any, name: str, width: float) -> dict[str, float]:
     """The surrogate's share, and those of step and mesh, new ones or else those known before."""
     for part in ("step", "mesh"):
         if name.format(part) in row:
             value = float(row[name.format(part)])
             new[part] = value / width if width > 0 and np.isfinite(value) else 0.0
-        elif part in known:
-            new[part] = known[part]
+        elif part in previous:
+            new[part] = previous[part]
     return new
 
 
@@ -156,33 +156,36 @@ def _surrogate(experiment: Experiment, samples: Any, i: int) -> Any:
 
 def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standing:
     """How things stand, with what the rounds up to this plan's took and the next one would."""
-    asked, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
-    each = run_seconds(plan.experiment, plan.time)
-    before = rounds[-1] if rounds else Round(0, 0.0, "mesh", "")
-    again = before.action in ("mesh", "step")
-    new = nodes if again else nodes - before.nodes
+    target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
+    time = run_seconds(plan.experiment, plan.time)
+    last = rounds[-1] if rounds else Round(0, 0.0, "mesh", "")
+    is_restart = last.action in ("mesh", "step")
+    new = nodes if is_restart else nodes - last.nodes
     # Of the responses, and of each quantity both ends; one of each again, which tell the order.
     checked = _CHECKED + 1 + 3 * len(plan.experiment.quantities)
     # A mesh twice as fine has twice the elements and half the step; what tells orders, both
     # together, takes no longer.
     factor = {"mesh": 4.0, "step": 2.0}
-    runs, seconds = before.runs + new, before.seconds + _whole(new) * each
+    runs, seconds = last.runs + new, last.seconds + _whole(new) * time
     for part in plan.adaptive.check:
         runs += checked
-        seconds += _whole(checked) * factor[part] * each
-    last = 2 * checked, 6 * checked * each  # the check of step and mesh at the end
-    affordable = min(asked.runs - runs - last[0], (60 * asked.minutes - seconds - last[1]) / each)
-    elements = int(plan.experiment.scene.parameters.get(asked.mesh, 0))
-    cost = Cost(runs, seconds, nodes, 0, checked, each, elements)
-    found = Standing(asked, shares, plan.adaptive, cost, step_is_free)
-    return replace(found, cost=replace(cost, more=added(nodes, found.growth(), affordable)))
+        seconds += _whole(checked) * factor[part] * time
+    reserve = 2 * checked, 6 * checked * time  # the check of step and mesh at the end
+    affordable = min(
+        target.max_runs - runs - reserve[0],
+        (60 * target.max_core_minutes - seconds - reserve[1]) / time,
+    )
+    elements = int(plan.experiment.scene.parameters.get(target.mesh, 0))
+    cost = Resources(runs, seconds, nodes, 0, checked, time, elements)
+    state = Standing(target, shares, plan.adaptive, cost, step_is_free)
+    return replace(state, cost=replace(cost, next_runs=added(nodes, state.growth(), affordable)))
 
 
 def added(nodes: int, growth: float, affordable: float) -> int:
     """Runs of a round after so many, in whole batches, which take no longer: what a factor asks
     for, as far as that can be afforded, but at least a quarter."""
-    quarter, wanted = (LANES * max(1, round(nodes * share / LANES)) for share in (0.25, growth - 1))
-    return max(quarter, min(wanted, LANES * int(affordable // LANES)))
+    quarter, need = (LANES * max(1, round(nodes * share / LANES)) for share in (0.25, growth - 1))
+    return max(quarter, min(need, LANES * int(affordable // LANES)))
 
 
 def _whole(runs: int) -> int:
@@ -199,19 +202,19 @@ def _places(
 
     def take(candidates: Any, least: float) -> None:
         for point in candidates:
-            taken = np.array([*unit, *points])
-            if len(points) < count and np.linalg.norm(taken - point, axis=1).min() > least:
+            existing = np.array([*unit, *points])
+            if len(points) < count and np.linalg.norm(existing - point, axis=1).min() > least:
                 points.append(np.asarray(point, dtype=float))
 
     for i, name in enumerate(experiment.quantities):
-        if name in unmet and np.isfinite((found := _surrogate(experiment, samples, i).range()).low):
-            take([found.argmin, found.argmax], 1e-2)
+        if name in unmet and np.isfinite((ends := _surrogate(experiment, samples, i).range()).low):
+            take([ends.argmin, ends.argmax], 1e-2)
     spacing = 2.0 * len(unit) ** (-1.0 / max(int(free.sum()), 1))
     if rows := [i for i, name in enumerate(experiment.responses) if name in unmet]:
         values = samples["values"].values[:, rows].astype(float)
-        asked, wanted = intervals.seek_points, count - len(points)
-        found, _ = asked(unit, values, wanted, candidates=_CANDIDATES, seed=seed)
-        take(found, 1e-3)
-    spread = intervals.make_design("scan", experiment.box, samples=4 * (len(unit) + count)).points
+        seek, missing = intervals.seek_points, count - len(points)
+        next_points, _ = seek(unit, values, missing, candidates=_CANDIDATES, seed=seed)
+        take(next_points, 1e-3)
+    spread = intervals.make_design("sobol", experiment.box, samples=4 * (len(unit) + count)).points
     take(spread, 0.2 * spacing)
     return np.array(points).reshape(-1, len(free))

@@ -17,7 +17,7 @@ from deployable.campaign.text.numbers import duration_text
 
 Shares = Mapping[str, Mapping[str, float]]
 
-_FIRST, _LATER = 0.5, 0.75
+_INITIAL_SHARE, _FINAL_SHARE = 0.5, 0.75
 """Share of what is asked for that step and mesh together may take: with the first runs, when a
 finer mesh is cheap, and once there are more."""
 
@@ -36,7 +36,7 @@ _SPARE = 0.75
 """Share of what is left for a surrogate's error that is aimed at: one more round for having missed
 it by little costs more than the runs that are too many."""
 
-_BOTH = ("step", "mesh")
+_PARTS = ("step", "mesh")
 
 _ROUND = 0.5
 """Seconds of a core that a round takes beside its runs: a check that takes less is made at once
@@ -44,29 +44,30 @@ where the errors are expected to be small enough after it."""
 
 
 @dataclass(frozen=True)
-class Cost:
+class Resources:
     """What was spent, `runs` and `seconds` of a core by estimate, and what is at hand: so many
-    `nodes` with so many `elements`, `more` in the next round, `checked` places in a check, a run
-    takes `each` second."""
+    `nodes` with so many `elements`, `next_runs`, `checked` points in a check, a run takes
+    `run_seconds`."""
 
     runs: int
     seconds: float
     nodes: int
-    more: int
+    next_runs: int
     checked: int
-    each: float
+    run_seconds: float
     elements: int
 
     def of(self, action: str) -> tuple[int, float]:
         """Runs and seconds of the next round after an action, with the check that belongs to it,
         and with that of step and mesh at the end, for which there must be room."""
+        checked, time = self.checked, self.run_seconds
         if action == "check":
-            return 2 * self.checked, 6 * self.checked * self.each
+            return 2 * checked, 6 * checked * time
         if action == "runs":
-            return self.more + 2 * self.checked, (self.more + 6 * self.checked) * self.each
+            return self.next_runs + 2 * checked, (self.next_runs + 6 * checked) * time
         if action == "step":
-            return self.nodes + 2 * self.checked, (2 * self.nodes + 12 * self.checked) * self.each
-        return self.nodes + 3 * self.checked, (4 * self.nodes + 40 * self.checked) * self.each
+            return self.nodes + 2 * checked, (2 * self.nodes + 12 * checked) * time
+        return self.nodes + 3 * checked, (4 * self.nodes + 40 * checked) * time
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ class Errors:
         return sum(self.parts.values())
 
     @property
-    def others(self) -> float:
+    def discretization(self) -> float:
         """Those of mesh and step, which no run helps."""
         return self.parts.get("mesh", 0.0) + self.parts.get("step", 0.0)
 
@@ -105,15 +106,15 @@ class Errors:
         return "mesh" if self.parts.get("mesh", 0.0) >= self.parts.get("step", 0.0) else "step"
 
     @property
-    def left(self) -> float:
+    def allowance(self) -> float:
         """What is left of the aim for the surrogate."""
         mesh, step = self.parts.get("mesh", 0.0), self.parts.get("step", 0.0)
-        return max(self.aim - mesh - step, (1 - _LATER) * self.aim)
+        return max(self.aim - mesh - step, (1 - _FINAL_SHARE) * self.aim)
 
     def __str__(self) -> str:
-        each = ", ".join(f"{part} {_percent(share)}" for part, share in self.parts.items())
+        components = ", ".join(f"{part} {_percent(share)}" for part, share in self.parts.items())
         whole, aim = _percent(self.whole), _percent(self.aim)
-        return f"{self.name} {whole} of the width ({each}), asked for {aim}"
+        return f"{self.name} {whole} of the width ({components}), asked for {aim}"
 
 
 @dataclass(frozen=True)
@@ -132,28 +133,28 @@ class Standing:
     accuracy: Accuracy
     shares: Shares
     state: Rounds
-    cost: Cost
+    cost: Resources
     step_is_free: bool
 
     @cached_property
     def unmet(self) -> list[Errors]:
         """Errors that are larger than they may be; what is no number is none of them."""
-        return [one for one in self._all if one.whole > one.aim]
+        return [error for error in self._all if error.whole > error.aim]
 
     @property
     def _all(self) -> list[Errors]:
-        aims = self.accuracy.shares
+        aims = self.accuracy.tolerances
         return [Errors(name, aims[name], parts) for name, parts in self.shares.items()]
 
     @cached_property
     def needs(self) -> dict[str, Need]:
         """What each response and quantity needs that is not as accurate as it should be."""
-        return {one.name: self._need(one) for one in self.unmet}
+        return {error.name: self._need(error) for error in self.unmet}
 
     @property
     def pursued(self) -> list[Errors]:
         """What of these can be had."""
-        return [one for one in self.unmet if not self.needs[one.name].why_not]
+        return [error for error in self.unmet if not self.needs[error.name].why_not]
 
     def decide(self) -> Decision:
         """Decide on the next round.
@@ -171,123 +172,131 @@ class Standing:
         """
         if not self.unmet:
             if "step" in self.state.check:
-                near = max(self._all, key=lambda one: one.whole / one.aim)
-                reason = f"the whole error is as small as asked for; nearest to that is {near}"
+                closest = max(self._all, key=lambda error: error.whole / error.aim)
+                reason = f"the whole error is as small as asked for; nearest to that is {closest}"
                 return Decision("stop", reason, met=True)
             reason = "the surrogate's error is small enough"
-            return Decision("check", f"{reason}; step and mesh are checked where it decides", _BOTH)
+            return Decision(
+                "check", f"{reason}; step and mesh are checked where it decides", _PARTS
+            )
         if not self.pursued:
             return self._end("; ".join(dict.fromkeys(n.why_not for n in self.needs.values())))
-        finer = [one for one in self.pursued if self.needs[one.name].action != "runs"]
+        finer = [error for error in self.pursued if self.needs[error.name].action != "runs"]
         if finer:  # comes before runs, which are all made again then
-            worst = max(finer, key=lambda one: one.others / one.aim)
+            worst = max(finer, key=lambda error: error.discretization / error.aim)
             action = self.needs[worst.name].action
-            check = ("mesh",) if action == "mesh" else _BOTH
+            check = ("mesh",) if action == "mesh" else _PARTS
             return Decision(action, f"{worst}; the {action} is halved", check)
-        if why := self._too_dear("runs"):
-            return self._end(why)
-        worst = max(self.pursued, key=lambda one: one.whole / one.aim)
-        check = _BOTH if self._is_last() else ()
-        return Decision("runs", f"{worst}; {self.cost.more} runs are added", check)
+        if reason := self._too_dear("runs"):
+            return self._end(reason)
+        worst = max(self.pursued, key=lambda error: error.whole / error.aim)
+        check = _PARTS if self._is_last() else ()
+        return Decision("runs", f"{worst}; {self.cost.next_runs} runs are added", check)
 
     def growth(self) -> float:
         """The factor by which nodes have to become more for surrogates of what is pursued to be
         accurate enough, by how errors fell when runs were added last."""
-        wanted = [
-            (one.parts["surrogate"] / (_SPARE * one.left)) ** (1 / self._rate(one))
-            for one in self.pursued
+        factors = [
+            (error.parts["surrogate"] / (_SPARE * error.allowance)) ** (1 / self._rate(error))
+            for error in self.pursued
         ]
-        return min(max([_LEAST, *wanted]), _MOST)
+        return min(max([_LEAST, *factors]), _MOST)
 
-    def _need(self, one: Errors) -> Need:
+    def _need(self, error: Errors) -> Need:
         """A mesh that is too coarse comes first: all runs are made again with a finer one. Where it
         cannot be had, runs help what its error leaves room for."""
-        is_first = all(done.action in ("mesh", "step") for done in self.state.rounds)
-        if not one.others > (_FIRST if is_first else _LATER) * one.aim:
+        is_first = all(record.action in ("mesh", "step") for record in self.state.rounds)
+        if not error.discretization > (_INITIAL_SHARE if is_first else _FINAL_SHARE) * error.aim:
             return Need("runs")
-        action, why = one.larger, self._too_dear(one.larger)
+        action, cause = error.larger, self._too_dear(error.larger)
         if not (self.accuracy.mesh if action == "mesh" else self.step_is_free):
-            why = f"the config keeps its {action}"
-        elif not why and action == "mesh" and self._is_hopeless(one):
-            why = "a finer mesh does not get there within the budget"
-        return Need(action, why) if not why or one.others >= one.aim else Need("runs")
+            cause = f"the config keeps its {action}"
+        elif not cause and action == "mesh" and self._is_hopeless(error):
+            cause = "a finer mesh does not get there within the budget"
+        is_needed = not cause or error.discretization >= error.aim
+        return Need(action, cause) if is_needed else Need("runs")
 
     def _too_dear(self, action: str) -> str:
         """Why the budget does not allow an action; nothing where it does."""
         cost, budget = self.cost, self.accuracy
         runs, seconds = cost.of(action)
-        if cost.runs + runs > budget.runs:
+        if cost.runs + runs > budget.max_runs:
             spent = f"{cost.runs} are spent, {2 * cost.checked} kept for the last check"
-            return f"the budget of {budget.runs} runs does not allow more ({spent})"
-        if cost.seconds + seconds > 60 * budget.minutes:
+            return f"the budget of {budget.max_runs} runs does not allow more ({spent})"
+        if cost.seconds + seconds > 60 * budget.max_core_minutes:
             spent = f"{duration_text(max(1.0, cost.seconds))} are spent"
-            return f"the budget of {budget.minutes:g} minutes does not allow more ({spent})"
+            return (
+                f"the budget of {budget.max_core_minutes:g} minutes does not allow more ({spent})"
+            )
         return ""
 
-    def _rate(self, one: Errors) -> float:
+    def _rate(self, error: Errors) -> float:
         """Power of the number of nodes with which the surrogate's error falls."""
         last, nodes = self.state.rounds[-1] if self.state.rounds else None, self.cost.nodes
         if last is None or last.action != "runs" or not 0 < last.nodes < nodes:
             return _RATE
-        before, now = last.shares[one.name]["surrogate"], one.parts["surrogate"]
-        if now <= 0 or before <= now:
+        previous, current = last.shares[error.name]["surrogate"], error.parts["surrogate"]
+        if current <= 0 or previous <= current:
             return _RATES[0]
-        rate = math.log(before / now) / math.log(nodes / last.nodes)
+        rate = math.log(previous / current) / math.log(nodes / last.nodes)
         return min(max(rate, _RATES[0]), _RATES[1])
 
     def _is_last(self) -> bool:
         """Whether surrogates are expected to be accurate enough after the next runs, and a check is
         cheaper than a round of its own."""
-        fall = self.cost.nodes / (self.cost.nodes + self.cost.more)
+        fall = self.cost.nodes / (self.cost.nodes + self.cost.next_runs)
         return self.cost.of("check")[1] <= _ROUND and all(
-            one.parts["surrogate"] * fall ** self._rate(one) <= one.left for one in self.pursued
+            error.parts["surrogate"] * fall ** self._rate(error) <= error.allowance
+            for error in self.pursued
         )
 
-    def _end(self, why: str) -> Decision:
+    def _end(self, cause: str) -> Decision:
         if "step" not in self.state.check:
-            reason = f"{why}; step and mesh are checked where the bounds are decided"
-            return Decision("check", reason, _BOTH)
+            reason = f"{cause}; step and mesh are checked where the bounds are decided"
+            return Decision("check", reason, _PARTS)
         unmet, takes = "; ".join(map(str, self.unmet)), "; ".join(map(self._takes, self.unmet))
-        return Decision("stop", f"{why}: {unmet}. {takes}")
+        return Decision("stop", f"{cause}: {unmet}. {takes}")
 
-    def _takes(self, one: Errors) -> str:
+    def _takes(self, error: Errors) -> str:
         """What it would take to bring one error down to its aim, by how parts fell so far."""
-        nodes, seconds, texts = self.cost.nodes, self.cost.each, []
-        if one.others > _LATER * one.aim:
-            fall = self._fall(one) or 2.0
+        nodes, seconds, texts = self.cost.nodes, self.cost.run_seconds, []
+        if error.discretization > _FINAL_SHARE * error.aim:
+            fall = self._fall(error) or 2.0
             if fall < _HARDLY:
-                return f"{one.name} has an error of the mesh that hardly falls with a finer one"
-            halvings = _halvings(one, fall)
-            seconds *= {"mesh": 4, "step": 2}[one.larger] ** halvings
-            texts.append(f"a {one.larger} {2**halvings} times as fine")
-        left = max(one.aim - min(one.others, one.aim / 2), 0.1 * one.aim)
-        if one.parts["surrogate"] > left:
-            nodes = math.ceil(nodes * min(one.parts["surrogate"] / left, 100.0))
+                return f"{error.name} has an error of the mesh that hardly falls with a finer one"
+            halvings = _halvings(error, fall)
+            seconds *= {"mesh": 4, "step": 2}[error.larger] ** halvings
+            texts.append(f"a {error.larger} {2**halvings} times as fine")
+        allowance = max(error.aim - min(error.discretization, error.aim / 2), 0.1 * error.aim)
+        if error.parts["surrogate"] > allowance:
+            nodes = math.ceil(nodes * min(error.parts["surrogate"] / allowance, 100.0))
             texts.append(f"some {nodes} runs")
         time = duration_text(max(1.0, (nodes + 4 * self.cost.checked) * seconds))
-        return f"{one.name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"
+        return (
+            f"{error.name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"
+        )
 
-    def _is_hopeless(self, one: Errors) -> bool:
+    def _is_hopeless(self, error: Errors) -> bool:
         """Whether the mesh that is needed, by how its error fell last, takes more than the budget;
         the first mesh tells nothing."""
-        if (fall := self._fall(one)) is None or fall < _HARDLY:
+        if (fall := self._fall(error)) is None or fall < _HARDLY:
             return fall is not None
-        factor = sum(4.0**i for i in range(1, _halvings(one, fall) + 1))
-        seconds = (self.cost.nodes + 4 * self.cost.checked) * self.cost.each * factor
-        return self.cost.seconds + seconds > 60 * self.accuracy.minutes
+        factor = sum(4.0**i for i in range(1, _halvings(error, fall) + 1))
+        seconds = (self.cost.nodes + 4 * self.cost.checked) * self.cost.run_seconds * factor
+        return self.cost.seconds + seconds > 60 * self.accuracy.max_core_minutes
 
-    def _fall(self, one: Errors) -> float | None:
+    def _fall(self, error: Errors) -> float | None:
         """The factor by which the error of the mesh fell when it was last halved, at most 8; None
         where it was not."""
-        now, rounds = one.parts.get("mesh", 0.0), self.state.rounds
-        meshes = {done.elements: done.shares.get(one.name, {}).get("mesh", 0.0) for done in rounds}
+        current, rounds = error.parts.get("mesh", 0.0), self.state.rounds
+        meshes = {row.elements: row.shares.get(error.name, {}).get("mesh", 0.0) for row in rounds}
         coarser = [share for n, share in sorted(meshes.items()) if n < self.cost.elements]
-        return min(coarser[-1] / now, 8.0) if coarser and now > 0 else None
+        return min(coarser[-1] / current, 8.0) if coarser and current > 0 else None
 
 
-def _halvings(one: Errors, fall: float) -> int:
+def _halvings(error: Errors, fall: float) -> int:
     """How often a mesh must be halved for its error to take half of the aim."""
-    return max(1, math.ceil(math.log(2 * one.others / one.aim) / math.log(fall)))
+    return max(1, math.ceil(math.log(2 * error.discretization / error.aim) / math.log(fall)))
 
 
 def _percent(share: float) -> str:

@@ -46,7 +46,7 @@ def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> 
     time: the step of their plan, if there is one; to find it takes longer.
     """
     if campaign.experiment.is_sought:
-        minutes = campaign.experiment.accuracy.minutes
+        minutes = campaign.experiment.accuracy.max_core_minutes
     else:
         minutes = math.ceil(runs / LANES) * LANES * seconds_of_run(campaign, time) / 60.0
     return math.ceil(JOB_STARTING + 2.0 * minutes / campaign.jobs.processes)
@@ -66,8 +66,8 @@ def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
     time: as for `job_minutes`.
     """
     experiment = campaign.experiment
-    if known := campaign.jobs.run_seconds:
-        return known
+    if seconds := campaign.jobs.run_seconds:
+        return seconds
     # Every call of Snakemake asks for this, and the step at the corners is much the same.
     time = time or choose_step(experiment, corners=False)
     return effort.machine() * run_seconds(experiment, time)
@@ -82,8 +82,8 @@ def batch_count(campaign: Campaign, runs: int) -> int:
     """Number of batches that runs are shared among."""
     if campaign.jobs.minutes:
         return -(-runs // runs_in_job(campaign))
-    if campaign.jobs.nodes_per_job != "auto":
-        return -(-runs // campaign.jobs.nodes_per_job)
+    if campaign.jobs.runs_per_job != "auto":
+        return -(-runs // campaign.jobs.runs_per_job)
     cores = int(os.environ.get(CORES, 0)) or os.cpu_count() or 1
     count = min(-(-runs // 512), max(8, cores, min(-(-runs // 4096), 64)))
     # As many for each core, so that none waits for the last job of another.

@@ -39,7 +39,7 @@ from deployable.campaign.config.sections import (
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import read_json, write_result
 from deployable.campaign.files.contents import ROLES, RUN_ID, reading
-from deployable.campaign.plan.runs import Run, Runs, namer, values_of
+from deployable.campaign.plan.runs import PlannedRun, Runs, namer, values_of
 from deployable.intervals import held_out_points
 from fpm.files.sealed import DamagedError
 
@@ -132,7 +132,7 @@ class Plan:
     def _unique(self) -> Runs:
         return self.runs.unique()
 
-    def named(self, run: Run) -> dict[str, float]:
+    def named(self, run: PlannedRun) -> dict[str, float]:
         """Values of the interval parameters in a run, by name."""
         return dict(zip(self.experiment.intervals, run.values, strict=True))
 
@@ -142,7 +142,7 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
     box = experiment.box
     design = make_design(experiment.design, box)
     parts = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]
-    if experiment.design.method != "scan":
+    if experiment.design.method != "sobol":
         points = held_out_points(box.free, experiment.held_out, design.points)
         parts.append(("held_out", points))
 
@@ -169,10 +169,10 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
             limit, element = float(stable.step), str(stable.element)
         if scene.assembly is not None:
             energy = max(energy, scene.assembly.energy)
-    wanted = solver.safety * limit if solver.step == "auto" else solver.step
-    for problem in steps_problems(solver, wanted):
+    largest = solver.safety * limit if solver.step == "auto" else solver.step
+    for problem in steps_problems(solver, largest):
         raise CampaignError(problem)
-    division = fpm.divide_time(solver.duration, solver.instants, wanted)
+    division = fpm.divide_time(solver.duration, solver.instants, largest)
     return TimeStep(division.step, division.per_instant, limit, element, energy)
 
 
@@ -223,7 +223,8 @@ def _plan(path: str | Path, data: Mapping) -> Plan:
             if not RUN_ID.fullmatch(run["id"]):
                 raise DamagedError(path, f"{run['id']!r} is no name of a run")
         runs = Runs.of([
-            Run(r["id"], r["role"], tuple(r["unit"]), tuple(r["values"])) for r in data["runs"]
+            PlannedRun(r["id"], r["role"], tuple(r["unit"]), tuple(r["values"]))
+            for r in data["runs"]
         ])  # fmt: skip
     shape = len(runs), len(experiment.intervals)
     if (

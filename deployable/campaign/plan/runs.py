@@ -17,7 +17,7 @@ _REMEMBERED = 1 << 17  # names
 
 
 @dataclass(frozen=True)
-class Run:
+class PlannedRun:
     """One run: unit coordinates (k) in the box, and values (k) of the interval parameters."""
 
     id: str
@@ -26,8 +26,8 @@ class Run:
     values: tuple[float, ...]
 
 
-class Runs(Sequence[Run]):
-    """N runs in order; a `Run`, with its name, is made when it is asked for.
+class Runs(Sequence[PlannedRun]):
+    """N runs in order; a `PlannedRun`, with its name, is made when it is asked for.
 
     role: indices (N) into `ROLES`; unit, values (N, k): coordinates in the box, and values of the
     interval parameters; name: what a run with values (k) is called.
@@ -43,7 +43,7 @@ class Runs(Sequence[Run]):
         self.role, self.unit, self.values, self.name = role, unit, values, name
 
     @classmethod
-    def of(cls, runs: Sequence[Run]) -> Runs:
+    def of(cls, runs: Sequence[PlannedRun]) -> Runs:
         """The runs of a list, with the names that they have."""
         role = np.array([ROLES.index(run.role) for run in runs], np.int8)
         names = {run.values: run.id for run in runs}
@@ -53,28 +53,28 @@ class Runs(Sequence[Run]):
     def __len__(self) -> int:
         return len(self.role)
 
-    def __getitem__(self, which: Any) -> Any:
-        """A `Run` for a number; for a slice, or a list of numbers, the `Runs` there."""
-        if isinstance(which, list):
-            which = np.array(which, int)
-        role, unit, values = self.role[which], self.unit[which], self.values[which]
+    def __getitem__(self, index: Any) -> Any:
+        """A `PlannedRun` for a number; for a slice, or a list of numbers, the `Runs` there."""
+        if isinstance(index, list):
+            index = np.array(index, int)
+        role, unit, values = self.role[index], self.unit[index], self.values[index]
         if np.ndim(role):
             return Runs(role, unit, values, self.name)
         own = tuple(values.tolist())
-        return Run(self.name(own), ROLES[role], tuple(unit.tolist()), own)
+        return PlannedRun(self.name(own), ROLES[role], tuple(unit.tolist()), own)
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Runs) and self.digest == other.digest
+    def __eq__(self, runs: object) -> bool:
+        return isinstance(runs, Runs) and self.digest == runs.digest
 
     __hash__ = None
 
     @property
     def digest(self) -> str:
         """Digest of roles, coordinates and values, to their last bit."""
-        found = hashlib.sha256(self.role.tobytes())
-        found.update(self.unit.tobytes())
-        found.update(self.values.tobytes())
-        return found.hexdigest()[:16]
+        sha = hashlib.sha256(self.role.tobytes())
+        sha.update(self.unit.tobytes())
+        sha.update(self.values.tobytes())
+        return sha.hexdigest()[:16]
 
     def unique(self) -> Runs:
         """The runs without those that have the values of an earlier one."""

@@ -33,7 +33,7 @@ def analyse(folder: Folder, how: BoundsChoice, more: Callable[[Any], Any] | None
 
     with open_dataset(folder.samples) as samples:
         experiment = Experiment.read(samples.attrs["config"])
-        is_plain_scan = experiment.design.method == "scan" and experiment.design.order is None
+        is_plain_scan = experiment.design.method == "sobol" and experiment.design.order is None
         design = (
             _scanned(samples) if is_plain_scan else make_design(experiment.design, experiment.box)
         )
@@ -58,7 +58,7 @@ def _scanned(samples: Any) -> Any:
     nodes = slice(1, None) if keeps_extremes(samples) else samples["role"].values == "node"
     points = samples["unit"].values[nodes]
     none = (0,) * points.shape[1]
-    return intervals.Design(points, np.zeros((0, len(none)), dtype=int), "scan", none)
+    return intervals.Design(points, np.zeros((0, len(none)), dtype=int), "sobol", none)
 
 
 def write_dataset(dataset: Any, path: str | Path, title: str) -> None:

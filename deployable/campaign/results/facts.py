@@ -87,7 +87,7 @@ def facts_of(
         found["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds]}
     if experiment.is_sought:
         for row in rows:
-            row["errors"]["asked"] = experiment.accuracy.shares[row["name"]]
+            row["errors"]["asked"] = experiment.accuracy.tolerances[row["name"]]
         found["accuracy"] = _accuracy(plan, rows)
     for row in rows:
         if row["name"] in experiment.doubts:

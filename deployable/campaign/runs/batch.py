@@ -29,7 +29,7 @@ from deployable.campaign.config.sections import Jobs
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
 from deployable.campaign.plan.plan import Plan, share
-from deployable.campaign.plan.runs import Run, Runs
+from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.campaign.provenance import as_attribute, check_code
 from deployable.campaign.runs.progress import Progress, Tell, warm_up
 from deployable.campaign.runs.results import Result, groups_of
@@ -38,7 +38,7 @@ from fpm.files.sealed import sweep
 from fpm.files.trajectory import Column
 from fpm.reading.variables import words
 
-Failure = tuple[Run, str]
+Failure = tuple[PlannedRun, str]
 
 _MOST = 100  # runs that failed, named in a message
 
@@ -259,7 +259,7 @@ def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
 
 
 def simulate(
-    plan: Plan, runs: Sequence[Run], also: Iterable[Column] = ()
+    plan: Plan, runs: Sequence[PlannedRun], also: Iterable[Column] = ()
 ) -> tuple[list[Result], list[Failure], np.ndarray]:
     """Simulate runs side by side: those that went well, those that failed with the reason, and the
     seconds, of the clock and of this thread's cpu time, that it took to integrate them. also: what

@@ -14,7 +14,7 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files.outside import refuse_outside
-from deployable.campaign.plan.runs import Run, Runs
+from deployable.campaign.plan.runs import PlannedRun, Runs
 from fpm.files.sealed import DamagedError, check
 from fpm.files.trajectory import Column
 from fpm.kernels import sources
@@ -28,7 +28,7 @@ class Result:
     """A run that went well: its `fpm.Outcome`, the values of its parameters, and what its file
     tells beside these, the same of all runs of a plan."""
 
-    run: Run
+    run: PlannedRun
     outcome: Any
     parameters: Mapping[str, Any]
     common: Mapping[str, Any]

@@ -25,7 +25,7 @@ from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import whole_file
 from deployable.campaign.files.contents import reading
-from deployable.campaign.plan.runs import Run, Runs
+from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.campaign.runs import results as common
 from deployable.campaign.runs.extremes import Extremes
 from deployable.campaign.runs.results import EVENT_VARIABLES, Record, Result, Store
@@ -45,7 +45,7 @@ class Trajectories(Store):
         self._needs = {need for response in self.responses for need in response.needs}
         self._code = sources.reading()
 
-    def path(self, run: Run) -> Path:
+    def path(self, run: PlannedRun) -> Path:
         """The file of a run."""
         return self.folder / f"{run.id}.nc"
 
@@ -83,7 +83,7 @@ class Trajectories(Store):
                 found[run.id] = self.checked(record)
         return found
 
-    def _curves(self, run: Run) -> trajectory.Curves | None:
+    def _curves(self, run: PlannedRun) -> trajectory.Curves | None:
         """The run's curves; None if its file is not there, not whole, or lacks what responses
         need."""
         path = self.path(run)

@@ -94,10 +94,10 @@ class Stage:
             place = HISTORY[-1] if HISTORY else folder.path
             raise CampaignError(f"{place}: {error}; run the campaign again") from error
         except (OSError, RuntimeError) as error:
-            told = of_files(error, folder.path)
-            if told is None:
+            file_error = of_files(error, folder.path)
+            if file_error is None:
                 raise
-            raise told from error
+            raise file_error from error
 
     def basis(self, sections: Mapping[str, Any]) -> str:
         """Digest of what the stage's results depend on beside the files that it takes."""
@@ -107,8 +107,8 @@ class Stage:
     def inputs(self, campaign: Campaign) -> list[str]:
         """Names of all results that the stage may read, which are those of all stages before where
         it shows them."""
-        more = [PLAN, *BOUNDS_FILES, *_answered(campaign)] if self.draws else []
-        return list(dict.fromkeys([*self.takes, *more]))
+        shown_files = [PLAN, *BOUNDS_FILES, *_answered(campaign)] if self.draws else []
+        return list(dict.fromkeys([*self.takes, *shown_files]))
 
     def sections_in(self, config: str) -> dict[str, Any]:
         """The stage's sections in the name of a YAML file, or in JSON, as the workflow passes
@@ -132,19 +132,19 @@ class Stage:
 def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
     """The plan that all these files are of, as a fact for results that are made from them."""
     check_results(folder, names)
-    found = {name: check(folder / name, name).get("plan") for name in names}
-    for name, plan in found.items():
-        if plan != (first := next(iter(found.values()))):
+    plans = {name: check(folder / name, name).get("plan") for name in names}
+    for name, plan in plans.items():
+        if plan != (first := next(iter(plans.values()))):
             raise DamagedError(
-                folder / name, f"it is of plan {plan}, {next(iter(found))} of {first}"
+                folder / name, f"it is of plan {plan}, {next(iter(plans))} of {first}"
             )
-    return {"plan": next(iter(found.values()))} if found else {}
+    return {"plan": next(iter(plans.values()))} if plans else {}
 
 
 def drawings(experiment: Experiment) -> list[str]:
     """Names of the figures of the whole campaign that `figures` draws."""
-    several = len(experiment.intervals) > 1 and experiment.design.order is not None
-    return ["sensitivities"] * several + ["ranges"] * bool(experiment.quantities)
+    has_contributions = len(experiment.intervals) > 1 and experiment.design.order is not None
+    return ["sensitivities"] * has_contributions + ["ranges"] * bool(experiment.quantities)
 
 
 def _answered(campaign: Campaign) -> list[str]:

@@ -26,12 +26,12 @@ def work(
 
 def bound(folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int) -> None:
     """Gather the runs of a plan, fit the surrogate and take its bounds, with their errors."""
-    made = read_plan(folder.plan)
+    plan = read_plan(folder.plan)
     collect = gather_extremes if jobs.keep == "extremes" else gather
-    collect(made, jobs, folder.runs(jobs.keep), folder.samples, tell)
-    parts = finer_parts(made, verify)
+    collect(plan, jobs, folder.runs(jobs.keep), folder.samples, tell)
+    parts = finer_parts(plan, verify)
 
-    def more(found: Any) -> Any:
-        return check_bounds(folder, found, jobs, tell, threads, parts) if parts else found
+    def add_discretization(dataset: Any) -> Any:
+        return check_bounds(folder, dataset, jobs, tell, threads, parts) if parts else dataset
 
-    analyse(folder, bounds, more)
+    analyse(folder, bounds, add_discretization)

@@ -17,12 +17,12 @@ def work(folder: Folder, tell: Tell, error: Any) -> None:
     """Draw each response with its bounds, what each parameter contributes, and each quantity over
     the box."""
     experiment = read_plan(folder.plan).experiment
-    wanted = drawings(experiment)
-    if "ranges" in wanted:
+    names = drawings(experiment)
+    if "ranges" in names:
         check_results(folder, (PLAN, SAMPLES, *ANSWERS))
         _ = experiment.numbers  # refused before anything is drawn, if the structure is
     draw_envelopes(folder.bounds, error.shade_above, folder.figures)
-    if "sensitivities" in wanted:
+    if "sensitivities" in names:
         draw_sensitivities(folder.sensitivities, folder.overviews)
-    if "ranges" in wanted:
+    if "ranges" in names:
         draw_ranges(folder, folder.overviews)

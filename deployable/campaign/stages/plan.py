@@ -12,12 +12,12 @@ from deployable.campaign.runs.progress import Tell
 def work(folder: Folder, tell: Tell, experiment: Any) -> None:
     """Choose the runs of a campaign and the time step that serves them all."""
     warn(tell, experiment)
-    made = make_plan(experiment)
-    write_plan(made, folder.plan)
-    step, limit = made.time.step, made.time.step_limit
+    plan = make_plan(experiment)
+    write_plan(plan, folder.plan)
+    step, limit = plan.time.step, plan.time.step_limit
     tell(
-        f"{experiment.name}: {len(made.unique_runs())} runs, step {step:.4g} s "
-        f"({step / limit:.0%} of the limit, set by {made.time.limiting_element})"
+        f"{experiment.name}: {len(plan.unique_runs())} runs, step {step:.4g} s "
+        f"({step / limit:.0%} of the limit, set by {plan.time.limiting_element})"
     )
 
 

@@ -34,13 +34,13 @@ def work(
 
 def _plan_round(folder: Folder, tell: Tell, experiment: Any) -> bool:
     """Choose the runs of the next round towards an accuracy; whether there is to be none."""
-    if before := folder.previous():
-        made = next_plan(experiment, read_plan(before.plan), before.samples, before.bounds)
-        tell(f"{experiment.name}: {made.adaptive.rounds[-1].reason}")
+    if previous := folder.previous():
+        plan = next_plan(experiment, read_plan(previous.plan), previous.samples, previous.bounds)
+        tell(f"{experiment.name}: {plan.adaptive.rounds[-1].reason}")
     else:
         warn(tell, experiment)
-        made = first_plan(experiment)
-    write_plan(made, folder.plan)
-    if not made.is_finished:
-        tell(f"{experiment.name}: {len(made.unique_runs())} runs")
-    return made.is_finished
+        plan = first_plan(experiment)
+    write_plan(plan, folder.plan)
+    if not plan.is_finished:
+        tell(f"{experiment.name}: {len(plan.unique_runs())} runs")
+    return plan.is_finished

@@ -16,8 +16,8 @@ def work(
     processes: int = 1, bundle: Any = None,
 ) -> None:  # fmt: skip
     """Simulate one batch of the planned runs, except those that are there already."""
-    made = read_plan(folder.plan)
+    plan = read_plan(folder.plan)
     store, manifest = folder.runs(jobs.keep), folder.batch(batch)
-    run_batch(made, batch, batches, jobs, store, manifest, tell, threads, processes)
+    run_batch(plan, batch, batches, jobs, store, manifest, tell, threads, processes)
     if bundle:
         pack(store, bundle)

@@ -35,7 +35,7 @@ class Workflow:
     def __init__(self, campaign: Campaign, results: str | Path = "results"):
         self.campaign, self.name = campaign, campaign.name
         self.folder = Folder(Path(results, campaign.name))
-        self.damaged: dict[str, DamagedError] = {}  # of what `stale` found
+        self.damage: dict[str, DamagedError] = {}  # of what `stale` found
 
     @classmethod
     def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Workflow:
@@ -86,22 +86,22 @@ class Workflow:
 
         Snakemake knows what it made here itself; the files know it wherever they were made.
         """
-        folder, of, found = self.folder, None, {}
-        self._damaged_motions(folder, found)
+        folder, plan, reasons = self.folder, None, {}
+        self._damaged_motions(folder, reasons)
         for stage in stages_of(self.campaign):
-            there = [path for path in self.files_of(stage) if path.exists()]
-            basis = there and stage.basis(stage.sections_of(self.campaign))
-            for path in there:
+            paths = [path for path in self.files_of(stage) if path.exists()]
+            basis = paths and stage.basis(stage.sections_of(self.campaign))
+            for path in paths:
                 try:
                     facts = check(path, path.name)
                 except DamagedError as error:
-                    self.damaged[str(path)] = error
-                    found[str(path)] = str(error)
+                    self.damage[str(path)] = error
+                    reasons[str(path)] = str(error)
                     continue
-                of = of or facts.get("plan")
-                if (facts.get("basis"), facts.get("plan")) != (basis, of):
-                    found[str(path)] = f"{path} was made from something else"
-        return found
+                plan = plan or facts.get("plan")
+                if (facts.get("basis"), facts.get("plan")) != (basis, plan):
+                    reasons[str(path)] = f"{path} was made from something else"
+        return reasons
 
     def files_of(self, stage: Stage) -> list[Path]:
         """The files that a stage leaves here; of batches, those that are there."""
@@ -119,14 +119,14 @@ class Workflow:
         names = STAGES[stage].leaves(self.campaign)
         return [f"{{stage}}/{name}" for name in names if name.endswith(kinds or "")]
 
-    def _damaged_motions(self, folder: Folder, found: dict[str, str]) -> None:
+    def _damaged_motions(self, folder: Folder, reasons: dict[str, str]) -> None:
         """Have the page made again, and with it motions that are damaged."""
         for path in sorted(folder.motions.glob("*.nc")):
             try:
                 check(path, path.name)
             except DamagedError as error:
-                self.damaged[str(path)] = error
-                found[str(folder.report)] = str(error)
+                self.damage[str(path)] = error
+                reasons[str(folder.report)] = str(error)
 
     def results(self) -> list[str]:
         """The files that a campaign leaves for its reader."""
@@ -184,8 +184,8 @@ def _check_memory(campaign: Campaign) -> None:
     """Refuse a program or a structure that was edited since: numbers would be those of before."""
     try:
         check_code(reread=True)
-        held, scene = campaign.experiment.scene_type, campaign.experiment.scene
-        if scene_type(scene.name, scene.file).digest != held.digest:
+        structure, scene = campaign.experiment.scene_type, campaign.experiment.scene
+        if scene_type(scene.name, scene.file).digest != structure.digest:
             raise ChangedError(scene.file or scene.name)
     except SceneError as error:
         raise CampaignError(str(error)) from error
@@ -193,9 +193,9 @@ def _check_memory(campaign: Campaign) -> None:
 
 def _run(campaign: Campaign, results: str | Path, figures: bool, tell: Tell) -> Any:
     workflow = Workflow(campaign, results)
-    folder, stale, changed = workflow.folder, workflow.stale(), False
+    folder, stale, is_remade = workflow.folder, workflow.stale(), False
     drawn = {folder.figures, folder.motions, folder.report}
-    for error in workflow.damaged.values():
+    for error in workflow.damage.values():
         if figures or drawn.isdisjoint([error.path, *error.path.parents]):
             tell(f"{error}; it is made again")
     for stage in stages_of(campaign):
@@ -203,10 +203,10 @@ def _run(campaign: Campaign, results: str | Path, figures: bool, tell: Tell) -> 
         if stage.draws and not figures:
             continue
         if stage.name == "simulate":
-            changed |= _simulate(campaign, folder, tell)
-        elif changed or not all(path.exists() and str(path) not in stale for path in paths):
+            is_remade |= _simulate(campaign, folder, tell)
+        elif is_remade or not all(path.exists() and str(path) not in stale for path in paths):
             _stage(stage, campaign, folder, tell)
-            changed = True
+            is_remade = True
         elif stage.name == "answers":
             tell(unsealed(folder / "summary.md").decode())
         elif stage.name == "page":
@@ -229,7 +229,7 @@ def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
     return check_config(config) if isinstance(config, Mapping) else load_config([config])
 
 
-def _stage(stage: Stage, campaign: Campaign, folder: Folder, tell: Tell, **more: Any) -> None:
+def _stage(stage: Stage, campaign: Campaign, folder: Folder, tell: Tell, **options: Any) -> None:
     if "threads" in stage.options:
-        more["threads"] = os.cpu_count() or 1
-    stage.run(folder, tell, **stage.sections_of(campaign), **more)
+        options["threads"] = os.cpu_count() or 1
+    stage.run(folder, tell, **stage.sections_of(campaign), **options)

@@ -10,9 +10,9 @@ from evidence.attack.metamorphic.written import Structure
 from fpm.structures.statement import ON_SLIDES
 
 TURNING = ["torsion spring", "contact", "damper", "friction", "friction", "stop", "latch",
-           "tape spring", "motor", "torque motor", "release"]  # fmt: skip
-SLIDING = ["spring", "damper", "friction", "stop", "latch", "tape spring", "motor", "torque motor",
-           "release"]  # fmt: skip
+           "tabulated spring", "motor", "torque motor", "release"]  # fmt: skip
+SLIDING = ["spring", "damper", "friction", "stop", "latch", "tabulated spring", "motor",
+           "torque motor", "release"]  # fmt: skip
 
 
 class Acting:
@@ -121,10 +121,15 @@ class Acting:
             return {"moment": moment, "sticks": "exactly"}
         damping = self.number(0.0, 0.1) if self.chance(0.5) else None
         bend = self.number(0.01, 0.05)
-        return {"moment": moment, "bend": bend} | ({} if damping is None else {"damping": damping})
+        return {"moment": moment, "bristle_deflection": bend} | (
+            {} if damping is None else {"damping": damping}
+        )
 
     def _stop(self, joint: str, opening: float) -> dict:
-        ends = {"least": opening - self.number(0.02, 0.3), "most": opening + self.number(0.02, 0.3)}
+        ends = {
+            "lower": opening - self.number(0.02, 0.3),
+            "upper": opening + self.number(0.02, 0.3),
+        }
         if self.chance(0.5):
             del ends[self.rng.choice(list(ends))]
         return ends | {"stiffness": self.number(50.0, 300.0), "damping": self.number(0.0, 0.3)}
@@ -133,15 +138,15 @@ class Acting:
         angle = opening + self.sign() * self.number(0.02, 0.3)
         found = {"angle": angle, "side": self.rng.choice(["below", "above", "either"])}
         if self.chance(0.3):
-            found["tolerance"] = self.number(0.001, 0.015)
+            found["capture_range"] = self.number(0.001, 0.015)
         if self.chance(0.2):
-            found["fastest"] = self.number(0.5, 5.0)
+            found["max_capture_rate"] = self.number(0.5, 5.0)
         if self.chance(0.4):
             found |= {"stiffness": self.number(30.0, 300.0), "damping": self.number(0.0, 0.3)}
             found |= {"holds": self.rng.choice(["both ways", "one way"])}
         return found
 
-    def _tape_spring(self, joint: str, opening: float) -> dict:
+    def _tabulated_spring(self, joint: str, opening: float) -> dict:
         steps = [self.number(0.05, 0.3) for _ in range(self.rng.choice([2, 3, 4]))]
         angles = [opening - 0.4 + sum(steps[:k]) for k in range(len(steps) + 1)]
         size = 0.0 if self.quiet else 4.0

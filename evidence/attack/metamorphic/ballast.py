@@ -54,9 +54,9 @@ BALLAST: Structure = {
             release={"type": "release", **_SOFT, "time": 99.0},
             latch={"type": "latch", **_SOFT, "angle": 40.0},
             damper={"type": "damper", "damping": 1e-3},
-            friction={"type": "friction", "moment": 1e-3, "bend": 1.0},
-            stop={"type": "stop", **_SOFT, "most": 40.0},
-            table={"type": "tape spring", "angles": [0.0, 1.0], "moments": [0.0, 0.0]},
+            friction={"type": "friction", "moment": 1e-3, "bristle_deflection": 1.0},
+            stop={"type": "stop", **_SOFT, "upper": 40.0},
+            table={"type": "tabulated spring", "angles": [0.0, 1.0], "moments": [0.0, 0.0]},
         ),
         **_on("y_j2", exact_motor={"type": "motor", "turn": 1.0, "curve": "y_f"}),
         **_on(

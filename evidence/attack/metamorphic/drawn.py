@@ -203,8 +203,8 @@ class Draw(Acting):
         if not any(GROUND in joint["parts"] for joint in joints.values()):
             motion = {"velocity": self.vector(1.0), "spin": self.vector(2.0)}
             for part in self.parts:
-                self.add("motions", f"v{part}", part=part, about="c0", **motion)
+                self.add("initial_velocities", f"v{part}", part=part, about="c0", **motion)
         elif "j_ball" not in joints and joints[f"j{last[1:]}"]["type"] == "revolute":
             axis = np.array(joints[f"j{last[1:]}"]["axis"])
             spin = (self.number(-3.0, 3.0) * axis / np.linalg.norm(axis)).tolist()
-            self.add("motions", f"v{last}", part=last, about=f"p{last[1:]}", spin=spin)
+            self.add("initial_velocities", f"v{last}", part=last, about=f"p{last[1:]}", spin=spin)

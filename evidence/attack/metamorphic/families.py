@@ -61,7 +61,7 @@ def rescaled(structure: Structure, rng: random.Random) -> Image:
 
 def is_quiet(structure: Structure) -> bool:
     """Whether nothing happens before a curve or a release."""
-    moved = entries(structure, "motions") or "gravity" in structure
+    moved = entries(structure, "initial_velocities") or "gravity" in structure
     curved = all("curve" in load for load in entries(structure, "loads").values())
     slack = all(_is_slack(structure, cable) for cable in entries(structure, "cables").values())
     actions = entries(structure, "actions").values()
@@ -78,7 +78,7 @@ def _is_at_rest(structure: Structure, action: dict) -> bool:
     kind = action["type"]
     if kind in ("torsion spring", "spring"):
         return action.get("rest") in _all_openings(structure)
-    if kind == "tape spring":
+    if kind == "tabulated spring":
         return not any(action.get("moments", action.get("forces")))
     return kind != "torque motor" or "curve" in action
 

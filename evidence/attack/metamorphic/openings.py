@@ -92,7 +92,7 @@ def swapped(structure: Structure, rng: random.Random) -> Image | None:
 
 
 SIDES = {"below": "above", "above": "below", "either": "either"}
-AFFINE = {"rest", "least", "most", "angle", "angles", "start", "hold"}
+AFFINE = {"rest", "lower", "upper", "angle", "angles", "start", "hold"}
 ODD = {"preload", "moments", "turn", "rate", "torque"}
 HINGED = {there: here for here, there in ON_SLIDES.items() if here != "torque"}
 
@@ -134,11 +134,11 @@ def _each(value: Any, change: Callable[[float], float]) -> Any:
 def _turnends_of(action: dict) -> None:
     """What comes first comes last."""
     if action["type"] == "stop":
-        ends = {"least": action.pop("most", None), "most": action.pop("least", None)}
+        ends = {"lower": action.pop("upper", None), "upper": action.pop("lower", None)}
         action |= {key: value for key, value in ends.items() if value is not None}
     if "side" in action:
         action["side"] = SIDES[action["side"]]
-    if action["type"] == "tape spring":
+    if action["type"] == "tabulated spring":
         for value in action.values():
             if isinstance(value, list):
                 value.reverse()

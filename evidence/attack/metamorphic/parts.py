@@ -56,9 +56,11 @@ def split(structure: Structure, rng: random.Random) -> Image | None:
                 if station["part"] == name and station["at"] in moved:
                     station["part"] = other
     if name_of := [
-        key for key, motion in entries(out, "motions").items() if motion["part"] == name
+        key for key, motion in entries(out, "initial_velocities").items() if motion["part"] == name
     ]:
-        out["motions"][f"{name}s"] = out["motions"][name_of[0]] | {"part": other}
+        out["initial_velocities"][f"{name}s"] = out["initial_velocities"][name_of[0]] | {
+            "part": other
+        }
     # The work of damping is counted along the step's way of free bodies, at its end of joined ones.
     return Image(out, is_exact=not apart and "damping" not in out)
 
@@ -115,11 +117,11 @@ INERT: dict[str, dict[str, Any]] = {
     "torsion spring": {"stiffness": 0.0},
     "damper": {"damping": 0.0},
     "friction, exact": {"moment": 0.0, "sticks": "exactly"},
-    "stop": {"most": FAR, "stiffness": 10.0},
+    "stop": {"upper": FAR, "stiffness": 10.0},
     "latch": {"angle": FAR, "stiffness": 10.0},
     "latch, exact": {"angle": FAR},
     "torque motor": {"torque": 0.0},
-    "tape spring": {"angles": [0.0, 1.0], "moments": [0.0, 0.0]},
+    "tabulated spring": {"angles": [0.0, 1.0], "moments": [0.0, 0.0]},
 }
 
 

@@ -34,7 +34,9 @@ def measure_asked(case: Asked, tell: Callable[[str], object] = print) -> dict:
         found = {"case": case.name, "title": case.title, "reference_cpu": cpu}
         found |= {"responses": list(case.config["responses"]), "asked": [], "rivals": []}
         for share in case.shares:
-            change = {"accuracy": {"share": share, "minutes": MINUTES, "runs": RUNS}}
+            change = {
+                "accuracy": {"tolerance": share, "max_core_minutes": MINUTES, "max_runs": RUNS}
+            }
             row = _measure(case, change, reference, Path(folder))
             found["asked"].append({"share": share, **row})
             tell(f"{case.name}: accuracy {share}, {row['cpu']:.3g} s of cpu time")

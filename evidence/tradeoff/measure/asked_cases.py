@@ -29,7 +29,7 @@ class Asked:
 
 def scan(samples: int, mesh: Mapping[str, int] | None = None, model: str = "spline") -> dict:
     """What a scan adds to a config, on a mesh."""
-    found: dict = {"design": {"method": "scan", "samples": samples}, "bounds": {"model": model}}
+    found: dict = {"design": {"method": "sobol", "samples": samples}, "bounds": {"model": model}}
     if mesh:
         found["scene"] = {"parameters": mesh}
     return found

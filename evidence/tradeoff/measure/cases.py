@@ -26,7 +26,8 @@ class Choice:
     @property
     def label(self) -> str:
         """Short name for tables and plots."""
-        text = f"{self.method} {self.samples if self.order is None else self.order}"
+        name = "scan" if self.method == "sobol" else self.method
+        text = f"{name} {self.samples if self.order is None else self.order}"
         return text if self.model == "polynomial" else f"{text}, {self.model}"
 
 
@@ -81,7 +82,7 @@ def _each(method: str, orders, **more) -> tuple[Choice, ...]:
 
 
 def _scans(*samples: int, **more) -> tuple[Choice, ...]:
-    return tuple(Choice("scan", samples=n, **more) for n in samples)
+    return tuple(Choice("sobol", samples=n, **more) for n in samples)
 
 
 def _splines(*choices: Choice) -> tuple[Choice, ...]:

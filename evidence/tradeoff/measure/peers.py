@@ -26,7 +26,7 @@ PEERS = {
     "openturns": ("PEER_OPENTURNS", "pip install openturns numpy"),
     "pyuncertainnumber": ("PEER_PUN", "pip install PyUncertainNumber"),
 }
-FITS = (("one", Choice("tensor_roots", 9)), ("three", Choice("scan", 3, samples=32)))
+FITS = (("one", Choice("tensor_roots", 9)), ("three", Choice("sobol", 3, samples=32)))
 ELEMENTS = 8
 INSTANTS = 41
 _TESTS = 64

@@ -33,7 +33,7 @@ def scan_of(case: Case, samples: int) -> np.ndarray:
         return np.zeros((0, len(case.intervals)))
     if len(case.intervals) == 1:
         return np.linspace(-1.0, 1.0, samples)[:, None]
-    return intervals.make_design("scan", box_of(case), samples=samples).points
+    return intervals.make_design("sobol", box_of(case), samples=samples).points
 
 
 def points_of(case: Case, choices, scan: int) -> np.ndarray:

@@ -139,10 +139,10 @@ class RigidLatch(AnyLatch, Rigid):
 
     hinge: int = on_hinge()
     angle: float = number("rad")
-    tolerance: float = number("rad", 0.0, default=0.0, zero=False)
+    capture_range: float = number("rad", 0.0, default=0.0, zero=False)
     side: str = word(SIDES, default="either")
-    fastest: float = number(
-        "rad/s", above=0.0, finite=False, default=np.inf, words="fastest rate of {title}"
+    max_capture_rate: float = number(
+        "rad/s", above=0.0, finite=False, default=np.inf, words="largest capture rate of {title}"
     )
     name: str = same("")
 

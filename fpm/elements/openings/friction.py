@@ -2,9 +2,9 @@
 
 A bristle of stiffness k between the opening psi and its foot z gives the moment -k (psi - z). It
 bears at most `moment`, M; beyond, its foot slips, so that k |psi - z| = M, and M |dz| is lost.
-Below, the foot stays where it is for ever: nothing creeps. The bristle is bent by `bend` = M/k when
-it begins to slip. While it sticks, a damper c on dpsi/dt brings it to rest; both together never
-exceed M.
+Below, the foot stays where it is for ever: nothing creeps. The bristle is bent by M/k
+(`bristle_deflection`) when it begins to slip. While it sticks, a damper c on dpsi/dt brings it to
+rest; both together never exceed M.
 
 M may go with the force that the joint bears, as of the step before (`load`), or by a table of the
 opening: a curve that is another on the way back is the mean of both, of a spring by a table, beside
@@ -24,19 +24,18 @@ from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge, softnes
 from fpm.elements.openings.table_spring import bends, check_table, table_array
 from fpm.errors import SceneError
 
-BEND = 1e-3
+DEFLECTION = 1e-3
 """Angle (rad) by which a bristle is bent before it slips, if nothing else is said."""
 
-SLIDE_BEND = 1e-4
+SLIDE_DEFLECTION = 1e-4
 """The same (m) of a slide."""
 
 AT_ONCE = 1e-9
 """The same (rad, m) where openings are led slowly: nothing of it is left to see."""
 
 LOCKS = 20.0
-"""By how many times its `bend` a bearing's bristle may be bent on while the moment at which it
-slips grows as much or more: then it never slips, and all the motion is that of the bristle.
-"""
+"""By how many times its `bristle_deflection` a bearing's bristle may be bent on while the moment at
+which it slips grows as much or more: then it never slips, and all the motion is the bristle's."""
 
 DAMPED = 0.3
 """Damping ratio of the bristle with the inertias of the hinge's own two particles, likewise. The
@@ -47,7 +46,7 @@ step of a scene that it limits is 0.57 of the one without.
 def _locked(values: dict[str, float]) -> tuple[str, str]:
     return (
         "a bearing locks itself: its friction presses its joint harder than it is pushed, and was "
-        f"bent by {values['lock']:.3g} times its `bend` without slipping",
+        f"bent by {values['lock']:.3g} times its `bristle_deflection` without slipping",
         "what leads it further breaks it: lead it from an angle below that of friction, or end the "
         "way before; less `mu`; a `load` near the force of the joint, where that is far larger",
     )
@@ -74,9 +73,10 @@ class Friction(OnHinge):
 
     hinge: int = on_hinge()
     moment: float = number("N m", 0.0, text="at which it slips; below, it sticks for ever")
-    bend: float = number(
-        "rad", above=0.0, default=BEND, is_shown=False, text="by how much it gives before it slips"
-    )
+    bristle_deflection: float = number(
+        "rad", above=0.0, default=DEFLECTION, is_shown=False,
+        text="by how much it gives before it slips",
+    )  # fmt: skip
     damping: float | None = damping(
         default=None,
         text="while it sticks; left out: 0.3 of critical for the joint's own two particles",
@@ -95,7 +95,9 @@ class Friction(OnHinge):
     @classmethod
     def led(cls, scene):
         """They slip at once, the way that their joints go; what Scene.bearings has does nothing."""
-        frictions = [replace(friction, bend=AT_ONCE, damping=0.0) for friction in cls.of(scene)]
+        frictions = [
+            replace(friction, bristle_deflection=AT_ONCE, damping=0.0) for friction in cls.of(scene)
+        ]
         return [f if f.load is None else replace(f, moment=0.0, load=None) for f in frictions]
 
     def add_to(self, scene):
@@ -127,8 +129,8 @@ class Friction(OnHinge):
 
     @property
     def stiffness(self) -> float:
-        """k = M / bend (N m/rad)."""
-        return self.moment / self.bend
+        """k = M / bristle_deflection (N m/rad)."""
+        return self.moment / self.bristle_deflection
 
     def damping_in(self, scene) -> float:
         """c (N m s/rad)."""
@@ -143,8 +145,8 @@ class Friction(OnHinge):
         tables are those of the bend."""
 
         def bristles(scene):
-            return [[f.stiffness, f.bend * (f.shares or (float(f.load is None),))[0],
-                     f.damping_in(scene), 0.0 if f.load is None else 1.0 / f.bend]
+            return [[f.stiffness, f.bristle_deflection * (f.shares or (float(f.load is None),))[0],
+                     f.damping_in(scene), 0.0 if f.load is None else 1.0 / f.bristle_deflection]
                     for f in cls.of(scene)]  # fmt: skip
 
         if name == "bearing":
@@ -152,7 +154,9 @@ class Friction(OnHinge):
         if name in ("start", "points"):
             if not any(f.angles for f in cls.of(batch.scene)):
                 return None
-            return table_array(name, batch, cls, lambda f: f.bend * bends(f.angles, f.shares))
+            return table_array(
+                name, batch, cls, lambda f: f.bristle_deflection * bends(f.angles, f.shares)
+            )
         if name == "numbers":
             return batch.stack(len(cls.of(batch.scene)), 4, bristles)
         array = super().array(name, batch)
@@ -160,7 +164,7 @@ class Friction(OnHinge):
             array[:, cls.kernels().FOOT] = start_angles(batch, cls)
             kernels = cls.kernels()
             array[:, [kernels.MOST, kernels.MOST_BEFORE, kernels.FORCE_BEND]] = batch.table(
-                cls, 1, lambda f: [0.0 if f.load is None else f.bend]
+                cls, 1, lambda f: [0.0 if f.load is None else f.bristle_deflection]
             )
         return array
 
@@ -187,5 +191,7 @@ def _bearing_force(batch, kind):
                 first[i], count[i] = (
                     x[place[name]] for x in (part.pattern.first, part.pattern.count)
                 )
-    share = batch.table(kind, 1, lambda f: [0.0 if f.load is None else f.bend / f.load])
+    share = batch.table(
+        kind, 1, lambda f: [0.0 if f.load is None else f.bristle_deflection / f.load]
+    )
     return JointForce(share, lone, first, count, hinges, rows, impulses)

@@ -1,9 +1,9 @@
 """Latches on hinges: they catch at an opening, and hold from then on by a spring and a damper.
 
-A latch catches when the opening comes within `tolerance` of its `angle` from the `side` it looks
-to, if it turns no faster than `fastest` then; if it is faster, as soon as it has become slower
-while still within the tolerance; and if it leaves there too fast, the latch has missed. It holds at
-the opening psi_c at which it caught, so that nothing jumps: before, there is no moment; afterwards
+A latch catches when the opening comes within `capture_range` of its `angle` from the `side` it
+looks to, if it turns no faster than `max_capture_rate` then; if it is faster, as soon as it has
+become slower while still within that range; and if it leaves there too fast, the latch has missed.
+It holds at the opening psi_c at which it caught, so that nothing jumps: no moment before; then
 
     -k (psi - psi_c) - c dpsi/dt                  both ways, or
     k s + max(c ds/dt, -k s),  s = psi_c - psi    `one_sided`: only against going back, where s > 0
@@ -77,12 +77,12 @@ class Latch(AnyLatch):
     angle: float = number("rad", text="opening at which it catches")
     stiffness: float = stiffness(text="with which it holds")
     damping: float = damping(default=0.0, text="with which it holds")
-    tolerance: float = number(
+    capture_range: float = number(
         "rad", 0.0, default=0.0, zero=False, text="how far from `angle` it catches as well"
     )
     side: str = word(SIDES, default="either", text="from where the opening comes when it is caught")
-    fastest: float = number(
-        "rad/s", above=0.0, finite=False, default=np.inf, words="fastest rate of {title}",
+    max_capture_rate: float = number(
+        "rad/s", above=0.0, finite=False, default=np.inf, words="largest capture rate of {title}",
         text="rate above which it does not catch",
     )  # fmt: skip
     one_sided: bool = word({False: 1.0, True: -1.0}, default=False)

@@ -14,8 +14,8 @@ from fpm.kernels.world import Log
 
 # Constants of a latch; APPROACH is the sign of the rate with which it can be caught, 0 for both;
 # ONE_SIDED is -1 where it is, and 1 elsewhere.
-NUMBERS = "angle", "tolerance", "side", "fastest", "stiffness", "damping", "one_sided"
-ANGLE, TOLERANCE, APPROACH, FASTEST, STIFFNESS, DAMPING, ONE_SIDED = range(7)
+NUMBERS = "angle", "capture_range", "side", "max_capture_rate", "stiffness", "damping", "one_sided"
+ANGLE, CAPTURE_RANGE, APPROACH, MAX_RATE, STIFFNESS, DAMPING, ONE_SIDED = range(7)
 
 # State of a latch.
 IS_CAUGHT = 0  # 1 once it has
@@ -30,7 +30,7 @@ STATE = 8
 TRACK = 3  # recorded: moment, impulse, rate when it caught
 
 ANGLE_TOL = 1e-6
-"""Openings (rad) beyond the tolerance that are looked at one by one; only to save time."""
+"""Openings (rad) beyond the reach that are looked at one by one; only to save time."""
 
 
 class Latches(NamedTuple):
@@ -63,7 +63,7 @@ def watch(part, i, h, timing):
 def reach_of(part, i, start, end):
     """Below zero where latch i must be looked at on the way from an opening to another (rad)."""
     distance = absolute(0.5 * (end + start) - load(part.numbers, i, ANGLE))
-    return distance - 0.5 * absolute(end - start) - load(part.numbers, i, TOLERANCE) - ANGLE_TOL
+    return distance - 0.5 * absolute(end - start) - load(part.numbers, i, CAPTURE_RANGE) - ANGLE_TOL
 
 
 @kernel
@@ -72,30 +72,30 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
 
     psi_start, psi_end: the opening at its start and end (rad); last_rate: in the step before;
     end: of the step (s). The way is taken as straight; what is called first and last counts from
-    the edge of the tolerance that is met first.
+    the edge of the reach that is met first.
     """
-    angle, tolerance = part.numbers[i, ANGLE, s], part.numbers[i, TOLERANCE, s]
+    angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     change = psi_end - psi_start
     if part.numbers[i, APPROACH, s] * change < 0.0:
         return
     sign = -1.0 if change < 0.0 else 1.0
-    first, last = sign * (psi_start - angle) + tolerance, sign * (psi_end - angle) + tolerance
+    first, last = sign * (psi_start - angle) + reach, sign * (psi_end - angle) + reach
     is_entered = first < 0.0 and last >= 0.0
-    if not (is_entered or (tolerance > 0.0 and 0.0 <= first <= 2.0 * tolerance)):
+    if not (is_entered or (reach > 0.0 and 0.0 <= first <= 2.0 * reach)):
         return
     share = -first / (last - first) if is_entered else 1.0
     half = change / step
     rate = half + (share - 0.5) * (half - last_rate)
-    if abs(rate) <= part.numbers[i, FASTEST, s]:
-        place = 0.0 if is_entered else min(last, 2.0 * tolerance)
+    if abs(rate) <= part.numbers[i, MAX_RATE, s]:
+        place = 0.0 if is_entered else min(last, 2.0 * reach)
         part.state[i, IS_CAUGHT, s] = 1.0
-        part.state[i, HOLD_ANGLE, s] = angle + sign * (place - tolerance)
+        part.state[i, HOLD_ANGLE, s] = angle + sign * (place - reach)
         part.state[i, SIGN, s] = sign
         part.state[i, NEWS, s] = 1.0
         part.state[i, CATCH_TIME, s] = end - (1.0 - share) * step
         part.state[i, RATE_THERE, s] = rate
-    elif last > 2.0 * tolerance or tolerance == 0.0:
-        fraction = (2.0 * tolerance - first) / (last - first)
+    elif last > 2.0 * reach or reach == 0.0:
+        fraction = (2.0 * reach - first) / (last - first)
         part.state[i, NEWS, s] = 2.0
         part.state[i, CATCH_TIME, s] = end - (1.0 - fraction) * step
 

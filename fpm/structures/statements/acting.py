@@ -21,7 +21,7 @@ from fpm.elements import (
     TorqueMotor,
     TorsionSpring,
 )
-from fpm.elements.openings.friction import BEND, SLIDE_BEND
+from fpm.elements.openings.friction import DEFLECTION, SLIDE_DEFLECTION
 from fpm.elements.openings.opening import unit_of
 from fpm.structures.keys import Choice, ListOf, Number, Opening, Reference
 from fpm.structures.statement import CLASS, JOINT, SLIDE, acting, element, key_of, statement, whole
@@ -88,25 +88,27 @@ whole(Damper)
 
 @acting(
     Friction,
-    left_out={"bend": f"{BEND:g} rad, {1e3 * SLIDE_BEND:g} mm"},
-    sticks=Choice("by its bend", "`exactly`: without any bend",
-                  options=("by its bend", "exactly")),
+    left_out={"bristle_deflection": f"{DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm"},
+    sticks=Choice("bristle", "`exactly`: without any deflection", options=("bristle", "exactly")),
 )  # fmt: skip
 def friction(build, args):
     """Dry (Coulomb) friction in a joint."""
     slides = build.scene.hinges[args.joint].slides
     if args.sticks == "exactly":
-        if args.bend is not None or args.damping is not None:
-            build.refuse("sticks", args.sticks, "by its bend, or neither `bend` nor `damping`")
+        if args.bristle_deflection is not None or args.damping is not None:
+            build.refuse(
+                "sticks", args.sticks, "bristle, or neither `bristle_deflection` nor `damping`"
+            )
         if slides:
-            build.refuse("sticks", args.sticks, "by its bend, on a slide")
+            build.refuse("sticks", args.sticks, "bristle, on a slide")
         build.scene.add(element(RigidFriction, args))
         return
-    build.scene.add(element(Friction, args, bend=args.bend or _bend(build.scene, args.joint)))
+    deflection = args.bristle_deflection or _deflection(build.scene, args.joint)
+    build.scene.add(element(Friction, args, bristle_deflection=deflection))
 
 
-def _bend(scene, hinge: int) -> float:
-    return SLIDE_BEND if scene.hinges[hinge].slides else BEND
+def _deflection(scene, hinge: int) -> float:
+    return SLIDE_DEFLECTION if scene.hinges[hinge].slides else DEFLECTION
 
 
 @statement(
@@ -116,10 +118,13 @@ def _bend(scene, hinge: int) -> float:
     mu=Number(text="coefficient of friction", least=0),
     radius=Number(None, "at which it rubs; of hinges only", unit="m", above=0),
     load=Number(
-        None, "force that the joint bears as a rule, at which it gives by `bend` before it slips; "
-        "left out: it counts in margins only, and a motion has none of it", unit="N", above=0,
+        None, "force that the joint bears as a rule, at which it gives by `bristle_deflection` "
+        "before it slips; left out: it counts in margins only, and a motion has none of it",
+        unit="N", above=0,
     ),
-    bend=key_of(Friction, "bend", default=None, text="left out: as that of friction"),
+    bristle_deflection=key_of(
+        Friction, "bristle_deflection", default=None, text="left out: as that of friction"
+    ),
 )  # fmt: skip
 def bearing(build, args):
     """Friction by the force that a joint itself bears."""
@@ -136,24 +141,24 @@ def bearing(build, args):
     if args.load is None:
         scene.bearings[args.joint] += lever
         return
-    bend = args.bend or _bend(scene, args.joint)
-    scene.add(Friction(args.joint, lever * args.load, bend, load=args.load))
+    deflection = args.bristle_deflection or _deflection(scene, args.joint)
+    scene.add(Friction(args.joint, lever * args.load, deflection, load=args.load))
 
 
 @acting(
     Stop,
     excluded=("angle", "side"),
-    least=Number(None, "opening below which it acts; this, `most`, or both", unit="rad"),
-    most=Number(None, "opening above which it acts", unit="rad"),
+    lower=Number(None, "opening below which it acts; this, `upper`, or both", unit="rad"),
+    upper=Number(None, "opening above which it acts", unit="rad"),
 )
 def stop(build, args):
     """Keeps the opening of a joint from going further; never pulls."""
-    if args.least is None and args.most is None:
-        build.refuse("least", None, "`least`, `most`, or both")
-    if args.least is not None and args.most is not None and args.least >= args.most:
+    if args.lower is None and args.upper is None:
+        build.refuse("lower", None, "`lower`, `upper`, or both")
+    if args.lower is not None and args.upper is not None and args.lower >= args.upper:
         unit = unit_of(build.scene, args.joint, "rad")
-        build.refuse("least", args.least, f"an opening below `most`, {args.most:g} {unit}")
-    for angle, side in ((args.least, "below"), (args.most, "above")):
+        build.refuse("lower", args.lower, f"an opening below `upper`, {args.upper:g} {unit}")
+    for angle, side in ((args.lower, "below"), (args.upper, "above")):
         if angle is not None:
             build.scene.add(element(Stop, args, angle=angle, side=side))
 
@@ -179,20 +184,20 @@ MOMENTS = ListOf(
 
 @statement(
     "actions",
-    "tape spring",
+    "tabulated spring",
     joint=JOINT,
     angles=ListOf(kind=Number(unit="rad"), least=2, text="openings, increasing"),
     moments=MOMENTS,
     back=replace(
         MOMENTS, default=None, text="on the way back, none below `moments`; left out: the same"
     ),
-    bend=key_of(
-        Friction, "bend", default=None,
+    bristle_deflection=key_of(
+        Friction, "bristle_deflection", default=None,
         text="half of the way from one branch to the other; left out: as that of friction",
     ),
     **CLASS,
 )  # fmt: skip
-def tape_spring(build, args):
+def tabulated_spring(build, args):
     """Moves a joint by a moment, or force, that a table gives: a tape spring, a harness.
 
     With `back` the mean of both is the spring's, and what depends on the sense is hysteresis.
@@ -205,8 +210,8 @@ def tape_spring(build, args):
     if args.back is not None:
         most = float((unloading - loading).max() / 2)
         shares = tuple((unloading - loading) / 2 / (most or 1.0))
-        bend = args.bend or _bend(scene, args.joint)
-        drag = Friction(args.joint, most, bend, angles=tuple(args.angles), shares=shares)
+        deflection = args.bristle_deflection or _deflection(scene, args.joint)
+        drag = Friction(args.joint, most, deflection, angles=tuple(args.angles), shares=shares)
         scene.classes[Friction, scene.add(drag)] = "HY"
 
 

@@ -91,7 +91,7 @@ def drive(build, args):
 
 
 @statement(
-    "motions",
+    "initial_velocities",
     part=PART,
     velocity=Vector(ZERO, unit="m/s", text="of the point `about`"),
     spin=Vector(ZERO, unit="rad/s", text="angular velocity"),

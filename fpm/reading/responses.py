@@ -18,7 +18,7 @@ from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import Column, Curves
 from fpm.reading import bars, margins
-from fpm.reading.margins import Along
+from fpm.reading.margins import Abscissa
 from fpm.reading.variables import VARIABLES, Variable
 from fpm.scenes.scene import Scene
 
@@ -45,7 +45,7 @@ class Response:
     unit: str
     long_name: str
     columns: tuple[Column, ...] = ()
-    along: Along | None = None
+    along: Abscissa | None = None
     factors: tuple = ()
 
     @property

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fpm.assembly.conditions import Places, conditions_of, dependence
+from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence
 from fpm.scenes.effort import machine, run_seconds
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
@@ -91,7 +91,7 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
         block[:3, :3], block[3:, 3:] = np.eye(3), np.eye(3) / size
         block[:3, 3:] = -np.cross(np.eye(3), arm) / size
     motion = motion.reshape(6 * count, 6 * len(moving))
-    slopes = rules.jacobian(Places(scene.position, scene.frame))
+    slopes = rules.jacobian(ParticlePoses(scene.position, scene.frame))
     joints = size * rules.weight(size)[:, None] * (slopes @ motion)
     fixed = np.argwhere(scene.fixed & ~is_fixed[:, None])
     dofs = fixed @ (6, 1)

@@ -100,7 +100,7 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
     Of a particle that is held: what all other forces, and those of joints, lack to its own change
     of momentum, along and about the axes that are held. Several supports on one particle are one.
     What is held altogether and is neither on a bar nor a body with a name is the ground: it has no
-    weight (`Kind.weight`).
+    weight (`ElementType.weight`).
     """
     scene, support = run.scene, reactions_of(run.scene)[name]
     particle = support.beam.particle

@@ -16,7 +16,7 @@ CLASSES = {
     "FR": "friction", "HY": "hysteresis", "HA": "harness and others", "HD": "adhesion",
     "TD": "inertia against a stated acceleration", "TL": "loads and what is to be delivered",
 }  # fmt: skip
-"""Classes of what acts (fpm.elements.kind.Kind.resists_as, Scene.classes), as of ECSS."""
+"""Classes of what acts (fpm.elements.kind.ElementType.resists_as, Scene.classes), as of ECSS."""
 
 
 class Standard(NamedTuple):

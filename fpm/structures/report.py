@@ -25,7 +25,7 @@ class Mobility(NamedTuple):
     degrees: int
 
 
-class Cost(NamedTuple):
+class RunCost(NamedTuple):
     """step (s) with its limiting element, number of steps, and of steps times elements; seconds of
     a core of this machine for one of eight runs side by side, without what is recorded."""
 
@@ -135,9 +135,9 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
     return sorted(changes, key=lambda change: -change[2])[:3]
 
 
-def cost(scene: Scene, duration: float, safety: float = 0.9) -> Cost:
+def cost(scene: Scene, duration: float, safety: float = 0.9) -> RunCost:
     """What a run over `duration` (s) takes, at `safety` times the stable step."""
     limit = stable_step(scene)
     steps = max(1, math.ceil(duration / (safety * limit.step))) if limit.step < np.inf else 1
     seconds = machine() * run_seconds(scene, steps, 0)
-    return Cost(limit.step, limit.element, steps, steps * len(scene.elements), seconds)
+    return RunCost(limit.step, limit.element, steps, steps * len(scene.elements), seconds)

@@ -10,7 +10,7 @@ from fpm.assembly.conditions import ParticlePoses
 from fpm.elements import (
     Beams,
     Cable,
-    Kind,
+    ElementType,
     Load,
     TableSpring,
     TorqueMotor,
@@ -23,11 +23,11 @@ STRAIN = "strain of bars"
 """The component that is no element: the elastic strain of bars."""
 
 DRAGS = ("FR", "HY")
-"""Classes of what only resists (Kind.resists_as)."""
+"""Classes of what only resists (ElementType.resists_as)."""
 
 
 def parts_of(scene) -> dict[str, str]:
-    """The parts of the virtual work in a scene, with their classes (Kind.resists_as)."""
+    """The parts of the virtual work in a scene, with their classes (ElementType.resists_as)."""
     classes = {part.name: part.resists_as for part in components_of(scene)}
     classes = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings} | classes
     return classes | ({STRAIN: "S"} if scene.beams else {})
@@ -67,13 +67,13 @@ class Component(NamedTuple):
     the element, less that of a `baseline`. drags: whether it can only resist, as friction."""
 
     name: str
-    elements: tuple[Kind, ...]
+    elements: tuple[ElementType, ...]
     resists_as: str
     drags: bool
-    baseline: Kind | None = None
+    baseline: ElementType | None = None
 
     @property
-    def balanced(self) -> Kind:
+    def balanced(self) -> ElementType:
         """The element that represents the component in the balance."""
         return self.elements[-1]
 
@@ -131,7 +131,7 @@ def components_of(scene) -> list[Component]:
     return components
 
 
-def _load_cases_of(scene, element: Kind) -> tuple[Kind, ...]:
+def _load_cases_of(scene, element: ElementType) -> tuple[ElementType, ...]:
     """An element; of one that a curve of time scales those with its least and largest value from
     the start on, the stronger one last."""
     if not isinstance(element, Load | TorqueMotor) or element.curve < 0:
